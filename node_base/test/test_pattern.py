@@ -11,7 +11,7 @@ LCI_90 = r"(?P<covered>RD,(?P<tension>[^,]{8}),(?P<speed>[^,]{8}),(?P<payout>[^,
 
 
 def rd(tension: str, speed: str, payout: str) -> bytes:
-    """Return a line as section 6.6.4 of the LCI-90's manual has it: its checksum is the sum of all characters before."""
+    """Return a line as section 6.6.4 of the LCI-90's manual has it: the checksum is the sum of what is before it."""
     covered = f"RD,{tension},{speed},{payout},"
     return f"{covered}{sum(covered.encode()):04d}\r\n".encode()
 

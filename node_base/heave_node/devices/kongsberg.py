@@ -64,7 +64,7 @@ class KmBinaryDecoder:
         """See Decoder."""
         self.counters.bytes += len(data)
         self._rest += data
-        samples = []
+        samples: list[Sample] = []
         while (start := self._rest.find(b"#KMB")) >= 0:
             self._rest = self._rest[start:]
             if len(self._rest) < _KMB_HEAD.size:
@@ -170,4 +170,4 @@ def _is_frame(frame: bytes) -> bool:
     if not _is_start(frame[:2]):
         return False
     in_range = max(abs(roll), abs(pitch)) <= _MOST_ANGLE and abs(heave) <= _MOST_HEAVE and heading <= _MOST_HEADING
-    return in_range or status >= 0x9A
+    return bool(in_range or status >= 0x9A)

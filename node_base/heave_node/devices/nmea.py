@@ -24,7 +24,7 @@ class NmeaDecoder:
 
     def __init__(self, *, needs_checksum: bool = True) -> None:
         self.counters = Counters()
-        self._needs_checksum = needs_checksum
+        self.needs_checksum = needs_checksum
         self._lines = LineSplitter(self.counters)
         self._quality = Quality()
 
@@ -35,7 +35,7 @@ class NmeaDecoder:
     def end(self) -> list[Sample]:
         """See Decoder."""
         line = self._lines.end()
-        if line and "*" not in line[-3:] and self._needs_checksum:
+        if line and "*" not in line[-3:] and self.needs_checksum:
             self.counters.half_lines += 1
             return []
         sample = self._read(line) if line else None
@@ -71,7 +71,7 @@ class NmeaDecoder:
     def _is_whole(self, sentence: str, name: str) -> bool:
         """Return whether the checksum of a sentence fits, or is not needed."""
         has_checksum = "*" in sentence
-        if not has_checksum and (name in WITHOUT_CHECKSUM or not self._needs_checksum):
+        if not has_checksum and (name in WITHOUT_CHECKSUM or not self.needs_checksum):
             return True
         try:
             pynmea2.parse(sentence, check=True)

@@ -5,8 +5,9 @@ Sources of fields, units and signs:
 - PSXN: Kongsberg Seatex, Seapath 200 Installation Manual rev. 13, and Seapath 320 M300-62 rev. 2: roll positive port
   side up, pitch positive bow up, heave and vertical velocity positive down; quality 0 normal, 1 reduced, 2 invalid.
 - PASHR: Applanix POS MV V5 PUBS-MAN-004291 table 20, NovAtel OEM7 log 1177, SBG Systems sbgECom NMEA: roll positive
-  port side up, pitch positive bow up. The sign of heave is not the same everywhere: SBG says positive down, its variant for
-  WASSP positive up, the others say nothing. So heave is given as it is sent, and a map must say which way is positive.
+  port side up, pitch positive bow up. The sign of heave is not the same everywhere: SBG says positive down, its variant
+  for WASSP positive up, the others say nothing. So heave is given as it is sent, and a map must say which way is
+  positive.
 - PHOCT: iXblue OCTANS "TAH", as SBG Systems documents it in sbgECom NMEA (08): roll positive port side up, pitch
   positive bow down, heave and heave speed positive up; status T valid, E invalid, I initialising.
 - PNORSUB, PNORSUB2: Norwegian Subsea MRU, API documentation "NORSUB" and "NORSUB2": z down, so heave and heave velocity
@@ -59,7 +60,7 @@ def _psxn(fields: Fields, quality: Quality) -> Sample | None:
     kind = f"PSXN{int(fields[0])}"
     if kind == "PSXN20":
         heights, turns = int(fields[2]), int(fields[4])
-        names = ("heave", "heave_rate") if heights >= 2 else ()
+        names: tuple[str, ...] = ("heave", "heave_rate") if heights >= 2 else ()
         names += ("roll", "pitch", "roll_rate", "pitch_rate") if turns >= 2 else ()
         quality.invalid = frozenset(names)
         return Sample(kind, {"height_quality": float(heights), "attitude_quality": float(turns)})

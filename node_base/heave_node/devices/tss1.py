@@ -3,8 +3,8 @@
 `:XXAAAASMHHHHQMRRRRSMPPPP`: horizontal acceleration XX (unsigned hexadecimal, 3.83 cm/s^2), vertical acceleration AAAA
 (hexadecimal in two's complement, 0.0625 cm/s^2), heave HHHH (1 cm), status Q, roll and pitch (0.01 degree); S a space,
 M a space or a minus sign. Vertical acceleration and heave positive up, roll positive port side up, pitch positive bow
-up; a capital Q, or a space (TSS 335B), is settled, a small letter settling. Sources: Norwegian Subsea, API documentation
-"TSS1"; NovAtel OEM7 log 1456; Kongsberg Seapath 320 M300-62 rev. 2, A.12.
+up; a capital Q, or a space (TSS 335B), is settled, a small letter settling. Sources: Norwegian Subsea, API
+documentation "TSS1"; NovAtel OEM7 log 1456; Kongsberg Seapath 320 M300-62 rev. 2, A.12.
 """
 
 from __future__ import annotations

@@ -1,0 +1,144 @@
+"""A device behind its map: what came in, readings of the suite out. Without ROS and without a clock of its own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+from heave_node.devices.device_map import DeviceMap
+from heave_node.devices.device_time import DeviceTime
+from heave_node.devices.link_watch import LinkWatch
+from heave_node.devices.mru_maker import MruMaker
+from heave_node.devices.recent_motion import RecentMotion
+from heave_node.devices.sample import Sample
+from heave_node.devices.taker import Taken, Taker
+from heave_node.interface import sensors
+from heave_node.interface.sensors import WireReading
+
+NO_STAMP = 0
+"""Stamp of a reading whose time of arrival counts."""
+WINCH_STATE = "winch/state"
+_PLAIN = {sensors.DEPTH.topic.name: "pressure", sensors.LOAD_CELL.topic.name: "tension"}
+"""Topics with one number, and the quantity that it is."""
+
+
+class WinchReading(NamedTuple):
+    """What a drive says of itself; NaN where it does not.
+
+    Attributes
+    ----------
+    stamp : [ns]; 0: the time of arrival counts
+    payout, payout_rate : [m], [m/s]
+    tension : [N]
+    brake, fault : other than 0: engaged, tripped
+    """
+
+    stamp: int
+    payout: float
+    payout_rate: float
+    tension: float
+    brake: float
+    fault: float
+
+
+class Adapter:
+    """One device: samples or messages in, readings out.
+
+    Parameters
+    ----------
+    device : the map
+
+    Attributes
+    ----------
+    taker, watch : what was not used, and the timing of what came
+    heave : the boom tip's motion, for the simulated plant
+    newest : quantities as they came last
+    published : readings so far, by topic
+    """
+
+    def __init__(self, device: DeviceMap) -> None:
+        self.device = device
+        self.taker = Taker(device)
+        self.watch = LinkWatch(device.timeout)
+        self.heave = RecentMotion()
+        self.newest: dict[str, float] = {}
+        self.published = dict.fromkeys(device.outputs, 0)
+        self._mru = MruMaker(device)
+        self._time = DeviceTime()
+        self._payout = RecentMotion()
+        self._beside: dict[str, float] = {}
+
+    def on_samples(self, samples: Iterable[Sample], now: float) -> list[tuple[str, WireReading | WinchReading]]:
+        """Return the readings, each with its topic, that `samples` which arrived at `now` [s] make."""
+        made = []
+        for sample in samples:
+            own = self._time.nanoseconds(sample)
+            made += self._made(self.taker.of_sample(sample), own, now)
+        return made
+
+    def on_message(
+        self, topic: str, message: Any, stamp: int | None, now: float
+    ) -> list[tuple[str, WireReading | WinchReading]]:
+        """Return the readings, each with its topic, that a message makes.
+
+        Parameters
+        ----------
+        topic : on which it came
+        message : any object with the fields of the map
+        stamp : of its header [ns]; None: it has none
+        now : monotonic time of its arrival [s]
+        """
+        return self._made(self.taker.of_message(topic, message), stamp, now)
+
+    def _made(self, taken: Taken, own: int | None, now: float) -> list[tuple[str, WireReading | WinchReading]]:
+        if not taken.values and not taken.invalid:
+            return []
+        self.newest.update(taken.values)
+        for name in taken.invalid:
+            self.newest.pop(name, None)
+        # without a stamp for a sample among stamped ones the time of arrival counts
+        stamp = own if self.device.clock == "own" and own is not None else NO_STAMP
+        time = stamp * 1e-9 if stamp else now
+        made: list[tuple[str, WireReading | WinchReading]] = []
+        for topic in self.device.outputs:
+            reading = self._reading(topic, taken, stamp, time)
+            if reading is not None:
+                made.append((topic, reading))
+                self.published[topic] += 1
+        if made:
+            self.watch.arrived(now)
+        return made
+
+    def _reading(self, topic: str, taken: Taken, stamp: int, time: float) -> WireReading | WinchReading | None:
+        if topic == sensors.MRU.topic.name:
+            sample = self._mru.take(time, taken)
+            if sample is None:
+                return None
+            if math.isfinite(sample.heave):
+                self.heave.add(time, sample.heave)
+            return WireReading(stamp, sensors.MRU.encode(sample, sensors.STANDARD_WATER))
+        if topic == WINCH_STATE:
+            return self._winch(taken, stamp, time)
+        name = _PLAIN[topic]
+        if name not in taken.values:
+            return None
+        sigma = self.device.channels[name].sigma
+        accuracy = sigma * sigma if topic == sensors.DEPTH.topic.name else sigma
+        return WireReading(stamp, (taken.values[name], accuracy if math.isfinite(accuracy) else 0.0))
+
+    def _winch(self, taken: Taken, stamp: int, time: float) -> WinchReading | None:
+        for name in ("payout_rate", "tension", "brake", "fault"):
+            self._beside |= {name: taken.values[name]} if name in taken.values else {}
+            if name in taken.invalid:
+                self._beside.pop(name, None)
+        if "payout" not in taken.values:
+            return None
+        payout = taken.values["payout"]
+        self._payout.add(time, payout)
+        rate = self._beside.get("payout_rate", math.nan)
+        if "payout_rate" not in self.device.channels:
+            recent = self._payout.at(time)
+            rate = math.nan if recent is None else recent[1]
+        beside = (self._beside.get(name, math.nan) for name in ("tension", "brake", "fault"))
+        return WinchReading(stamp, payout, rate, *beside)

@@ -1,0 +1,216 @@
+"""A map file: what a device says, where, in which unit and sign; for a live device and for its records alike.
+
+At its top level each quantity has its channel; the other entries say how the device is reached, how its lines are read,
+where the boom tip is from the sensor, and what is sent to a winch. What only a live device needs, a record ignores, and
+the other way round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from heave_node.devices.channel import Channel, MapError, as_kind, read_channel, refuse_unknown
+from heave_node.devices.command_map import CommandMap, Link, read_command, read_link
+from heave_node.devices.field_path import FieldPath
+from heave_node.devices.formats import FORMATS, LINE
+from heave_node.devices.nmea import NmeaDecoder
+from heave_node.devices.nmea_sentences import UNSIGNED
+from heave_node.devices.pattern import PatternDecoder
+from heave_node.devices.quantities import NED_WAYS, QUANTITIES, outputs_of
+from heave_node.devices.sample import Decoder
+from heave_node.files.bounded_yaml import parse_yaml
+from heave_node.files.given_files import read_given
+
+CLOCKS = ("receipt", "own")
+FRAMES = ("ENU", "NED")
+LONGEST_ARM = 300.0
+"""No boom tip is further from its sensor [m]."""
+
+
+@dataclass(frozen=True)
+class RecordForm:
+    """What a record needs besides: see `heave_bags.play.sea_mapping.SeaMapping`.
+
+    Attributes
+    ----------
+    time_column, time_scale, date_order : of a log in columns
+    rate : samples per second of the result
+    sample_rate : of sentences without any time [Hz]; 0: they have one
+    """
+
+    time_column: str | Sequence[str] = ""
+    time_scale: float = 1.0
+    date_order: str = ""
+    rate: float = 20.0
+    sample_rate: float = 0.0
+
+
+@dataclass(frozen=True)
+class DeviceMap:
+    """A map.
+
+    Attributes
+    ----------
+    name : of the file, without its ending
+    channels : by quantity
+    lever_arm : boom tip from the sensor, x forward, y to port, z up [m]
+    link : how the device is reached; None: by the topics of its channels, or not live
+    format, pattern, checksum, needs_checksum : how its lines are read: see `formats`, `pattern`, `nmea`
+    clock : "receipt", or "own": the device's own time is the stamp
+    timeout : silence after which the device is stale [s]
+    boom_tip : the map's MRU also moves the simulated boom tip
+    boom_tip_height : of the boom tip at rest above still water [m]
+    command : what is sent to a winch; None: nothing
+    record : what a record needs besides
+    """
+
+    name: str
+    channels: Mapping[str, Channel]
+    lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    link: Link | None = None
+    format: str = ""
+    pattern: str = ""
+    checksum: str = ""
+    needs_checksum: bool = True
+    clock: str = "receipt"
+    timeout: float = 1.0
+    boom_tip: bool = True
+    boom_tip_height: float = 0.0
+    command: CommandMap | None = None
+    record: RecordForm = field(default_factory=RecordForm)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Topics of the suite that it publishes."""
+        return outputs_of(self.channels)
+
+    @property
+    def topics(self) -> dict[str, str]:
+        """Topics that it subscribes to, each with its type."""
+        return {channel.topic: channel.type for channel in self.channels.values() if channel.topic}
+
+    def decoder(self) -> Decoder:
+        """Return a new decoder of its format."""
+        if self.format == LINE:
+            return PatternDecoder(self.pattern, self.checksum)
+        if self.format == "nmea":
+            return NmeaDecoder(needs_checksum=self.needs_checksum)
+        return FORMATS[self.format].make()
+
+
+def read_device_map(path: Path) -> DeviceMap:
+    """Read the map file at `path` (YAML). Raises MapError, in one line, with the file and the entry that is wrong."""
+    try:
+        return device_map_of(path.stem, parse_yaml(read_given(path), only_true_and_false=True))
+    except MapError as error:
+        raise MapError(f"{path}: {error}") from None
+    except (OSError, ValueError) as error:
+        raise MapError(f"{path}: cannot be read as a mapping: {' '.join(str(error).split())}") from error
+
+
+def device_map_of(name: str, content: Any) -> DeviceMap:
+    """Return the map called `name` with the `content` of a file. Raises MapError for what cannot be."""
+    if not isinstance(content, dict):
+        raise MapError("a mapping must name heave and where it is found")
+    own = [known.name for known in fields(DeviceMap) if known.name not in ("name", "channels", "link", "record")]
+    of_record = [known.name for known in fields(RecordForm)]
+    refuse_unknown("", content, [*QUANTITIES, "source", "frame", *own, *of_record])
+    frame = content.get("frame", "ENU")
+    if frame not in FRAMES:
+        raise MapError(f"frame = {frame!r} must be one of {', '.join(FRAMES)}")
+    channels = {
+        quantity: read_channel(quantity, entry, NED_WAYS.get(quantity, "") if frame == "NED" else "")
+        for quantity, entry in content.items()
+        if quantity in QUANTITIES
+    }
+    values = {entry: content[entry] for entry in own if entry in content}
+    values["command"] = read_command(values.get("command"))
+    values["lever_arm"] = _arm(values.get("lever_arm", (0.0, 0.0, 0.0)))
+    plain = {"format": str, "pattern": str, "checksum": str, "clock": str, "boom_tip": bool, "needs_checksum": bool}
+    for entry, kind in {**plain, "timeout": float, "boom_tip_height": float}.items():
+        if entry in values:
+            values[entry] = as_kind(kind, entry, values[entry])
+    record = _record({entry: content[entry] for entry in of_record if entry in content})
+    device = DeviceMap(name, channels, link=read_link("source", content.get("source")), record=record, **values)
+    _check(device)
+    return device
+
+
+def _arm(entry: Any) -> tuple[float, float, float]:
+    if not isinstance(entry, list | tuple) or len(entry) != 3:
+        raise MapError(f"lever_arm = {entry!r} must have three numbers: forward, to port, up [m]")
+    x, y, z = (as_kind(float, "lever_arm", value) for value in entry)
+    if max(abs(x), abs(y), abs(z)) > LONGEST_ARM:
+        raise MapError(f"lever_arm = {entry} must be in metres: no boom tip is {LONGEST_ARM:g} m from its sensor")
+    return x, y, z
+
+
+def _record(entries: dict[str, Any]) -> RecordForm:
+    for name in ("time_scale", "rate", "sample_rate"):
+        if name in entries:
+            entries[name] = as_kind(float, name, entries[name])
+    record = RecordForm(**entries)
+    if not record.rate > 0.0 or not record.sample_rate >= 0.0:
+        raise MapError("rate must be above 0, sample_rate not below")
+    return record
+
+
+def _check(device: DeviceMap) -> None:
+    """Raise MapError where the entries of a map contradict each other."""
+    if device.clock not in CLOCKS:
+        raise MapError(f"clock = {device.clock!r} must be one of {', '.join(CLOCKS)}")
+    if not 0.05 <= device.timeout <= 60.0:
+        raise MapError(f"timeout = {device.timeout:g} must be from 0.05 to 60 s")
+    if not device.outputs:
+        raise MapError(
+            "heave is missing: give its topic and field, or its column; or another of pressure, tension, payout"
+        )
+    if device.format and device.format not in (*FORMATS, LINE):
+        raise MapError(f"format = {device.format!r} must be one of {', '.join((*FORMATS, LINE))}")
+    if bool(device.pattern) != (device.format == LINE):
+        raise MapError(f"pattern belongs to format: {LINE}, and {LINE} needs it")
+    if device.format:
+        _check_fields(device)
+    else:
+        for quantity, channel in device.channels.items():
+            if not channel.topic and not channel.column:
+                raise MapError(
+                    f"{quantity} needs either a topic or a column, or the map a format: {', '.join((*FORMATS, LINE))}"
+                )
+            _check_path(quantity, channel)
+
+
+def _check_path(quantity: str, channel: Channel) -> None:
+    try:
+        _ = [FieldPath(path) for path in (channel.field, channel.valid) if path and channel.topic]
+    except ValueError as error:
+        raise MapError(f"{quantity}: {error}") from None
+
+
+def _check_fields(device: DeviceMap) -> None:
+    """Raise MapError for a field that the format does not have, or whose sign must be said."""
+    if device.format == LINE:
+        try:
+            known = sorted(PatternDecoder(device.pattern, device.checksum).fields)
+        except ValueError as error:
+            raise MapError(str(error)) from None
+    else:
+        table = FORMATS[device.format].fields
+        known = [f"{sentence}.{name}" for sentence, names in table.items() for name in names]
+    for quantity, channel in device.channels.items():
+        if channel.topic or channel.column:
+            raise MapError(
+                f"{quantity}: has a {'topic' if channel.topic else 'column'}, but the map has a format of lines"
+            )
+        for name in filter(None, (channel.field, channel.valid)):
+            refuse_unknown(quantity, {name: None}, known)
+        why = UNSIGNED.get(channel.field)
+        if why and not channel.positive:
+            raise MapError(f"{quantity}: say positive: up or positive: down, after your device's manual: {why}")
+        if (channel.positive or channel.unit) and device.format != LINE and not why:
+            raise MapError(
+                f"{quantity}: {channel.field} is in SI units and of known sign already: leave unit and positive out"
+            )

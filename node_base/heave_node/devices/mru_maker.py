@@ -1,0 +1,70 @@
+"""Samples of a motion sensor put together to what the suite calls `mru`: one for each heave that comes."""
+
+from __future__ import annotations
+
+import math
+
+from heave_node.devices.device_map import DeviceMap
+from heave_node.devices.taker import Taken
+from heave_node.devices.tip_motion import TipMotion
+from heave_node.interface.codes import MruStatus
+from heave_node.interface.sensors import MruReading
+
+_BESIDE = ("heave_rate", "heave_acceleration", "roll", "pitch", "roll_rate", "pitch_rate")
+
+
+class MruMaker:
+    """Makes readings of the boom tip.
+
+    Parameters
+    ----------
+    device : the map
+    """
+
+    def __init__(self, device: DeviceMap) -> None:
+        self._tip = TipMotion(device.lever_arm)
+        self._has_arm = any(device.lever_arm)
+        self._timeout = device.timeout
+        self._sigma = {name: channel.sigma for name, channel in device.channels.items()}
+        self._newest: dict[str, tuple[float, float]] = {}
+        self.sequence = 0
+
+    def take(self, time: float, taken: Taken) -> MruReading | None:
+        """Return the reading that a sample completes; None where it holds no heave, and calls none invalid.
+
+        Parameters
+        ----------
+        time : of the sample, or of its arrival [s]
+        taken : quantities of the sample
+        """
+        for name in _BESIDE:
+            if name in taken.values:
+                self._newest[name] = (time, taken.values[name])
+            elif name in taken.invalid:
+                self._newest.pop(name, None)
+        if "heave" not in taken.values and "heave" not in taken.invalid:
+            return None
+        self.sequence += 1
+        beside = {name: self._recent(name, time) for name in _BESIDE}
+        roll, pitch = beside["roll"], beside["pitch"]
+        turning = (beside["roll_rate"], beside["pitch_rate"])
+        heave = taken.values.get("heave", math.nan)
+        heave, rate = self._tip.carry(time, heave, beside["heave_rate"], (roll, pitch), turning)
+        is_known = math.isfinite(heave)
+        return MruReading(
+            time,
+            heave,
+            rate,
+            roll if math.isfinite(roll) else 0.0,
+            pitch if math.isfinite(pitch) else 0.0,
+            int(taken.status if is_known else MruStatus.INVALID),
+            self.sequence,
+            math.nan if self._has_arm else beside["heave_acceleration"],
+            self._sigma.get("heave", math.nan),
+            self._sigma.get("heave_rate", math.nan),
+        )
+
+    def _recent(self, name: str, time: float) -> float:
+        """Return the newest value of a quantity; NaN where there is none, or an old one."""
+        at, value = self._newest.get(name, (-math.inf, math.nan))
+        return value if time - at <= self._timeout else math.nan

@@ -1,0 +1,102 @@
+"""The quantities that a device can give: dimension, largest size that can be, and which ways are positive.
+
+One table for maps of devices and of records: units are checked by the dimension, and a value beyond the largest size is
+not used.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from heave_node.numerics.constants import STANDARD_GRAVITY
+
+_DEGREE = math.radians(1.0)
+_POUND = 0.45359237 * STANDARD_GRAVITY
+UNITS: Mapping[str, Mapping[str, float]] = {
+    "length": {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "ft": 0.3048},
+    "speed": {"m/s": 1.0, "cm/s": 0.01, "mm/s": 0.001, "m/min": 1.0 / 60.0, "ft/s": 0.3048, "ft/min": 0.3048 / 60.0},
+    "acceleration": {"m/s^2": 1.0, "cm/s^2": 0.01, "mm/s^2": 0.001, "g": STANDARD_GRAVITY},
+    "angle": {"rad": 1.0, "deg": _DEGREE, "mrad": 0.001},
+    "turn rate": {"rad/s": 1.0, "deg/s": _DEGREE, "deg/min": _DEGREE / 60.0},
+    "force": {
+        "N": 1.0,
+        "daN": 10.0,
+        "kN": 1e3,
+        "MN": 1e6,
+        "kgf": STANDARD_GRAVITY,
+        "kg": STANDARD_GRAVITY,
+        "t": 1e3 * STANDARD_GRAVITY,
+        "tf": 1e3 * STANDARD_GRAVITY,
+        "lbf": _POUND,
+        "kip": 1e3 * _POUND,
+    },
+    "pressure": {
+        **{"Pa": 1.0, "hPa": 100.0, "mbar": 100.0, "kPa": 1e3, "dbar": 1e4, "bar": 1e5, "MPa": 1e6},
+        "psi": _POUND / 0.0254**2,
+    },
+    "number": {"": 1.0},
+}
+"""Sizes of units in SI units, by dimension."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity.
+
+    Attributes
+    ----------
+    dimension : name in UNITS
+    largest : magnitude beyond which a value is not used, in the SI unit
+    ways : words for a positive direction, with the sign that turns it into the suite's
+    """
+
+    dimension: str
+    largest: float
+    ways: Mapping[str, float] = field(default_factory=dict)
+
+
+_UP = {"up": 1.0, "down": -1.0}
+_ROLL = {"starboard down": 1.0, "port up": 1.0, "port down": -1.0, "starboard up": -1.0}
+_PITCH = {"bow down": 1.0, "bow up": -1.0}
+_OUT = {"out": 1.0, "in": -1.0}
+QUANTITIES: Mapping[str, Quantity] = {
+    "heave": Quantity("length", 30.0, _UP),
+    "heave_rate": Quantity("speed", 30.0, _UP),
+    "heave_acceleration": Quantity("acceleration", 100.0, _UP),
+    "surge": Quantity("length", 1e3, {"forward": 1.0, "aft": -1.0}),
+    "sway": Quantity("length", 1e3, {"port": 1.0, "starboard": -1.0}),
+    "roll": Quantity("angle", 1.6, _ROLL),
+    "pitch": Quantity("angle", 1.6, _PITCH),
+    "roll_rate": Quantity("turn rate", 3.0, _ROLL),
+    "pitch_rate": Quantity("turn rate", 3.0, _PITCH),
+    "pressure": Quantity("pressure", 2e8),
+    "tension": Quantity("force", 1e8),
+    "payout": Quantity("length", 1e4, _OUT),
+    "payout_rate": Quantity("speed", 30.0, _OUT),
+    "brake": Quantity("number", 1e9),
+    "fault": Quantity("number", 1e9),
+}
+"""By name; SI units, signs of `sample`."""
+NED_WAYS = {
+    "heave": "down",
+    "heave_rate": "down",
+    "heave_acceleration": "down",
+    "pitch": "bow up",
+    "pitch_rate": "bow up",
+}
+"""What is positive where x is forward, y to starboard and z down; what is not here is as in the suite's own axes."""
+
+OUTPUTS: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "mru": ("heave", ("heave_rate", "heave_acceleration", "roll", "pitch", "roll_rate", "pitch_rate")),
+    "unit/pressure": ("pressure", ()),
+    "winch/load_cell": ("tension", ()),
+    "winch/state": ("payout", ("payout_rate", "tension", "brake", "fault")),
+}
+"""Topics of the suite: the quantity that makes one be published, and those that it takes besides."""
+
+
+def outputs_of(quantities: Mapping[str, object]) -> tuple[str, ...]:
+    """Return the topics that a map with these `quantities` publishes."""
+    return tuple(topic for topic, (needed, _) in OUTPUTS.items() if needed in quantities)

@@ -1,0 +1,156 @@
+"""From what a device says to quantities of the suite: by a map, checked, and counted where they are not used."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from heave_node.devices.channel import Channel
+from heave_node.devices.device_map import DeviceMap
+from heave_node.devices.field_path import FieldPath
+from heave_node.devices.formats import LINE
+from heave_node.devices.quantities import QUANTITIES
+from heave_node.devices.sample import Sample
+from heave_node.interface.codes import MruStatus
+
+
+@dataclass
+class Taken:
+    """Quantities of one sample or message.
+
+    Attributes
+    ----------
+    values : by quantity, SI units, the suite's signs
+    invalid : quantities of the map that the device calls invalid
+    status : whether the motion has settled
+    """
+
+    values: dict[str, float] = field(default_factory=dict)
+    invalid: set[str] = field(default_factory=set)
+    status: MruStatus = MruStatus.OK
+
+
+@dataclass
+class TakeCounters:
+    """What was not used, counted.
+
+    Attributes
+    ----------
+    invalid : values that the device calls invalid
+    implausible : values larger than the quantity can be, by quantity
+    missing : fields that a message does not have, in words
+    worst : in words, the last implausible value
+    """
+
+    invalid: int = 0
+    implausible: dict[str, int] = field(default_factory=dict)
+    missing: dict[str, int] = field(default_factory=dict)
+    worst: str = ""
+
+
+class Taker:
+    """Takes the quantities of a map out of samples and messages.
+
+    Parameters
+    ----------
+    device : the map
+    """
+
+    def __init__(self, device: DeviceMap) -> None:
+        self.counters = TakeCounters()
+        self._channels = dict(device.channels)
+        self._is_line = device.format == LINE
+        self._factors = {name: channel.factor(name) for name, channel in self._channels.items()}
+        self._zeros: dict[str, float] = {}
+        self._paths = {
+            text: FieldPath(text)
+            for channel in self._channels.values()
+            if channel.topic
+            for text in (channel.field, channel.valid)
+            if text
+        }
+
+    def of_sample(self, sample: Sample) -> Taken:
+        """Return what the map wants of a `sample` of a line or frame."""
+        taken = Taken(status=sample.status)
+        prefix = "" if self._is_line else f"{sample.kind}."
+        for name, channel in self._channels.items():
+            field_name = channel.field.removeprefix(prefix) if prefix else channel.field
+            if prefix and not channel.field.startswith(prefix):
+                continue
+            if field_name in sample.invalid or not self._is_valid_sample(sample, channel, prefix):
+                self._note_invalid(taken, name)
+            elif field_name in sample.values:
+                self._put(taken, name, sample.values[field_name])
+        return taken
+
+    def of_message(self, topic: str, message: Any) -> Taken:
+        """Return what the map wants of a `message` that came on a `topic`."""
+        taken = Taken()
+        for name, channel in self._channels.items():
+            if channel.topic != topic:
+                continue
+            try:
+                if channel.valid and not channel.is_valid(_status(self._paths[channel.valid].of(message))):
+                    self._note_invalid(taken, name)
+                    continue
+                self._put(taken, name, self._number(channel, message))
+            except LookupError as error:
+                words = str(error.args[0])
+                self.counters.missing[words] = self.counters.missing.get(words, 0) + 1
+        return taken
+
+    def _number(self, channel: Channel, message: Any) -> float:
+        path = self._paths[channel.field]
+        if not channel.part:
+            return path.number_of(message)
+        turn = path.of(message)
+        try:
+            return euler_angle(channel.part, *(float(getattr(turn, axis)) for axis in "xyzw"))
+        except (AttributeError, TypeError, ValueError):
+            raise LookupError(f"{channel.field} is no quaternion") from None
+
+    def _is_valid_sample(self, sample: Sample, channel: Channel, prefix: str) -> bool:
+        if not channel.valid:
+            return True
+        name = channel.valid.removeprefix(prefix)
+        status = sample.values.get(name, sample.words.get(name))
+        return status is not None and channel.is_valid(status)
+
+    def _note_invalid(self, taken: Taken, name: str) -> None:
+        self.counters.invalid += 1
+        taken.invalid.add(name)
+
+    def _put(self, taken: Taken, name: str, raw: float) -> None:
+        channel = self._channels[name]
+        value = self._factors[name] * raw + channel.offset
+        if channel.zero_at_start:
+            value -= self._zeros.setdefault(name, value)
+        largest = QUANTITIES[name].largest
+        if not abs(value) <= largest:
+            count = self.counters.implausible
+            count[name] = count.get(name, 0) + 1
+            self.counters.worst = (
+                f"{name} = {value:.4g}, at most {largest:g} can be: check unit, scale and column of the map"
+            )
+            taken.invalid.add(name)
+            return
+        taken.values[name] = value
+
+
+def _status(value: Any) -> float | str:
+    return value if isinstance(value, str) else float(value)
+
+
+def euler_angle(part: str, x: float, y: float, z: float, w: float) -> float:
+    """Return `part`, roll, pitch or yaw [rad] (about x, y, z, in the order z-y-x), of the quaternion x, y, z, w."""
+    size = math.sqrt(x * x + y * y + z * z + w * w)
+    if not size > 0.5:
+        raise ValueError("a quaternion of no length")
+    x, y, z, w = x / size, y / size, z / size, w / size
+    if part == "roll":
+        return math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    if part == "pitch":
+        return math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0))
+    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
