@@ -10,13 +10,13 @@ from typing import Any, NoReturn
 from heave_bringup.commands.bags import import_sea, kpi, record, repair, replay, report
 from heave_bringup.commands.command import Command
 from heave_bringup.commands.models import design, identify, modes, static
-from heave_bringup.commands.runs import check, operate, panel, run, view
+from heave_bringup.commands.runs import adapt, check, operate, panel, run, view
 from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
 from heave_bringup.commands.studies import bench, benchmark, campaign, extremes, operability, sizing
 from heave_bringup.commands.version import VersionAction
 
 COMMANDS: tuple[Command, ...] = (
-    *(run.COMMAND, operate.COMMAND, panel.COMMAND, view.COMMAND, check.COMMAND),
+    *(run.COMMAND, operate.COMMAND, panel.COMMAND, view.COMMAND, check.COMMAND, adapt.COMMAND),
     *(list_scenarios.COMMAND, new.COMMAND, catalogue.COMMAND, params.COMMAND),
     *(report.COMMAND, kpi.COMMAND, record.COMMAND, replay.COMMAND, import_sea.COMMAND, repair.COMMAND),
     *(design.COMMAND, identify.COMMAND, static.COMMAND, modes.COMMAND),

@@ -52,7 +52,7 @@ class Adapter:
     Attributes
     ----------
     taker, watch : what was not used, and the timing of what came
-    heave : the boom tip's motion, for the simulated plant
+    heave : the boom tip's motion by the time of arrival, for the simulated plant
     newest : quantities as they came last
     published : readings so far, by topic
     """
@@ -73,8 +73,8 @@ class Adapter:
         """Return the readings, each with its topic, that `samples` which arrived at `now` [s] make."""
         made = []
         for sample in samples:
-            own = self._time.nanoseconds(sample)
-            made += self._made(self.taker.of_sample(sample), own, now)
+            stamp, time = self._stamp(self._time.nanoseconds(sample), now)
+            made += self._made(self.taker.of_sample(sample, time), stamp, now)
         return made
 
     def on_message(
@@ -89,20 +89,28 @@ class Adapter:
         stamp : of its header [ns]; None: it has none
         now : monotonic time of its arrival [s]
         """
-        return self._made(self.taker.of_message(topic, message), stamp, now)
+        used, time = self._stamp(stamp, now)
+        return self._made(self.taker.of_message(topic, message, time), used, now)
 
-    def _made(self, taken: Taken, own: int | None, now: float) -> list[tuple[str, WireReading | WinchReading]]:
+    def _stamp(self, own: int | None, now: float) -> tuple[int, float]:
+        """Return the stamp [ns] and the time [s] of what has an `own` time [ns], or none, and arrived at `now` [s].
+
+        Without one among stamped ones, the time of arrival counts.
+        """
+        stamp = own if self.device.clock == "own" and own is not None else NO_STAMP
+        return stamp, stamp * 1e-9 if stamp else now
+
+    def _made(self, taken: Taken, stamp: int, now: float) -> list[tuple[str, WireReading | WinchReading]]:
         if not taken.values and not taken.invalid:
             return []
         self.newest.update(taken.values)
         for name in taken.invalid:
             self.newest.pop(name, None)
-        # without a stamp for a sample among stamped ones the time of arrival counts
-        stamp = own if self.device.clock == "own" and own is not None else NO_STAMP
-        time = stamp * 1e-9 if stamp else now
         made: list[tuple[str, WireReading | WinchReading]] = []
         for topic in self.device.outputs:
-            reading = self._reading(topic, taken, stamp, time)
+            reading = self._reading(topic, taken, stamp)
+            if topic == sensors.MRU.topic.name and isinstance(reading, WireReading):
+                self._note_heave(now, reading.numbers[0])
             if reading is not None:
                 made.append((topic, reading))
                 self.published[topic] += 1
@@ -110,16 +118,18 @@ class Adapter:
             self.watch.arrived(now)
         return made
 
-    def _reading(self, topic: str, taken: Taken, stamp: int, time: float) -> WireReading | WinchReading | None:
+    def _note_heave(self, now: float, heave: float) -> None:
+        if math.isfinite(heave):
+            self.heave.add(now, heave)
+
+    def _reading(self, topic: str, taken: Taken, stamp: int) -> WireReading | WinchReading | None:
         if topic == sensors.MRU.topic.name:
-            sample = self._mru.take(time, taken)
+            sample = self._mru.take(taken)
             if sample is None:
                 return None
-            if math.isfinite(sample.heave):
-                self.heave.add(time, sample.heave)
             return WireReading(stamp, sensors.MRU.encode(sample, sensors.STANDARD_WATER))
         if topic == WINCH_STATE:
-            return self._winch(taken, stamp, time)
+            return self._winch(taken, stamp)
         name = _PLAIN[topic]
         if name not in taken.values:
             return None
@@ -127,7 +137,7 @@ class Adapter:
         accuracy = sigma * sigma if topic == sensors.DEPTH.topic.name else sigma
         return WireReading(stamp, (taken.values[name], accuracy if math.isfinite(accuracy) else 0.0))
 
-    def _winch(self, taken: Taken, stamp: int, time: float) -> WinchReading | None:
+    def _winch(self, taken: Taken, stamp: int) -> WinchReading | None:
         for name in ("payout_rate", "tension", "brake", "fault"):
             self._beside |= {name: taken.values[name]} if name in taken.values else {}
             if name in taken.invalid:
@@ -135,10 +145,10 @@ class Adapter:
         if "payout" not in taken.values:
             return None
         payout = taken.values["payout"]
-        self._payout.add(time, payout)
+        self._payout.add(taken.time, payout)
         rate = self._beside.get("payout_rate", math.nan)
         if "payout_rate" not in self.device.channels:
-            recent = self._payout.at(time)
+            recent = self._payout.at(taken.time)
             rate = math.nan if recent is None else recent[1]
         beside = (self._beside.get(name, math.nan) for name in ("tension", "brake", "fault"))
         return WinchReading(stamp, payout, rate, *beside)

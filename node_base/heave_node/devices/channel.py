@@ -33,7 +33,9 @@ class Channel:
     unit : of the value, such as "deg" or "kN"; "": SI
     positive : which way is, such as "down" or "bow up"; "": as the suite has it
     scale, offset : quantity = scale * value + offset, in SI units after `unit` and `positive`
+    velocity : the value is a velocity [m/s]; it is integrated
     acceleration : the value is an acceleration [m/s^2]; of a record it is integrated twice
+    high_pass : live, motion slower than this period is taken out [s], as of a height over the sea bed; 0: none
     cut_off : what is slower is then taken out [rad/s]
     valid : field of the same topic or sentence, or column, that calls each sample valid by a number other than 0 or a
         word such as `true`; what is not valid is a gap. "": of a log, a column named after this one with `_valid`, or
@@ -53,7 +55,9 @@ class Channel:
     positive: str = ""
     scale: float = 1.0
     offset: float = 0.0
+    velocity: bool = False
     acceleration: bool = False
+    high_pass: float = 0.0
     cut_off: float = DEFAULT_CUT_OFF
     valid: str = ""
     valid_values: tuple[float | str, ...] = ()
@@ -64,8 +68,14 @@ class Channel:
     def factor(self, quantity: str) -> float:
         """Return what turns a number of this channel into a `quantity` in SI units and the suite's sign."""
         known = QUANTITIES[quantity]
-        unit = UNITS["acceleration" if self.acceleration else known.dimension][self.unit] if self.unit else 1.0
+        unit = UNITS[self.dimension(quantity)][self.unit] if self.unit else 1.0
         return self.scale * unit * (known.ways[self.positive] if self.positive else 1.0)
+
+    def dimension(self, quantity: str) -> str:
+        """Return the dimension of the value that becomes a `quantity`."""
+        if self.acceleration:
+            return "acceleration"
+        return "speed" if self.velocity else QUANTITIES[quantity].dimension
 
     def is_valid(self, status: float | str) -> bool:
         """Return whether a `status`, a number or a word, calls a sample valid."""
@@ -122,7 +132,7 @@ def _check(quantity: str, channel: Channel) -> None:
     known = QUANTITIES[quantity]
     if channel.topic and channel.column:
         raise MapError(f"{quantity} needs either a topic or a column")
-    dimension = "acceleration" if channel.acceleration else known.dimension
+    dimension = channel.dimension(quantity)
     if channel.unit and channel.unit not in UNITS[dimension]:
         units = ", ".join(filter(None, UNITS[dimension])) or "none"
         raise MapError(f"{quantity}: {channel.unit} is no unit of {dimension}; known: {units}")
@@ -135,6 +145,10 @@ def _check(quantity: str, channel: Channel) -> None:
             f"{quantity}: scale {channel.scale:g}, offset {channel.offset:g} cannot be: "
             f"the largest {quantity} is {known.largest:g} in SI units"
         )
+    if channel.high_pass != 0.0 and not 20.0 <= channel.high_pass <= 3600.0:
+        raise MapError(f"{quantity}: high_pass = {channel.high_pass:g} must be from 20 to 3600 s")
+    if channel.velocity and channel.acceleration:
+        raise MapError(f"{quantity}: is either a velocity or an acceleration")
     if channel.invalid_bits < 0:
         raise MapError(f"{quantity}: invalid_bits must be a whole number such as 6 or 0x8000")
     if (channel.invalid_bits or channel.valid_values) and not channel.valid:

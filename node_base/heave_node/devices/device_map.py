@@ -172,6 +172,7 @@ def _check(device: DeviceMap) -> None:
         raise MapError(f"format = {device.format!r} must be one of {', '.join((*FORMATS, LINE))}")
     if bool(device.pattern) != (device.format == LINE):
         raise MapError(f"pattern belongs to format: {LINE}, and {LINE} needs it")
+    _check_live(device)
     if device.format:
         _check_fields(device)
     else:
@@ -181,6 +182,12 @@ def _check(device: DeviceMap) -> None:
                     f"{quantity} needs either a topic or a column, or the map a format: {', '.join((*FORMATS, LINE))}"
                 )
             _check_path(quantity, channel)
+
+
+def _check_live(device: DeviceMap) -> None:
+    wrong = next((name for name, channel in device.channels.items() if channel.acceleration and channel.type), None)
+    if wrong is not None:
+        raise MapError(f"{wrong}: of an acceleration alone no live {wrong} can be made: give it, or its velocity")
 
 
 def _check_path(quantity: str, channel: Channel) -> None:

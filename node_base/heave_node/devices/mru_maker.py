@@ -29,14 +29,9 @@ class MruMaker:
         self._newest: dict[str, tuple[float, float]] = {}
         self.sequence = 0
 
-    def take(self, time: float, taken: Taken) -> MruReading | None:
-        """Return the reading that a sample completes; None where it holds no heave, and calls none invalid.
-
-        Parameters
-        ----------
-        time : of the sample, or of its arrival [s]
-        taken : quantities of the sample
-        """
+    def take(self, taken: Taken) -> MruReading | None:
+        """Return the reading that a sample, `taken`, completes; None where it holds no heave, nor calls it invalid."""
+        time = taken.time
         for name in _BESIDE:
             if name in taken.values:
                 self._newest[name] = (time, taken.values[name])

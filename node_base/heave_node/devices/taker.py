@@ -10,6 +10,7 @@ from heave_node.devices.channel import Channel
 from heave_node.devices.device_map import DeviceMap
 from heave_node.devices.field_path import FieldPath
 from heave_node.devices.formats import LINE
+from heave_node.devices.high_pass import DEFAULT_PERIOD, HighPass
 from heave_node.devices.quantities import QUANTITIES
 from heave_node.devices.sample import Sample
 from heave_node.interface.codes import MruStatus
@@ -21,11 +22,13 @@ class Taken:
 
     Attributes
     ----------
+    time : of the measurement, by one clock [s]
     values : by quantity, SI units, the suite's signs
     invalid : quantities of the map that the device calls invalid
     status : whether the motion has settled
     """
 
+    time: float
     values: dict[str, float] = field(default_factory=dict)
     invalid: set[str] = field(default_factory=set)
     status: MruStatus = MruStatus.OK
@@ -62,6 +65,11 @@ class Taker:
         self._channels = dict(device.channels)
         self._is_line = device.format == LINE
         self._factors = {name: channel.factor(name) for name, channel in self._channels.items()}
+        self._filters = {
+            name: HighPass(channel.high_pass or DEFAULT_PERIOD)
+            for name, channel in self._channels.items()
+            if channel.high_pass or channel.velocity
+        }
         self._zeros: dict[str, float] = {}
         self._paths = {
             text: FieldPath(text)
@@ -71,9 +79,9 @@ class Taker:
             if text
         }
 
-    def of_sample(self, sample: Sample) -> Taken:
-        """Return what the map wants of a `sample` of a line or frame."""
-        taken = Taken(status=sample.status)
+    def of_sample(self, sample: Sample, time: float) -> Taken:
+        """Return what the map wants of a `sample` of a line or frame, measured at a `time` [s]."""
+        taken = Taken(time, status=sample.status)
         prefix = "" if self._is_line else f"{sample.kind}."
         for name, channel in self._channels.items():
             field_name = channel.field.removeprefix(prefix) if prefix else channel.field
@@ -85,9 +93,9 @@ class Taker:
                 self._put(taken, name, sample.values[field_name])
         return taken
 
-    def of_message(self, topic: str, message: Any) -> Taken:
-        """Return what the map wants of a `message` that came on a `topic`."""
-        taken = Taken()
+    def of_message(self, topic: str, message: Any, time: float) -> Taken:
+        """Return what the map wants of a `message` that came on a `topic`, measured at a `time` [s]."""
+        taken = Taken(time)
         for name, channel in self._channels.items():
             if channel.topic != topic:
                 continue
@@ -127,6 +135,11 @@ class Taker:
         value = self._factors[name] * raw + channel.offset
         if channel.zero_at_start:
             value -= self._zeros.setdefault(name, value)
+        if name in self._filters:
+            filtered = self._filters[name]
+            value = (filtered.add_rate if channel.velocity else filtered.add)(taken.time, value)
+            if not filtered.is_settled:
+                taken.status = MruStatus.SETTLING
         largest = QUANTITIES[name].largest
         if not abs(value) <= largest:
             count = self.counters.implausible

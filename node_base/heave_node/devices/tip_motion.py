@@ -2,8 +2,8 @@
 
 z_tip = heave - x sin(pitch) + (y sin(roll) + z cos(roll)) cos(pitch), less its value at rest; roll about x forward,
 then pitch about y to port (REP-103), arm x, y, z from the sensor. The rate follows by the chain rule from the turn
-rates, or, where the sensor has none, from the attitude of the last 0.6 s. A heave is about its mean: of the arm's share a running
-mean is taken out, so that trim and list do not lift the tip.
+rates, or, where the sensor has none, from the attitude of the last 0.6 s. A heave is about its mean: of the arm's share
+a running mean is taken out, so that trim and list do not lift the tip.
 """
 
 from __future__ import annotations

@@ -1,0 +1,101 @@
+"""Devices beside a run, from the start to Ctrl-C: one node, a look each second."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+import time
+from collections.abc import Sequence
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from heave_node.devices.device_map import DeviceMap
+from heave_node.interface import topics
+from heave_node.ros.diagnostics import Health, Level, diagnostic_array
+from heave_node.ros.process import node_beside
+from heave_node.ros.spin import Spinner
+from heave_node.ros.transport.environment import prepare_environment
+
+from heave_bringup.adapt.device import LiveDevice
+from heave_bringup.adapt.report import figures_of, health_of
+
+GUARD_PERIOD = 0.05
+"""Wall time between two looks at the commands [s]."""
+LOOK_PERIOD = 1.0
+"""Wall time between two diagnostics [s]."""
+
+
+class Session:
+    """Runs devices.
+
+    Parameters
+    ----------
+    maps : of the devices
+    namespace : of the run; "": none
+
+    Attributes
+    ----------
+    devices : in the order of the maps
+
+    Raises CommandError where one of them cannot be opened; none is left open then.
+    """
+
+    def __init__(self, maps: Sequence[DeviceMap], namespace: str = "") -> None:
+        prepare_environment()
+        name = re.sub(r"\W", "_", maps[0].name)
+        self._node = node_beside(f"adapter_{name}_{os.getpid()}", namespace)
+        self.devices: list[LiveDevice] = []
+        try:
+            for device in maps:
+                self.devices.append(LiveDevice(device, self._node))
+        except BaseException:
+            self._leave()
+            raise
+        self._spinner = Spinner(self._node)
+        self._health = self._node.create_publisher(DiagnosticArray, topics.DIAGNOSTICS.name, 10)
+        self._before: list[dict[str, float]] = [{} for _ in self.devices]
+        self._told: dict[str, str] = {}
+
+    def run(self, duration: float) -> None:
+        """Serve for `duration` seconds of wall time, infinity for ever, or until Ctrl-C."""
+        for device in self.devices:
+            device.start()
+        end, look = time.monotonic() + duration, time.monotonic() + LOOK_PERIOD
+        try:
+            while (now := time.monotonic()) < end:
+                self._spinner.spin_for(max(0.0, min(GUARD_PERIOD, end - now)))
+                for device in self.devices:
+                    device.guard()
+                if now >= look:
+                    look += LOOK_PERIOD
+                    self._look()
+        except KeyboardInterrupt:
+            pass  # the way to end it
+        finally:
+            self._spinner.close()
+            self._leave()
+
+    def _look(self) -> None:
+        parts = []
+        for number, device in enumerate(self.devices):
+            parts.append(health_of(device, self._before[number]))
+            self._before[number] = figures_of(device)
+        stamp = self._node.get_clock().now().to_msg()
+        self._health.publish(diagnostic_array(self._node.get_name(), stamp, parts))
+        for part in parts:
+            self._tell(part)
+
+    def _tell(self, part: Health) -> None:
+        """Say on the terminal what has changed of a device; counters that go on are in the diagnostics."""
+        kind = part.level.name if part.level in (Level.OK, Level.WARN) else f"{part.level.name}: {part.message}"
+        told = re.sub(r"[-+0-9.]+", "", kind)
+        if self._told.get(part.part, "OK") != told:
+            sys.stderr.write(f"{part.part}: {part.message if part.level is not Level.OK else 'all is well'}\n")
+        self._told[part.part] = told
+
+    def _leave(self) -> None:
+        for device in self.devices:
+            device.close()
+        self._node.destroy_node()
+        rclpy.try_shutdown()

@@ -1,0 +1,36 @@
+"""The device maps that come with the suite."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+from heave_node.devices.channel import MapError
+from heave_node.devices.device_map import DeviceMap, read_device_map
+
+from heave_bringup.errors import CommandError
+
+
+def shipped_maps() -> dict[str, Path]:
+    """Return the files of the shipped maps by their names."""
+    folder = Path(str(resources.files("heave_bringup") / "device_maps"))
+    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+
+
+def title_of(path: Path) -> str:
+    """Return the first comment of the map at `path`: what it is for."""
+    first = path.read_text(encoding="utf-8").splitlines()[0]
+    return first.lstrip("# ").rstrip()
+
+
+def find_map(name: str) -> DeviceMap:
+    """Return the map that is a file, or the shipped one, called `name`. Raises CommandError where there is none."""
+    path = Path(name)
+    if not path.exists() and name in shipped_maps():
+        path = shipped_maps()[name]
+    if not path.exists():
+        raise CommandError(f"{name}: there is no such file, and no map is shipped by that name: see heave adapt --list")
+    try:
+        return read_device_map(path)
+    except MapError as error:
+        raise CommandError(str(error)) from None

@@ -1,0 +1,93 @@
+"""`heave adapt`: devices of others in a run, by map files."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from typing import TYPE_CHECKING
+
+from heave_bringup.commands.arguments import add_namespace, add_network
+from heave_bringup.commands.command import Command
+from heave_bringup.errors import CommandError
+
+if TYPE_CHECKING:
+    from heave_node.devices.device_map import DeviceMap
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments to `parser`."""
+    parser.add_argument("maps", metavar="MAP", nargs="*", help="map file, or a shipped one (--list)")
+    parser.add_argument("--list", action="store_true", help="list the shipped maps")
+    parser.add_argument("--show", metavar="NAME", help="print a shipped map, to be written into a file of your own")
+    parser.add_argument("--check", action="store_true", help="read the maps, say what they do, and open nothing")
+    parser.add_argument("--duration", type=float, default=math.inf, metavar="S", help="end after S seconds")
+    add_namespace(parser, "the run is in namespace NAME")
+    add_network(parser)
+
+
+def execute(options: argparse.Namespace) -> None:
+    """List, show or check maps, or serve devices until Ctrl-C, as `options` say."""
+    from heave_bringup.adapt.shipped import find_map, shipped_maps, title_of
+    from heave_bringup.output import make_table, write_result
+
+    known = shipped_maps()
+    if options.list:
+        rows = [[name, title_of(path)] for name, path in known.items()]
+        write_result(options, make_table(("map", "for"), rows, texts=("for",)), dict(rows))
+        return
+    if options.show is not None:
+        if options.show not in known:
+            raise CommandError(f"--show {options.show}: is no shipped map; known: {', '.join(known)}")
+        write_result(options, known[options.show].read_text(encoding="utf-8"), {"map": options.show})
+        return
+    if not options.maps:
+        raise CommandError("name a map file, or a shipped map: heave adapt --list")
+    maps = [find_map(name) for name in options.maps]
+    published = [topic for device in maps for topic in device.outputs]
+    twice = next((topic for topic in published if published.count(topic) > 1), None)
+    if twice is not None:
+        raise CommandError(f"{twice} is published by more than one of the maps: a topic has one publisher")
+    if options.check:
+        rows = [[device.name, _from(device), ", ".join(device.outputs), ", ".join(device.channels)] for device in maps]
+        titles = ("map", "from", "publishes", "quantities")
+        write_result(
+            options, make_table(titles, rows, texts=titles), [dict(zip(titles, row, strict=True)) for row in rows]
+        )
+        return
+    _serve(options, maps)
+
+
+def _serve(options: argparse.Namespace, maps: list[DeviceMap]) -> None:
+    """Serve the devices of `maps` until Ctrl-C, and print what came."""
+    from heave_bringup.adapt.report import figures_of, summary_table
+    from heave_bringup.adapt.session import Session
+    from heave_bringup.network import set_up_transport
+    from heave_bringup.output import write_result
+
+    if not options.duration > 0.0:
+        raise CommandError(f"--duration {options.duration:g}: must be above 0")
+    set_up_transport(network=options.network)
+    session = Session(maps, options.namespace or "")
+    for device in maps:
+        sys.stderr.write(f"{device.name}: {_from(device)} to {', '.join(device.outputs)}\n")
+    session.run(options.duration)
+    result = {device.device.name: figures_of(device) for device in session.devices}
+    write_result(options, summary_table(session.devices), result)
+
+
+def _from(device: DeviceMap) -> str:
+    return str(device.link or ", ".join(device.topics) or "a record")
+
+
+COMMAND = Command(
+    name="adapt",
+    summary="Put a sensor or a winch of others into a run by a map file: serial, UDP, TCP, or any ROS message.",
+    examples=(
+        "heave adapt --list",
+        "heave adapt --show psxn > my_mru.yaml",
+        "heave adapt my_mru.yaml my_load_cell.yaml    # in another terminal: heave run ... --external wave_vessel",
+    ),
+    add_arguments=add_arguments,
+    execute=execute,
+)
