@@ -16,7 +16,7 @@ from heave_node.interface import topics
 from heave_node.interface.messages import SensorMessages, message_type
 from heave_node.interface.sensors import SENSORS
 from heave_node.ros.transport.qos import qos_of
-from heave_node.tick.tick import nanoseconds_of
+from heave_node.tick.tick import nanoseconds_of, stamp_of
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import qos_profile_sensor_data
@@ -182,7 +182,7 @@ class LiveDevice:
             for path, entry in paths:
                 path.put(message, entry.factor * float(getattr(order, entry.quantity)))
             if hasattr(message, "header"):
-                message.header.stamp = self._node.get_clock().now().to_msg()
+                message.header.stamp = stamp_of(time.time_ns())
             publisher.publish(message)
 
         send(WinchOrder(0.0, 0.0, brake=True, sequence=0))  # a field that the type does not have is found here

@@ -98,4 +98,4 @@ def summary_table(devices: Sequence[LiveDevice]) -> Table:
     for name in names:
         figures = [figures_of(device).get(name, math.nan) for device in devices]
         rows.append([_plain(name), *("-" if math.isnan(value) else f"{value:.6g}" for value in figures)])
-    return make_table(("", *(device.device.name for device in devices)), rows)
+    return make_table(("count", *(device.device.name for device in devices)), rows)

@@ -12,10 +12,12 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from heave_node.devices.device_map import DeviceMap
 from heave_node.interface import topics
+from heave_node.interface.codes import without_figures
 from heave_node.ros.diagnostics import Health, Level, diagnostic_array
 from heave_node.ros.process import node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
+from rclpy.parameter import Parameter
 
 from heave_bringup.adapt.device import LiveDevice
 from heave_bringup.adapt.report import figures_of, health_of
@@ -44,7 +46,8 @@ class Session:
     def __init__(self, maps: Sequence[DeviceMap], namespace: str = "") -> None:
         prepare_environment()
         name = re.sub(r"\W", "_", maps[0].name)
-        self._node = node_beside(f"adapter_{name}_{os.getpid()}", namespace)
+        simulated_time = Parameter("use_sim_time", value=True)
+        self._node = node_beside(f"adapter_{name}_{os.getpid()}", namespace, parameter_overrides=[simulated_time])
         self.devices: list[LiveDevice] = []
         try:
             for device in maps:
@@ -56,6 +59,7 @@ class Session:
         self._health = self._node.create_publisher(DiagnosticArray, topics.DIAGNOSTICS.name, 10)
         self._before: list[dict[str, float]] = [{} for _ in self.devices]
         self._told: dict[str, str] = {}
+        self._warned: set[str] = set()
 
     def run(self, duration: float) -> None:
         """Serve for `duration` seconds of wall time, infinity for ever, or until Ctrl-C."""
@@ -87,12 +91,15 @@ class Session:
             self._tell(part)
 
     def _tell(self, part: Health) -> None:
-        """Say on the terminal what has changed of a device; counters that go on are in the diagnostics."""
-        kind = part.level.name if part.level in (Level.OK, Level.WARN) else f"{part.level.name}: {part.message}"
-        told = re.sub(r"[-+0-9.]+", "", kind)
-        if self._told.get(part.part, "OK") != told:
-            sys.stderr.write(f"{part.part}: {part.message if part.level is not Level.OK else 'all is well'}\n")
-        self._told[part.part] = told
+        """Say on the terminal what stops a device, and that it goes on; and once what else is wrong: it is counted."""
+        told = self._told.get(part.part, "")
+        now = without_figures(part.message) if part.level in (Level.ERROR, Level.STALE) else ""
+        self._told[part.part] = now
+        if now != told:
+            sys.stderr.write(f"{part.part}: {part.message if now else 'readings come again'}\n")
+        elif part.level is Level.WARN and part.part not in self._warned:
+            self._warned.add(part.part)
+            sys.stderr.write(f"{part.part}: {part.message}; more of it is counted, and shown at the end\n")
 
     def _leave(self) -> None:
         for device in self.devices:

@@ -1,8 +1,7 @@
 """Heave from a height or from a vertical velocity: what is slower than any sea is taken out as it comes.
 
 z' = y' - 2 zeta w z - w^2 (integral of z), that is Z/Y = s^2 / (s^2 + 2 zeta w s + w^2), w = 2 pi / period, zeta = 0.7:
-a
-constant height, and a constant error of the velocity, leave nothing. At a tenth of the period the phase leads by
+a constant height, and a constant error of the velocity, leave nothing. At a tenth of the period the phase leads by
 2 zeta / 10 = 8 degrees, at a thirtieth by 3: the longer the period the better the heave, and the slower it settles.
 """
 

@@ -40,7 +40,7 @@ class TakeCounters:
 
     Attributes
     ----------
-    invalid : values that the device calls invalid
+    invalid : samples of which something is called invalid, by the device or for its size
     implausible : values larger than the quantity can be, by quantity
     missing : fields that a message does not have, in words
     worst : in words, the last implausible value
@@ -88,9 +88,10 @@ class Taker:
             if prefix and not channel.field.startswith(prefix):
                 continue
             if field_name in sample.invalid or not self._is_valid_sample(sample, channel, prefix):
-                self._note_invalid(taken, name)
+                taken.invalid.add(name)
             elif field_name in sample.values:
                 self._put(taken, name, sample.values[field_name])
+        self.counters.invalid += bool(taken.invalid)
         return taken
 
     def of_message(self, topic: str, message: Any, time: float) -> Taken:
@@ -101,12 +102,13 @@ class Taker:
                 continue
             try:
                 if channel.valid and not channel.is_valid(_status(self._paths[channel.valid].of(message))):
-                    self._note_invalid(taken, name)
+                    taken.invalid.add(name)
                     continue
                 self._put(taken, name, self._number(channel, message))
             except LookupError as error:
                 words = str(error.args[0])
                 self.counters.missing[words] = self.counters.missing.get(words, 0) + 1
+        self.counters.invalid += bool(taken.invalid)
         return taken
 
     def _number(self, channel: Channel, message: Any) -> float:
@@ -125,10 +127,6 @@ class Taker:
         name = channel.valid.removeprefix(prefix)
         status = sample.values.get(name, sample.words.get(name))
         return status is not None and channel.is_valid(status)
-
-    def _note_invalid(self, taken: Taken, name: str) -> None:
-        self.counters.invalid += 1
-        taken.invalid.add(name)
 
     def _put(self, taken: Taken, name: str, raw: float) -> None:
         channel = self._channels[name]

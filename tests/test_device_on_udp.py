@@ -1,0 +1,92 @@
+"""A motion sensor and a load cell that know nothing of the suite but are on UDP, and the suite's controller on them."""
+
+import json
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from domain_coordinator import domain_id
+from heave_bags.mcap.reader import Bag
+
+from tests.loop_runs import command, environment
+from tests.udp_ship import AMPLITUDE, PERIOD
+
+MRU_MAP = """
+source: {{udp: {port}}}
+format: nmea
+clock: own
+heave: PNORSUB2.heave
+heave_rate: PNORSUB2.heave_rate
+roll: PNORSUB2.roll
+pitch: PNORSUB2.pitch
+"""
+CELL_MAP = """
+source: {{udp: {port}}}
+format: line
+pattern: '(?P<covered>RD,(?P<tension>[-0-9.]+),[-0-9.]+,[-0-9.]+,)(?P<checksum>\\d{{4}})$'
+checksum: sum
+tension: {{field: tension, unit: kN, sigma: 200.0}}
+"""
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@pytest.mark.slow
+def test_the_loop_compensates_by_a_motion_sensor_and_a_load_cell_on_udp(tmp_path):
+    """99 m that the sensor calls invalid, and 90 m with a wrong checksum, come every ten seconds."""
+    ports = free_port(), free_port()
+    maps = []
+    for name, text, port in (("sensor", MRU_MAP, ports[0]), ("cell", CELL_MAP, ports[1])):
+        maps.append(str(tmp_path / f"{name}.yaml"))
+        Path(maps[-1]).write_text(text.format(port=port))
+    options = ["--pacing", "realtime", "--duration", "45", "--external", "wave_vessel", "--external", "cable_sim"]
+    options += ["--set", "all.transient=30", "--set", "winch_controller.modes.settling_time=5.0", "--no-report"]
+    with domain_id() as domain:
+        ship = subprocess.Popen([sys.executable, str(Path(__file__).with_name("udp_ship.py")), *map(str, ports)])
+        adapter = subprocess.Popen(
+            command("adapt", *maps, "--json", str(tmp_path / "adapter.json")),
+            env=environment(domain),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            run = subprocess.run(
+                command("run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options),
+                env=environment(domain),
+                capture_output=True,
+                text=True,
+                timeout=180.0,
+                check=False,
+            )
+        finally:
+            adapter.send_signal(signal.SIGINT)
+            out, err = adapter.communicate(timeout=20.0)
+            ship.kill()
+            ship.wait()
+    assert run.returncode == 0, run.stdout + run.stderr + err
+    assert adapter.returncode == 0, err
+    columns = Bag(tmp_path / "run" / "bag").columns(
+        {"/mru": ["heave", "heave_rate", "status"], "/winch/load_cell": ["tension"], "/winch/state": ["encoder_payout"]}
+    )
+    good = columns["/mru"]["status"] == 0
+    assert np.abs(columns["/mru"]["heave"][good]).max() == pytest.approx(AMPLITUDE, rel=0.01)
+    assert np.isnan(columns["/mru"]["heave"][~good]).all()
+    assert (~good).sum() >= 2
+    assert columns["/winch/load_cell"]["tension"].mean() == pytest.approx(25e3, rel=0.02)
+    # the payout follows the swell: sigma of a sine is its amplitude over the root of two
+    last = columns["/winch/state"]["encoder_payout"][-round(2.0 * PERIOD / 0.05) :]
+    assert last.std() == pytest.approx(AMPLITUDE / np.sqrt(2.0), rel=0.1)
+    figures = json.loads((tmp_path / "adapter.json").read_text())
+    assert figures["sensor"]["checksum_errors"] >= 2
+    assert figures["sensor"]["invalid"] >= 2
+    assert figures["cell"]["checksum_errors"] == 0
+    assert "readings" in out
