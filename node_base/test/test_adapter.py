@@ -1,0 +1,128 @@
+"""A device behind its map: bytes or messages in, readings of the suite out."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from heave_node.devices.adapter import Adapter, WinchReading
+from heave_node.devices.device_map import device_map_of
+from heave_node.devices.sample import Sample, TimeBase
+from heave_node.interface.codes import MruStatus
+from heave_node.interface.sensors import mru_reading
+
+from node_base.test.test_nmea import sealed
+
+PNORSUB2 = {
+    "format": "nmea",
+    **{name: f"PNORSUB2.{name}" for name in ("heave", "heave_rate", "roll", "pitch")},
+}
+
+
+def mru(adapter, *sentences, step=0.1):
+    decoder = adapter.device.decoder()
+    made = [adapter.on_samples(decoder.feed(line), step * n) for n, line in enumerate(sentences)]
+    return [mru_reading(reading) for readings in made for _, reading in readings]
+
+
+def norsub(heave, rate=0.0, ok=1, milliseconds=1000, pitch=0.0):
+    return sealed(f"PNORSUB2,{milliseconds},2,0.0,{pitch},0.0,{heave},{rate},{ok}")
+
+
+def test_a_sentence_becomes_a_reading_of_the_boom_tip():
+    adapter = Adapter(device_map_of("m", PNORSUB2))
+    first, second = mru(adapter, norsub(1.35, 0.2), norsub(1.3))
+    assert (first.heave, first.heave_rate, first.status, first.sequence) == (-1.35, -0.2, MruStatus.OK, 1)
+    assert second.sequence == 2
+    assert math.isnan(first.heave_acceleration)
+    assert first.time == 0.0, "the time of arrival counts"
+
+
+def test_an_invalid_sample_is_told_and_holds_no_heave():
+    adapter = Adapter(device_map_of("m", PNORSUB2))
+    bad, big = mru(adapter, norsub(99.0, ok=0), norsub(99.0))
+    assert bad.status == big.status == MruStatus.INVALID
+    assert math.isnan(bad.heave)
+    assert math.isnan(big.heave), "99 m is no heave, whatever the status says"
+
+
+def test_its_own_clock_stamps_it_where_the_map_says_so():
+    adapter = Adapter(device_map_of("m", {**PNORSUB2, "clock": "own"}))
+    (reading,) = mru(adapter, norsub(0.0, milliseconds=203798))
+    assert reading.time == pytest.approx(203.798)
+
+
+def test_roll_and_pitch_of_another_sentence_are_used_while_they_are_fresh():
+    content = {
+        "format": "nmea",
+        "heave": "PSXN23.heave",
+        "heave_rate": "PSXN24.heave_rate",
+        "timeout": 0.5,
+    }
+    adapter = Adapter(device_map_of("m", content))
+    rate, motion = sealed("PSXN,24,0,0,0,-0.25"), sealed("PSXN,23,0,0,0,-1.0")
+    readings = mru(adapter, rate, motion, motion, motion, motion, motion, motion, motion)
+    assert readings[0].heave_rate == 0.25
+    assert math.isnan(readings[-1].heave_rate), "an old rate is not measured"
+    assert readings[-1].heave == 1.0
+
+
+def test_a_lever_arm_carries_heave_by_pitch():
+    adapter = Adapter(device_map_of("m", {**PNORSUB2, "lever_arm": [10.0, 0.0, 0.0]}))
+    level, up = mru(adapter, norsub(0.0), norsub(0.0, pitch=2.0), step=1e-3)
+    assert level.heave == 0.0
+    assert up.heave == pytest.approx(10.0 * math.sin(math.radians(2.0)), rel=1e-3), "bow up lifts what is forward"
+
+
+def test_a_line_gives_a_winch_and_a_load_cell():
+    content = {
+        "format": "line",
+        "pattern": "(?P<t>[-.0-9]+),(?P<p>[-.0-9]+)",
+        "tension": {"field": "t", "unit": "kN", "sigma": 100.0},
+        "payout": {"field": "p", "positive": "in", "zero_at_start": True},
+    }
+    adapter = Adapter(device_map_of("m", content))
+    made = [adapter.on_samples([Sample("LINE", {"t": 25.0, "p": 300.0 - 0.5 * n})], 0.1 * n) for n in range(10)]
+    (cell_topic, cell), (winch_topic, winch) = made[-1]
+    assert (cell_topic, winch_topic) == ("winch/load_cell", "winch/state")
+    assert cell.numbers == (25e3, 100.0)
+    assert isinstance(winch, WinchReading)
+    assert winch.payout == pytest.approx(4.5)
+    assert winch.payout_rate == pytest.approx(5.0), "by its last positions, since it says none"
+    assert winch.tension == 25e3
+    assert math.isnan(winch.brake)
+
+
+def test_messages_of_two_topics_make_one_reading():
+    twist = {"topic": "/v", "type": "t", "field": "twist.linear.z"}
+    content = {
+        "clock": "own",
+        "heave": {**twist, "velocity": True, "high_pass": 200.0},
+        "heave_rate": twist,
+        "roll": {"topic": "/i", "type": "t", "field": "orientation", "part": "roll"},
+    }
+    adapter = Adapter(device_map_of("m", content))
+    turn = SimpleNamespace(orientation=SimpleNamespace(x=math.sin(0.05), y=0.0, z=0.0, w=math.cos(0.05)))
+    omega, readings = 2.0 * math.pi / 8.0, []
+    for n in range(8000):
+        t = 0.05 * n
+        assert not adapter.on_message("/i", turn, round(t * 1e9), 0.0)
+        velocity = SimpleNamespace(twist=SimpleNamespace(linear=SimpleNamespace(z=omega * math.cos(omega * t))))
+        ((_, reading),) = adapter.on_message("/v", velocity, 1 + round(t * 1e9), 0.0)
+        readings.append(mru_reading(reading))
+    assert readings[100].status == MruStatus.SETTLING
+    last = readings[-320:]
+    assert {reading.status for reading in last} == {MruStatus.OK}
+    assert last[-1].roll == pytest.approx(0.1)
+    # the theory: a phase lead of 2 * 0.7 * 8 / 200 rad; 6 % of the amplitude at most
+    error = [reading.heave - math.sin(omega * reading.time) for reading in last]
+    assert np.max(np.abs(error)) < 0.07
+
+
+def test_utc_of_the_day_is_a_stamp_of_its_own():
+    content = {"format": "nmea", "clock": "own", "heave": {"field": "PASHR.heave", "positive": "down"}}
+    adapter = Adapter(device_map_of("m", content))
+    sample = Sample("PASHR", {"heave": 0.5}, time=59_429.0, time_base=TimeBase.DAY)
+    ((_, reading),) = adapter.on_samples([sample], 3.0)
+    assert reading.stamp == 59_429_000_000_000
+    assert reading.numbers[0] == -0.5
