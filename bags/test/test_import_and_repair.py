@@ -11,9 +11,10 @@ from heave_bags.mcap.bag_writer import BagPolicy, BagWriter
 from heave_bags.mcap.reader import Bag
 from heave_bags.mcap.writer import ChunkPolicy
 from heave_bags.play import sea_import, sea_mapping
-from heave_bags.play.sea_import import boom_tip_motion, euler_part, import_sea, integrated_twice
+from heave_bags.play.sea_import import boom_tip_motion, euler_part, import_sea, integrated
 from heave_bags.play.sea_mapping import Channel, SeaMapping
 from heave_msgs.msg import MruSample
+from heave_node.devices.channel import DEFAULT_CUT_OFF
 from hypothesis import given
 from hypothesis import strategies as st
 from made_up_run import MadeUpRun, header
@@ -70,7 +71,7 @@ def test_acceleration_is_integrated_to_the_heave_it_came_from(ship):
 
 def test_double_integration_of_a_whole_number_of_waves_is_exact():
     time = np.arange(0.0, 160.0, 0.05)
-    motion = integrated_twice(-(OMEGA**2) * np.sin(OMEGA * time) + 9.8, 0.05, sea_mapping.DEFAULT_CUT_OFF)
+    motion = integrated(-(OMEGA**2) * np.sin(OMEGA * time) + 9.8, 0.05, DEFAULT_CUT_OFF)
     assert np.abs(motion - np.sin(OMEGA * time)).max() < 1e-9
 
 

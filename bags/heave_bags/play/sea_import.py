@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from heave_node.devices.channel import Channel
 from heave_node.files.plausible import PLAUSIBLE, question, refusal, sea_question
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.spectral_estimate import RecordTooShortError, height_and_period
@@ -20,8 +21,9 @@ from scipy.interpolate import CubicSpline
 
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import TIME, Bag
+from heave_bags.play.device_log import device_signals
 from heave_bags.play.sample_checks import Findings, is_valid, without_fill, without_standstill
-from heave_bags.play.sea_mapping import Channel, SeaMapping, mapping_for_topic
+from heave_bags.play.sea_mapping import SeaMapping, mapping_for_topic
 from heave_bags.play.ship_log import ShipLog, is_text
 from heave_bags.play.ship_time import time_words
 from heave_bags.play.stretches import longest_stretch
@@ -75,7 +77,7 @@ def import_sea(
             ShipLog(source)
             raise BagError(f"{source}: is a log in columns, not a bag: give --column or --mapping")
         mapping = mapping_for_topic(Bag(source), mapping)
-    signals = _log_signals(source, mapping, findings) if is_log else _bag_signals(source, mapping, findings)
+    signals = _signals(source, mapping, findings, is_log=is_log)
     checked = {name: _checked(source, name, signal, mapping, findings) for name, signal in signals.items()}
     interval = float(np.median(np.diff(checked["heave"].time)))
     if interval > window.bridge or interval < PLAUSIBLE["sample interval"].least:
@@ -98,6 +100,13 @@ def import_sea(
     findings.ask(_sea_question(sea.position[:, 2], 1.0 / mapping.rate))
     _refuse(source, findings)
     return sea
+
+
+def _signals(source: Path, mapping: SeaMapping, findings: Findings, *, is_log: bool) -> dict[str, Signal]:
+    """Return the channels of a record as it has them."""
+    if mapping.device is not None:
+        return device_signals(source, mapping.device, list(mapping.channels), findings)
+    return _log_signals(source, mapping, findings) if is_log else _bag_signals(source, mapping, findings)
 
 
 def _refuse(source: Path, findings: Findings) -> None:
@@ -165,7 +174,10 @@ def _bag_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[
         value = euler_part(channel.part, *values) if channel.part else values[0]
         if valid:
             status = np.asarray(topic[valid]).astype(np.int64)
-            value = findings.without_invalid(name, value, is_valid(status, channel.invalid_bits), valid)
+            is_good = is_valid(status, channel.invalid_bits)
+            if channel.valid_values:
+                is_good = np.isin(status, [value for value in channel.valid_values if isinstance(value, float)])
+            value = findings.without_invalid(name, value, is_good, valid)
         signals[name] = Signal(topic[TIME], value)
     return signals
 
@@ -203,7 +215,7 @@ def _log_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[
         if valid:
             value = findings.without_invalid(name, value, log.validity(valid, channel.invalid_bits), valid)
         unit, size = log.stated_scale(channel.column, name)
-        if unit and channel.scale == 1.0:
+        if unit and channel.scale == 1.0 and not (channel.unit or channel.positive):
             findings.ask(
                 f"column {channel.column} is in {unit} by its heading: give --scale {size:.6g}, or scale in a mapping;"
             )
@@ -215,7 +227,7 @@ def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findi
     """Return the usable samples of a channel, in metres or radians, in order of time."""
     channel = mapping.channels[name]
     good = np.isfinite(signal.value) & np.isfinite(signal.time)
-    time, value = signal.time[good], channel.scale * signal.value[good] + channel.offset
+    time, value = signal.time[good], channel.factor(name) * signal.value[good] + channel.offset
     later = np.ones(time.size, dtype=bool)
     if time.size:
         later[1:] = time[1:] > np.maximum.accumulate(time)[:-1]
@@ -226,7 +238,7 @@ def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findi
             f"{name}: {left_out} samples that are not numbers or not later than their predecessor skipped{cause}"
         )
     checked = Signal(time[later], value[later])
-    checked = without_fill(name, checked, "" if channel.acceleration else name, findings)
+    checked = without_fill(name, checked, "" if channel.acceleration or channel.velocity else name, findings)
     checked = without_standstill(name, checked, findings)
     if channel.acceleration:
         findings.ask(_gravity_question(name, checked.value))
@@ -263,23 +275,32 @@ def _near(signal: Signal, start: float, end: float, margin: float) -> Signal:
 def _resampled(signal: Signal, channel: Channel, start: float, time: Array) -> Array:
     """Return a channel at times after a start [s]; counted from there, so that Unix time costs no digits."""
     values: Array = CubicSpline(signal.time - start, signal.value)(time)
-    return integrated_twice(values, float(time[1] - time[0]), channel.cut_off) if channel.acceleration else values
+    if not (channel.acceleration or channel.velocity):
+        return values
+    return integrated(values, float(time[1] - time[0]), channel.cut_off, times=2 if channel.acceleration else 1)
 
 
-def integrated_twice(acceleration: Array, period: float, cut_off: float) -> Array:
-    """Return the motion whose second derivative is `acceleration`, about its mean, samples `period` [s] apart.
+def integrated(values: Array, period: float, cut_off: float, *, times: int = 2) -> Array:
+    """Return the motion about its mean of which samples, `period` [s] apart, are a derivative.
 
-    What is slower than `cut_off` [rad/s] is taken out. In the frequency domain: X = -A/omega^2, faded in over the half
-    octave below and above the cut-off. The ends of the record ring; whole records of minutes are meant.
+    Parameters
+    ----------
+    values : acceleration [m/s^2] or velocity [m/s]
+    period : of the samples [s]
+    cut_off : what is slower is taken out [rad/s]
+    times : 2 for an acceleration, 1 for a velocity
+
+    In the frequency domain: X = A/(i omega)^times, faded in over the half octave below and above the cut-off. The ends
+    of the record ring; whole records of minutes are meant.
     """
-    transform = np.fft.rfft(acceleration - acceleration.mean())
-    omega = 2.0 * math.pi * np.fft.rfftfreq(acceleration.size, period)
+    transform = np.fft.rfft(values - values.mean())
+    omega = 2.0 * math.pi * np.fft.rfftfreq(values.size, period)
     octaves = np.log2(np.maximum(omega, 1e-12) / cut_off)
     gain = np.clip(octaves + 0.5, 0.0, 1.0)
     gain = gain * gain * (3.0 - 2.0 * gain)
     with np.errstate(divide="ignore", invalid="ignore"):
-        motion = np.where(gain > 0.0, -transform * gain / omega**2, 0.0)
-    return np.asarray(np.fft.irfft(motion, acceleration.size))
+        motion = np.where(gain > 0.0, transform * gain / (1j * omega) ** times, 0.0)
+    return np.asarray(np.fft.irfft(motion, values.size))
 
 
 def write_sea(sea: ImportedSea, output: Path, source: Path) -> None:

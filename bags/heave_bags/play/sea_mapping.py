@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from heave_node.files.bounded_yaml import parse_yaml
-from heave_node.files.given_files import read_given
+from heave_node.devices.channel import Channel, MapError
+from heave_node.devices.device_map import DeviceMap, read_device_map
 from heave_node.interface.codes import MruStatus
 
 from heave_bags.errors import BagError
@@ -17,39 +15,6 @@ from heave_bags.mcap.reader import Bag
 from heave_bags.play.ship_time import DATE_ORDERS
 
 MOTIONS = ("surge", "sway", "heave", "roll", "pitch")
-EULER_PARTS = ("roll", "pitch", "yaw")
-DEFAULT_CUT_OFF = 2.0 * math.pi / 40.0
-"""Motion slower than this is taken out when acceleration is integrated [rad/s]: no sea is slower."""
-
-
-@dataclass(frozen=True)
-class Channel:
-    """Where one motion is found.
-
-    Attributes
-    ----------
-    topic, field : of a bag, such as "/imu/data", "linear_acceleration.z"; `field` may be a quaternion if `part`
-        is given
-    column : of a CSV log
-    part : "roll", "pitch" or "yaw" of a quaternion [rad]
-    scale, offset : motion = scale * value + offset, to metres or radians
-    acceleration : the value is an acceleration [m/s^2]; it is integrated twice
-    cut_off : what is slower is then taken out [rad/s]
-    valid : field of the same topic, or column, that calls each sample valid by a number other than 0 or a word such as
-        `true`; what is not valid is a gap. "": of a log, a column named after this one with `_valid`, or `valid`
-    invalid_bits : `valid` is a status instead, and a sample with one of these bits set is not valid
-    """
-
-    topic: str = ""
-    field: str = "data"
-    column: str = ""
-    part: str = ""
-    scale: float = 1.0
-    offset: float = 0.0
-    acceleration: bool = False
-    cut_off: float = DEFAULT_CUT_OFF
-    valid: str = ""
-    invalid_bits: int = 0
 
 
 @dataclass(frozen=True)
@@ -64,6 +29,7 @@ class SeaMapping:
         its name); numbers are seconds after the scale, or found out: see `ship_time`
     date_order : of dates with the year last, dmy or mdy; "": as the dates themselves show
     rate : samples per second of the result
+    device : the whole map, where the record is what a device sent, line by line; None: a bag, or columns
     """
 
     channels: Mapping[str, Channel]
@@ -72,53 +38,33 @@ class SeaMapping:
     time_scale: float = 1.0
     date_order: str = ""
     rate: float = 20.0
+    device: DeviceMap | None = None
 
 
 def read_mapping(path: Path) -> SeaMapping:
-    """Read the mapping file `path` (YAML). Raises BagError with the file and the entry that is wrong."""
+    """Read the mapping file `path` (YAML), or the map of a device: `heave_node.devices.device_map` has the form.
+
+    Raises BagError with the file and the entry that is wrong.
+    """
     try:
-        content = parse_yaml(read_given(path))
-    except (OSError, ValueError) as error:
-        raise BagError(f"{path}: cannot be read as a mapping: {' '.join(str(error).split())}") from error
-    if not isinstance(content, dict):
-        raise BagError(f"{path}: a mapping must name heave and where it is found")
-    entries = dict(content)
-    channels = {name: _channel(path, name, entries.pop(name)) for name in MOTIONS if name in entries}
+        device = read_device_map(path)
+    except MapError as error:
+        raise BagError(str(error)) from error
+    channels = {name: device.channels[name] for name in MOTIONS if name in device.channels}
     if "heave" not in channels:
         raise BagError(f"{path}: heave is missing: give its topic and field, or its column")
-    known = ("lever_arm", "time_column", "time_scale", "date_order", "rate")
-    unknown = sorted(set(entries) - set(known))
-    if unknown:
-        raise BagError(f"{path}: unknown entry {unknown[0]}; known: {', '.join((*MOTIONS, *known))}")
-    try:
-        arm = tuple(float(value) for value in entries.pop("lever_arm", (0.0, 0.0, 0.0)))
-        mapping = SeaMapping(channels, arm, **entries)  # type: ignore[arg-type]
-        if len(arm) != 3 or not mapping.rate > 0.0:
-            raise ValueError("lever_arm must have three numbers, rate must be above 0")
-        if mapping.date_order not in ("", *DATE_ORDERS):
-            raise ValueError(f"date_order must be one of {', '.join(DATE_ORDERS)}")
-    except (TypeError, ValueError) as error:
-        raise BagError(f"{path}: {error}") from error
-    return mapping
-
-
-def _channel(path: Path, name: str, entry: Any) -> Channel:
-    if not isinstance(entry, dict):
-        raise BagError(f"{path}: {name} must give topic and field, or column")
-    try:
-        channel = Channel(**entry)
-    except TypeError:
-        known = ", ".join(Channel.__dataclass_fields__)
-        raise BagError(f"{path}: {name} has an unknown entry; known: {known}") from None
-    if bool(channel.topic) == bool(channel.column):
-        raise BagError(f"{path}: {name} needs either a topic or a column")
-    if not isinstance(channel.invalid_bits, int) or channel.invalid_bits < 0:
-        raise BagError(f"{path}: {name}: invalid_bits must be a whole number such as 6 or 0x8000")
-    if channel.invalid_bits and not channel.valid:
-        raise BagError(f"{path}: {name}: invalid_bits needs valid: the column or field of the status")
-    if channel.part and channel.part not in EULER_PARTS:
-        raise BagError(f"{path}: {name}: part must be one of {', '.join(EULER_PARTS)}")
-    return channel
+    record = device.record
+    if record.date_order not in ("", *DATE_ORDERS):
+        raise BagError(f"{path}: date_order must be one of {', '.join(DATE_ORDERS)}")
+    return SeaMapping(
+        channels,
+        device.lever_arm,
+        record.time_column,
+        record.time_scale,
+        record.date_order,
+        record.rate,
+        device if device.format else None,
+    )
 
 
 def mapping_for_topic(bag: Bag, topic: str) -> SeaMapping:

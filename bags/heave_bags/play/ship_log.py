@@ -219,8 +219,8 @@ def _refuse_sentences(lines: Sequence[str]) -> None:
     if found and 2 * len(found) > len([line for line in lines[:200] if line.strip()]):
         kinds = ", ".join(dict.fromkeys(found))
         raise ColumnsError(
-            f"this is NMEA 0183 ({kinds}): sentences, not columns under headings; write the time and the heave of one "
-            "sentence into columns first"
+            f"this is NMEA 0183 ({kinds}): sentences, not columns under headings: say by --mapping which field of "
+            "which sentence is heave, as the maps of `heave adapt --list` do"
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import threading
 from collections.abc import Callable
@@ -173,5 +174,5 @@ class Sender:
 
 
 def _words(error: BaseException) -> str:
-    strerror = getattr(error, "strerror", None)
-    return " ".join(str(strerror or error).split())
+    number = getattr(error, "errno", None)  # pyserial puts the name of the port into the text once more
+    return os.strerror(number) if isinstance(number, int) else " ".join(str(error).split())

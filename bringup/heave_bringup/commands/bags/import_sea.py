@@ -31,7 +31,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     chosen.add_argument("--topic", help="the one topic of a standard type that holds the motion")
     chosen.add_argument("--column", help="the one column of a log that holds heave [m], positive up")
     chosen.add_argument(
-        "--mapping", type=Path, metavar="FILE", help="mapping file: where to find surge, heave, roll..."
+        "--mapping",
+        type=Path,
+        metavar="FILE",
+        help="mapping file: where to find surge, heave, roll...; the map of a device (heave adapt) reads its log",
     )
     parser.add_argument(
         "--output", type=Path, required=True, metavar="FILE", help="CSV file to write, for wave_vessel's file source"
@@ -119,7 +122,10 @@ def execute(options: argparse.Namespace) -> None:
 
 def _mapping_of(options: argparse.Namespace) -> SeaMapping | str:
     """Return where the motion is found, as `options` say: a mapping, or the name of a topic."""
-    from heave_bags.play.sea_mapping import Channel, SeaMapping, read_mapping
+    from heave_bags.play.sea_mapping import SeaMapping, read_mapping
+    from heave_node.devices.channel import Channel
+
+    from heave_bringup.adapt.shipped import shipped_maps
 
     of_log = {
         name: value
@@ -133,7 +139,8 @@ def _mapping_of(options: argparse.Namespace) -> SeaMapping | str:
             raise CommandError(f"--{next(iter(of_log)).replace('_', '-')}: belongs to a log, not to --topic of a bag")
         return str(options.topic)
     if options.mapping:
-        return replace(read_mapping(options.mapping), **of_log)
+        path = options.mapping
+        return replace(read_mapping(path if path.exists() else shipped_maps().get(str(path), path)), **of_log)
     scale = 1.0 if options.scale is None else options.scale
     return SeaMapping({"heave": Channel(column=options.column, scale=scale)}, **of_log)
 
@@ -221,6 +228,7 @@ COMMAND = Command(
     examples=(
         "heave import sea_trial/ --topic /imu/data --output sea.csv",
         "heave import mru.csv --column heave_m --output sea.csv --scenario sea.yaml --like unit_1500",
+        "heave import seapath.nmea --mapping psxn --output sea.csv",
     ),
     add_arguments=add_arguments,
     execute=execute,
