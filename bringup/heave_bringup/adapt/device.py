@@ -99,8 +99,7 @@ class LiveDevice:
         """Stop the winch, and close the link."""
         with self._lock:
             if self.device.command is not None and self.sent:
-                order = self._handshake.order(time.monotonic())
-                self._send(order._replace(payout_rate=0.0, brake=True))
+                self._pass_on(self._handshake.order(time.monotonic())._replace(payout_rate=0.0, brake=True))
         if self.link is not None:
             self.link.close()
         if self._out is not None:
@@ -177,15 +176,21 @@ class LiveDevice:
         publisher = self._node.create_publisher(kind, command.topic, 10)
         paths = [(FieldPath(order.path), order) for order in command.orders]
 
-        def send(order: WinchOrder) -> None:
+        def message_of(order: WinchOrder) -> Any:
             message = kind()
             for path, entry in paths:
                 path.put(message, entry.factor * float(getattr(order, entry.quantity)))
             if hasattr(message, "header"):
                 message.header.stamp = stamp_of(time.time_ns())
-            publisher.publish(message)
+            return message
 
-        send(WinchOrder(0.0, 0.0, brake=True, sequence=0))  # a field that the type does not have is found here
+        def send(order: WinchOrder) -> None:
+            publisher.publish(message_of(order))
+
+        try:
+            message_of(WinchOrder(0.0, 0.0, brake=True, sequence=0))
+        except (LookupError, TypeError, AssertionError) as error:
+            raise CommandError(f"{self.device.name}: command: set: {error}") from None
         return send
 
     def _on_command(self, message: Any) -> None:
@@ -193,7 +198,7 @@ class LiveDevice:
         order = WinchOrder(message.payout, message.payout_rate, message.brake, message.sequence)
         with self._lock:
             self._handshake.take(now, order, self._rate)
-            self._send(self._handshake.order(now))
+            self._pass_on(self._handshake.order(now))
             self.sent += 1
             self._commanded = now
 
@@ -203,4 +208,15 @@ class LiveDevice:
         if self.device.command is None or not self.sent or now - self._commanded < self.device.command.timeout:
             return
         with self._lock:
-            self._send(self._handshake.order(now))
+            self._pass_on(self._handshake.order(now))
+
+    def _pass_on(self, order: WinchOrder) -> None:
+        """Send an order in the drive's own payout; a drum that is to stop is told to stay where it is.
+
+        So nothing is sent to a position loop before the drive has said where it is.
+        """
+        place = self.adapter.newest.get("payout")
+        if place is None:
+            return
+        payout = (place if order.brake else order.payout) + self.adapter.taker.zeros.get("payout", 0.0)
+        self._send(order._replace(payout=payout))

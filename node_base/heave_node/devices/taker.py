@@ -58,6 +58,11 @@ class Taker:
     Parameters
     ----------
     device : the map
+
+    Attributes
+    ----------
+    counters : of what was not used
+    zeros : first values of quantities that count from there, SI units
     """
 
     def __init__(self, device: DeviceMap) -> None:
@@ -70,7 +75,7 @@ class Taker:
             for name, channel in self._channels.items()
             if channel.high_pass or channel.velocity
         }
-        self._zeros: dict[str, float] = {}
+        self.zeros: dict[str, float] = {}
         self._paths = {
             text: FieldPath(text)
             for channel in self._channels.values()
@@ -132,7 +137,7 @@ class Taker:
         channel = self._channels[name]
         value = self._factors[name] * raw + channel.offset
         if channel.zero_at_start:
-            value -= self._zeros.setdefault(name, value)
+            value -= self.zeros.setdefault(name, value)
         if name in self._filters:
             filtered = self._filters[name]
             value = (filtered.add_rate if channel.velocity else filtered.add)(taken.time, value)

@@ -1,0 +1,89 @@
+"""A device in a run, with a node that only keeps what is published: ros2_control, both ways."""
+
+from types import SimpleNamespace
+
+import pytest
+from heave_bringup.adapt.device import LiveDevice
+from heave_bringup.adapt.report import figures_of, health_of
+from heave_bringup.adapt.shipped import find_map
+from heave_bringup.errors import CommandError
+from heave_msgs.msg import WinchCommand
+from heave_node.devices.device_map import device_map_of
+from heave_node.ros.diagnostics import Level
+from sensor_msgs.msg import JointState
+
+
+class Node:
+    def __init__(self):
+        self.callbacks, self.sent = {}, {}
+
+    def create_subscription(self, kind, topic, callback, _):
+        del kind
+        self.callbacks[topic] = callback
+
+    def create_publisher(self, kind, topic, _):
+        del kind
+        self.sent[topic] = []
+        return SimpleNamespace(publish=self.sent[topic].append)
+
+
+def joints(position, velocity=0.0):
+    message = JointState(name=["slew", "drum"], position=[0.0, position], velocity=[0.0, velocity])
+    message.header.stamp.sec = 1
+    return message
+
+
+def test_a_velocity_controller_gets_the_rate_in_turns_of_its_drum():
+    node = Node()
+    device = LiveDevice(find_map("ros2_control_velocity"), node)
+    node.callbacks["/joint_states"](joints(690.0))
+    node.callbacks["winch/command"](WinchCommand(sequence=1, payout_rate=0.3))
+    (message,) = node.sent["/velocity_controller/commands"]
+    assert list(message.data) == [pytest.approx(0.6)]
+    node.callbacks["/joint_states"](joints(690.5, 0.6))
+    state = node.sent["winch/state"][-1]
+    assert (state.encoder_payout, state.encoder_payout_rate, state.command_sequence) == (0.25, pytest.approx(0.3), 1)
+    assert not state.brake
+    assert state.fault == 0
+    device.close()
+    assert list(node.sent["/velocity_controller/commands"][-1].data) == [0.0], "at the end it is told to stop"
+
+
+def test_a_position_controller_is_told_where_in_its_own_count_and_stays_there_to_stop():
+    node = Node()
+    LiveDevice(find_map("ros2_control_position"), node)
+    sent = node.sent["/position_controller/commands"]
+    node.callbacks["winch/command"](WinchCommand(sequence=1, payout=0.0, brake=True))
+    assert not sent, "before the drum has said where it is nothing is sent: 0 would be a jump"
+    node.callbacks["/joint_states"](joints(690.0))
+    node.callbacks["winch/command"](WinchCommand(sequence=2, payout=0.0, brake=True))
+    assert list(sent[-1].data) == [690.0]
+    node.callbacks["winch/command"](WinchCommand(sequence=3, payout=0.5))
+    assert list(sent[-1].data) == [691.0]
+    node.callbacks["/joint_states"](joints(690.8))
+    node.callbacks["winch/command"](WinchCommand(sequence=4, payout=9.0, brake=True))
+    assert list(sent[-1].data) == [pytest.approx(690.8)], "it stays where it is"
+
+
+def test_a_field_that_the_command_does_not_have_is_refused_at_the_start():
+    command = {"topic": "/c", "type": "std_msgs/msg/Float64", "set": {"datum": "payout_rate"}}
+    payout = {"topic": "/j", "type": "sensor_msgs/msg/JointState", "field": "position[0]"}
+    with pytest.raises(CommandError, match="there is no field datum"):
+        LiveDevice(device_map_of("m", {"payout": payout, "command": command}), Node())
+
+
+def test_health_says_what_is_wrong_and_where_to_look():
+    node = Node()
+    device = LiveDevice(find_map("odometry"), node)
+    assert health_of(device, {}).level is Level.STALE
+    assert "nothing received. Check power, cable" in health_of(device, {}).message
+    before = figures_of(device)
+    node.callbacks["/odometry"](joints(1.0))
+    health = health_of(device, before)
+    assert health.level is Level.ERROR
+    assert "there is no field pose.pose.position.z" in health.message
+
+
+def test_a_type_that_is_not_installed_is_refused_with_what_to_do():
+    with pytest.raises(CommandError, match="novatel_oem7_msgs/msg/INSPVA is not installed: build its package, source"):
+        LiveDevice(find_map("novatel_inspva"), Node())
