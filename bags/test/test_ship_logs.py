@@ -9,8 +9,7 @@ from heave_bags.errors import BagError
 from heave_bags.play.sea_import import import_sea
 from heave_bags.play.sea_mapping import Channel, SeaMapping
 from heave_bags.play.ship_time import time_words, unix_time
-from heave_bags.play.stretches import longest_stretch
-from heave_bags.play.window import Window
+from heave_bags.play.stretches import Window, longest_stretch
 from heave_bags.signals import Signal
 from hypothesis import given
 from hypothesis import strategies as st

@@ -8,7 +8,7 @@ from heave_bringup.adapt.report import figures_of, health_of
 from heave_bringup.adapt.shipped import find_map
 from heave_bringup.errors import CommandError
 from heave_msgs.msg import WinchCommand
-from heave_node.devices.device_map import device_map_of
+from heave_node.devices.maps.device_map import device_map_of
 from heave_node.ros.diagnostics import Level
 from sensor_msgs.msg import JointState
 

@@ -12,7 +12,7 @@ import pytest
 from heave_bags.play.sea_import import import_sea
 from heave_bags.play.sea_mapping import read_mapping
 from heave_bringup.adapt.shipped import find_map, shipped_maps, title_of
-from heave_node.devices.adapter import Adapter
+from heave_node.devices.live.adapter import Adapter
 from heave_node.interface.codes import MruStatus
 from heave_node.interface.sensors import mru_reading
 from rosbags.rosbag2 import StoragePlugin, Writer

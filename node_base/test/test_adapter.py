@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from heave_node.devices.adapter import Adapter, WinchReading
-from heave_node.devices.device_map import device_map_of
-from heave_node.devices.sample import Sample, TimeBase
+from heave_node.devices.formats.sample import Sample, TimeBase
+from heave_node.devices.live.adapter import Adapter, WinchReading
+from heave_node.devices.maps.device_map import device_map_of
 from heave_node.interface.codes import MruStatus
 from heave_node.interface.sensors import mru_reading
 

@@ -3,8 +3,8 @@
 import math
 
 import pytest
-from heave_node.devices.channel import MapError
-from heave_node.devices.device_map import device_map_of, read_device_map
+from heave_node.devices.maps.channel import MapError
+from heave_node.devices.maps.device_map import device_map_of, read_device_map
 from heave_node.files.bounded_yaml import parse_yaml
 
 PSXN = {"format": "nmea", "source": {"udp": 7001}, "heave": "PSXN23.heave"}

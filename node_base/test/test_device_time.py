@@ -1,7 +1,7 @@
 """The own time of a device only goes on."""
 
-from heave_node.devices.device_time import COUNTER_WRAP, DeviceTime
-from heave_node.devices.sample import Sample, TimeBase
+from heave_node.devices.formats.device_time import COUNTER_WRAP, DeviceTime
+from heave_node.devices.formats.sample import Sample, TimeBase
 
 
 def at(time, base, kind="X"):

@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
-from heave_node.devices.field_path import FieldPath
+from heave_node.devices.maps.field_path import FieldPath
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 

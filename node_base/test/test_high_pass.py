@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.devices.high_pass import HighPass
+from heave_node.devices.live.high_pass import HighPass
 
 PERIOD, SWELL, STEP = 200.0, 10.0, 0.05
 TIME = STEP * np.arange(round(1000.0 / STEP))

@@ -4,8 +4,8 @@ import math
 import struct
 
 import pytest
-from heave_node.devices.kongsberg import EmAttitudeDecoder, KmBinaryDecoder
-from heave_node.devices.sample import TimeBase
+from heave_node.devices.formats.kongsberg import EmAttitudeDecoder, KmBinaryDecoder
+from heave_node.devices.formats.sample import TimeBase
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -2,7 +2,7 @@
 
 import math
 
-from heave_node.devices.link_watch import LinkWatch
+from heave_node.devices.live.link_watch import LinkWatch
 
 
 def test_gaps_bursts_and_silence_are_counted():

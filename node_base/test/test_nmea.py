@@ -5,8 +5,8 @@ import math
 import operator
 
 import pytest
-from heave_node.devices.nmea import NmeaDecoder
-from heave_node.devices.sample import TimeBase
+from heave_node.devices.formats.nmea import NmeaDecoder
+from heave_node.devices.formats.sample import TimeBase
 from heave_node.interface.codes import MruStatus
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,7 @@
 """Lines by a pattern: a winch's display as its manual describes it, and a load cell's."""
 
 import pytest
-from heave_node.devices.pattern import PatternDecoder
+from heave_node.devices.formats.pattern import PatternDecoder
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -4,9 +4,9 @@ import math
 from types import SimpleNamespace
 
 import pytest
-from heave_node.devices.device_map import device_map_of
-from heave_node.devices.sample import Sample
-from heave_node.devices.taker import Taker, euler_angle
+from heave_node.devices.formats.sample import Sample
+from heave_node.devices.live.taker import Taker, euler_angle
+from heave_node.devices.maps.device_map import device_map_of
 from hypothesis import given
 from hypothesis import strategies as st
 

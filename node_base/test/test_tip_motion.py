@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.devices.tip_motion import TipMotion
+from heave_node.devices.live.tip_motion import TipMotion
 
 ARM = (20.0, -8.0, 15.0)
 NAN = (math.nan, math.nan)

@@ -6,7 +6,7 @@ Where a page shows one space for two, the second is put back: the texts say that
 import math
 
 import pytest
-from heave_node.devices.tss1 import Tss1Decoder
+from heave_node.devices.formats.tss1 import Tss1Decoder
 from heave_node.interface.codes import MruStatus
 from hypothesis import given
 from hypothesis import strategies as st

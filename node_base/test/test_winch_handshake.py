@@ -2,7 +2,7 @@
 
 import math
 
-from heave_node.devices.winch_handshake import WinchHandshake, WinchOrder
+from heave_node.devices.live.winch_handshake import WinchHandshake, WinchOrder
 from heave_node.interface.codes import WinchFault, WinchRelease
 
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from heave_node.devices.channel import Channel
-from heave_node.devices.device_map import DeviceMap
-from heave_node.devices.device_time import DeviceTime
-from heave_node.devices.formats import FORMATS, LINE
-from heave_node.devices.sample import Counters, Decoder, Sample
+from heave_node.devices.formats.device_time import DeviceTime
+from heave_node.devices.formats.sample import Counters, Decoder, Sample
+from heave_node.devices.formats.table import FORMATS, LINE
+from heave_node.devices.maps.channel import Channel
+from heave_node.devices.maps.device_map import DeviceMap
 from heave_node.files.given_files import read_given
 from heave_node.numerics.arrays import Array
 

@@ -10,7 +10,7 @@ from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
 from heave_bags.play.ship_time import time_words
-from heave_bags.play.window import LONGEST_BRIDGE
+from heave_bags.play.stretches import LONGEST_BRIDGE
 from heave_bags.signals import Signal
 
 _FAR = 3.0

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from heave_node.devices.channel import Channel
+from heave_node.devices.maps.channel import Channel
 from heave_node.files.plausible import PLAUSIBLE, question, refusal, sea_question
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.spectral_estimate import RecordTooShortError, height_and_period
@@ -26,8 +26,7 @@ from heave_bags.play.sample_checks import Findings, is_valid, without_fill, with
 from heave_bags.play.sea_mapping import SeaMapping, mapping_for_topic
 from heave_bags.play.ship_log import ShipLog, is_text
 from heave_bags.play.ship_time import time_words
-from heave_bags.play.stretches import longest_stretch
-from heave_bags.play.window import Window
+from heave_bags.play.stretches import Window, longest_stretch
 from heave_bags.signals import Signal
 
 WHOLE = Window()

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from heave_node.devices.channel import Channel, MapError
-from heave_node.devices.device_map import DeviceMap, read_device_map
+from heave_node.devices.maps.channel import Channel, MapError
+from heave_node.devices.maps.device_map import DeviceMap, read_device_map
 from heave_node.interface.codes import MruStatus
 
 from heave_bags.errors import BagError
@@ -42,7 +42,7 @@ class SeaMapping:
 
 
 def read_mapping(path: Path) -> SeaMapping:
-    """Read the mapping file `path` (YAML), or the map of a device: `heave_node.devices.device_map` has the form.
+    """Read the mapping file `path` (YAML), or the map of a device: `heave_node.devices.maps.device_map` has the form.
 
     Raises BagError with the file and the entry that is wrong.
     """

@@ -7,11 +7,11 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from heave_node.devices.adapter import WINCH_STATE, Adapter, WinchReading
-from heave_node.devices.device_map import DeviceMap
-from heave_node.devices.field_path import FieldPath
-from heave_node.devices.sample import Counters, Decoder
-from heave_node.devices.winch_handshake import WinchHandshake, WinchOrder
+from heave_node.devices.formats.sample import Counters, Decoder
+from heave_node.devices.live.adapter import WINCH_STATE, Adapter, WinchReading
+from heave_node.devices.live.winch_handshake import WinchHandshake, WinchOrder
+from heave_node.devices.maps.device_map import DeviceMap
+from heave_node.devices.maps.field_path import FieldPath
 from heave_node.interface import topics
 from heave_node.interface.messages import SensorMessages, message_type
 from heave_node.interface.sensors import SENSORS

@@ -6,8 +6,8 @@ import math
 from typing import Any
 
 from heave_msgs.msg import PointMotion, WinchState
-from heave_node.devices.adapter import WinchReading
-from heave_node.devices.winch_handshake import WinchHandshake, WinchOrder
+from heave_node.devices.live.adapter import WinchReading
+from heave_node.devices.live.winch_handshake import WinchHandshake, WinchOrder
 from heave_node.interface.codes import WinchFault
 from heave_node.interface.messages import message_type
 from heave_node.tick.tick import stamp_of

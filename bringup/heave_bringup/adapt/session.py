@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from heave_node.devices.device_map import DeviceMap
+from heave_node.devices.maps.device_map import DeviceMap
 from heave_node.interface import topics
 from heave_node.interface.codes import without_figures
 from heave_node.ros.diagnostics import Health, Level, diagnostic_array

@@ -5,8 +5,8 @@ from __future__ import annotations
 from importlib import resources
 from pathlib import Path
 
-from heave_node.devices.channel import MapError
-from heave_node.devices.device_map import DeviceMap, read_device_map
+from heave_node.devices.maps.channel import MapError
+from heave_node.devices.maps.device_map import DeviceMap, read_device_map
 
 from heave_bringup.errors import CommandError
 

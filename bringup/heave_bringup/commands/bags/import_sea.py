@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_bags.play.ship_time import DATE_ORDERS
-from heave_bags.play.window import DEFAULT_BRIDGE, LONGEST_BRIDGE, Window
+from heave_bags.play.stretches import DEFAULT_BRIDGE, LONGEST_BRIDGE, Window
 
 from heave_bringup.commands.command import Command, add_model
 from heave_bringup.errors import CommandError
@@ -123,7 +123,7 @@ def execute(options: argparse.Namespace) -> None:
 def _mapping_of(options: argparse.Namespace) -> SeaMapping | str:
     """Return where the motion is found, as `options` say: a mapping, or the name of a topic."""
     from heave_bags.play.sea_mapping import SeaMapping, read_mapping
-    from heave_node.devices.channel import Channel
+    from heave_node.devices.maps.channel import Channel
 
     from heave_bringup.adapt.shipped import shipped_maps
 

@@ -12,7 +12,7 @@ from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
-    from heave_node.devices.device_map import DeviceMap
+    from heave_node.devices.maps.device_map import DeviceMap
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

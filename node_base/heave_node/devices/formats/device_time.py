@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from heave_node.devices.sample import DAY, Sample, TimeBase
+from heave_node.devices.formats.sample import DAY, Sample, TimeBase
 
 COUNTER_WRAP = 2.0**32 * 1e-3
 """A counter of milliseconds in 32 bits begins again after this time [s]."""

@@ -12,8 +12,8 @@ import re
 from collections.abc import Callable
 from functools import reduce
 
-from heave_node.devices.lines import LineSplitter
-from heave_node.devices.sample import Counters, Sample, is_number, number
+from heave_node.devices.formats.lines import LineSplitter
+from heave_node.devices.formats.sample import Counters, Sample, is_number, number
 
 CHECKSUM, COVERED = "checksum", "covered"
 CHECKSUMS: dict[str, tuple[Callable[[bytes], int], int]] = {

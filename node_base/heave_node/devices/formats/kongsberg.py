@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 import struct
 
-from heave_node.devices.sample import Counters, Sample, TimeBase
+from heave_node.devices.formats.sample import Counters, Sample, TimeBase
 
 _DEGREE = math.radians(1.0)
 _KMB = struct.Struct("<4sHHIIIdd21fIIf")

@@ -18,7 +18,14 @@ AT_REST = 0.01
 
 
 class WinchOrder(NamedTuple):
-    """What is asked of the drive: set-points [m], [m/s], brake, number of the command."""
+    """What is asked of the drive.
+
+    Attributes
+    ----------
+    payout, payout_rate : set-points [m], [m/s]
+    brake : stop, and hold with the brake
+    sequence : number of the command
+    """
 
     payout: float
     payout_rate: float

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from heave_node.devices.kongsberg import EmAttitudeDecoder, KmBinaryDecoder
-from heave_node.devices.nmea import NmeaDecoder
-from heave_node.devices.sample import Decoder
-from heave_node.devices.tss1 import Tss1Decoder
+from heave_node.devices.formats.kongsberg import EmAttitudeDecoder, KmBinaryDecoder
+from heave_node.devices.formats.nmea import NmeaDecoder
+from heave_node.devices.formats.sample import Decoder
+from heave_node.devices.formats.tss1 import Tss1Decoder
 
 _ATTITUDE = ("roll", "pitch", "heading")
 

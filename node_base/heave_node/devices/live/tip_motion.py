@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from heave_node.devices.recent_motion import RecentMotion
+from heave_node.devices.live.recent_motion import RecentMotion
 
 FIRST_MEAN_TIME, MEAN_TIME = 20.0, 300.0
 """Time constant of the running mean [s]: it grows from the one to the other with the time since the start."""

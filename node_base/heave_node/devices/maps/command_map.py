@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from heave_node.devices.channel import MapError, as_kind, read_channel, refuse_unknown
-from heave_node.devices.field_path import FieldPath
-from heave_node.devices.quantities import QUANTITIES
+from heave_node.devices.maps.channel import MapError, as_kind, read_channel, refuse_unknown
+from heave_node.devices.maps.field_path import FieldPath
+from heave_node.devices.maps.quantities import QUANTITIES
 
 LOOPBACK = "127.0.0.1"
 ORDERS = ("payout", "payout_rate", "brake", "sequence")

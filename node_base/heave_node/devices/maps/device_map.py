@@ -12,15 +12,15 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from heave_node.devices.channel import Channel, MapError, as_kind, read_channel, refuse_unknown
-from heave_node.devices.command_map import CommandMap, Link, read_command, read_link
-from heave_node.devices.field_path import FieldPath
-from heave_node.devices.formats import FORMATS, LINE
-from heave_node.devices.nmea import NmeaDecoder
-from heave_node.devices.nmea_sentences import UNSIGNED
-from heave_node.devices.pattern import PatternDecoder
-from heave_node.devices.quantities import NED_WAYS, QUANTITIES, outputs_of
-from heave_node.devices.sample import Decoder
+from heave_node.devices.formats.nmea import NmeaDecoder
+from heave_node.devices.formats.nmea_sentences import UNSIGNED
+from heave_node.devices.formats.pattern import PatternDecoder
+from heave_node.devices.formats.sample import Decoder
+from heave_node.devices.formats.table import FORMATS, LINE
+from heave_node.devices.maps.channel import Channel, MapError, as_kind, read_channel, refuse_unknown
+from heave_node.devices.maps.command_map import CommandMap, Link, read_command, read_link
+from heave_node.devices.maps.field_path import FieldPath
+from heave_node.devices.maps.quantities import NED_WAYS, QUANTITIES, outputs_of
 from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.files.given_files import read_given
 

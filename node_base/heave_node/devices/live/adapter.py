@@ -6,13 +6,13 @@ import math
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from heave_node.devices.device_map import DeviceMap
-from heave_node.devices.device_time import DeviceTime
-from heave_node.devices.link_watch import LinkWatch
-from heave_node.devices.mru_maker import MruMaker
-from heave_node.devices.recent_motion import RecentMotion
-from heave_node.devices.sample import Sample
-from heave_node.devices.taker import Taken, Taker
+from heave_node.devices.formats.device_time import DeviceTime
+from heave_node.devices.formats.sample import Sample
+from heave_node.devices.live.link_watch import LinkWatch
+from heave_node.devices.live.mru_maker import MruMaker
+from heave_node.devices.live.recent_motion import RecentMotion
+from heave_node.devices.live.taker import Taken, Taker
+from heave_node.devices.maps.device_map import DeviceMap
 from heave_node.interface import sensors
 from heave_node.interface.sensors import WireReading
 

@@ -23,7 +23,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime, timezone
 
-from heave_node.devices.sample import Sample, TimeBase, number, time_of_day
+from heave_node.devices.formats.sample import Sample, TimeBase, number, time_of_day
 from heave_node.interface.codes import MruStatus
 
 Fields = Sequence[str]

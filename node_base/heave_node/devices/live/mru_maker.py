@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from heave_node.devices.device_map import DeviceMap
-from heave_node.devices.taker import Taken
-from heave_node.devices.tip_motion import TipMotion
+from heave_node.devices.live.taker import Taken
+from heave_node.devices.live.tip_motion import TipMotion
+from heave_node.devices.maps.device_map import DeviceMap
 from heave_node.interface.codes import MruStatus
 from heave_node.interface.sensors import MruReading
 

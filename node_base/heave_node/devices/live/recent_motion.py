@@ -19,7 +19,7 @@ class RecentMotion:
         self._samples: deque[tuple[float, float]] = deque(maxlen=400)
 
     def add(self, time: float, value: float) -> None:
-        """Take a sample; `time` [s] must be later than that of the one before, or it is left out."""
+        """Take a `value` at a `time` [s]; one that is not later than the one before is left out."""
         if self._samples and time <= self._samples[-1][0]:
             return
         if self._samples and time - self._samples[-1][0] > OLDEST:

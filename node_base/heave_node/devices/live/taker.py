@@ -6,13 +6,13 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from heave_node.devices.channel import Channel
-from heave_node.devices.device_map import DeviceMap
-from heave_node.devices.field_path import FieldPath
-from heave_node.devices.formats import LINE
-from heave_node.devices.high_pass import DEFAULT_PERIOD, HighPass
-from heave_node.devices.quantities import QUANTITIES
-from heave_node.devices.sample import Sample
+from heave_node.devices.formats.sample import Sample
+from heave_node.devices.formats.table import LINE
+from heave_node.devices.live.high_pass import DEFAULT_PERIOD, HighPass
+from heave_node.devices.maps.channel import Channel
+from heave_node.devices.maps.device_map import DeviceMap
+from heave_node.devices.maps.field_path import FieldPath
+from heave_node.devices.maps.quantities import QUANTITIES
 from heave_node.interface.codes import MruStatus
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from heave_node.devices.sample import Counters
+from heave_node.devices.formats.sample import Counters
 
 LONGEST_LINE = 1024
 """Bytes of a line; of a longer one nothing is used."""

@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 import re
 
-from heave_node.devices.lines import LineSplitter
-from heave_node.devices.sample import Counters, Sample
+from heave_node.devices.formats.lines import LineSplitter
+from heave_node.devices.formats.sample import Counters, Sample
 from heave_node.interface.codes import MruStatus
 
 _LINE = re.compile(

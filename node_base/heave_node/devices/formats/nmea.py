@@ -6,9 +6,9 @@ import re
 
 import pynmea2
 
-from heave_node.devices.lines import LineSplitter
-from heave_node.devices.nmea_sentences import SENTENCES, WITHOUT_CHECKSUM, Quality
-from heave_node.devices.sample import Counters, Sample
+from heave_node.devices.formats.lines import LineSplitter
+from heave_node.devices.formats.nmea_sentences import SENTENCES, WITHOUT_CHECKSUM, Quality
+from heave_node.devices.formats.sample import Counters, Sample
 
 _NAME = re.compile(r"(P[A-Z0-9]{3,9}|[A-Z]{2}([A-Z]{3}))$")
 _WRONG = (ValueError, LookupError, TypeError, AttributeError, OverflowError)
