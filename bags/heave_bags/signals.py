@@ -127,3 +127,26 @@ def _peaks(tension: Signal, largest: Signal) -> Signal:
     if largest.size != tension.size:
         return tension
     return Signal(tension.time, np.maximum(tension.value, largest.value))
+
+
+def integrated(values: Array, period: float, cut_off: float, *, times: int = 2) -> Array:
+    """Return the motion about its mean of which samples, `period` [s] apart, are a derivative.
+
+    Parameters
+    ----------
+    values : acceleration [m/s^2] or velocity [m/s]
+    period : of the samples [s]
+    cut_off : what is slower is taken out [rad/s]
+    times : 2 for an acceleration, 1 for a velocity
+
+    In the frequency domain: X = A/(i omega)^times, faded in over the half octave below and above the cut-off. The ends
+    of the record ring; whole records of minutes are meant.
+    """
+    transform = np.fft.rfft(values - values.mean())
+    omega = 2.0 * math.pi * np.fft.rfftfreq(values.size, period)
+    octaves = np.log2(np.maximum(omega, 1e-12) / cut_off)
+    gain = np.clip(octaves + 0.5, 0.0, 1.0)
+    gain = gain * gain * (3.0 - 2.0 * gain)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        motion = np.where(gain > 0.0, transform * gain / (1j * omega) ** times, 0.0)
+    return np.asarray(np.fft.irfft(motion, values.size))

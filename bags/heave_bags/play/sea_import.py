@@ -27,7 +27,7 @@ from heave_bags.play.sea_mapping import SeaMapping, mapping_for_topic
 from heave_bags.play.ship_log import ShipLog, is_text
 from heave_bags.play.ship_time import time_words
 from heave_bags.play.stretches import Window, longest_stretch
-from heave_bags.signals import Signal
+from heave_bags.signals import Signal, integrated
 
 WHOLE = Window()
 ACCEPT = "--accept-implausible"
@@ -277,29 +277,6 @@ def _resampled(signal: Signal, channel: Channel, start: float, time: Array) -> A
     if not (channel.acceleration or channel.velocity):
         return values
     return integrated(values, float(time[1] - time[0]), channel.cut_off, times=2 if channel.acceleration else 1)
-
-
-def integrated(values: Array, period: float, cut_off: float, *, times: int = 2) -> Array:
-    """Return the motion about its mean of which samples, `period` [s] apart, are a derivative.
-
-    Parameters
-    ----------
-    values : acceleration [m/s^2] or velocity [m/s]
-    period : of the samples [s]
-    cut_off : what is slower is taken out [rad/s]
-    times : 2 for an acceleration, 1 for a velocity
-
-    In the frequency domain: X = A/(i omega)^times, faded in over the half octave below and above the cut-off. The ends
-    of the record ring; whole records of minutes are meant.
-    """
-    transform = np.fft.rfft(values - values.mean())
-    omega = 2.0 * math.pi * np.fft.rfftfreq(values.size, period)
-    octaves = np.log2(np.maximum(omega, 1e-12) / cut_off)
-    gain = np.clip(octaves + 0.5, 0.0, 1.0)
-    gain = gain * gain * (3.0 - 2.0 * gain)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        motion = np.where(gain > 0.0, transform * gain / (1j * omega) ** times, 0.0)
-    return np.asarray(np.fft.irfft(motion, values.size))
 
 
 def write_sea(sea: ImportedSea, output: Path, source: Path) -> None:
