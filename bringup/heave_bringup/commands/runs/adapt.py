@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+import time
 from typing import TYPE_CHECKING
 
 from heave_bringup.commands.arguments import add_namespace, add_network
@@ -60,7 +61,7 @@ def execute(options: argparse.Namespace) -> None:
 
 def _serve(options: argparse.Namespace, maps: list[DeviceMap]) -> None:
     """Serve the devices of `maps` until Ctrl-C, and print what came."""
-    from heave_bringup.adapt.report import figures_of, summary_table
+    from heave_bringup.adapt.report import figures_of, stale_words, summary_table
     from heave_bringup.adapt.session import Session
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import write_result
@@ -74,6 +75,9 @@ def _serve(options: argparse.Namespace, maps: list[DeviceMap]) -> None:
     session.run(options.duration)
     result = {device.device.name: figures_of(device) for device in session.devices}
     write_result(options, summary_table(session.devices), result)
+    silent = [device for device in session.devices if not sum(device.adapter.published.values())]
+    if silent:
+        raise CommandError(f"{silent[0].device.name}: {stale_words(silent[0], time.monotonic())}")
 
 
 def _from(device: DeviceMap) -> str:
