@@ -19,7 +19,7 @@ def test_the_shipped_maps_are_listed_and_shown(capsys, tmp_path):
     (found,) = json.loads(capsys.readouterr().out)
     assert found == {
         "map": "mine",
-        "from": "udp 127.0.0.1:7001",
+        "from": "udp 127.0.0.1:10110",
         "publishes": "mru",
         "quantities": "heave, heave_rate, roll, pitch, roll_rate, pitch_rate",
     }
