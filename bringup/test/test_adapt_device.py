@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
+from builtin_interfaces.msg import Time
 from heave_bringup.adapt.device import LiveDevice
 from heave_bringup.adapt.report import figures_of, health_of
 from heave_bringup.adapt.shipped import find_map
@@ -10,6 +11,7 @@ from heave_bringup.errors import CommandError
 from heave_msgs.msg import WinchCommand
 from heave_node.devices.maps.device_map import device_map_of
 from heave_node.ros.diagnostics import Level
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 
@@ -63,6 +65,20 @@ def test_a_position_controller_is_told_where_in_its_own_count_and_stays_there_to
     node.callbacks["/joint_states"](joints(690.8))
     node.callbacks["winch/command"](WinchCommand(sequence=4, payout=9.0, brake=True))
     assert list(sent[-1].data) == [pytest.approx(690.8)], "it stays where it is"
+
+
+def test_another_run_begins_with_its_brake_on_and_counts_from_one():
+    node = Node()
+    LiveDevice(find_map("ros2_control_velocity"), node)
+    sent = node.sent["/velocity_controller/commands"]
+    node.callbacks["/joint_states"](joints(0.0))
+    node.callbacks["/clock"](Clock(clock=Time(sec=90)))
+    node.callbacks["winch/command"](WinchCommand(sequence=1800, payout_rate=0.3))
+    node.callbacks["/clock"](Clock(clock=Time(nanosec=50_000_000)))
+    node.callbacks["/joint_states"](joints(0.0))
+    assert node.sent["winch/state"][-1].brake
+    node.callbacks["winch/command"](WinchCommand(sequence=1, payout_rate=0.1))
+    assert list(sent[-1].data) == [pytest.approx(0.2)]
 
 
 def test_a_field_that_the_command_does_not_have_is_refused_at_the_start():

@@ -55,7 +55,9 @@ class LiveDevice:
         self._node = node
         self._lock = threading.Lock()
         self._decoder: Decoder | None = None
-        self._handshake = WinchHandshake(device.command.timeout if device.command else _DEFAULT_TIMEOUT)
+        self._timeout = device.command.timeout if device.command else _DEFAULT_TIMEOUT
+        self._handshake = WinchHandshake(self._timeout)
+        self._run_time = 0
         self._rate = float("nan")
         self._publishers: dict[str, Publisher[Any]] = {}
         self._encode = {name: SensorMessages(_SENSOR_OF[name]) for name in device.outputs if name in _SENSOR_OF}
@@ -83,11 +85,12 @@ class LiveDevice:
             self._node.create_subscription(message, topic, self._on_message(topic), qos_profile_sensor_data)
 
     def _follow_clock(self) -> None:
-        """Move the simulated boom tip at each tick, where the map says so."""
+        """Move the simulated boom tip at each tick, where the map says so, and see when another run begins."""
         self._tip: Publisher[Any] | None = None
         if topics.MRU.name in self.device.outputs and self.device.boom_tip:
             kind = message_type(topics.BOOM_TIP.type)
             self._tip = self._node.create_publisher(kind, topics.BOOM_TIP.name, qos_of(topics.BOOM_TIP.role))
+        if self._tip is not None or WINCH_STATE in self.device.outputs:
             self._node.create_subscription(message_type(topics.CLOCK.type), topics.CLOCK.name, self._on_clock, 10)
 
     def start(self) -> None:
@@ -142,10 +145,12 @@ class LiveDevice:
                 self._publishers[name].publish(self._encode[name].message(reading))
 
     def _on_clock(self, message: Any) -> None:
-        assert self._tip is not None
         with self._lock:
+            before, self._run_time = self._run_time, nanoseconds_of(message.clock)
+            if self._run_time < before:  # a controller that counts its commands from 1 again
+                self._handshake = WinchHandshake(self._timeout)
             motion = self.adapter.heave.at(time.monotonic())
-        if motion is not None:
+        if motion is not None and self._tip is not None:
             self._tip.publish(boom_tip(message.clock, self.device.boom_tip_height, motion))
 
     # commands
