@@ -6,6 +6,8 @@ import pytest
 from heave_node.devices.maps.channel import MapError
 from heave_node.devices.maps.device_map import device_map_of, read_device_map
 from heave_node.files.bounded_yaml import parse_yaml
+from hypothesis import given
+from hypothesis import strategies as st
 
 PSXN = {"format": "nmea", "source": {"udp": 7001}, "heave": "PSXN23.heave"}
 
@@ -106,3 +108,23 @@ def test_what_is_set_in_a_message_is_in_the_unit_and_sign_of_its_taker():
     entry = {"data[0]": {"quantity": "payout_rate", "unit": "m/min", "positive": "in"}}
     content = {"payout": TOPIC, "command": {"topic": "/c", "type": "t", "set": entry}}
     assert device_map_of("m", content).command.orders[0].factor == pytest.approx(-60.0)
+
+
+NAMES = [
+    *("heave", "payout", "tension", "source", "format", "pattern", "command", "lever_arm", "clock", "udp", "serial"),
+    *("baud", "line", "set", "to", "topic", "type", "field", "valid", "valid_values", "quantity", "rate"),
+    *("time_column", "frame", "checksum", "boom_tip", "timeout", "unit", "positive", "invalid_bits"),
+]
+VALUES = st.recursive(
+    st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.just("PSXN23.heave")),
+    lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(st.sampled_from(NAMES), inner, max_size=4)),
+    max_leaves=8,
+)
+
+
+@given(st.dictionaries(st.sampled_from(NAMES), VALUES, max_size=6), st.booleans())
+def test_whatever_a_map_holds_it_is_read_or_refused_in_one_line(content, is_psxn):
+    try:
+        device_map_of("m", {**content, "format": "nmea", "heave": "PSXN23.heave"} if is_psxn else content)
+    except MapError as error:
+        assert "\n" not in str(error)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import string
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from heave_node.devices.maps.field_path import FieldPath
 from heave_node.devices.maps.quantities import QUANTITIES
 
 LOOPBACK = "127.0.0.1"
+_FORM = re.compile(r"[ +-]?0?\d{0,2}(\.\d{1,2})?[a-zA-Z]?")
 ORDERS = ("payout", "payout_rate", "brake", "sequence")
 """What can be sent to a winch."""
 
@@ -117,7 +119,10 @@ def read_command(entry: Any) -> CommandMap | None:
     words = {
         name: as_kind(str, f"command: {name}", entry.get(name, "")) for name in ("line", "checksum", "topic", "type")
     }
-    orders = tuple(_order(path, given) for path, given in dict(entry.get("set") or {}).items())
+    given_orders = entry.get("set") or {}
+    if not isinstance(given_orders, dict):
+        raise MapError("command: set must say which field of the message is which of " + ", ".join(ORDERS))
+    orders = tuple(_order(path, given) for path, given in given_orders.items())
     timeout = as_kind(float, "command: timeout", entry.get("timeout", 0.5))
     command = CommandMap(read_link("command: to", entry.get("to")), orders=orders, timeout=timeout, **words)
     if bool(command.line) == bool(command.topic):
@@ -133,17 +138,20 @@ def read_command(entry: Any) -> CommandMap | None:
 
 
 def _check_line(command: CommandMap) -> None:
-    names = (
-        {name for _, name, _, _ in string.Formatter().parse(command.line) if name is not None}
-        if command.line
-        else set()
-    )
-    for name in names:
-        if name not in ORDERS:
-            raise MapError(f"command: line: {{{name}}} is unknown; known: {', '.join(ORDERS)}")
+    """Raise MapError for a line that cannot be filled in."""
     try:
+        parts = list(string.Formatter().parse(command.line))
+        for _, name, form, _ in parts:
+            if name is not None and name not in ORDERS:
+                raise MapError(f"command: line: {{{name}}} is unknown; known: {', '.join(ORDERS)}")
+            if form and _FORM.fullmatch(form) is None:
+                raise MapError(f"command: line: the form {form[:20]!r} must be one such as .4f, +8.3f or 05d")
         command.line_of({"payout": 1.0, "payout_rate": 0.5, "brake": 0, "sequence": 1})
-    except (ValueError, TypeError) as error:
+    except (TypeError, LookupError) as error:
+        raise MapError(f"command: line: {error}") from None
+    except MapError:
+        raise
+    except ValueError as error:
         raise MapError(f"command: line: {error}") from None
 
 

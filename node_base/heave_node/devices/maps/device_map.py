@@ -152,6 +152,11 @@ def _record(entries: dict[str, Any]) -> RecordForm:
     for name in ("time_scale", "rate", "sample_rate"):
         if name in entries:
             entries[name] = as_kind(float, name, entries[name])
+    columns = entries.get("time_column", "")
+    if not isinstance(columns, str) and not (isinstance(columns, list) and all(isinstance(c, str) for c in columns)):
+        raise MapError(f"time_column = {columns!r} must be a heading, or a list of headings")
+    if "date_order" in entries:
+        entries["date_order"] = as_kind(str, "date_order", entries["date_order"])
     record = RecordForm(**entries)
     if not record.rate > 0.0 or not record.sample_rate >= 0.0:
         raise MapError("rate must be above 0, sample_rate not below")
