@@ -1,5 +1,10 @@
 """A device in a run, with a node that only keeps what is published: ros2_control, both ways."""
 
+import math
+import os
+import pty
+import time
+import tty
 from types import SimpleNamespace
 
 import pytest
@@ -8,9 +13,10 @@ from heave_bringup.adapt.device import LiveDevice
 from heave_bringup.adapt.report import figures_of, health_of
 from heave_bringup.adapt.shipped import find_map
 from heave_bringup.errors import CommandError
-from heave_msgs.msg import WinchCommand
+from heave_msgs.msg import MruSample, WinchCommand
 from heave_node.devices.maps.device_map import device_map_of
 from heave_node.ros.diagnostics import Level
+from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
@@ -79,6 +85,40 @@ def test_another_run_begins_with_its_brake_on_and_counts_from_one():
     assert node.sent["winch/state"][-1].brake
     node.callbacks["winch/command"](WinchCommand(sequence=1, payout_rate=0.1))
     assert list(sent[-1].data) == [pytest.approx(0.2)]
+
+
+def test_a_serial_line_of_sentences_becomes_mru(tmp_path):
+    terminal, name = pty.openpty()
+    tty.setraw(name)
+    content = {
+        "source": {"serial": os.ttyname(name), "baud": 19200},
+        "format": "nmea",
+        "heave": {"field": "PASHR.heave", "positive": "down"},
+        "clock": "own",
+    }
+    node = Node()
+    device = LiveDevice(device_map_of("m", content), node)
+    device.start()
+    line = b"$PASHR,123816.80,312.95,T,-000.83,-000.42,-000.01,0.234,0.224,0.298,1,0*09\r\n"  # SBG Systems' example
+    for piece in (line[:20], line[20:], line.replace(b"-000.01", b"-000.02")):
+        os.write(terminal, piece)
+    wait_until(lambda: device.counters.checksum_errors == 1)
+    (message,) = [deserialize_message(data, MruSample) for data in node.sent["mru"]]
+    assert (message.heave, message.status, message.sequence) == (0.01, MruSample.STATUS_OK, 1)
+    assert math.isnan(message.heave_rate), "PASHR has none"
+    assert message.header.stamp.sec == 12 * 3600 + 38 * 60 + 16
+    os.close(terminal)
+    wait_until(lambda: device.problem)
+    assert "serial" in health_of(device, {}).message
+    device.close()
+    os.close(name)
+
+
+def wait_until(condition):
+    deadline = time.monotonic() + 20.0
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
 
 
 def test_a_field_that_the_command_does_not_have_is_refused_at_the_start():
