@@ -2,7 +2,7 @@
 
 Every 0.05 s a sentence PNORSUB2 of a swell of 0.4 m and 8 s, as its maker documents it (heave positive down), and ten
 times a second a line RD of a winch display, whose manual has its checksum (tension in kilonewtons). It knows nothing of
-the suite. One sentence in 200 has a wrong checksum and 90 m of heave, one in 300 says that it is not valid, with 99 m.
+the suite. One sentence in 200 has a wrong checksum and 90 m of heave, one in 150 says that it is not valid, with 99 m.
 """
 
 import functools
@@ -25,7 +25,7 @@ def motion(number: int, elapsed: float) -> str:
     milliseconds = round(1e3 * elapsed) + 1_000_000
     if number % 200 == 199:
         return f"$PNORSUB2,{milliseconds},2,+0.117,-0.505,259.893,90.0,0.0,1*00"
-    if number % 300 == 299:
+    if number % 150 == 120:
         return sentence(f"PNORSUB2,{milliseconds},2,+0.117,-0.505,259.893,99.0,0.0,0")
     return sentence(f"PNORSUB2,{milliseconds},2,+0.117,-0.505,259.893,{-up:.4f},{-rate:.4f},1")
 
