@@ -151,3 +151,35 @@ def test_a_topic_of_another_type_and_a_drive_on_udp_take_part(tmp_path):
     assert found["state"][-1][4] == 1, "RELEASE_BRAKE_REQUEST"
     figures = json.loads(Path(tmp_path / "adapter.json").read_text())
     assert figures["drive"]["commands_sent"] >= 80
+
+
+@pytest.mark.slow
+def test_a_drive_without_brake_or_watchdog_keeps_the_contract_behind_its_map(tmp_path):
+    orders, state = free_port(), free_port()
+    drive = Drive(orders, state)
+    (tmp_path / "drive.yaml").write_text(WINCH_MAP.format(orders=orders, state=state))
+    with domain_id() as domain:
+        drive.start()
+        adapter = subprocess.Popen(
+            command("adapt", str(tmp_path / "drive.yaml")),
+            env=environment(domain),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            check = subprocess.run(
+                command("check", "--external", "virtual_winch"),
+                env=environment(domain),
+                capture_output=True,
+                text=True,
+                timeout=90.0,
+                check=False,
+            )
+        finally:
+            adapter.send_signal(signal.SIGINT)
+            _, err = adapter.communicate(timeout=20.0)
+            drive.ended.set()
+            drive.join()
+    assert check.returncode == 0, check.stdout + check.stderr + err
+    assert "verdict: the contract is kept" in check.stdout

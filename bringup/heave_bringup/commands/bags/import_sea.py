@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument(
-        "source", metavar="BAG|LOG", type=Path, help="bag folder, MCAP file, or log: a text file of columns"
+        "source", metavar="BAG|LOG", type=Path, help="bag folder, MCAP file, or log: columns, or what a device sent"
     )
     chosen = parser.add_mutually_exclusive_group(required=True)
     chosen.add_argument("--topic", help="the one topic of a standard type that holds the motion")
