@@ -272,7 +272,8 @@ class Adviser:
         is_old = self._seconds - self._best_since >= JUDGED_EVERY
         found = accepted(ranked, present, self._before if is_old else None, used)
         self._before = ranked[0] if ranked[0].changes or ranked[0].excluded != present.excluded else None
-        if found is not None:
+        # while the encoder is set aside what it reads makes others look wrong
+        if found is not None and (self._beliefs.excluded != "encoder" or "encoder" in found.culprits):
             self._before = None
             self._take_hypothesis(found, present)
 
