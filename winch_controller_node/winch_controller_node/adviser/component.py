@@ -167,11 +167,11 @@ class Adviser:
         answer = self._winch.look(excerpt, self._history, believed)
         if answer is None:
             return
-        self._drum_gain = answer.gain * self._history.encoder_scale
         if answer.factor is not None:
             self._take_encoder(*answer.factor, answer.nats)
-            return
-        self._take_winch(answer)
+        self._drum_gain = answer.gain * self._history.encoder_scale
+        if answer.factor is None:
+            self._take_winch(answer)
 
     def _take_winch(self, answer: WinchAnswer) -> None:
         """Believe what was found of the winch; a gain far off only once it cannot be the encoder's scale."""
