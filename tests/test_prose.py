@@ -1,4 +1,4 @@
-"""The documents keep to the words of `docs/words.yaml`: the field's terms, and none that a reader has to decode."""
+"""The documents keep to the words of `docs/words.yaml`: the field's terms, in short sentences."""
 
 from __future__ import annotations
 
@@ -13,12 +13,22 @@ DOCUMENTS = [*GUIDE, *READMES, *sorted(ROOT.glob("*.md"))]
 """Pages that are written by hand; what is generated from the code says what the code says."""
 
 AVOIDED = yaml.safe_load((ROOT / "docs" / "words.yaml").read_text(encoding="utf-8"))
+LONGEST = 38
+"""Words of a sentence outside tables: more is two sentences, or a list."""
+
 _CODE = re.compile(r"^ *```.*?^ *```|`[^`]*`|\]\([^()\s]*\)|<!--.*?-->", re.DOTALL | re.MULTILINE)
 
 
 def prose(text: str) -> str:
     """Return a document without code, names in backquotes and targets of links; its lines stay where they are."""
     return _CODE.sub(lambda found: "\n" * found[0].count("\n") or " ", text)
+
+
+def sentences(text: str) -> list[str]:
+    """Return the sentences of a document outside its tables; a part before a colon or semicolon counts as one."""
+    lines = "\n".join(line for line in prose(text).splitlines() if not line.lstrip().startswith("|"))
+    paragraphs = re.split(r"\n\s*\n|\n(?=\s*(?:[-*] |\d+\. |#))", lines)
+    return [part for words in paragraphs for part in re.split(r"(?<=[.:;?!])\s+", " ".join(words.split()))]
 
 
 def avoided(text: str) -> list[str]:
@@ -33,6 +43,12 @@ def avoided(text: str) -> list[str]:
 @pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_a_document_uses_the_words_of_the_field(path):
     assert avoided(path.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_a_sentence_is_short(path):
+    text = path.read_text(encoding="utf-8")
+    assert [found for found in sentences(text) if len(found.split()) > LONGEST] == []
 
 
 def test_each_word_to_avoid_is_found_and_code_is_not_looked_at():
