@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import re
+from pathlib import Path
 
 import pytest
 import yaml
 
 from tests.guide import GUIDE, READMES, ROOT
 
-DOCUMENTS = [*GUIDE, *READMES, *sorted(ROOT.glob("*.md"))]
+DOCUMENTS = [*GUIDE, *READMES, *sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))]
 """Pages that are written by hand; what is generated from the code says what the code says."""
 
 AVOIDED = yaml.safe_load((ROOT / "docs" / "words.yaml").read_text(encoding="utf-8"))
@@ -17,6 +19,14 @@ LONGEST = 38
 """Words of a sentence outside tables: more is two sentences, or a list."""
 
 _CODE = re.compile(r"^ *```.*?^ *```|`[^`]*`|\]\([^()\s]*\)|<!--.*?-->", re.DOTALL | re.MULTILINE)
+
+
+def text_of(path: Path) -> str:
+    """Return what a document says; of a notebook its cells of text."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix != ".ipynb":
+        return text
+    return "\n\n".join("".join(cell["source"]) for cell in json.loads(text)["cells"] if cell["cell_type"] == "markdown")
 
 
 def prose(text: str) -> str:
@@ -42,13 +52,12 @@ def avoided(text: str) -> list[str]:
 
 @pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_a_document_uses_the_words_of_the_field(path):
-    assert avoided(path.read_text(encoding="utf-8")) == []
+    assert avoided(text_of(path)) == []
 
 
 @pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_a_sentence_is_short(path):
-    text = path.read_text(encoding="utf-8")
-    assert [found for found in sentences(text) if len(found.split()) > LONGEST] == []
+    assert [found for found in sentences(text_of(path)) if len(found.split()) > LONGEST] == []
 
 
 def test_each_word_to_avoid_is_found_and_code_is_not_looked_at():
