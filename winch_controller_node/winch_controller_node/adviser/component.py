@@ -390,7 +390,7 @@ class Adviser:
         )
         after = parameters_under(beliefs, self._nominal)
         try:
-            design = self._designed(after) if _needs_design(before, after) else None
+            design = self._designed(after).with_own_gains() if _needs_design(before, after) else None
         except DesignError:
             for name in {*values, *self._beliefs.values}:
                 if values.get(name) != self._beliefs.values.get(name):
