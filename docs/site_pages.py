@@ -246,10 +246,10 @@ def figures_of_merit_page() -> str:
 
     lines = ["# Figures of merit", ""]
     lines += [
-        "What `heave run`, `heave kpi` and a report say of a run. The key is its name in `--json`, in `--require`"
+        "What `heave run`, `heave kpi` and a report give of a run. The key is its name in `--json`, in `--require`"
     ]
     lines += ["and in the `wanted` of a scenario, and ends in the SI unit that these use; tables show it in the unit"]
-    lines += ["beside it. Words in them: [overview](../overview.md#what-to-do-next). The formulas are in"]
+    lines += ["beside it. Terms: [a run](../explanation/a_run.md#terms-in-the-tables). Formulas are in"]
     lines += ["`heave_node/kpi.py`, each with its source.", ""]
     for group in GROUPS:
         lines += [f"## {group}", "", "| key | meaning | shown in |", "|---|---|---|"]

@@ -19,7 +19,8 @@ from domain_coordinator import domain_id
 from tests.guide import GUIDE, READMES, ROOT, blocks, shortened
 from tests.loop_runs import environment
 
-WITH_CODE = [path for path in GUIDE if any(block.is_run for block in blocks(path))]
+FIRST_PAGE = ROOT / "README.md"
+WITH_CODE = [path for path in [*GUIDE, FIRST_PAGE] if any(block.is_run for block in blocks(path))]
 
 
 def is_shortened(path: Path) -> bool:
@@ -68,7 +69,7 @@ def test_every_picture_of_the_documents_is_small():
     assert {path.name: path.stat().st_size for path in pictures if path.stat().st_size > 60_000} == {}
 
 
-@pytest.mark.parametrize("path", [*GUIDE, *READMES], ids=name_of)
+@pytest.mark.parametrize("path", [*GUIDE, *READMES, FIRST_PAGE], ids=name_of)
 def test_python_and_yaml_in_a_document_are_well_formed(path):
     for block in blocks(path):
         if block.language == "python":

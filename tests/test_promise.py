@@ -81,6 +81,8 @@ def has_power_limit(one: Draw) -> bool:
             False,
         ),
         ("winch model updated: acceleration limit paying out 0.776 m/s^2 (was 1.500)", {}, True),
+        ("winch model updated: power limit 24.9 kW (was none)", {"virtual_winch.power_limit": 25e3}, False),
+        ("winch model updated: power limit 24.9 kW (was none)", {}, True),
         ("winch model updated: speed limit hauling in 0.9 m/s (was 2.000)", PLAIN["power 100 kW"], False),
         ("winch model updated: gain by the encoder 0.950 (was 1.000)", PLAIN["speed 1.0"], True),
         ("mru suspect: its heave has a high-pass", PLAIN["high-pass 30 s"], False),

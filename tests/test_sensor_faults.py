@@ -304,15 +304,19 @@ def test_an_encoder_that_reads_another_scale_all_at_once_does_not_set_the_unit_s
     changes = [f"winch_controller.law={law}", f"all.seed={seed}", f"all.duration={end}"]
     for name, value in (("kind", "scale"), ("start", start), ("duration", 0.0), ("magnitude", scale)):
         changes.append(f"virtual_winch.encoder.faults.{name}=[{value}]")
-    record = ClosedLoop(loop_parameters(load_scenario("b10_real_mru_swell", settings=changes))).run()
+    loop = ClosedLoop(loop_parameters(load_scenario("b10_real_mru_swell", settings=changes)))
+    record = loop.run()
     assert [mode for mode, _ in changes_of_mode(record)] == ["standby", "compensating"]
     after = record.column("time") > start
     unit, off = (record.column(name)[after] for name in ("unit", "uncompensated"))
     assert np.std(unit) < 0.5 * np.std(off)
     blamed = [(time, words) for time, words in record.alarms if time > start and culprits(words)]
-    assert {culprit for _, words in blamed for culprit in culprits(words)} == {"encoder"}
-    assert any(f"it reads {scale:.1f}" in words for _, words in blamed), blamed
     assert blamed[-1][0] < start + 10.0
+    believed = {name: belief.value for name, belief in loop.controller.beliefs.values.items()}
+    assert believed.pop("encoder.scale") == pytest.approx(scale, rel=0.02)
+    # the benchmark's MRU reads 1.05 times the motion, which may be found too
+    assert believed.pop("mru.scale", 1.05) == pytest.approx(1.05, rel=0.02)
+    assert not [name for name in believed if not name.startswith("sea.")]
 
 
 @pytest.mark.slow

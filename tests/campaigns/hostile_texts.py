@@ -53,6 +53,10 @@ NAMES = ("../../up", "/tmp/heave-hostile", "..", "own.csv", "a/b", "x" * 300, ""
 SIZES = (-1, 10**12, "1", None, 1.5, True, 3 << 30)
 
 
+PARAMETRISED = [name for name, node in NODE_BY_NAME.items() if describe(node.parameters_type())]
+"""Nodes that have parameters of their own."""
+
+
 def changed_scenario(chance: random.Random) -> bytes:
     """Return a shipped scenario, changed in one to three places, or one of the BOMBS."""
     if chance.random() < 0.1:
@@ -75,7 +79,7 @@ def _with_other_numbers(path: Path, chance: random.Random) -> bytes:
         value = sections[section][name]
         sections[section][name] = _other(value, chance)
     if chance.random() < 0.5:
-        node = chance.choice(list(NODE_BY_NAME))
+        node = chance.choice(PARAMETRISED)
         info = chance.choice(describe(NODE_BY_NAME[node].parameters_type()))
         sections.setdefault(f"/**/{node}", {})[info.name] = _within(info, chance)
     return sections_text(sections).encode("utf-8", "surrogatepass")
@@ -133,7 +137,7 @@ def _bytes_changed(content: bytes, chance: random.Random) -> bytes:
 
 def _own_section(content: bytes, chance: random.Random) -> bytes:
     """Add a section with a value that a parameter of a node cannot take."""
-    node = chance.choice(list(NODE_BY_NAME))
+    node = chance.choice(PARAMETRISED)
     name = chance.choice(describe(NODE_BY_NAME[node].parameters_type())).name
     section = f"\n/**/{node}: {{ros__parameters: {{{name}: {chance.choice(VALUES)}}}}}\n"
     return content + section.encode("utf-8", "surrogatepass")

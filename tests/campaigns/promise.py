@@ -323,6 +323,10 @@ class Named:
         return off > self.far
 
 
+NO_POWER_LIMIT = 1e6
+"""Power that no winch has [kW]."""
+
+
 def named_by(believed: float, low: float, high: float) -> Named:
     """Return what differs in a ratio: 2 % of the belief are worth naming, 10 % are an error in any case."""
     return Named(believed, low, high, noticeable=0.02 * believed, far=0.1 * believed)
@@ -340,6 +344,7 @@ def named_things(settings: Settings) -> dict[str, Named]:
     acceleration, speed = truth.get("acceleration_limit", ACCELERATION), truth.get("speed_limit", SPEED)
     # power over a tension that is not known here: it can be a speed limit of any size
     has_power_limit = truth.get("power_limit", 0.0) > 0.0
+    power = 1e-3 * truth["power_limit"] if has_power_limit else NO_POWER_LIMIT
 
     def limit(believed: float, true: float, *, may_be_slower: bool = False) -> Named:
         return named_by(believed, 0.0 if may_be_slower else min(true, believed), min(true, believed))
@@ -356,6 +361,7 @@ def named_things(settings: Settings) -> dict[str, Named]:
         "speed limit hauling in": limit(
             SPEED, speed * truth.get("hauling_speed_share", 1.0), may_be_slower=has_power_limit
         ),
+        "power limit": Named(NO_POWER_LIMIT, power, power, noticeable=0.02 * power, far=0.1 * power),
         "dead zone": Named(0.0, 0.0, truth.get("speed_deadband", 0.0), noticeable=0.01, far=0.02),
         "encoder play": Named(0.0, 0.0, truth.get("encoder.backlash", 0.0), noticeable=3e-3, far=0.01),
         "gain by the encoder": named_by(1.0, gain * (1.0 - truth.get("speed_deadband", 0.0) / USUAL_SPEED), gain),

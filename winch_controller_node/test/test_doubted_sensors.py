@@ -135,11 +135,14 @@ def test_a_heave_and_its_rate_that_wander_as_in_a_turn_are_told_and_taken_off(sc
 
 
 def test_a_depth_sensor_that_turned_above_a_unit_that_is_held_still_is_no_reason_to_blame_anybody():
-    """It reads noise, and its sign is not seen."""
+    """It reads noise, and its sign is not seen: fed back, it swings the unit up slowly, and is known once that shows.
+
+    That is above three times its noise of 2 cm, long before the unit moves as much as without compensation.
+    """
     run = run_with("depth wrong sign")
     time, unit, off = (run.record.column(name) for name in ("time", "unit", "uncompensated"))
     blind = (time > TURNS) & (time < WELL_AGAIN)
-    assert np.std(unit[blind]) < 0.05 * np.std(off[blind])
+    assert np.std(unit[blind]) < 0.5 * np.std(off[blind])
     assert all(run.first(part) == np.inf for part in ("mru", "encoder", "cable"))
 
 

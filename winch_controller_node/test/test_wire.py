@@ -19,12 +19,14 @@ from winch_controller_node.design.wire import (
     parameters_text,
     parts_of,
 )
+from winch_controller_node.laws.parts.loop_state import LoopState, Reference
+from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 
 @cache
 def design() -> ControllerDesign:
-    return design_controller(WinchControllerParameters(), tick_period=0.05)
+    return design_controller(WinchControllerParameters(), tick_period=0.05).with_own_gains()
 
 
 @cache
@@ -54,6 +56,24 @@ def test_a_design_comes_back_equal_to_the_bit():
     assert [replace(one, row=None) for one in again.measurements] == [
         replace(one, row=None) for one in design().measurements
     ]
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_law_by_gains_that_came_with_its_design_is_the_one_that_makes_them_itself(law):
+    """To the bit, while no limit acts."""
+    sensors = replace(WinchControllerParameters().sensors, use=("mru", "encoder", "depth"))
+    parameters = replace(WinchControllerParameters(), law=law, sensors=sensors)
+    plain = design_controller(parameters, tick_period=0.05)
+    came = design_of(parts_of(plain.with_own_gains()))
+    assert tuple(came.own_gains) == LAWS[law].gain_names
+    state = LoopState(0.01 * np.arange(1.0, plain.model.order + 1.0), Reference(), plain.cable.static_tension)
+    assert came.make_law().command(state) == plain.make_law().command(state)
+
+
+def test_gains_of_another_law_are_refused():
+    arrays = {**parts().arrays, "own_gains": np.zeros((1, design().model.order))}
+    with pytest.raises(WireError, match="own_gains are not those of law"):
+        design_of(DesignParts(arrays, {**parts().texts, "own_gains": ("unit",)}))
 
 
 def test_what_comes_back_lies_in_memory_as_what_was_sent_so_that_products_are_the_same_to_the_bit():

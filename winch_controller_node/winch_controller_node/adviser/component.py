@@ -167,11 +167,11 @@ class Adviser:
         answer = self._winch.look(excerpt, self._history, believed)
         if answer is None:
             return
-        self._drum_gain = answer.gain * self._history.encoder_scale
         if answer.factor is not None:
             self._take_encoder(*answer.factor, answer.nats)
-            return
-        self._take_winch(answer)
+        self._drum_gain = answer.gain * self._history.encoder_scale
+        if answer.factor is None:
+            self._take_winch(answer)
 
     def _take_winch(self, answer: WinchAnswer) -> None:
         """Believe what was found of the winch; a gain far off only once it cannot be the encoder's scale."""
@@ -272,7 +272,8 @@ class Adviser:
         is_old = self._seconds - self._best_since >= JUDGED_EVERY
         found = accepted(ranked, present, self._before if is_old else None, used)
         self._before = ranked[0] if ranked[0].changes or ranked[0].excluded != present.excluded else None
-        if found is not None:
+        # while the encoder is set aside what it reads makes others look wrong
+        if found is not None and (self._beliefs.excluded != "encoder" or "encoder" in found.culprits):
             self._before = None
             self._take_hypothesis(found, present)
 
@@ -389,7 +390,7 @@ class Adviser:
         )
         after = parameters_under(beliefs, self._nominal)
         try:
-            design = self._designed(after) if _needs_design(before, after) else None
+            design = self._designed(after).with_own_gains() if _needs_design(before, after) else None
         except DesignError:
             for name in {*values, *self._beliefs.values}:
                 if values.get(name) != self._beliefs.values.get(name):

@@ -140,6 +140,8 @@ def evidence(innovations: Array, variances: Array, which: NDArray[np.int64], cou
         mine = innovations[which == k]
         if len(mine):
             grams[k] = mine.T @ mine / len(mine)
-            spreads[k] = float(np.mean(np.log(variances[which == k])))
+            # a pass that has diverged explains nothing
+            known = np.where(variances[which == k] > 0.0, variances[which == k], np.nan)
+            spreads[k] = float(np.mean(np.log(known)))
             counts[k] = len(np.unique(seconds[which == k]))
     return Evidence(grams, spreads, counts)

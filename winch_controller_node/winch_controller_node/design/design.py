@@ -7,7 +7,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -24,7 +25,7 @@ from winch_controller_node.interface.sensors import (
 from winch_controller_node.laws.law import ControlLaw, LawDesign
 from winch_controller_node.laws.parts.governor import CommandGovernor
 from winch_controller_node.laws.parts.winch_limits import WinchLimits, winch_limits
-from winch_controller_node.laws.registry import LAWS, make_law
+from winch_controller_node.laws.registry import LAWS, make_law, own_gains
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.drag_kernel import Drag
 from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
@@ -65,6 +66,7 @@ class ControllerDesign:
     cost : of the model's states
     sigma : stationary standard deviation of each output with the winch locked
     sea_noise : what the waves contribute to the process noise of a tick, shape (n, n)
+    own_gains : of the law that the parameters name, made beforehand, shape (n,) each; empty: the law makes them itself
     """
 
     parameters: WinchControllerParameters
@@ -78,6 +80,7 @@ class ControllerDesign:
     cost: QuadraticCost
     sigma: dict[str, float]
     sea_noise: Array
+    own_gains: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def command(self) -> str:
@@ -147,7 +150,19 @@ class ControllerDesign:
             raise DesignError(
                 f"law {p.law} needs the sensor {missing[0]}: add it to sensors.use, or choose another law"
             )
-        return make_law(p.law, LawDesign(self.model, p.winch, self.limits, p.weights, self.gain), p)
+        return make_law(p.law, self._for_law, p)
+
+    def with_own_gains(self) -> ControllerDesign:
+        """Return it with the law's own gains: of such a design a law is made within a tick.
+
+        Raises DesignError where there are none.
+        """
+        return replace(self, own_gains=own_gains(self.parameters.law, self._for_law, self.parameters))
+
+    @property
+    def _for_law(self) -> LawDesign:
+        p = self.parameters
+        return LawDesign(self.model, p.winch, self.limits, p.weights, self.gain, self.own_gains)
 
     def make_governor(self) -> CommandGovernor:
         """Return the governor that keeps the limits in force."""
@@ -210,6 +225,7 @@ def with_boom_tip(design: ControllerDesign, boom_tip: LinearModel) -> Controller
         initial_covariance=covariance,
         sigma=sigma,
         sea_noise=sea_noise_covariance(inputs, design.tick_period, model.order),
+        own_gains={},
     )
 
 
@@ -228,6 +244,7 @@ def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: A
         measurements=measurement_models(parameters, model, cable),
         gain=gain,
         cost=weighted_cost(parameters.weights, model),
+        own_gains={},
     )
 
 

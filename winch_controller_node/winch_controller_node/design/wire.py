@@ -17,6 +17,7 @@ from heave_node.numerics.linear_model import LinearModel
 from heave_node.parameters import build_parameters, flatten
 
 from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.estimator import MeasurementModel
 from winch_controller_node.model.lqr import QuadraticCost
@@ -31,7 +32,14 @@ MAY_BE_INFINITE = ("cable.unit_weight",)
 NO_STATE = -1.0
 """Scale state of a measurement without one."""
 
-_TEXTS = ("parameters", *(f"model.{name}" for name in NAMES), "sigma", "measurements.name", "measurements.sensor")
+_TEXTS = (
+    "parameters",
+    *(f"model.{name}" for name in NAMES),
+    "sigma",
+    "own_gains",
+    "measurements.name",
+    "measurements.sensor",
+)
 
 
 class WireError(ValueError):
@@ -69,6 +77,7 @@ def parts_of(design: ControllerDesign) -> DesignParts:
         "cost.R": cost.R,
         "sigma": np.array(list(design.sigma.values())),
         "sea_noise": design.sea_noise,
+        "own_gains": np.array(list(design.own_gains.values())).reshape(len(design.own_gains), order),
         "measurements.row": np.array([one.row for one in measurements]).reshape(len(measurements), order),
         "measurements.sigma": np.array([one.sigma for one in measurements]),
         "measurements.scale_state": np.array(
@@ -80,6 +89,7 @@ def parts_of(design: ControllerDesign) -> DesignParts:
         "parameters": (parameters_text(design.parameters),),
         **{f"model.{name}": getattr(model, name) for name in NAMES},
         "sigma": tuple(design.sigma),
+        "own_gains": tuple(design.own_gains),
         "measurements.name": tuple(one.name for one in measurements),
         "measurements.sensor": tuple(one.sensor for one in measurements),
     }
@@ -102,6 +112,8 @@ def design_of(parts: DesignParts) -> ControllerDesign:
     if len(texts["parameters"]) != 1:
         raise WireError(f"design: parameters must be one text; got {len(texts['parameters'])}")
     parameters = parameters_of(texts["parameters"][0])
+    if texts["own_gains"] not in ((), LAWS[parameters.law].gain_names):
+        raise WireError(f"design: own_gains are not those of law {parameters.law}: {', '.join(texts['own_gains'])}")
     try:
         A, B, C, D, G = (arrays[f"model.{name}"] for name in MATRICES)
         states, inputs, outputs, noises = (texts[f"model.{name}"] for name in NAMES)
@@ -121,6 +133,7 @@ def design_of(parts: DesignParts) -> ControllerDesign:
         cost=QuadraticCost(arrays["cost.Q"], arrays["cost.N"], arrays["cost.R"]),
         sigma=dict(zip(texts["sigma"], arrays["sigma"].tolist(), strict=True)),
         sea_noise=arrays["sea_noise"],
+        own_gains=dict(zip(texts["own_gains"], arrays["own_gains"], strict=True)),
     )
 
 
@@ -173,6 +186,7 @@ def _check_shapes(arrays: Mapping[str, Array], texts: Mapping[str, tuple[str, ..
         "cost.R": (m, m),
         "sigma": (known,),
         "sea_noise": square,
+        "own_gains": (len(texts["own_gains"]), n),
         "measurements.row": (measured, n),
         "measurements.sigma": column,
         "measurements.scale_state": column,
@@ -186,6 +200,8 @@ def _check_shapes(arrays: Mapping[str, Array], texts: Mapping[str, tuple[str, ..
         raise WireError(f"design: {measured} measurements, but {len(texts['measurements.sensor'])} sensors")
     if m != 1 or len(set(texts["measurements.name"])) != measured or len(set(texts["sigma"])) != known:
         raise WireError("design: it must have one input, and no measurement and no sigma twice")
+    if len(set(texts["own_gains"])) != len(texts["own_gains"]):
+        raise WireError("design: it must have no gain of a name twice")
 
 
 def _measurements(

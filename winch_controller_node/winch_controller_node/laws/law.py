@@ -7,7 +7,8 @@ lists the classes, and nothing else names them.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -33,6 +34,7 @@ class LawDesign:
     weights : of the quadratic cost
     gain : optimal gain of all states under these weights, u = -gain x, shape (n,); scheduled over length where there
         is a schedule
+    own_gains : as `ControlLaw.own_gains` gives them, made beforehand; empty: the law makes them itself
     """
 
     model: LinearModel
@@ -40,6 +42,7 @@ class LawDesign:
     limits: WinchLimits
     weights: WeightParameters
     gain: Array
+    own_gains: Mapping[str, Array] = field(default_factory=dict)
 
 
 class LawCommand(NamedTuple):
@@ -79,6 +82,7 @@ class ControlLaw(ABC):
     feeds_back_unit : it feeds the motion of the unit back, so that a wrong model can make the loop unstable
     keeps_limits : it keeps the limits of the winch by itself; other laws are given no more of a sea than the winch can
         follow
+    gain_names : of the law's own gains, see `own_gains`
     gain : u = -gain x, shape (n,), where the law is a linear state feedback while no limit acts; else empty
     effort : what it asks of the winch, relative to a drum that follows the boom tip
     preview : what it wants of a preview of the boom tip; None: it uses none
@@ -91,12 +95,19 @@ class ControlLaw(ABC):
     moves_winch: ClassVar[bool] = True
     feeds_back_unit: ClassVar[bool] = True
     keeps_limits: bool = False
+    gain_names: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, design: LawDesign, parameters: Any) -> None:
         del design, parameters
         self.gain: Array = np.zeros(0)
         self.effort = Effort()
         self.preview: PreviewUse | None = None
+
+    @classmethod
+    def own_gains(cls, design: LawDesign, parameters: Any) -> dict[str, Array]:
+        """Return its own gains, those of `gain_names`, shape (n,) each: to find them takes longer than a tick may."""
+        del design, parameters
+        return {}
 
     @abstractmethod
     def command(self, state: LoopState) -> LawCommand:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from heave_node.numerics.arrays import Array
 from heave_node.parameters import parameter
 
 from winch_controller_node.laws.law import LawCommand, LawDesign
@@ -44,6 +45,7 @@ class FullStateFeedback(StateFeedback):
     name: ClassVar[str] = "lqg"
     summary: ClassVar[str] = "feedback of all states; near the limits as mpc"
     parameters_type: ClassVar[type | None] = LqgParameters
+    gain_names: ClassVar[tuple[str, ...]] = ConstrainedLaw.gain_names
 
     def __init__(self, design: LawDesign, parameters: LqgParameters) -> None:
         super().__init__(design, design.gain, parameters.unit_share * design.limits.speed)
@@ -51,8 +53,13 @@ class FullStateFeedback(StateFeedback):
         self.keeps_limits = design.winch.law == "speed_servo"  # a first-order winch has no acceleration to be limited
         if self.keeps_limits:
             self._limits = NearLimits(design.model, design.limits)
-            horizon = MpcParameters.horizon + design.winch.command_delay
-            self._constrained = ConstrainedLaw(design, MpcParameters(horizon=horizon))
+            self._constrained = ConstrainedLaw(design, _near_limits(design))
+
+    @classmethod
+    def own_gains(cls, design: LawDesign, parameters: LqgParameters) -> dict[str, Array]:
+        """Return those of the law near the limits."""
+        del parameters
+        return ConstrainedLaw.own_gains(design, _near_limits(design)) if design.winch.law == "speed_servo" else {}
 
     def take_limits(self, limits: WinchLimits) -> None:
         """Count with other limits of the winch from now on."""
@@ -72,3 +79,8 @@ class FullStateFeedback(StateFeedback):
         if self._limits is not None and self._limits.are_near(state.x, unit_use):
             return self._constrained.command(state)
         return super().command(state)
+
+
+def _near_limits(design: LawDesign) -> MpcParameters:
+    """Return the parameters of the law near the limits."""
+    return MpcParameters(horizon=MpcParameters.horizon + design.winch.command_delay)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from heave_node.numerics.arrays import Array
+
 from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.parts.effort import feedback_effort
 from winch_controller_node.laws.state_feedback import StateFeedback
@@ -18,9 +20,16 @@ class UnitRegulator(StateFeedback):
 
     name: ClassVar[str] = "lqr"
     summary: ClassVar[str] = "feedback of the unit alone"
+    gain_names: ClassVar[tuple[str, ...]] = ("unit",)
 
     def __init__(self, design: LawDesign, parameters: None) -> None:
-        del parameters
-        super().__init__(design, unit_regulator_gain(design.weights, design.model), design.limits.speed)
+        gains = design.own_gains or self.own_gains(design, parameters)
+        super().__init__(design, gains["unit"], design.limits.speed)
         if design.winch.law == "speed_servo":
             self.effort = feedback_effort(design.model, self.gain)
+
+    @classmethod
+    def own_gains(cls, design: LawDesign, parameters: None) -> dict[str, Array]:
+        """Return the gain of the regulator."""
+        del parameters
+        return {"unit": unit_regulator_gain(design.weights, design.model)}

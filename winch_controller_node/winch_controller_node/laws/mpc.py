@@ -200,6 +200,7 @@ class ConstrainedLaw(ControlLaw):
     summary: ClassVar[str] = "feedback of all states with the limits as constraints"
     parameters_type: ClassVar[type | None] = MpcParameters
     keeps_limits = True
+    gain_names: ClassVar[tuple[str, ...]] = ("constrained", "free")
 
     def __init__(self, design: LawDesign, parameters: MpcParameters) -> None:
         super().__init__(design, parameters)
@@ -207,8 +208,8 @@ class ConstrainedLaw(ControlLaw):
         if "payout_acceleration" not in model.output_names:
             raise DesignError("law mpc bounds the winch's acceleration: set winch.law to speed_servo")
         assert model.dt is not None
-        self._constrained = constrained_gain(model, parameters)
-        self._free_less_constrained = free_gain(model, parameters) - self._constrained
+        gains = design.own_gains or self.own_gains(design, parameters)
+        self._constrained, self._free_less_constrained = gains["constrained"], gains["free"] - gains["constrained"]
         self._releasing = math.exp(-model.dt * parameters.solve_ticks / max(parameters.release_time, 1e-9))
         self._lag, self._dt = winch.time_constant, model.dt
         self._position_gain = winch.position_gain
@@ -228,6 +229,12 @@ class ConstrainedLaw(ControlLaw):
         self._build_rows(model, winch, delay, horizon_ticks)
         self._setup_cost(model.dt)
         self.reset()
+
+    @classmethod
+    def own_gains(cls, design: LawDesign, parameters: MpcParameters) -> dict[str, Array]:
+        """Return the gain with which plans at the limits are made, and that away from them."""
+        model = design.model
+        return {"constrained": constrained_gain(model, parameters), "free": free_gain(model, parameters)}
 
     def take_limits(self, limits: WinchLimits) -> None:
         """Keep other limits from now on."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from heave_node.numerics.arrays import Array
+
 from winch_controller_node.laws.feedforward import SpeedFeedforward
 from winch_controller_node.laws.industrial import IndustrialBaseline
 from winch_controller_node.laws.law import ControlLaw, LawDesign
@@ -32,6 +34,15 @@ def make_law(name: str, design: LawDesign, all_parameters: object) -> ControlLaw
     law = LAWS[name]
     own = None if law.parameters_type is None else getattr(all_parameters, name)
     return law(design, own)
+
+
+def own_gains(name: str, design: LawDesign, all_parameters: object) -> dict[str, Array]:
+    """Return the gains that the law `name` would make for itself, see `ControlLaw.own_gains`.
+
+    Raises DesignError where there are none.
+    """
+    law = LAWS[name]
+    return law.own_gains(design, None if law.parameters_type is None else getattr(all_parameters, name))
 
 
 def describe_laws() -> str:
