@@ -105,7 +105,10 @@ class ControlLaw(ABC):
 
     @classmethod
     def own_gains(cls, design: LawDesign, parameters: Any) -> dict[str, Array]:
-        """Return its own gains, those of `gain_names`, shape (n,) each: to find them takes longer than a tick may."""
+        """Return its own gains for a `design` and its `parameters`, those of `gain_names`, shape (n,) each.
+
+        To find them takes longer than a tick may.
+        """
         del design, parameters
         return {}
 

@@ -57,7 +57,7 @@ class FullStateFeedback(StateFeedback):
 
     @classmethod
     def own_gains(cls, design: LawDesign, parameters: LqgParameters) -> dict[str, Array]:
-        """Return those of the law near the limits."""
+        """Return those of the law near the limits of the winch of a `design`, whatever the `parameters`."""
         del parameters
         return ConstrainedLaw.own_gains(design, _near_limits(design)) if design.winch.law == "speed_servo" else {}
 

@@ -30,6 +30,6 @@ class UnitRegulator(StateFeedback):
 
     @classmethod
     def own_gains(cls, design: LawDesign, parameters: None) -> dict[str, Array]:
-        """Return the gain of the regulator."""
+        """Return the gain of the regulator for a `design`; it has no `parameters`."""
         del parameters
         return {"unit": unit_regulator_gain(design.weights, design.model)}

@@ -37,7 +37,9 @@ def make_law(name: str, design: LawDesign, all_parameters: object) -> ControlLaw
 
 
 def own_gains(name: str, design: LawDesign, all_parameters: object) -> dict[str, Array]:
-    """Return the gains that the law `name` would make for itself, see `ControlLaw.own_gains`.
+    """Return the gains that the law `name` would make for a `design`, see `ControlLaw.own_gains`.
+
+    Its own parameters are the group of its name in `all_parameters`.
 
     Raises DesignError where there are none.
     """
