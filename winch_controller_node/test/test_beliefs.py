@@ -15,7 +15,7 @@ from winch_controller_node.model.drum_kernel import Drum
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 NOMINAL = WinchControllerParameters()
-LIMITS = ("winch.speed_out", "winch.speed_in", "winch.acceleration_out", "winch.acceleration_in")
+LIMITS = ("winch.speed_out", "winch.speed_in", "winch.acceleration_out", "winch.acceleration_in", "winch.power_limit")
 
 
 def held(**values):
@@ -69,6 +69,10 @@ def test_of_a_limit_that_was_identified_a_little_less_is_used_and_the_weaker_dir
     winch = parameters_under(held(**believed), NOMINAL).winch
     assert winch.speed_limit == pytest.approx(speed or NOMINAL.winch.speed_limit)
     assert winch.acceleration_limit == pytest.approx(acceleration or NOMINAL.winch.acceleration_limit)
+
+
+def test_of_a_power_that_was_identified_a_little_less_is_used():
+    assert parameters_under(held(winch__power_limit=5e4), NOMINAL).winch.power_limit == pytest.approx(USED * 5e4)
 
 
 def test_beliefs_without_the_sea_are_all_the_others():

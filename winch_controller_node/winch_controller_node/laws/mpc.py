@@ -232,7 +232,7 @@ class ConstrainedLaw(ControlLaw):
 
     @classmethod
     def own_gains(cls, design: LawDesign, parameters: MpcParameters) -> dict[str, Array]:
-        """Return the gain with which plans at the limits are made for a `design` with `parameters`, and that away from them."""
+        """Return the gains of plans at the limits and away from them, for a `design` and `parameters`."""
         model = design.model
         return {"constrained": constrained_gain(model, parameters), "free": free_gain(model, parameters)}
 
