@@ -17,6 +17,7 @@ from heave_node import kpi
 from heave_node.interface.codes import WinchLimit
 from heave_node.load_cycles import DAMAGE_EXPONENT, LoadCycles, load_cycles
 from heave_node.numerics.arrays import Array
+from heave_node.strength import ATTACHMENT, ROPE, WINCH_PULL, safety_factor
 from numpy.typing import NDArray
 
 from heave_bags.signals import RunSignals, Signal
@@ -121,6 +122,18 @@ class Window:
     def _ratios(self, tension: Signal, peaks: Signal) -> tuple[float, float]:
         static = self.run.static_at(tension)
         return kpi.tension_ratios(tension.value, static)[0], kpi.tension_ratios(peaks.value, static)[1]
+
+    @cached_property
+    def factors(self) -> Mapping[str, float]:
+        """Capacity over largest load of the parts whose strength is stated, by key."""
+        return {check.strength.key: check.factor for check in self.run.load_checks(self.start, self.end)}
+
+    @property
+    def uncompensated_rope_factor(self) -> float:
+        """Breaking force of the rope over the largest tension with the winch locked."""
+        peaks = self.of(self.run.uncompensated_peak_tension()).value
+        rope = next((one.capacity for one in self.run.strengths if one.key == ROPE), NOT_KNOWN)
+        return safety_factor(rope, _largest(peaks))
 
     def snaps(self, tension: Signal, peaks: Signal) -> float:
         """Return how often the cable snapped taut, by a tension over static tension and its peaks in between."""
@@ -284,6 +297,7 @@ class KpiDefinition:
     heading : its name in a table of windows; "" keeps it out of there
     is_seldom : people see it only where it is not 0
     needs : what a run must have for it to be known, in words; "": nothing that people could miss
+    plain : its name without formulas and symbols, where the title has any
     """
 
     key: str
@@ -297,10 +311,20 @@ class KpiDefinition:
     heading: str = ""
     is_seldom: bool = False
     needs: str = ""
+    plain: str = ""
+
+    @property
+    def name(self) -> str:
+        """Its name for people who do not know the formulas."""
+        return self.plain or self.title
 
     def text(self, value: float) -> str:
         """Return the value as a table shows it; a dash for one that could not be computed."""
         return f"{value * self.scale:.{self.digits}f}" if math.isfinite(value) else "-"
+
+    def bound(self, value: float) -> str:
+        """Return a bound in the unit of the table, no digit lost, with that unit."""
+        return f"{value * self.scale:.6g} {self.unit}".rstrip()
 
 
 def _time_at(limit: WinchLimit, key: str, where: str) -> KpiDefinition:
@@ -353,6 +377,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         100.0,
         2,
         heading="unit eff.",
+        plain="unit efficiency",
     ),
     KpiDefinition(
         "worst_minute",
@@ -363,6 +388,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         1.0,
         3,
         needs=f"{kpi.WORSE_WINDOW:g} s after the transient",
+        plain=f"worst {kpi.WORSE_WINDOW:g} s, unit heave over uncompensated",
     ),
     KpiDefinition(
         "baseline_efficiency",
@@ -383,6 +409,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         100.0,
         2,
         heading="outlet eff.",
+        plain="outlet efficiency",
     ),
     KpiDefinition(
         "significant_residual_m",
@@ -392,6 +419,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         lambda w: kpi.significant(w.unit_sigma),
         100.0,
         2,
+        plain="significant residual",
     ),
     KpiDefinition(
         "max_abs_heave_m",
@@ -418,7 +446,16 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition(
         "boom_tip_sigma_m", "boom-tip heave, standard deviation", "cm", UNIT, lambda w: w.boom_tip_sigma, 100.0, 2
     ),
-    KpiDefinition("outlet_sigma_m", "outlet residual s(z0-p)", "cm", UNIT, lambda w: w.outlet_sigma, 100.0, 2),
+    KpiDefinition(
+        "outlet_sigma_m",
+        "outlet residual s(z0-p)",
+        "cm",
+        UNIT,
+        lambda w: w.outlet_sigma,
+        100.0,
+        2,
+        plain="outlet residual, standard deviation",
+    ),
     KpiDefinition(
         "kappa",
         "kappa, ratio to the best possible",
@@ -452,16 +489,65 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition(
         "tension_sigma_n", "top tension, standard deviation", "kN", TENSION, lambda w: kpi.sigma(w.tension.value), 1e-3
     ),
-    KpiDefinition("tension_ratio_min", "rT = Tmin/Tstatic", "", TENSION, lambda w: w.tension_ratios[0]),
-    KpiDefinition("dynamic_amplification", "DAF = Tmax/Tstatic", "", TENSION, lambda w: w.tension_ratios[1]),
+    KpiDefinition(
+        "rope_safety_factor",
+        "safety factor of the rope, breaking force over largest tension",
+        "",
+        TENSION,
+        lambda w: w.factors.get(ROPE, NOT_KNOWN),
+        digits=2,
+        plain="safety factor of the rope",
+    ),
+    KpiDefinition(
+        "winch_pull_factor",
+        "rated pull of the winch over largest tension",
+        "",
+        TENSION,
+        lambda w: w.factors.get(WINCH_PULL, NOT_KNOWN),
+        digits=2,
+    ),
+    KpiDefinition(
+        "attachment_safety_factor",
+        "safety factor of the unit's attachment, breaking force over largest load",
+        "",
+        TENSION,
+        lambda w: w.factors.get(ATTACHMENT, NOT_KNOWN),
+        digits=2,
+        plain="safety factor of the unit's attachment",
+    ),
+    KpiDefinition(
+        "tension_ratio_min",
+        "rT = Tmin/Tstatic",
+        "",
+        TENSION,
+        lambda w: w.tension_ratios[0],
+        plain="smallest tension over static",
+    ),
+    KpiDefinition(
+        "dynamic_amplification",
+        "DAF = Tmax/Tstatic",
+        "",
+        TENSION,
+        lambda w: w.tension_ratios[1],
+        plain="largest tension over static",
+    ),
     KpiDefinition("slack_percent", "slack, share of time", "%", TENSION, lambda w: w.slack_percent),
     KpiDefinition("snaps", "snaps", "", TENSION, lambda w: w.snaps(w.tension, w.peak_tension), digits=0, is_count=True),
+    KpiDefinition(
+        "uncompensated_rope_safety_factor",
+        "safety factor of the rope, uncompensated",
+        "",
+        TENSION,
+        lambda w: w.uncompensated_rope_factor,
+        digits=2,
+    ),
     KpiDefinition(
         "uncompensated_tension_ratio_min",
         "rT, uncompensated",
         "",
         TENSION,
         lambda w: w.uncompensated_tension_ratios[0],
+        plain="smallest tension over static, uncompensated",
     ),
     KpiDefinition(
         "uncompensated_dynamic_amplification",
@@ -469,6 +555,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         "",
         TENSION,
         lambda w: w.uncompensated_tension_ratios[1],
+        plain="largest tension over static, uncompensated",
     ),
     KpiDefinition(
         "uncompensated_snaps",
@@ -537,8 +624,26 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         lambda w: w.loaded_percent,
         digits=1,
     ),
-    KpiDefinition("power_peak_w", "winch power, peak |Tv|", "kW", ENERGY, lambda w: w.power.peak, 1e-3, 2),
-    KpiDefinition("power_mean_abs_w", "winch power, mean |Tv|", "kW", ENERGY, lambda w: w.power.mean_abs, 1e-3, 2),
+    KpiDefinition(
+        "power_peak_w",
+        "winch power, peak |Tv|",
+        "kW",
+        ENERGY,
+        lambda w: w.power.peak,
+        1e-3,
+        2,
+        plain="winch power, peak",
+    ),
+    KpiDefinition(
+        "power_mean_abs_w",
+        "winch power, mean |Tv|",
+        "kW",
+        ENERGY,
+        lambda w: w.power.mean_abs,
+        1e-3,
+        2,
+        plain="winch power, mean magnitude",
+    ),
     KpiDefinition("power_rms_w", "winch power, root mean square", "kW", ENERGY, lambda w: w.power.rms, 1e-3, 2),
     KpiDefinition("energy_wh_per_h", "energy, motoring, per hour", "kWh/h", ENERGY, lambda w: w.power.motoring, 1e-3),
     KpiDefinition(
@@ -740,7 +845,7 @@ TOP_TENSION, PAYOUT = "top tension", "payout"
 _OF_TENSION = (
     *("tension_min_n", "tension_mean_n", "tension_max_n", "tension_sigma_n", "tension_ratio_min"),
     *("dynamic_amplification", "snaps", "top_tension_mean_n", "top_tension_amplitude_n"),
-    *("tension_cycles_per_h", "tension_range_equivalent_n"),
+    *("tension_cycles_per_h", "tension_range_equivalent_n", ROPE, WINCH_PULL),
 )
 MOTIONS_OF: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("unit_sigma_m", "significant_residual_m", "max_abs_heave_m", "heave_p999_m"), (UNIT_HEAVE,)),

@@ -24,7 +24,7 @@ from heave_bags.analyse.report_figures import (
     without_nan,
 )
 from heave_bags.analyse.run_record import RunRecord
-from heave_bags.analyse.verdict import Verdict, judge
+from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge, required_words
 from heave_bags.errors import BagError
 
 MOST_HAPPENINGS = 60
@@ -197,13 +197,12 @@ def page_content(
 
 def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> dict[str, Any]:
     happenings = run_words.happenings(record)
-    is_silent = verdict.lines()[0].startswith(("verdict: none", "verdict: no"))
     return {
         "name": record.name,
         "facts": run_words.facts(record),
         "remarks": [*record.remarks(), *run_warnings.warnings(record, values)],
         "verdict": [line.strip() for line in verdict.lines()],
-        "verdict_class": "bad" if not verdict.is_good else "" if is_silent else "good",
+        "verdict_class": {FAILED: "bad", NO_VERDICT: ""}.get(verdict.state, "good"),
         "tiles": _tiles(record, values),
         "happenings": happenings[:MOST_HAPPENINGS],
         "more": max(len(happenings) - MOST_HAPPENINGS, 0),
@@ -236,12 +235,7 @@ def _tiles(record: RunRecord, values: Mapping[str, float]) -> list[dict[str, str
 
 def _note(record: RunRecord, key: str) -> str:
     """Return what stands beside a large figure: what was wanted of it, its limit, and what it is made from."""
-    definition = kpi_set.DEFINITION_OF[key]
-    notes = [
-        f"wanted {one.relation} {definition.scale * one.bound:.4g} {definition.unit}".rstrip()
-        for one in record.wanted
-        if one.kpi == key
-    ]
+    notes = [f"required {required_words(one)}" for one in record.wanted if one.kpi == key]
     if key == "winch_speed_max_mps" and math.isfinite(record.signals.speed_limit):
         notes.append(f"limit {record.signals.speed_limit:g} m/s")
     source = kpi_set.source_of(key, record.sources)
