@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from heave_node.numerics.arrays import Array
-from heave_node.strength import ATTACHMENT, LoadCheck, Strength
+from heave_node.strength import LoadCheck, Strength, load_checks
 
 TIME_ROUNDING = 1e-9
 """Stamps are whole nanoseconds: windows include their ends to this [s]."""
@@ -126,18 +126,18 @@ class RunSignals:
 
         The load of rope and winch is the top tension, that of the attachment the tension at the unit as sampled.
         """
-        loads = {ATTACHMENT: self.unit_tension}
-        found = []
-        for strength in self.strengths:
-            load = loads.get(strength.key, self.peak_tension()).window(start, end).value
-            found.append(strength.under(float(load.max()) if load.size else math.nan))
-        return tuple(found)
+        top, unit = (signal.window(start, end).value for signal in (self.peak_tension(), self.unit_tension))
+        return load_checks(self.strengths, top=_largest(top), unit=_largest(unit))
 
     def static_at(self, tension: Signal) -> Array:
         """Return the static tension at the samples of a tension [N]: their mean where it is not known."""
         if self.static_tension.size:
             return self.static_tension.at(tension)
         return np.full(tension.size, tension.value.mean() if tension.size else math.nan)
+
+
+def _largest(values: Array) -> float:
+    return float(values.max()) if values.size else math.nan
 
 
 def _peaks(tension: Signal, largest: Signal) -> Signal:

@@ -1,8 +1,19 @@
 """Errors that the `heave` command tells its user in one line."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
+
 
 class CommandError(Exception):
     """The command could not do what it says; the message is one line."""
+
+
+class VerdictError(CommandError):
+    """The command did what it says, and the verdict is FAILED; the message is one line that says why."""
+
+    def __init__(self, failures: Iterable[str]) -> None:
+        super().__init__(f"verdict FAILED: {'; '.join(failures)}")
 
 
 class NoRunError(CommandError):

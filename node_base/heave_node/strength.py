@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -146,6 +146,18 @@ def strengths(plant: Mapping[str, Any], winch: Mapping[str, Any]) -> tuple[Stren
         for key, part, kind, capacity, required in parts
         if _is_stated(capacity) and _is_stated(required)
     )
+
+
+def load_checks(parts: Iterable[Strength], *, top: float, unit: float) -> tuple[LoadCheck, ...]:
+    """Return how the `parts` stand under their largest loads.
+
+    Parameters
+    ----------
+    parts : whose strength is stated
+    top : largest tension at the boom tip, the load of rope and winch [N]
+    unit : largest tension at the unit, the load of its attachment [N]; NaN where unknown
+    """
+    return tuple(part.under(unit if part.key == ATTACHMENT else top) for part in parts)
 
 
 def _is_stated(value: object) -> bool:

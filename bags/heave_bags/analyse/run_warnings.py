@@ -34,7 +34,9 @@ OF_CONTROLLER = f"{topics.CONTROLLER_STATE.publisher}: "
 
 
 def warnings(record: RunRecord, values: Mapping[str, float]) -> list[str]:
-    """Return which part carried more than it should, and what it means where the winch did harm in the run `record`, or less good than another would have done.
+    """Return which parts have a small safety factor in the run `record`, and where its winch did harm.
+
+    So it did where another law would have done better.
 
     Parameters
     ----------

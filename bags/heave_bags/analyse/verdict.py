@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from heave_node.criteria import Criterion
 from heave_node.interface.codes import RESTS_REQUESTED
 from heave_node.numerics.constants import LARGEST_STRAIN
 from heave_node.strength import LoadCheck
 
-from heave_bags.analyse.events import Interval
 from heave_bags.analyse.kpi_set import DEFINITION_OF
-from heave_bags.analyse.run_record import RunRecord
+
+if TYPE_CHECKING:
+    from heave_bags.analyse.events import Interval
+    from heave_bags.analyse.run_record import RunRecord
 
 LEAST_SHARE = 0.9
 """Compensation that was in force for a smaller share of the evaluation window is worth a line of its own."""
@@ -133,7 +136,7 @@ class Verdict:
         """The verdict in a word: FAILED, passed, or none."""
         if self.failures:
             return FAILED
-        return PASSED if self.criteria and self.is_judged else NO_VERDICT
+        return PASSED if (self.criteria or self.loads) and self.is_judged else NO_VERDICT
 
     def lines(self) -> list[str]:
         """Return the verdict for people: one word, then each criterion and each part under load."""
@@ -144,7 +147,7 @@ class Verdict:
             head = (
                 f"verdict: {what}, the run ended within its transient: a longer --duration, or --set all.transient=60"
             )
-        elif self.criteria:
+        elif self.state == PASSED:
             head = f"verdict: {PASSED}"
         else:
             head = "verdict: no criteria given"
@@ -201,6 +204,12 @@ def judge(
         record.largest_strain,
         record.signals.load_checks(),
     )
+
+
+def judge_loads(loads: Sequence[LoadCheck]) -> Verdict:
+    """Return the verdict on parts under their largest `loads` alone, of a lift at rest or a design."""
+    known = tuple(check for check in loads if not math.isnan(check.load))
+    return Verdict((), (), {}, math.nan, loads=known)
 
 
 def share_in_force(record: RunRecord, values: Mapping[str, float]) -> float:
