@@ -11,7 +11,7 @@ from heave_bags.errors import BagError
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.completion import complete
-from heave_bringup.errors import CommandError, NoRunError, VerdictError
+from heave_bringup.errors import CommandError
 from heave_bringup.exit_status import ExitStatus
 from heave_bringup.parser import make_parser
 
@@ -32,17 +32,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _exit_with(f"--json {options.json}: no such folder: {Path(options.json).parent}", ExitStatus.REFUSED)
     try:
         options.execute(options)
-    except (ParameterError, NoRunError) as error:
-        return _exit_with(error, ExitStatus.REFUSED)
-    except VerdictError as error:
-        return _exit_with(error, ExitStatus.VERDICT_FAILED)
-    except (CommandError, BagError, MemoryError) as error:
-        return _exit_with(str(error) or "out of memory", ExitStatus.FAILED)
+    except (CommandError, ParameterError, BagError, MemoryError) as error:
+        return _exit_with(str(error) or "out of memory", _status_of(error))
     except KeyboardInterrupt:
         return _exit_with("interrupted", ExitStatus.INTERRUPTED)
     except OSError as error:
         return _refused_by_the_system(error)
     return ExitStatus.DONE
+
+
+def _status_of(error: Exception) -> ExitStatus:
+    if isinstance(error, CommandError):
+        return error.status
+    return ExitStatus.REFUSED if isinstance(error, ParameterError) else ExitStatus.FAILED
 
 
 def _exit_with(error: object, status: ExitStatus) -> ExitStatus:
