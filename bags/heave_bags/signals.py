@@ -136,8 +136,10 @@ class RunSignals:
         return np.full(tension.size, tension.value.mean() if tension.size else math.nan)
 
 
-def _largest(values: Array) -> float:
-    return float(values.max()) if values.size else math.nan
+def _largest(tensions: Array) -> float:
+    """Return the largest tension; NaN where there is none at all, which nobody measured."""
+    largest = float(tensions.max()) if tensions.size else 0.0
+    return largest if largest > 0.0 else math.nan
 
 
 def _peaks(tension: Signal, largest: Signal) -> Signal:

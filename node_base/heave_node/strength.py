@@ -130,7 +130,7 @@ def strengths(plant: Mapping[str, Any], winch: Mapping[str, Any]) -> tuple[Stren
     """
     rope_factor = plant.get("cable.safety_factor", SAFETY_FACTOR)
     attachment_factor = plant.get("unit.attachment_safety_factor", SAFETY_FACTOR)
-    parts = (
+    parts: tuple[tuple[str, str, str, Any, Any], ...] = (
         (ROPE, "Safety factor of the rope", "breaking force", plant.get("cable.breaking_force"), rope_factor),
         (WINCH_PULL, "Rated pull over largest tension", "rated pull", winch.get("rated_pull"), RATED),
         (

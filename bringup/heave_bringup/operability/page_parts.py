@@ -83,7 +83,7 @@ def cases_table(parts: Iterable[pandas.DataFrame], criteria: Sequence[Criterion]
 
 def _missed(row: Mapping[str, Any], criteria: Sequence[Criterion]) -> str:
     """Return in words what a case misses of the `criteria`, and what no run may do."""
-    breaches = str(row[BREACHES])
+    breaches = str(row.get(BREACHES, ""))
     judged = [Judged(criterion, float(row[criterion.kpi])) for criterion in criteria]
     return "; ".join([*([breaches] if breaches else []), *(str(one) for one in judged if not one.is_met)])
 
