@@ -166,7 +166,7 @@ def written_pages() -> list[tuple[str, str]]:
 
 def commands_page() -> str:
     """Return the help of every command, with its examples."""
-    from heave_bringup.exit_status import status_table  # noqa: PLC0415 (as below)
+    from heave_bringup.errors import status_table  # noqa: PLC0415 (as below)
     from heave_bringup.parser import COMMANDS, make_parser  # noqa: PLC0415 (the site is the only one that needs it)
 
     os.environ["COLUMNS"] = "100"  # the width of the help

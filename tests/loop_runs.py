@@ -12,7 +12,7 @@ from pathlib import Path
 
 import psutil
 from domain_coordinator import domain_id
-from heave_bringup.exit_status import ExitStatus
+from heave_bringup.errors import ExitStatus
 from mcap.reader import make_reader
 
 CALM_DURATION = 10.0

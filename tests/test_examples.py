@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
-from heave_bringup.exit_status import ExitStatus
+from heave_bringup.errors import ExitStatus
 
 from tests.loop_runs import HAS_RUN, command, environment, recorded_messages
 

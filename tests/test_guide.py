@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 import yaml
 from domain_coordinator import domain_id
-from heave_bringup.exit_status import ExitStatus
+from heave_bringup.errors import ExitStatus
 
 from tests.guide import GUIDE, READMES, ROOT, blocks, shortened
 from tests.loop_runs import environment

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from heave_bringup.exit_status import ExitStatus
+from heave_bringup.errors import ExitStatus
 
 from tests.loop_runs import heave
 

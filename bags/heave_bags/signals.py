@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+from heave_node.loads.strength import LoadCheck, Strength, load_checks
 from heave_node.numerics.arrays import Array
-from heave_node.strength import LoadCheck, Strength, load_checks
 
 TIME_ROUNDING = 1e-9
 """Stamps are whole nanoseconds: windows include their ends to this [s]."""

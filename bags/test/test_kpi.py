@@ -9,7 +9,7 @@ from heave_bags.analyse import kpi_set
 from heave_bags.signals import Signal
 from heave_node import kpi
 from heave_node.interface.codes import WinchLimit
-from heave_node.strength import strengths
+from heave_node.loads.strength import strengths
 from hypothesis import given
 from hypothesis import strategies as st
 

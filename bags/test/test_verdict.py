@@ -11,7 +11,7 @@ from heave_bags.analyse.run_warnings import warnings
 from heave_bags.analyse.verdict import FAILED, NO_VERDICT, PASSED, Judged, judge
 from heave_bags.signals import RunSignals, Signal
 from heave_node.criteria import Criterion
-from heave_node.strength import strengths
+from heave_node.loads.strength import strengths
 
 TIME = np.arange(0.0, 100.0, 0.05)
 SIGMA = 0.01

@@ -11,8 +11,7 @@ from heave_bags.errors import BagError
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.completion import complete
-from heave_bringup.errors import CommandError
-from heave_bringup.exit_status import ExitStatus
+from heave_bringup.errors import CommandError, ExitStatus
 from heave_bringup.parser import make_parser
 
 

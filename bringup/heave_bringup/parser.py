@@ -14,7 +14,7 @@ from heave_bringup.commands.runs import check, operate, panel, run, view
 from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
 from heave_bringup.commands.studies import bench, benchmark, campaign, extremes, operability, sizing
 from heave_bringup.commands.version import VersionAction
-from heave_bringup.exit_status import ExitStatus
+from heave_bringup.errors import ExitStatus
 
 COMMANDS: tuple[Command, ...] = (
     *(run.COMMAND, operate.COMMAND, panel.COMMAND, view.COMMAND, check.COMMAND),

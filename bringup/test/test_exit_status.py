@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from heave_bringup.cli import main
 from heave_bringup.commands.models.design import expected_loads
-from heave_bringup.exit_status import ExitStatus, status_table
+from heave_bringup.errors import ExitStatus, status_table
 from heave_bringup.parser import make_parser
 from winch_controller_node.model.blocks import CableModel
 

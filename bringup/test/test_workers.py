@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from heave_bringup.exit_status import ExitStatus
+from heave_bringup.errors import ExitStatus
 from heave_bringup.workers.pool import worker_pool
 
 PARENT = """

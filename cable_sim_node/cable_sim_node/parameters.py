@@ -9,10 +9,10 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 
+from heave_node.loads.strength import SAFETY_FACTOR
 from heave_node.numerics import hydrostatics
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import check_ranges, group, parameter
-from heave_node.strength import SAFETY_FACTOR
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from heave_node.strength import ATTACHMENT, ROPE, SAFETY_FACTOR, WINCH_PULL, safety_factor, strengths
+from heave_node.loads.strength import ATTACHMENT, ROPE, SAFETY_FACTOR, WINCH_PULL, safety_factor, strengths
 
 
 def test_the_default_factor_is_the_product_of_its_source_and_above_the_least_of_it():

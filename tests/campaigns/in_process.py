@@ -11,7 +11,7 @@ from io import StringIO
 from tempfile import TemporaryFile
 from types import FrameType
 
-from heave_bringup.exit_status import ExitStatus
+from heave_bringup.errors import ExitStatus
 
 
 def heave(words: Sequence[str]) -> tuple[int, str, str]:

@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from heave_bringup.exit_status import ExitStatus
+from heave_bringup.errors import ExitStatus
 from heave_bringup.progress import ProgressLine
 
 from tests.campaigns.commit import commit_line

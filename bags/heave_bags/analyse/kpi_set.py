@@ -15,9 +15,9 @@ from types import MappingProxyType
 import numpy as np
 from heave_node import kpi
 from heave_node.interface.codes import WinchLimit
-from heave_node.load_cycles import DAMAGE_EXPONENT, LoadCycles, load_cycles
+from heave_node.loads.cycles import DAMAGE_EXPONENT, LoadCycles, load_cycles
+from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL, safety_factor
 from heave_node.numerics.arrays import Array
-from heave_node.strength import ATTACHMENT, ROPE, WINCH_PULL, safety_factor
 from numpy.typing import NDArray
 
 from heave_bags.signals import RunSignals, Signal
@@ -323,7 +323,7 @@ class KpiDefinition:
         return f"{value * self.scale:.{self.digits}f}" if math.isfinite(value) else "-"
 
     def bound(self, value: float) -> str:
-        """Return a bound in the unit of the table, no digit lost, with that unit."""
+        """Return a bound, the SI `value`, in the unit of the table, no digit lost, with that unit."""
         return f"{value * self.scale:.6g} {self.unit}".rstrip()
 
 

@@ -12,13 +12,13 @@ import numpy as np
 from heave_node.criteria import WANTED, Criterion, parse_criterion
 from heave_node.interface import topics
 from heave_node.interface.codes import COMMANDS, LATE
+from heave_node.loads.strength import strengths
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.numerics.hydrostatics import displaced_area, weight_in_fluid
 from heave_node.parameters import Given, ParameterError
 from heave_node.run_parameters import REALTIME
 from heave_node.scenario import WILDCARD, Sections, parse_sections, values_of_node
-from heave_node.strength import strengths
 from heave_node.tick.durations import parse_histogram
 
 from heave_bags.analyse import events, kpi_set

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from heave_node.criteria import Criterion
 from heave_node.interface.codes import RESTS_REQUESTED
+from heave_node.loads.strength import LoadCheck
 from heave_node.numerics.constants import LARGEST_STRAIN
-from heave_node.strength import LoadCheck
 
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 

@@ -14,8 +14,8 @@ import numpy as np
 import pandas
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_node.criteria import Criterion
+from heave_node.loads.strength import FACTORS, ROPE
 from heave_node.numerics.arrays import Array
-from heave_node.strength import FACTORS, ROPE
 from scipy import stats
 
 from heave_bringup.campaign.table import FAILURE, LOST, SEED, settings_of

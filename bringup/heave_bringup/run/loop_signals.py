@@ -8,8 +8,8 @@ import numpy as np
 from heave_bags.analyse.depth_programme import take_out_programme
 from heave_bags.analyse.events import take_modes
 from heave_bags.signals import RunSignals, Signal
+from heave_node.loads.strength import strengths
 from heave_node.parameters import flatten
-from heave_node.strength import strengths
 
 from heave_bringup.closed_loop import LoopParameters, LoopRecord
 

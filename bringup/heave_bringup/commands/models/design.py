@@ -32,8 +32,8 @@ def execute(options: argparse.Namespace) -> None:
     """Print gains, poles, margins, predictions, bounds and curves; draw them, as `options` say."""
     from cable_sim_node.errors import PlantError
     from heave_bags.analyse.verdict import judge_loads
+    from heave_node.loads.strength import load_checks
     from heave_node.numerics.linear_model import ModelError
-    from heave_node.strength import load_checks
     from winch_controller_node.design.report import design_report
     from winch_controller_node.design.report_figures import draw_report
     from winch_controller_node.model.lqr import DesignError

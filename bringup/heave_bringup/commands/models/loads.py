@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from heave_node.loads.strength import Strength, strengths
 from heave_node.parameters import flatten
-from heave_node.strength import Strength, strengths
 
 from heave_bringup.errors import VerdictError
 

@@ -84,8 +84,8 @@ def execute(options: argparse.Namespace) -> None:
     from cable_sim_node.reports.report import PICTURE_ENDINGS, save_picture
     from cable_sim_node.statics.march import march
     from heave_bags.analyse.verdict import judge_loads
+    from heave_node.loads.strength import load_checks
     from heave_node.numerics.compiled import is_compiled
-    from heave_node.strength import load_checks
 
     from heave_bringup.output import check_output, write_result
     from heave_bringup.progress import ProgressLine

@@ -180,7 +180,7 @@ def with_strengths(frame: pandas.DataFrame, criteria: Sequence[Criterion]) -> li
     criteria : of the study; one on a safety factor stays as it is
     """
     from heave_node.criteria import Criterion
-    from heave_node.strength import FACTORS, LEAST
+    from heave_node.loads.strength import FACTORS, LEAST
 
     chosen = {criterion.kpi for criterion in criteria}
     stated = [key for key in FACTORS if key in frame and (frame[key] > 0.0).any()]
