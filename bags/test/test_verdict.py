@@ -140,6 +140,8 @@ def test_a_rope_that_carried_more_than_its_breaking_force_is_no_success_at_any_t
     (check,) = verdict.loads
     assert check.factor == pytest.approx(494.0 / 530.0)
     assert len(verdict.breaches) == 1
+    run = under_load(530e3)
+    assert len(warnings(run, run.kpis())) == 1, "heave kpi, which gives no verdict, reports it too"
     assert verdict.to_json()["loads"] == [check.to_json()]
 
 

@@ -43,7 +43,7 @@ def warnings(record: RunRecord, values: Mapping[str, float]) -> list[str]:
     record : of the run
     values : its figures of merit
     """
-    weak = [str(check) for check in record.signals.load_checks() if check.is_short]
+    weak = [str(check) for check in record.signals.load_checks() if check.is_short or check.is_overloaded]
     if not record.moves_winch:
         return weak
     unit, outlet, baseline = (values[f"{of}_efficiency"] for of in ("unit", "outlet", "baseline"))
