@@ -17,7 +17,7 @@ from heave_bags.analyse import kpi_set
 from heave_bringup.campaign import executors, picture, runs, study
 from heave_bringup.campaign.campaign_file import read_campaign
 from heave_bringup.campaign.plan import Case
-from heave_bringup.campaign.report import case_table, left_out, summarise, to_json
+from heave_bringup.campaign.report import case_table, left_out, summarise, summary_table, to_json
 from heave_bringup.campaign.runs import CaseResult, Task, lost_because, make_tasks, run_task
 from heave_bringup.campaign.table import case_frame
 from heave_bringup.cli import main
@@ -113,6 +113,9 @@ def test_a_failed_case_is_a_row_and_stops_no_other(campaign, monkeypatch):
     assert frame.set_index("case")["reason"].to_dict()[5] == "compensation ended at 2.00 s"
     summary = summarise(frame)
     assert (summary["cases"], summary["failed"], summary["lost"]) == (8, 1, 1)
+    cells = {column.header.plain: list(column.cells) for column in summary_table(frame).columns}  # type: ignore[union-attr]
+    rows = dict(zip(map(str, cells["value"]), map(str, cells["unit"]), strict=True))
+    assert rows[f"{100.0 * summary['unit_sigma_m_median']:.2f}"] == "cm", "as in the table of cases"
     assert to_json(campaign, frame)["cases"][2]["failure"] == "the cable parted"  # type: ignore[index]
     assert case_table(frame).row_count == 8
 

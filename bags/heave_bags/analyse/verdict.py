@@ -106,12 +106,12 @@ class Verdict:
 
     @property
     def is_good(self) -> bool:
-        """Return whether every criterion is met, and nothing was done that no run may do."""
+        """Return whether every criterion is met and there is no breach."""
         return not self.failures
 
     @property
     def breaches(self) -> list[str]:
-        """Return in words what no run may do, whatever is wanted of it: break a part, strain the cable, rest."""
+        """Return in words what fails any run: an overloaded part, a cable strained too much, compensation inactive."""
         found = [str(check) for check in self.loads if check.is_overloaded]
         if self.strain > LARGEST_STRAIN:
             found.append(
@@ -128,7 +128,7 @@ class Verdict:
 
     @property
     def failures(self) -> list[str]:
-        """Return in words what no run may do, and which criteria are not met."""
+        """Return in words the breaches, and which criteria are not met."""
         return [*self.breaches, *(str(judged) for judged in self.criteria if not judged.is_met)]
 
     @property

@@ -73,9 +73,9 @@ class CaseResult:
     compensating : share of the time after the transient in which the winch compensated or held a tension; NaN under
         law off
     reason : why it was lost; "" where it was not
-    missed : criteria that it does not meet and what no run may do, one line each
+    missed : breaches and criteria that it does not meet, one line each
     baseline_unknown : why there is no baseline, where one was asked for; "" elsewhere
-    breaches : what of `missed` no run may do
+    breaches : those of `missed` that fail any run, see `heave_bags.analyse.verdict.Verdict.breaches`
     """
 
     case: Case
