@@ -297,7 +297,6 @@ class KpiDefinition:
     heading : its name in a table of windows; "" keeps it out of there
     is_seldom : people see it only where it is not 0
     needs : what a run must have for it to be known, in words; "": nothing that people could miss
-    plain : its name without formulas and symbols, where the title has any
     """
 
     key: str
@@ -311,12 +310,11 @@ class KpiDefinition:
     heading: str = ""
     is_seldom: bool = False
     needs: str = ""
-    plain: str = ""
 
     @property
     def name(self) -> str:
         """Its name for people who do not know the formulas."""
-        return self.plain or self.title
+        return PLAIN_NAMES.get(self.key, self.title)
 
     def text(self, value: float) -> str:
         """Return the value as a table shows it; a dash for one that could not be computed."""
@@ -354,6 +352,23 @@ UNIT, TENSION, WINCH, ENERGY, WEAR, ESTIMATE, TIMING, LANDING, CHANGES, DRIVEN =
 COUNT_OF_EVENTS = {LANDING: "landings", CHANGES: "mode_changes"}
 """Figures that count the events of a group; people see the group only where there are any."""
 
+PLAIN_NAMES = {
+    "unit_efficiency": "unit efficiency",
+    "worst_minute": f"worst {kpi.WORSE_WINDOW:g} s, unit heave over uncompensated",
+    "outlet_efficiency": "outlet efficiency",
+    "significant_residual_m": "significant residual",
+    "outlet_sigma_m": "outlet residual, standard deviation",
+    "rope_safety_factor": "safety factor of the rope",
+    "attachment_safety_factor": "safety factor of the unit's attachment",
+    "tension_ratio_min": "smallest tension over static",
+    "dynamic_amplification": "largest tension over static",
+    "uncompensated_tension_ratio_min": "smallest tension over static, uncompensated",
+    "uncompensated_dynamic_amplification": "largest tension over static, uncompensated",
+    "power_peak_w": "winch power, peak",
+    "power_mean_abs_w": "winch power, mean magnitude",
+}
+"""Names without formulas and symbols, of figures whose titles have any."""
+
 KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition(
         "unit_sigma_m", "unit heave, standard deviation", "cm", UNIT, lambda w: w.unit_sigma, 100.0, 2, heading="s(z)"
@@ -377,7 +392,6 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         100.0,
         2,
         heading="unit eff.",
-        plain="unit efficiency",
     ),
     KpiDefinition(
         "worst_minute",
@@ -388,7 +402,6 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         1.0,
         3,
         needs=f"{kpi.WORSE_WINDOW:g} s after the transient",
-        plain=f"worst {kpi.WORSE_WINDOW:g} s, unit heave over uncompensated",
     ),
     KpiDefinition(
         "baseline_efficiency",
@@ -409,7 +422,6 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         100.0,
         2,
         heading="outlet eff.",
-        plain="outlet efficiency",
     ),
     KpiDefinition(
         "significant_residual_m",
@@ -419,7 +431,6 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         lambda w: kpi.significant(w.unit_sigma),
         100.0,
         2,
-        plain="significant residual",
     ),
     KpiDefinition(
         "max_abs_heave_m",
@@ -446,16 +457,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition(
         "boom_tip_sigma_m", "boom-tip heave, standard deviation", "cm", UNIT, lambda w: w.boom_tip_sigma, 100.0, 2
     ),
-    KpiDefinition(
-        "outlet_sigma_m",
-        "outlet residual s(z0-p)",
-        "cm",
-        UNIT,
-        lambda w: w.outlet_sigma,
-        100.0,
-        2,
-        plain="outlet residual, standard deviation",
-    ),
+    KpiDefinition("outlet_sigma_m", "outlet residual s(z0-p)", "cm", UNIT, lambda w: w.outlet_sigma, 100.0, 2),
     KpiDefinition(
         "kappa",
         "kappa, ratio to the best possible",
@@ -496,7 +498,6 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         TENSION,
         lambda w: w.factors.get(ROPE, NOT_KNOWN),
         digits=2,
-        plain="safety factor of the rope",
     ),
     KpiDefinition(
         "winch_pull_factor",
@@ -513,24 +514,9 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         TENSION,
         lambda w: w.factors.get(ATTACHMENT, NOT_KNOWN),
         digits=2,
-        plain="safety factor of the unit's attachment",
     ),
-    KpiDefinition(
-        "tension_ratio_min",
-        "rT = Tmin/Tstatic",
-        "",
-        TENSION,
-        lambda w: w.tension_ratios[0],
-        plain="smallest tension over static",
-    ),
-    KpiDefinition(
-        "dynamic_amplification",
-        "DAF = Tmax/Tstatic",
-        "",
-        TENSION,
-        lambda w: w.tension_ratios[1],
-        plain="largest tension over static",
-    ),
+    KpiDefinition("tension_ratio_min", "rT = Tmin/Tstatic", "", TENSION, lambda w: w.tension_ratios[0]),
+    KpiDefinition("dynamic_amplification", "DAF = Tmax/Tstatic", "", TENSION, lambda w: w.tension_ratios[1]),
     KpiDefinition("slack_percent", "slack, share of time", "%", TENSION, lambda w: w.slack_percent),
     KpiDefinition("snaps", "snaps", "", TENSION, lambda w: w.snaps(w.tension, w.peak_tension), digits=0, is_count=True),
     KpiDefinition(
@@ -547,7 +533,6 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         "",
         TENSION,
         lambda w: w.uncompensated_tension_ratios[0],
-        plain="smallest tension over static, uncompensated",
     ),
     KpiDefinition(
         "uncompensated_dynamic_amplification",
@@ -555,7 +540,6 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         "",
         TENSION,
         lambda w: w.uncompensated_tension_ratios[1],
-        plain="largest tension over static, uncompensated",
     ),
     KpiDefinition(
         "uncompensated_snaps",
@@ -624,26 +608,8 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         lambda w: w.loaded_percent,
         digits=1,
     ),
-    KpiDefinition(
-        "power_peak_w",
-        "winch power, peak |Tv|",
-        "kW",
-        ENERGY,
-        lambda w: w.power.peak,
-        1e-3,
-        2,
-        plain="winch power, peak",
-    ),
-    KpiDefinition(
-        "power_mean_abs_w",
-        "winch power, mean |Tv|",
-        "kW",
-        ENERGY,
-        lambda w: w.power.mean_abs,
-        1e-3,
-        2,
-        plain="winch power, mean magnitude",
-    ),
+    KpiDefinition("power_peak_w", "winch power, peak |Tv|", "kW", ENERGY, lambda w: w.power.peak, 1e-3, 2),
+    KpiDefinition("power_mean_abs_w", "winch power, mean |Tv|", "kW", ENERGY, lambda w: w.power.mean_abs, 1e-3, 2),
     KpiDefinition("power_rms_w", "winch power, root mean square", "kW", ENERGY, lambda w: w.power.rms, 1e-3, 2),
     KpiDefinition("energy_wh_per_h", "energy, motoring, per hour", "kWh/h", ENERGY, lambda w: w.power.motoring, 1e-3),
     KpiDefinition(
