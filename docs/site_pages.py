@@ -166,6 +166,7 @@ def written_pages() -> list[tuple[str, str]]:
 
 def commands_page() -> str:
     """Return the help of every command, with its examples."""
+    from heave_bringup.errors import status_table  # noqa: PLC0415 (as below)
     from heave_bringup.parser import COMMANDS, make_parser  # noqa: PLC0415 (the site is the only one that needs it)
 
     os.environ["COLUMNS"] = "100"  # the width of the help
@@ -173,7 +174,7 @@ def commands_page() -> str:
     assert subparsers is not None
     (chosen,) = (action for action in subparsers._group_actions if action.choices)
     parsers = dict(chosen.choices or {})
-    parts = ["# Commands", "What `heave COMMAND --help` prints. Exit status: 0 done, 1 failed, 2 refused."]
+    parts = ["# Commands", "What `heave COMMAND --help` prints.", status_table()]
     parts += [", ".join(f"[{command.name}](#heave-{command.name})" for command in COMMANDS)]
     for command in COMMANDS:
         usage = parsers[command.name].format_help().partition("\nexample: ")[0].rstrip()

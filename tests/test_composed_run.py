@@ -5,7 +5,7 @@ import json
 import yaml
 from heave_bags.mcap.reader import Bag
 
-from tests.loop_runs import CALM_DURATION, heave, recorded_messages
+from tests.loop_runs import CALM_DURATION, HAS_RUN, heave, recorded_messages
 
 
 def topics_of(bag):
@@ -46,6 +46,6 @@ def test_a_tension_above_the_alarm_of_a_shipped_scenario_is_told_with_the_summar
         *("run", "b5_storm", "--duration", "14", "--bag", str(tmp_path / "run"), "--composed", "--no-report"),
         *("--set", "all.transient=2", "--set", "wave_vessel.ramp=5"),
     )
-    assert result.returncode == 0, result.stderr
+    assert result.returncode in HAS_RUN, result.stderr
     assert "tension too high: " in result.stdout + result.stderr
     assert "times the static one; at most 1.5 is allowed" in result.stdout + result.stderr

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
+from heave_bringup.errors import ExitStatus
 
-from tests.loop_runs import command, environment, recorded_messages
+from tests.loop_runs import HAS_RUN, command, environment, recorded_messages
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 PROGRAM = {"virtual_winch": "winch.py", "wave_vessel": "vessel.py", "winch_controller": "controller.py"}
@@ -50,7 +51,7 @@ def test_the_loop_closes_with_the_examples_in_place_of_its_nodes(nodes, tmp_path
     options += [word for node in nodes for word in ("--external", node)]
     with domain_id() as domain, running(nodes, domain):
         run = give(domain, "run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options)
-    assert run.returncode == 0, run.stderr
+    assert run.returncode in HAS_RUN, run.stderr
     topics = {"/unit/odometry": ["pose.pose.position.z"], "/unit_uncompensated": ["position.z"]}
     columns = Bag(tmp_path / "run" / "bag").columns(topics)
     unit, free = (columns[topic][fields[0]][columns[topic]["time"] > 30.0] for topic, fields in topics.items())
@@ -67,7 +68,7 @@ def test_the_plant_may_be_the_ship_itself(tmp_path):
     options += [word for node in (*nodes, "cable_sim") for word in ("--external", node)]
     with domain_id() as domain, running(nodes, domain):
         run = give(domain, "run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options)
-    assert run.returncode == 0, run.stderr
+    assert run.returncode in HAS_RUN, run.stderr
     figures = json.loads((tmp_path / "kpi.json").read_text())
     assert figures["sources"]["unit heave"] == "estimated"
     assert figures["sources"]["payout"] == "measured"
@@ -82,7 +83,7 @@ def test_a_radar_beside_the_vessel_tells_the_controller_what_is_to_come(tmp_path
     options += ["--set", "winch_controller.mpc.preview_time=4", "--set", "all.transient=20.0"]
     with domain_id() as domain, running(["wave_vessel", "radar"], domain):
         run = give(domain, "run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options)
-    assert run.returncode == 0, run.stderr
+    assert run.returncode in HAS_RUN, run.stderr
     bag = Bag(tmp_path / "run" / "bag")
     previews = [message for _, message in bag.decoded(["vessel/heave_preview"])]
     assert len(previews) >= 25
@@ -132,7 +133,6 @@ def test_each_example_is_as_the_contract_says(node):
     with domain_id() as domain, running([node], domain):
         check = give(domain, "check", "--external", node, "--seconds", "3")
     assert check.returncode == 0, check.stdout + check.stderr
-    assert check.stdout.strip().endswith("verdict: the contract is kept")
 
 
 @pytest.mark.parametrize("node", ["wave_vessel", "cable_sim"])
@@ -140,8 +140,8 @@ def test_a_node_that_is_not_there_is_named(node):
     """Of the plant no topic is required: each sensor may be left off, but not all."""
     with domain_id() as domain:
         check = give(domain, "check", "--external", node, "--seconds", "2")
-    assert check.returncode == 1
-    assert check.stderr.startswith(f"heave: {node}: all: publisher: nobody publishes any of these topics: is the node")
+    assert check.returncode == ExitStatus.VERDICT_FAILED
+    assert f"{node}: all: publisher: nobody publishes any of these topics: is the node" in check.stderr
 
 
 def test_a_node_in_a_namespace_is_checked_there_and_hinted_at_elsewhere():

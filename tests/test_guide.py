@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 import yaml
 from domain_coordinator import domain_id
+from heave_bringup.errors import ExitStatus
 
 from tests.guide import GUIDE, READMES, ROOT, blocks, shortened
 from tests.loop_runs import environment
@@ -92,8 +93,15 @@ def test_a_link_to_what_a_page_is_written_from_is_one_to_the_page_in_the_site(si
         assert f'href="{page}.html"' in index.partition("<article")[2]
 
 
+ANY_VERDICT = f'heave() {{ command heave "$@" || [ $? -eq {ExitStatus.VERDICT_FAILED.value} ]; }}\n'
+"""Before the commands of a page: a shorter run may miss what the whole one meets."""
+
+
 def type_page(path: Path, folder: Path, change: Callable[[str], str]) -> None:
-    """Do in an empty folder what a page says to type, after a `change` of it: each block must end without an error."""
+    """Do in an empty folder what a page says to type, after a `change` of it: each block must end without an error.
+
+    A verdict that is FAILED is none.
+    """
     with domain_id() as domain:
         variables = {**environment(domain), "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
         variables["MPLBACKEND"] = "agg"
@@ -105,7 +113,12 @@ def type_page(path: Path, folder: Path, change: Callable[[str], str]) -> None:
             if command is None or not block.is_run:
                 continue
             done = subprocess.run(
-                [*command, text], cwd=folder, env=variables, capture_output=True, text=True, check=False
+                [*command, ANY_VERDICT + text if block.language == "sh" else text],
+                cwd=folder,
+                env=variables,
+                capture_output=True,
+                text=True,
+                check=False,
             )
             assert done.returncode == 0, f"{text}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
 

@@ -12,7 +12,7 @@ import pytest
 from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 
-from tests.loop_runs import command, environment, process_of, wait_until
+from tests.loop_runs import HAS_RUN, command, environment, process_of, wait_until
 
 REAL_WINCH = """
 import math
@@ -69,7 +69,7 @@ def test_a_real_winch_takes_the_place_of_the_virtual_one(tmp_path):
         finally:
             drive.send_signal(signal.SIGINT)
             drive.wait(10.0)
-    assert run.returncode == 0, run.stderr
+    assert run.returncode in HAS_RUN, run.stderr
     bag = Bag(folder / "bag")
     winch = bag.columns({"/winch/state": ["encoder_payout", "payout"]})["/winch/state"]
     assert np.isnan(winch["payout"]).all(), "this winch does not know its true payout, and says so"
@@ -100,7 +100,7 @@ def test_a_winch_with_a_loop_and_a_clock_of_its_own_compensates(tmp_path):
         finally:
             drive.terminate()
             drive.wait(10.0)
-    assert run.returncode == 0, run.stderr
+    assert run.returncode in HAS_RUN, run.stderr
     figures = json.loads((tmp_path / "kpi.json").read_text())
     assert figures["unit_efficiency"] > 0.8
     assert figures["outlet_efficiency"] > 0.7, "the bag's stamps of another clock are read as in the run"

@@ -1,8 +1,9 @@
-"""The verdict ends the table of a run, and sets its exit status where the user requires something."""
+"""The verdict ends the table of a run, and sets its exit status."""
 
 import json
 
 import pytest
+from heave_bringup.errors import ExitStatus
 
 from tests.loop_runs import heave
 
@@ -12,12 +13,14 @@ def test_a_required_figure_that_is_missed_sets_the_exit_status(tmp_path):
     options = ["--duration", "5", "--set", "all.transient=1.0", "--no-report", "--json", str(tmp_path / "kpi.json")]
     require = ["--require", "unit_sigma_m<1e-9", "--require", "missed_deadlines<1"]
     result = heave("run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options, *require)
-    assert result.returncode == 1
-    assert "heave: requirements not met:  MISSED: unit_sigma_m < 1e-09, got" in result.stderr
-    assert result.stdout.strip().splitlines()[-1].startswith("  met: "), "the table ends with the verdict"
-    assert "compensation was never in force (standby" in result.stdout
+    assert result.returncode == ExitStatus.VERDICT_FAILED
+    assert result.stderr.strip().splitlines()[-1].startswith("heave: verdict FAILED: ")
+    assert result.stdout.strip().splitlines()[-1].endswith(": met"), "the table ends with the verdict"
     verdict = json.loads((tmp_path / "kpi.json").read_text())["verdict"]
-    assert verdict["good"] is False
+    assert (verdict["good"], verdict["state"]) == (False, "FAILED")
+    assert verdict["time_in_modes"]["standby"] > 0.5, "compensation never began, which is a failure of its own"
+    missed = [entry for entry in verdict["criteria"] if not entry["met"]]
+    assert len(verdict["failures"]) == 1 + len(missed)
     met = {entry["kpi"]: entry["met"] for entry in verdict["criteria"]}
     assert met["missed_deadlines"]
     assert not met["unit_sigma_m"]
@@ -28,7 +31,7 @@ def test_what_a_reader_must_be_warned_of_is_told_by_a_quiet_run_and_by_the_figur
     """Worse than off is one such warning; that compensation never began is one that a few seconds have."""
     options = ["--duration", "5", "--set", "all.transient=1.0", "--no-report", "--json", str(tmp_path / "kpi.json")]
     result = heave("run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options, "--quiet")
-    assert result.returncode == 0, result.stderr
+    assert result.returncode == ExitStatus.VERDICT_FAILED, result.stderr
     (warning,) = json.loads((tmp_path / "kpi.json").read_text())["warnings"]
     assert warning.startswith("compensation never began")
     assert f"heave: warning: {warning}\n" in result.stderr

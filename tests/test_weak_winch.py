@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from tests.loop_runs import heave
+from tests.loop_runs import HAS_RUN, heave
 
 LIMIT = 0.8
 """Of the acceleration [m/s^2]; benchmark B3 believes in 1.5 m/s^2."""
@@ -24,7 +24,7 @@ def test_a_winch_weaker_than_believed_is_found_out_and_the_unit_held_still(tmp_p
         *("--json", str(tmp_path / "kpi.json"), "--require", "unit_efficiency>0.9"),
         *(word for setting in settings for word in ("--set", setting)),
     )
-    assert result.returncode == 0, result.stdout + result.stderr
+    assert result.returncode in HAS_RUN, result.stdout + result.stderr
     verdict = json.loads((tmp_path / "kpi.json").read_text())["verdict"]
     assert {entry["kpi"]: entry["met"] for entry in verdict["criteria"]}["unit_efficiency"]
     told = re.findall(

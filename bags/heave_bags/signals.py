@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+from heave_node.loads.strength import LoadCheck, Strength, load_checks
 from heave_node.numerics.arrays import Array
 
 TIME_ROUNDING = 1e-9
@@ -52,6 +53,7 @@ class RunSignals:
     payout, payout_rate, payout_acceleration : of the drum, positive pays out [m], [m/s], [m/s^2]
     tension : top tension [N]
     largest_tension : largest of it since the sample before, at the same times [N]; empty when unknown
+    unit_tension : of the cable at the unit [N]
     slack : 1 where any part of the cable carries no tension
     limits_hit : sum of the WinchLimit flags of the limits that act, as the winch itself tells it
     compensating : 1 where the controller compensates or holds a tension
@@ -66,6 +68,7 @@ class RunSignals:
         depth only [N]
     static_tension : top tension at rest [N], one sample where the deployed length stays; empty takes the mean tension
     speed_limit, acceleration_limit, power_limit : of the winch [m/s], [m/s^2], [W]; infinite when unknown or none
+    strengths : what the parts of the lift can carry, as far as it is stated
     driving_omega : angular frequency of a driven scenario [rad/s]; NaN if the scenario is not driven by one
         regular motion
     sensor_bound, actuator_bound : the two bounds in kappa [m]; NaN when unknown
@@ -86,6 +89,7 @@ class RunSignals:
     uncompensated_tension: Signal = field(default_factory=_signal)
     uncompensated_largest_tension: Signal = field(default_factory=_signal)
     static_tension: Signal = field(default_factory=_signal)
+    unit_tension: Signal = field(default_factory=_signal)
     slack: Signal = field(default_factory=_signal)
     limits_hit: Signal = field(default_factory=_signal)
     compensating: Signal = field(default_factory=_signal)
@@ -99,6 +103,7 @@ class RunSignals:
     speed_limit: float = math.inf
     acceleration_limit: float = math.inf
     power_limit: float = math.inf
+    strengths: tuple[Strength, ...] = ()
     driving_omega: float = math.nan
     sensor_bound: float = math.nan
     actuator_bound: float = math.nan
@@ -116,11 +121,25 @@ class RunSignals:
         """Return the same of the uncompensated tension."""
         return _peaks(self.uncompensated_tension, self.uncompensated_largest_tension)
 
+    def load_checks(self, start: float = -math.inf, end: float = math.inf) -> tuple[LoadCheck, ...]:
+        """Return how the parts whose strength is stated stand under their largest load from `start` to `end` [s].
+
+        The load of rope and winch is the top tension, that of the attachment the tension at the unit as sampled.
+        """
+        top, unit = (signal.window(start, end).value for signal in (self.peak_tension(), self.unit_tension))
+        return load_checks(self.strengths, top=_largest(top), unit=_largest(unit))
+
     def static_at(self, tension: Signal) -> Array:
         """Return the static tension at the samples of a tension [N]: their mean where it is not known."""
         if self.static_tension.size:
             return self.static_tension.at(tension)
         return np.full(tension.size, tension.value.mean() if tension.size else math.nan)
+
+
+def _largest(tensions: Array) -> float:
+    """Return the largest tension; NaN where there is none at all, which nobody measured."""
+    largest = float(tensions.max()) if tensions.size else 0.0
+    return largest if largest > 0.0 else math.nan
 
 
 def _peaks(tension: Signal, largest: Signal) -> Signal:

@@ -99,6 +99,7 @@ def tick_messages(run: MadeUpRun, nanoseconds: int) -> dict[str, object]:
         nodes=[Point(z=-300.0 + 300.0 * index / (run.nodes - 1)) for index in range(run.nodes)],
         segment_tension=[run.mean_tension] * (run.nodes - 1),
         top_tension=run.mean_tension + run.tension * sine,
+        bottom_tension=run.mean_tension,
     )
     controller = ControllerState(
         header=head,

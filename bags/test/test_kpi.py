@@ -9,6 +9,7 @@ from heave_bags.analyse import kpi_set
 from heave_bags.signals import Signal
 from heave_node import kpi
 from heave_node.interface.codes import WinchLimit
+from heave_node.loads.strength import strengths
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -35,6 +36,18 @@ def test_efficiencies_of_sines_are_one_minus_the_amplitude_ratio():
     assert values["unit_efficiency"] == pytest.approx(0.9)
     assert values["outlet_efficiency"] == pytest.approx(0.95)
     assert values["significant_residual_m"] == pytest.approx(4.0 * 0.1 / math.sqrt(2.0))
+
+
+def test_safety_factors_are_capacity_over_the_largest_load_of_the_part_and_unknown_where_none_is_stated():
+    pull = run(tension=sine(1e5, mean=4e5), uncompensated_tension=sine(2e5, mean=4e5), unit_tension=sine(5e4, mean=2e5))
+    assert math.isnan(kpi_set.evaluate(pull)["rope_safety_factor"])
+    plant = {"cable.breaking_force": 1e6, "unit.attachment_breaking_force": 5e5}
+    pull.strengths = strengths(plant, {"rated_pull": 4e5})
+    values = kpi_set.evaluate(pull)
+    assert values["rope_safety_factor"] == pytest.approx(1e6 / 5e5)
+    assert values["uncompensated_rope_safety_factor"] == pytest.approx(1e6 / 6e5)
+    assert values["winch_pull_factor"] == pytest.approx(4e5 / 5e5)
+    assert values["attachment_safety_factor"] == pytest.approx(5e5 / 2.5e5)
 
 
 def test_the_worst_minute_is_that_of_the_largest_ratio_and_calm_water_counts_as_two_centimetres():

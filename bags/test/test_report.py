@@ -86,8 +86,8 @@ def test_the_report_begins_with_what_was_run_the_verdict_and_six_figures(shared_
     page = report.render([record])
     head = page[page.index("<header>") : page.index("</header>")]
     assert "verdict: FAILED" in head
-    assert "MISSED: unit_sigma_m &lt;= 0.01" in head
-    assert "wanted &lt;= 1 cm" in head, "in the unit of the figure beside it"
+    assert 'class="verdict bad"' in head
+    assert head.count("at most 1 cm") == 2, "in the verdict, and beside the figure in its unit"
     assert head.count('class="tile"') == 6
     assert page.index("<h3>Motion") < page.index("Figures of merit")
 

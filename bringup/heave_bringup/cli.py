@@ -11,18 +11,12 @@ from heave_bags.errors import BagError
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.completion import complete
-from heave_bringup.errors import CommandError, NoRunError
+from heave_bringup.errors import CommandError, ExitStatus
 from heave_bringup.parser import make_parser
-
-EXIT_OK = 0
-EXIT_FAILED = 1
-EXIT_USAGE = 2
-EXIT_INTERRUPTED = 130
-"""As a shell has it for a command that Ctrl-C ended."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the `heave` command; return its exit status: 0 only when it did what it says.
+    """Run the `heave` command; return its `ExitStatus`: 0 only when it did what it says and no verdict is FAILED.
 
     Parameters
     ----------
@@ -34,31 +28,35 @@ def main(arguments: Sequence[str] | None = None) -> int:
     complete(parser)
     options = parser.parse_args(arguments)
     if options.json not in (None, "-") and not Path(options.json).resolve().parent.is_dir():
-        return _exit_with(f"--json {options.json}: no such folder: {Path(options.json).parent}", EXIT_USAGE)
+        return _exit_with(f"--json {options.json}: no such folder: {Path(options.json).parent}", ExitStatus.REFUSED)
     try:
         options.execute(options)
-    except (ParameterError, NoRunError) as error:
-        return _exit_with(error, EXIT_USAGE)
-    except (CommandError, BagError, MemoryError) as error:
-        return _exit_with(str(error) or "out of memory", EXIT_FAILED)
+    except (CommandError, ParameterError, BagError, MemoryError) as error:
+        return _exit_with(str(error) or "out of memory", _status_of(error))
     except KeyboardInterrupt:
-        return _exit_with("interrupted", EXIT_INTERRUPTED)
+        return _exit_with("interrupted", ExitStatus.INTERRUPTED)
     except OSError as error:
         return _refused_by_the_system(error)
-    return EXIT_OK
+    return ExitStatus.DONE
 
 
-def _exit_with(error: object, status: int) -> int:
+def _status_of(error: Exception) -> ExitStatus:
+    if isinstance(error, CommandError):
+        return error.status
+    return ExitStatus.REFUSED if isinstance(error, ParameterError) else ExitStatus.FAILED
+
+
+def _exit_with(error: object, status: ExitStatus) -> ExitStatus:
     sys.stderr.write(f"heave: {error}\n")
     return status
 
 
 def _refused_by_the_system(error: OSError) -> int:
     if isinstance(error, BrokenPipeError):  # the reader of our output has closed it
-        return EXIT_FAILED
+        return ExitStatus.FAILED
     if error.filename is None:  # no file that the user named: a defect of ours, to be shown in full
         raise error
-    return _exit_with(f"{error.filename}: {error.strerror}", EXIT_FAILED)
+    return _exit_with(f"{error.filename}: {error.strerror}", ExitStatus.FAILED)
 
 
 if __name__ == "__main__":

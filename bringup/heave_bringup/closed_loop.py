@@ -48,6 +48,7 @@ COLUMNS = (
     "uncompensated_largest_tension",
     "slack_segments",
     "limits_hit",
+    "unit_tension",
 )
 
 
@@ -174,6 +175,7 @@ class ClosedLoop:
                 state.uncompensated_largest_tension,
                 state.slack_segments,
                 self.winch.state.limits_hit,
+                state.segment_tensions[0],
             ]
         )
         order = outputs.order

@@ -1,9 +1,62 @@
-"""Errors that the `heave` command tells its user in one line."""
+"""How the `heave` command ends: its exit statuses, in one table, and the errors that it reports in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import IntEnum
+
+
+class ExitStatus(IntEnum):
+    """How a command ended, the same for all of them; `meaning` says it in words."""
+
+    meaning: str
+
+    DONE = 0, "done; a verdict that was given is not FAILED"
+    FAILED = 1, "failed: the command could not do what it says"
+    REFUSED = 2, "refused before anything was done: command line, scenario, or no run to operate"
+    VERDICT_FAILED = 3, "done, and the verdict is FAILED: results, bag and report are complete"
+    INTERRUPTED = 130, "interrupted by Ctrl-C or SIGTERM"
+
+    def __new__(cls, number: int, meaning: str) -> ExitStatus:
+        """Return the status of a `number` with its `meaning`."""
+        status = int.__new__(cls, number)
+        status._value_ = number
+        status.meaning = meaning
+        return status
+
+
+def status_table() -> str:
+    """Return the table of all statuses in Markdown."""
+    rows = [f"| {status.value} | {status.meaning} |" for status in ExitStatus]
+    return "\n".join(["| exit status | meaning |", "|---|---|", *rows])
 
 
 class CommandError(Exception):
-    """The command could not do what it says; the message is one line."""
+    """The command could not do what it says; the message is one line.
+
+    Attributes
+    ----------
+    status : exit status of the command
+    """
+
+    status = ExitStatus.FAILED
+
+
+class VerdictError(CommandError):
+    """The command did what it says, and the verdict is FAILED; the message is one line that says why.
+
+    Parameters
+    ----------
+    failures : in words
+    """
+
+    status = ExitStatus.VERDICT_FAILED
+
+    def __init__(self, failures: Iterable[str]) -> None:
+        super().__init__(f"verdict FAILED: {'; '.join(failures)}")
 
 
 class NoRunError(CommandError):
     """There is no run to operate."""
+
+    status = ExitStatus.REFUSED

@@ -14,6 +14,7 @@ from heave_bringup.commands.runs import adapt, check, operate, panel, run, view
 from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
 from heave_bringup.commands.studies import bench, benchmark, campaign, extremes, operability, sizing
 from heave_bringup.commands.version import VersionAction
+from heave_bringup.errors import ExitStatus
 
 COMMANDS: tuple[Command, ...] = (
     *(run.COMMAND, operate.COMMAND, panel.COMMAND, view.COMMAND, check.COMMAND, adapt.COMMAND),
@@ -48,8 +49,8 @@ class OneLineParser(argparse.ArgumentParser):
         return f"unrecognized arguments: {' '.join(unknown)}{hint}"
 
     def error(self, message: str) -> NoReturn:
-        """Say in `message` what is wrong, and where help is; exit with status 2."""
-        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+        """Say in `message` what is wrong, and where help is; exit as refused."""
+        self.exit(ExitStatus.REFUSED, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -57,7 +58,13 @@ def make_parser() -> argparse.ArgumentParser:
     parser = OneLineParser(
         prog="heave",
         description="Active heave compensation: run scenarios over ROS 2, record, replay, analyse, design.",
-        epilog="example: heave run b2_calm_300 --duration 600",
+        epilog="\n".join(
+            [
+                "example: heave run b2_calm_300 --duration 600",
+                "exit status:",
+                *(f"  {status.value:<4} {status.meaning}" for status in ExitStatus),
+            ]
+        ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action=VersionAction)

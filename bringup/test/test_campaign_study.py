@@ -17,7 +17,7 @@ from heave_bags.analyse import kpi_set
 from heave_bringup.campaign import executors, picture, runs, study
 from heave_bringup.campaign.campaign_file import read_campaign
 from heave_bringup.campaign.plan import Case
-from heave_bringup.campaign.report import case_table, left_out, summarise, to_json
+from heave_bringup.campaign.report import case_table, left_out, summarise, summary_table, to_json
 from heave_bringup.campaign.runs import CaseResult, Task, lost_because, make_tasks, run_task
 from heave_bringup.campaign.table import case_frame
 from heave_bringup.cli import main
@@ -113,6 +113,9 @@ def test_a_failed_case_is_a_row_and_stops_no_other(campaign, monkeypatch):
     assert frame.set_index("case")["reason"].to_dict()[5] == "compensation ended at 2.00 s"
     summary = summarise(frame)
     assert (summary["cases"], summary["failed"], summary["lost"]) == (8, 1, 1)
+    cells = {column.header.plain: list(column.cells) for column in summary_table(frame).columns}  # type: ignore[union-attr]
+    rows = dict(zip(map(str, cells["value"]), map(str, cells["unit"]), strict=True))
+    assert rows[f"{100.0 * summary['unit_sigma_m_median']:.2f}"] == "cm", "as in the table of cases"
     assert to_json(campaign, frame)["cases"][2]["failure"] == "the cable parted"  # type: ignore[index]
     assert case_table(frame).row_count == 8
 
@@ -132,7 +135,21 @@ def test_a_case_whose_cable_would_part_is_no_success():
     settings = ("system.cable.axial_stiffness=1.5e5", "cable_sim.segments=5", "all.duration=3", "all.transient=1")
     scenario = load_scenario("s300_driven", settings=settings)
     result = run_task(Task(Case(1, 1, {}), scenario))
-    assert [line for line in result.missed if "cable strained by at most 10 %, got 2" in line]
+    (breach,) = result.breaches
+    assert "cable 2" in breach
+    assert list(result.missed) == [breach]
+
+
+def test_a_case_whose_rope_carries_more_than_its_breaking_force_is_no_success():
+    """A wire of 28 mm breaks at 494 kN (EN 12385-4); 54 t weigh 530 kN, which strains it by 1.7 %."""
+    unit = ("system.unit.mass=54025.0", "system.unit.volume=1.0")
+    settings = ("system.cable=wire_28mm_6x36", *unit, "cable_sim.segments=5", "all.duration=3", "all.transient=1")
+    result = run_task(Task(Case(1, 1, {}), load_scenario("s300_driven", settings=settings)))
+    assert not result.failure
+    assert result.kpis["tension_max_n"] > 520e3
+    assert result.kpis["rope_safety_factor"] == pytest.approx(494e3 / result.kpis["tension_max_n"], rel=1e-3)
+    assert len(result.breaches) == 1
+    assert list(result.missed) == list(result.breaches)
 
 
 class DyingPool:

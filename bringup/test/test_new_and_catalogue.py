@@ -62,6 +62,22 @@ def test_a_value_on_the_command_line_changes_one_of_the_entry(here):
     assert (cable.diameter, cable.mass_per_length) == (0.03, pytest.approx(3.207, abs=0.001))
 
 
+def test_the_strength_of_a_wire_is_that_of_plant_and_belief_and_goes_with_the_wire(here):
+    """EN 12385-4: 494 kN at 28 mm, 1,010 kN at 40 mm; another rope does not take over what its model states."""
+    assert main(["new", "mine", "--like", "b3_deep_900", "--cable", "wire_28mm_6x36"]) == 0
+    mine = load_scenario("mine.yaml", settings=["system.winch.rated_pull=3e5"]).parameters
+    assert mine["cable_sim"].cable.breaking_force == pytest.approx(494e3, rel=0.005)
+    assert mine["winch_controller"].cable.breaking_force == mine["cable_sim"].cable.breaking_force
+    assert mine["virtual_winch"].rated_pull == 3e5
+    weak = "/**:\n  ros__parameters:\n    system: {cable: {from: wire_28mm_6x36, breaking_force: 1e5}}\n"
+    (here / "weak.yaml").write_text(weak)
+    assert load_scenario("weak.yaml").parameters["cable_sim"].cable.breaking_force == 1e5
+    for cable, force in (("wire_40mm_6x36", 1010e3), ("thesis_300", 0.0)):
+        assert main(["new", "other", "--force", "--like", "weak.yaml", "--cable", cable]) == 0
+        found = load_scenario("other.yaml").parameters["cable_sim"].cable.breaking_force
+        assert found == pytest.approx(force, rel=0.005)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -14,6 +14,7 @@ from heave_bringup.campaign import executors
 from heave_bringup.campaign.runs import CaseResult, Task
 from heave_bringup.cli import main
 from heave_bringup.commands.studies.operability import _left_out
+from heave_bringup.commands.studies.sea_options import with_strengths
 from heave_bringup.operability.limits import (
     LOST_LIMIT,
     crossing,
@@ -60,6 +61,30 @@ def test_the_limit_is_where_the_figure_reaches_its_bound():
     assert (locked.height, locked.governs) == (pytest.approx(0.5), "significant_residual_m")
     by_tension = seed_limit(cases(), [AMPLIFICATION], locked=True)
     assert (by_tension.height, by_tension.governs) == (pytest.approx(1.5), "dynamic_amplification")
+
+
+def test_a_rope_limits_where_its_load_reaches_its_breaking_force():
+    """A static load of 0.8 of the capacity grows by a tenth of itself for each metre, locked by a quarter."""
+    frame = cases(heights=(1.0, 4.0))
+    for prefix, share in (("", 0.1), ("uncompensated_", 0.25)):
+        amplification = 1.0 + share * frame[HEIGHT]
+        frame[f"{prefix}dynamic_amplification"] = amplification
+        frame[f"{prefix}rope_safety_factor"] = 1.0 / (0.8 * amplification)
+    (rope,) = with_strengths(frame, [])
+    assert (rope.kpi, rope.bound) == ("rope_safety_factor", 1.0)
+    found = seed_limit(frame, [rope])
+    assert (found.height, found.governs) == (pytest.approx(2.5), "rope_safety_factor")
+    assert seed_limit(frame, [rope], locked=True).height == pytest.approx(1.0)
+    use = utilisation(frame, rope)
+    assert use is not None
+    assert use == pytest.approx(0.08 * frame[HEIGHT].to_numpy() / 0.2)
+
+
+def test_a_rope_whose_strength_is_not_stated_and_one_with_a_criterion_of_its_own_add_none():
+    assert with_strengths(cases(), [RESIDUAL]) == [RESIDUAL]
+    own = Criterion("rope_safety_factor", ">=", 2.0)
+    frame = cases().assign(rope_safety_factor=3.0)
+    assert with_strengths(frame, [own]) == [own]
 
 
 def test_nothing_limits_where_every_criterion_holds():

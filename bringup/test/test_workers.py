@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from heave_bringup.cli import EXIT_INTERRUPTED
+from heave_bringup.errors import ExitStatus
 from heave_bringup.workers.pool import worker_pool
 
 PARENT = """
@@ -124,7 +124,7 @@ def test_a_campaign_that_is_interrupted_ends_with_status_130_and_keeps_what_was_
         assert len(workers) >= 2
         os.killpg(process.pid, number) if number == signal.SIGINT else process.send_signal(number)
         _, said = process.communicate(timeout=60)
-        assert process.returncode == EXIT_INTERRUPTED
+        assert process.returncode == ExitStatus.INTERRUPTED
         assert "Traceback" not in said
         assert "2 cases are kept" in said
         assert finished(tmp_path) == 2

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 
+from heave_node.loads.strength import SAFETY_FACTOR
 from heave_node.numerics import hydrostatics
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import check_ranges, group, parameter
@@ -48,6 +49,20 @@ class CableParameters:
         description="C_tau: force (pi/2) rho C_tau d U^2 per metre (other codes' C_d is pi C_tau).",
     )
     added_mass: float = parameter(1.0, unit="", minimum=0.0, description="Added-mass coefficient normal to the cable.")
+    breaking_force: float = parameter(
+        0.0,
+        unit="N",
+        minimum=0.0,
+        description="Minimum breaking load (MBL) of the cable, for its safety factor; 0 means not stated.",
+    )
+    safety_factor: float = parameter(
+        SAFETY_FACTOR,
+        unit="",
+        minimum=1.0,
+        maximum=100.0,
+        description="Breaking force over largest tension that is required: less is a warning, less than 1 a failure. "
+        "The default is 1.3 x 1.3 x 1.5 of GL Noble Denton 0027/ND for steel wire rope.",
+    )
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -143,6 +158,19 @@ class UnitParameters:
     )
     thrust: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0), unit="N", length=3, description="Constant thruster force on the unit, x, y, z."
+    )
+    attachment_breaking_force: float = parameter(
+        0.0,
+        unit="N",
+        minimum=0.0,
+        description="Breaking force of what joins cable and unit (termination, shackle, padeye); 0 means not stated.",
+    )
+    attachment_safety_factor: float = parameter(
+        SAFETY_FACTOR,
+        unit="",
+        minimum=1.0,
+        maximum=100.0,
+        description="The attachment's breaking force over its largest load that is required, as cable.safety_factor.",
     )
 
     def __post_init__(self) -> None:

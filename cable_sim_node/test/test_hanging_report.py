@@ -72,9 +72,9 @@ def test_the_angle_is_that_of_the_force_and_the_azimuth_points_downstream():
 def test_the_table_says_every_number_with_its_unit():
     report = hanging_report(dataclasses.replace(RICH, seabed=SeabedParameters(depth=320.0)))
     table = report.table()
-    for words in ("top tension [N]", "top angle", "unit [m]", "force on the cable at the boom tip [N]", "seabed [m]"):
+    for words in ("top tension [kN]", "top angle", "unit [m]", "force on the cable at the boom tip [kN]", "seabed [m]"):
         assert words in table
-    assert f"{report.top_tension:.1f}" in table
+    assert f"{report.top_tension / 1e3:.3f}" in table
     values = report.values()
     assert values["top_tension_n"] == pytest.approx(report.top_tension)
     assert values["clearance_m"] == pytest.approx(320.0 + report.unit[2])

@@ -22,7 +22,6 @@ KINDS = ("cable", "unit", "winch")
 FROM = "from"
 """Names the entry in a group that has values of its own beside it: `cable: {from: NAME, normal_drag: 1.6}`."""
 _NUMBER = re.compile(r"\d+")
-_BREAKING_FORCE = "breaking_force"
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,6 @@ class Entry:
     title : what it is
     sources : where its particulars are from
     values : by the parameter's name in the group `system.KIND`
-    breaking_force : of a rope [N]; 0: not known, or no rope
     """
 
     kind: str
@@ -44,7 +42,12 @@ class Entry:
     title: str
     sources: tuple[str, ...]
     values: Mapping[str, object]
-    breaking_force: float = 0.0
+
+    @property
+    def breaking_force(self) -> float:
+        """Of a rope [N]; 0: not known, or no rope."""
+        force = self.values.get("breaking_force", 0.0)
+        return float(force) if isinstance(force, int | float) else 0.0
 
 
 @cache
@@ -65,10 +68,10 @@ def _entries(kind: str, name: str, given: Mapping[str, Any]) -> list[Entry]:
 def _of_diameter(family: Entry, given: Mapping[str, Any], number: int) -> Entry:
     """Return the rope of a nominal diameter of `number` millimetres out of a family."""
     diameter = 1e-3 * number
-    values = {name: float(f"{factor * diameter:.6g}") for name, factor in given["of_diameter"].items()}
+    values = {name: float(value) for name, value in given.get("constants", {}).items()}
+    values |= {name: float(f"{factor * diameter:.6g}") for name, factor in given["of_diameter"].items()}
     values |= {name: float(f"{factor * diameter**2:.6g}") for name, factor in given["of_square"].items()}
-    force = values.pop(_BREAKING_FORCE)
-    return replace(family, name=family.name.format(number), values=values, breaking_force=force)
+    return replace(family, name=family.name.format(number), values=values)
 
 
 def find(kind: str, name: object, where: str = "") -> Entry:

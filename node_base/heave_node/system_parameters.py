@@ -72,6 +72,7 @@ SHARED: tuple[Shared, ...] = (
     _shared("linear.damping", cable_sim="linear.damping", winch_controller="cable_model.damping"),
     _shared("unit.", cable_sim="unit.", winch_controller="unit."),
     *(_shared(f"winch.{name}", virtual_winch=name, winch_controller=f"winch.{name}") for name in _WINCH),
+    _shared("winch.rated_pull", virtual_winch="rated_pull"),
     *(_shared(f"sea.{name}", wave_vessel=name, winch_controller=f"sea.{name}") for name in _SEA),
     _shared("sea.swell.", wave_vessel="swell.", winch_controller="sea.swell."),
     _shared("sea.spreading.", wave_vessel="spreading.", winch_controller="sea.spreading."),

@@ -7,7 +7,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from heave_node.load_cycles import DAMAGE_EXPONENT, load_cycles, rainflow, reversals
+from heave_node.loads.cycles import DAMAGE_EXPONENT, load_cycles, rainflow, reversals
 from hypothesis import given
 from hypothesis import strategies as st
 

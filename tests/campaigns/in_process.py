@@ -11,6 +11,8 @@ from io import StringIO
 from tempfile import TemporaryFile
 from types import FrameType
 
+from heave_bringup.errors import ExitStatus
+
 
 def heave(words: Sequence[str]) -> tuple[int, str, str]:
     """Give a command of these `words`; return its status, and what it said on standard output and error."""
@@ -37,7 +39,7 @@ def judge(status: int, said: str, complaint: str) -> str:
     """
     if "Traceback" in complaint:
         return complaint
-    if status == 0:
+    if status in (ExitStatus.DONE, ExitStatus.VERDICT_FAILED):
         json.loads(said)
         return ""
     last = complaint.strip().splitlines()[-1:] or [""]

@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from heave_bringup.cli import EXIT_INTERRUPTED
+from heave_bringup.errors import ExitStatus
 from heave_bringup.progress import ProgressLine
 
 from tests.campaigns.commit import commit_line
@@ -89,9 +89,9 @@ def interrupt_one(command: str, number: int, folder: Path) -> Interruption:
 def _judge(process: subprocess.Popen[bytes], folder: Path, finished: int, took: float) -> str:
     complaint = (folder / "said").read_text(errors="replace")
     wrong = [f"it took {took:.1f} s"] if took > LONGEST else []
-    if process.returncode not in (EXIT_INTERRUPTED, -signal.SIGINT):  # the latter before the command has begun
+    if process.returncode not in (ExitStatus.INTERRUPTED, -signal.SIGINT):  # the latter before the command has begun
         wrong.append(f"status {process.returncode}: {complaint[-300:]}")
-    if process.returncode == EXIT_INTERRUPTED and "Traceback" in complaint:
+    if process.returncode == ExitStatus.INTERRUPTED and "Traceback" in complaint:
         wrong.append(complaint[-500:])
     deadline = time.monotonic() + LONGEST
     while _group(process.pid) and time.monotonic() < deadline:

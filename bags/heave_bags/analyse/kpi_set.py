@@ -15,7 +15,8 @@ from types import MappingProxyType
 import numpy as np
 from heave_node import kpi
 from heave_node.interface.codes import WinchLimit
-from heave_node.load_cycles import DAMAGE_EXPONENT, LoadCycles, load_cycles
+from heave_node.loads.cycles import DAMAGE_EXPONENT, LoadCycles, load_cycles
+from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL, safety_factor
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
@@ -121,6 +122,18 @@ class Window:
     def _ratios(self, tension: Signal, peaks: Signal) -> tuple[float, float]:
         static = self.run.static_at(tension)
         return kpi.tension_ratios(tension.value, static)[0], kpi.tension_ratios(peaks.value, static)[1]
+
+    @cached_property
+    def factors(self) -> Mapping[str, float]:
+        """Capacity over largest load of the parts whose strength is stated, by key."""
+        return {check.strength.key: check.factor for check in self.run.load_checks(self.start, self.end)}
+
+    @property
+    def uncompensated_rope_factor(self) -> float:
+        """Breaking force of the rope over the largest tension with the winch locked."""
+        peaks = self.of(self.run.uncompensated_peak_tension()).value
+        rope = next((one.capacity for one in self.run.strengths if one.key == ROPE), NOT_KNOWN)
+        return safety_factor(rope, _largest(peaks))
 
     def snaps(self, tension: Signal, peaks: Signal) -> float:
         """Return how often the cable snapped taut, by a tension over static tension and its peaks in between."""
@@ -298,9 +311,18 @@ class KpiDefinition:
     is_seldom: bool = False
     needs: str = ""
 
+    @property
+    def name(self) -> str:
+        """Its name for people who do not know the formulas."""
+        return PLAIN_NAMES.get(self.key, self.title)
+
     def text(self, value: float) -> str:
         """Return the value as a table shows it; a dash for one that could not be computed."""
         return f"{value * self.scale:.{self.digits}f}" if math.isfinite(value) else "-"
+
+    def bound(self, value: float) -> str:
+        """Return a bound, the SI `value`, in the unit of the table, no digit lost, with that unit."""
+        return f"{value * self.scale:.6g} {self.unit}".rstrip()
 
 
 def _time_at(limit: WinchLimit, key: str, where: str) -> KpiDefinition:
@@ -329,6 +351,23 @@ UNIT, TENSION, WINCH, ENERGY, WEAR, ESTIMATE, TIMING, LANDING, CHANGES, DRIVEN =
 )
 COUNT_OF_EVENTS = {LANDING: "landings", CHANGES: "mode_changes"}
 """Figures that count the events of a group; people see the group only where there are any."""
+
+PLAIN_NAMES = {
+    "unit_efficiency": "unit efficiency",
+    "worst_minute": f"worst {kpi.WORSE_WINDOW:g} s, unit heave over uncompensated",
+    "outlet_efficiency": "outlet efficiency",
+    "significant_residual_m": "significant residual",
+    "outlet_sigma_m": "outlet residual, standard deviation",
+    "rope_safety_factor": "safety factor of the rope",
+    "attachment_safety_factor": "safety factor of the unit's attachment",
+    "tension_ratio_min": "smallest tension over static",
+    "dynamic_amplification": "largest tension over static",
+    "uncompensated_tension_ratio_min": "smallest tension over static, uncompensated",
+    "uncompensated_dynamic_amplification": "largest tension over static, uncompensated",
+    "power_peak_w": "winch power, peak",
+    "power_mean_abs_w": "winch power, mean magnitude",
+}
+"""Names without formulas and symbols, of figures whose titles have any."""
 
 KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition(
@@ -452,10 +491,42 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition(
         "tension_sigma_n", "top tension, standard deviation", "kN", TENSION, lambda w: kpi.sigma(w.tension.value), 1e-3
     ),
+    KpiDefinition(
+        "rope_safety_factor",
+        "safety factor of the rope, breaking force over largest tension",
+        "",
+        TENSION,
+        lambda w: w.factors.get(ROPE, NOT_KNOWN),
+        digits=2,
+    ),
+    KpiDefinition(
+        "winch_pull_factor",
+        "rated pull of the winch over largest tension",
+        "",
+        TENSION,
+        lambda w: w.factors.get(WINCH_PULL, NOT_KNOWN),
+        digits=2,
+    ),
+    KpiDefinition(
+        "attachment_safety_factor",
+        "safety factor of the unit's attachment, breaking force over largest load",
+        "",
+        TENSION,
+        lambda w: w.factors.get(ATTACHMENT, NOT_KNOWN),
+        digits=2,
+    ),
     KpiDefinition("tension_ratio_min", "rT = Tmin/Tstatic", "", TENSION, lambda w: w.tension_ratios[0]),
     KpiDefinition("dynamic_amplification", "DAF = Tmax/Tstatic", "", TENSION, lambda w: w.tension_ratios[1]),
     KpiDefinition("slack_percent", "slack, share of time", "%", TENSION, lambda w: w.slack_percent),
     KpiDefinition("snaps", "snaps", "", TENSION, lambda w: w.snaps(w.tension, w.peak_tension), digits=0, is_count=True),
+    KpiDefinition(
+        "uncompensated_rope_safety_factor",
+        "safety factor of the rope, uncompensated",
+        "",
+        TENSION,
+        lambda w: w.uncompensated_rope_factor,
+        digits=2,
+    ),
     KpiDefinition(
         "uncompensated_tension_ratio_min",
         "rT, uncompensated",
@@ -740,7 +811,7 @@ TOP_TENSION, PAYOUT = "top tension", "payout"
 _OF_TENSION = (
     *("tension_min_n", "tension_mean_n", "tension_max_n", "tension_sigma_n", "tension_ratio_min"),
     *("dynamic_amplification", "snaps", "top_tension_mean_n", "top_tension_amplitude_n"),
-    *("tension_cycles_per_h", "tension_range_equivalent_n"),
+    *("tension_cycles_per_h", "tension_range_equivalent_n", ROPE, WINCH_PULL),
 )
 MOTIONS_OF: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("unit_sigma_m", "significant_residual_m", "max_abs_heave_m", "heave_p999_m"), (UNIT_HEAVE,)),

@@ -24,7 +24,7 @@ from heave_bags.analyse.report_figures import (
     without_nan,
 )
 from heave_bags.analyse.run_record import RunRecord
-from heave_bags.analyse.verdict import Verdict, judge
+from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge, required_words
 from heave_bags.errors import BagError
 
 MOST_HAPPENINGS = 60
@@ -32,7 +32,8 @@ MOST_HAPPENINGS = 60
 TILES = 6
 OF_A_LANDING = ("touchdown_speed_mps", "touchdown_rebound_m", "landing_to_tension_s")
 USUAL = (
-    *("unit_sigma_m", "uncompensated_sigma_m", "unit_efficiency", "tension_ratio_min", "winch_speed_max_mps"),
+    *("unit_sigma_m", "uncompensated_sigma_m", "unit_efficiency", "rope_safety_factor", "tension_ratio_min"),
+    *("winch_speed_max_mps",),
     *("time_at_limit_percent", "outlet_efficiency", "power_peak_w", "boom_tip_sigma_m", "tension_max_n"),
 )
 """Figures that are shown large, the first that are known: those of a landing, and those of any run."""
@@ -42,6 +43,7 @@ TILE_NAMES = {
     "unit_sigma_m": "unit heave, σ",
     "uncompensated_sigma_m": "uncompensated, σ",
     "unit_efficiency": "unit efficiency",
+    "rope_safety_factor": "safety factor of the rope",
     "tension_ratio_min": "smallest over static tension",
     "winch_speed_max_mps": "largest winch speed",
     "time_at_limit_percent": "time at winch limits",
@@ -197,13 +199,12 @@ def page_content(
 
 def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> dict[str, Any]:
     happenings = run_words.happenings(record)
-    is_silent = verdict.lines()[0].startswith(("verdict: none", "verdict: no"))
     return {
         "name": record.name,
         "facts": run_words.facts(record),
         "remarks": [*record.remarks(), *run_warnings.warnings(record, values)],
         "verdict": [line.strip() for line in verdict.lines()],
-        "verdict_class": "bad" if not verdict.is_good else "" if is_silent else "good",
+        "verdict_class": {FAILED: "bad", NO_VERDICT: ""}.get(verdict.state, "good"),
         "tiles": _tiles(record, values),
         "happenings": happenings[:MOST_HAPPENINGS],
         "more": max(len(happenings) - MOST_HAPPENINGS, 0),
@@ -236,12 +237,8 @@ def _tiles(record: RunRecord, values: Mapping[str, float]) -> list[dict[str, str
 
 def _note(record: RunRecord, key: str) -> str:
     """Return what stands beside a large figure: what was wanted of it, its limit, and what it is made from."""
-    definition = kpi_set.DEFINITION_OF[key]
-    notes = [
-        f"wanted {one.relation} {definition.scale * one.bound:.4g} {definition.unit}".rstrip()
-        for one in record.wanted
-        if one.kpi == key
-    ]
+    notes = [f"required {required_words(one)}" for one in record.wanted if one.kpi == key]
+    notes += [f"required at least {one.required:.4g}" for one in record.signals.strengths if one.key == key]
     if key == "winch_speed_max_mps" and math.isfinite(record.signals.speed_limit):
         notes.append(f"limit {record.signals.speed_limit:g} m/s")
     source = kpi_set.source_of(key, record.sources)

@@ -12,6 +12,7 @@ import numpy as np
 from heave_node.criteria import WANTED, Criterion, parse_criterion
 from heave_node.interface import topics
 from heave_node.interface.codes import COMMANDS, LATE
+from heave_node.loads.strength import strengths
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.numerics.hydrostatics import displaced_area, weight_in_fluid
@@ -55,7 +56,7 @@ SELECTION: dict[str, tuple[str, ...]] = {
         "fault",
     ),
     LOAD_CELL: ("tension",),
-    CABLE: ("top_tension", "largest_top_tension", "slack_segments", "touchdown_force"),
+    CABLE: ("top_tension", "largest_top_tension", "bottom_tension", "slack_segments", "touchdown_force"),
     CONTROLLER: (
         "mode",
         "reason",
@@ -348,6 +349,7 @@ def _fill_motion(record: RunRecord, fields: Mapping[str, Fields]) -> None:
         (MEASURED, fields[WINCH].signal("tension")),
     )
     signals.tension = _best(record, "top tension", tensions)
+    signals.unit_tension = fields[CABLE].signal("bottom_tension")
     if record.sources.get("top tension") == TRUE:
         signals.largest_tension = fields[CABLE].signal("largest_top_tension")
     if signals.tension.size and signals.tension.time[0] < START:
@@ -485,6 +487,8 @@ def _fill_parameters(signals: RunSignals, nodes: NodeParameters) -> None:
     signals.speed_limit = _number(winch, "speed_limit", math.inf)
     signals.acceleration_limit = _number(winch, "acceleration_limit", math.inf)
     signals.power_limit = _number(winch, "power_limit", math.inf) or math.inf  # 0 means no limit
+    # a ship has no plant: its controller knows the same cable and unit
+    signals.strengths = strengths({**nodes.get("winch_controller", {}), **nodes.get("cable_sim", {})}, winch)
     if vessel.get("boom_tip_source") == "regular":
         period = _number(vessel, "period", math.nan)
         signals.driving_omega = 2.0 * math.pi / period if period > 0.0 else math.nan

@@ -1,4 +1,6 @@
-"""What a reader of a run must be warned of: compensation that did harm, that was seldom in force, that others beat."""
+"""What a reader of a run must be warned of: parts with a small safety factor, compensation that did harm, that was
+seldom in force, that others beat.
+"""
 
 from __future__ import annotations
 
@@ -32,17 +34,20 @@ OF_CONTROLLER = f"{topics.CONTROLLER_STATE.publisher}: "
 
 
 def warnings(record: RunRecord, values: Mapping[str, float]) -> list[str]:
-    """Return what it means where the winch did harm in the run `record`, or less good than another would have done.
+    """Return which parts have a small safety factor in the run `record`, and where its winch did harm.
+
+    So it did where another law would have done better.
 
     Parameters
     ----------
     record : of the run
     values : its figures of merit
     """
+    weak = [str(check) for check in record.signals.load_checks() if check.is_short or check.is_overloaded]
     if not record.moves_winch:
-        return []
+        return weak
     unit, outlet, baseline = (values[f"{of}_efficiency"] for of in ("unit", "outlet", "baseline"))
-    found = [*worse_than_off(record), *why_not_in_force(record, values)]
+    found = [*weak, *worse_than_off(record), *why_not_in_force(record, values)]
     if unit < -NOTABLE:
         found.append(
             f"the unit efficiency is below 0 ({100.0 * unit:.1f} %): the unit moved more than it would have with the "

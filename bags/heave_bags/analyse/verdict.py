@@ -5,17 +5,34 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from heave_node.criteria import Criterion
 from heave_node.interface.codes import RESTS_REQUESTED
+from heave_node.loads.strength import LoadCheck
 from heave_node.numerics.constants import LARGEST_STRAIN
 
-from heave_bags.analyse.events import Interval
 from heave_bags.analyse.kpi_set import DEFINITION_OF
-from heave_bags.analyse.run_record import RunRecord
+
+if TYPE_CHECKING:
+    from heave_bags.analyse.events import Interval
+    from heave_bags.analyse.run_record import RunRecord
 
 LEAST_SHARE = 0.9
 """Compensation that was in force for a smaller share of the evaluation window is worth a line of its own."""
+
+FAILED, PASSED, NO_VERDICT = "FAILED", "passed", "none"
+"""What a verdict can be."""
+
+RELATIONS = {"<=": "at most", "<": "below", ">=": "at least", ">": "above"}
+"""The relations of criteria in words."""
+
+
+def required_words(criterion: Criterion) -> str:
+    """Return what a `criterion` requires, in the unit in which tables show its figure: at most 5 cm."""
+    definition = DEFINITION_OF.get(criterion.kpi)
+    bound = definition.bound(criterion.bound) if definition else f"{criterion.bound:.6g}"
+    return f"{RELATIONS[criterion.relation]} {bound}"
 
 
 @dataclass(frozen=True)
@@ -36,14 +53,24 @@ class Judged:
         return {"kpi": criterion.kpi, "wanted": criterion.text, "got": self.value, "met": self.is_met}
 
     def __str__(self) -> str:
-        got = f"{self.value:.4g}" if math.isfinite(self.value) else self._unknown
-        return f"{'met' if self.is_met else 'MISSED'}: {self.criterion.kpi} {self.criterion.text}, got {got}"
+        """Return figure, value and bound in the unit of the tables, and whether it is met."""
+        definition = DEFINITION_OF.get(self.criterion.kpi)
+        name = definition.name if definition else self.criterion.kpi
+        state = "met" if self.is_met else "MISSED"
+        return f"{name[0].upper()}{name[1:]} {self._got} (required {required_words(self.criterion)}): {state}"
 
     @property
-    def _unknown(self) -> str:
-        """Return that the value is not known, and why that may be."""
+    def _got(self) -> str:
+        """The value as tables show it, with more digits where these would not tell it from the bound it misses."""
         definition = DEFINITION_OF.get(self.criterion.kpi)
-        return f"unknown: it needs {definition.needs}" if definition and definition.needs else "unknown"
+        if definition is None:
+            return f"{self.value:.4g}"
+        if not math.isfinite(self.value):
+            return f"unknown, it needs {definition.needs}" if definition.needs else "unknown"
+        shown = definition.text(self.value)
+        if not self.is_met and self.criterion.is_met(float(shown) / definition.scale):
+            return definition.bound(self.value)
+        return f"{shown} {definition.unit}".rstrip()
 
 
 @dataclass(frozen=True)
@@ -60,6 +87,7 @@ class Verdict:
     alarms : number of errors that came
     is_judged : the run is longer than its transient
     strain : largest of the cable in the whole run [-]; NaN: unknown
+    loads : how the parts whose strength is stated stood under their largest load of the whole run
     """
 
     judged: tuple[Judged, ...]
@@ -69,6 +97,7 @@ class Verdict:
     alarms: int = 0
     is_judged: bool = True
     strain: float = math.nan
+    loads: tuple[LoadCheck, ...] = ()
 
     @property
     def criteria(self) -> list[Judged]:
@@ -77,54 +106,64 @@ class Verdict:
 
     @property
     def is_good(self) -> bool:
-        """Return whether every criterion is met."""
+        """Return whether every criterion is met and there is no breach."""
         return not self.failures
 
     @property
-    def missed_requirements(self) -> list[str]:
-        """Return in words which criteria of the command line were missed."""
-        return [str(judged) for judged in self.required if not judged.is_met]
+    def breaches(self) -> list[str]:
+        """Return in words what fails any run: an overloaded part, a cable strained too much, compensation inactive."""
+        found = [str(check) for check in self.loads if check.is_overloaded]
+        if self.strain > LARGEST_STRAIN:
+            found.append(
+                f"Largest strain of the cable {100.0 * self.strain:.3g} % (required at most "
+                f"{100.0 * LARGEST_STRAIN:.0f} %), it would part, or its tension law does not hold: FAILED"
+            )
+        if self.share < LEAST_SHARE:
+            modes = ", ".join(f"{mode} {100.0 * share:.0f} %" for mode, share in self.time_in_modes.items())
+            found.append(
+                f"Compensation active {100.0 * self.share:.0f} % of the time, {modes} (required at least "
+                f"{100.0 * LEAST_SHARE:.0f} %): FAILED"
+            )
+        return found
 
     @property
     def failures(self) -> list[str]:
-        """Return in words which criteria are not met, and what no run may do."""
-        missed = [str(judged) for judged in self.criteria if not judged.is_met]
-        if self.share < LEAST_SHARE:
-            modes = ", ".join(f"{mode} {100.0 * share:.0f} %" for mode, share in self.time_in_modes.items())
-            when = "never" if self.share == 0.0 else f"only {100.0 * self.share:.0f} % of the time"
-            missed.insert(0, f"MISSED: compensation was {when} in force ({modes})")
-        if self.strain > LARGEST_STRAIN:
-            bound = f"{100.0 * LARGEST_STRAIN:.0f} %"
-            missed.insert(
-                0,
-                f"MISSED: cable strained by at most {bound}, got {100.0 * self.strain:.3g} %: it would part, or its "
-                "tension law does not hold",
-            )
-        return missed
+        """Return in words the breaches, and which criteria are not met."""
+        return [*self.breaches, *(str(judged) for judged in self.criteria if not judged.is_met)]
+
+    @property
+    def state(self) -> str:
+        """The verdict in a word: FAILED, passed, or none."""
+        if self.failures:
+            return FAILED
+        return PASSED if (self.criteria or self.loads) and self.is_judged else NO_VERDICT
 
     def lines(self) -> list[str]:
-        """Return the verdict for people: one word, then each criterion."""
-        if self.failures:
-            head = "verdict: FAILED"
+        """Return the verdict for people: one word, then each criterion and each part under load."""
+        if self.state == FAILED:
+            head = f"verdict: {FAILED}"
         elif not self.is_judged:
             what = "on what --require asks alone" if self.criteria else "none"
             head = (
                 f"verdict: {what}, the run ended within its transient: a longer --duration, or --set all.transient=60"
             )
-        elif self.criteria:
-            head = "verdict: passed"
+        elif self.state == PASSED:
+            head = f"verdict: {PASSED}"
         else:
             head = "verdict: no criteria given"
         if self.alarms:
             head += f"; {self.alarms} {'error' if self.alarms == 1 else 'errors'} reported"
         met = [str(judged) for judged in self.criteria if judged.is_met]
-        return [head, *(f"  {line}" for line in (*self.failures, *met))]
+        loads = [str(check) for check in self.loads if not check.is_overloaded]
+        return [head, *(f"  {line}" for line in (*self.failures, *met, *loads))]
 
     def to_json(self) -> dict[str, object]:
         """Return the verdict as plain data."""
         return {
             "good": self.is_good,
+            "state": self.state,
             "criteria": [judged.to_json() for judged in self.criteria],
+            "loads": [check.to_json() for check in self.loads],
             "time_in_modes": dict(self.time_in_modes),
             "failures": self.failures,
         }
@@ -163,7 +202,14 @@ def judge(
         alarms,
         record.is_past_transient,
         record.largest_strain,
+        record.signals.load_checks(),
     )
+
+
+def judge_loads(loads: Sequence[LoadCheck]) -> Verdict:
+    """Return the verdict on parts under their largest `loads` alone, of a lift at rest or a design."""
+    known = tuple(check for check in loads if not math.isnan(check.load))
+    return Verdict((), (), {}, math.nan, loads=known)
 
 
 def share_in_force(record: RunRecord, values: Mapping[str, float]) -> float:

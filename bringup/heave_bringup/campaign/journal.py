@@ -123,6 +123,7 @@ class Journal:
             reason=str(found["reason"]),
             missed=tuple(found["missed"]),  # type: ignore[arg-type]
             baseline_unknown=str(found["baseline_unknown"]),
+            breaches=tuple(found["breaches"]),  # type: ignore[arg-type]
         )
 
     def add(self, result: CaseResult) -> None:
@@ -135,6 +136,7 @@ class Journal:
             "reason": result.reason,
             "missed": list(result.missed),
             "baseline_unknown": result.baseline_unknown,
+            "breaches": list(result.breaches),
         }
         self._file.write(json.dumps(content) + "\n")
         self._file.flush()

@@ -33,6 +33,7 @@ SHOWN = {
     BASELINE_EFFICIENCY: "baseline",
     "max_abs_heave_m": "max",
     "uncompensated_max_abs_heave_m": "off max",
+    "rope_safety_factor": "rope",
     "dynamic_amplification": "DAF",
     "uncompensated_dynamic_amplification": "DAF off",
     "tension_min_n": "Tmin",
@@ -42,7 +43,23 @@ SHOWN = {
 }
 """Figures of merit in the table for people, with their headings; all of them are in files."""
 
-SELDOM_KNOWN = (BASELINE_EFFICIENCY,)
+SUMMARY = {
+    "cases": "cases",
+    "failed": "cases that could not be run",
+    "lost": "cases in which compensation was lost",
+    "met": "cases that met all criteria",
+    "unit_sigma_m_median": "unit heave, standard deviation: median of the cases",
+    "unit_sigma_m_p90": "90th percentile",
+    "unit_sigma_m_max": "largest",
+    "unit_sigma_m_nominal": "nominal",
+    "p90_over_nominal": "90th percentile over nominal",
+    "worse": "largest over uncompensated",
+    "snaps": "snaps",
+    "snaps_uncompensated": "snaps, uncompensated",
+}
+"""What the summary shows, by its key in JSON."""
+
+SELDOM_KNOWN = (BASELINE_EFFICIENCY, "rope_safety_factor")
 """Those that are left out where no case has a value."""
 
 
@@ -143,8 +160,16 @@ def left_out(frame: pandas.DataFrame) -> list[str]:
 
 
 def summary_table(frame: pandas.DataFrame) -> Table:
-    """Return what the cases of a `frame` come to together."""
-    return make_table(["all cases", "value"], [[name, f"{value:.6g}"] for name, value in summarise(frame).items()])
+    """Return what the cases of a `frame` come to together, each in the unit of the table of cases."""
+    found = summarise(frame)
+    sigma = kpi_set.DEFINITION_OF["unit_sigma_m"]
+    rows = []
+    for key, words in SUMMARY.items():
+        if key in found:
+            is_sigma = key.startswith(sigma.key)
+            shown = sigma.text(found[key]) if is_sigma else f"{found[key]:.3f}".rstrip("0").rstrip(".")
+            rows.append([words, shown, sigma.unit if is_sigma else ""])
+    return make_table(["all cases", "value", "unit"], rows, texts=["unit"])
 
 
 def without_scenario(frame: pandas.DataFrame) -> pandas.DataFrame:

@@ -73,8 +73,9 @@ class CaseResult:
     compensating : share of the time after the transient in which the winch compensated or held a tension; NaN under
         law off
     reason : why it was lost; "" where it was not
-    missed : criteria that it does not meet, one line each
+    missed : breaches and criteria that it does not meet, one line each
     baseline_unknown : why there is no baseline, where one was asked for; "" elsewhere
+    breaches : those of `missed` that fail any run, see `heave_bags.analyse.verdict.Verdict.breaches`
     """
 
     case: Case
@@ -84,6 +85,7 @@ class CaseResult:
     reason: str = ""
     missed: tuple[str, ...] = ()
     baseline_unknown: str = ""
+    breaches: tuple[str, ...] = ()
 
     @property
     def is_lost(self) -> bool:
@@ -134,9 +136,10 @@ def run_task(task: Task) -> CaseResult:
         return CaseResult(case, failure=_in_a_line(error))
     share = _compensating(record, scenario)
     judged = tuple(Judged(criterion, kpis[criterion.kpi]) for criterion in scenario.wanted)
-    verdict = Verdict(judged, (), _time_in_modes(record, scenario), share, strain=loop.plant.largest_strain)
+    modes, strain = _time_in_modes(record, scenario), loop.plant.largest_strain
+    verdict = Verdict(judged, (), modes, share, strain=strain, loads=signals.load_checks())
     reason = lost_because(record, scenario, kpis)
-    return CaseResult(case, kpis, "", share, reason, tuple(verdict.failures), unknown)
+    return CaseResult(case, kpis, "", share, reason, tuple(verdict.failures), unknown, tuple(verdict.breaches))
 
 
 def _in_a_line(error: Exception) -> str:

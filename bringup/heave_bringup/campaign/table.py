@@ -19,8 +19,8 @@ from heave_bringup.tables.kept_files import KeptFile
 
 SEED, NOMINAL = "seed", "nominal"
 FAILURE, LOST, REASON, MET, MISSED, SHARE = "failure", "lost", "reason", "met", "missed", "compensating_share"
-BASELINE_UNKNOWN = "baseline_unknown"
-OUTCOME = (FAILURE, LOST, REASON, MET, MISSED, SHARE, BASELINE_UNKNOWN)
+BASELINE_UNKNOWN, BREACHES = "baseline_unknown", "breaches"
+OUTCOME = (FAILURE, LOST, REASON, MET, MISSED, BREACHES, SHARE, BASELINE_UNKNOWN)
 """Columns with what became of a case, before its figures of merit."""
 
 BASELINE_EFFICIENCY = "baseline_efficiency"
@@ -102,6 +102,7 @@ def _row(task: Task, result: CaseResult, files: Mapping[str, KeptFile]) -> dict[
         REASON: result.reason,
         MET: not result.failure and not result.missed,
         MISSED: "; ".join(result.missed),
+        BREACHES: "; ".join(result.breaches),
         SHARE: share,
         BASELINE_UNKNOWN: result.baseline_unknown,
         **result.kpis,

@@ -18,7 +18,8 @@ class Command:
     name : as given on the command line
     summary : what it does, in one sentence
     examples : command lines that a user may try
-    execute : does it; raises CommandError, ParameterError or BagError, in one line, where it cannot
+    execute : does it; raises CommandError, ParameterError or BagError, in one line, where it cannot, and VerdictError
+        where it gives a verdict that is FAILED
     add_arguments : adds its own arguments to its parser; those that every command has are there already
     """
 

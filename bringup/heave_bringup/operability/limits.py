@@ -14,6 +14,7 @@ import numpy as np
 import pandas
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_node.criteria import Criterion
+from heave_node.loads.strength import FACTORS, ROPE
 from heave_node.numerics.arrays import Array
 from scipy import stats
 
@@ -47,6 +48,7 @@ UNCOMPENSATED = {
     "dynamic_amplification": ("uncompensated_dynamic_amplification", 1.0),
     "tension_ratio_min": ("uncompensated_tension_ratio_min", 1.0),
     "snaps": ("uncompensated_snaps", 1.0),
+    ROPE: ("uncompensated_rope_safety_factor", 1.0),
 }
 """Figures that are known of the locked winch in the same sea: their key, and a factor."""
 
@@ -154,9 +156,9 @@ def seed_limit(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locked
     heights = cases[HEIGHT].to_numpy(dtype=float)
     limits = {}
     for criterion in criteria:
-        values = figure(cases, criterion.kpi, locked=locked)
-        if values is not None:
-            limits[criterion.kpi] = crossing(heights, values, criterion)
+        course = course_of(cases, criterion, locked=locked)
+        if course is not None:
+            limits[criterion.kpi] = crossing(heights, course.values, course.criterion, course.calm)
     if not locked:
         gone = (cases[LOST].to_numpy(dtype=bool)) | (cases[FAILURE] != "").to_numpy()
         limits[LOST_LIMIT] = _last_before(heights, gone)
@@ -183,7 +185,48 @@ def figure(cases: pandas.DataFrame, kpi: str, *, locked: bool) -> Array | None:
     return np.asarray(factor * cases[key], dtype=float)
 
 
-def crossing(heights: Array, values: Array, criterion: Criterion) -> float:
+@dataclass(frozen=True)
+class Course:
+    """How a figure goes with the sea, in terms that are linear in the height of the waves.
+
+    Attributes
+    ----------
+    values : of the cases, shape (n,)
+    calm : in a calm sea
+    criterion : that is to hold of them
+    """
+
+    values: Array
+    calm: float
+    criterion: Criterion
+
+
+def course_of(cases: pandas.DataFrame, criterion: Criterion, *, locked: bool = False) -> Course | None:
+    """Return how the figure of a `criterion` goes with the sea; None where there is no such figure.
+
+    A safety factor is turned into the load over the capacity, which grows with the waves; without waves it is that of
+    the static tension.
+
+    Parameters
+    ----------
+    cases : rows of a campaign's table
+    criterion : on a figure of merit
+    locked : of the uncompensated unit
+    """
+    values = figure(cases, criterion.kpi, locked=locked)
+    if values is None:
+        return None
+    if criterion.kpi not in FACTORS:
+        return Course(values, CALM.get(criterion.kpi, 0.0), criterion)
+    with np.errstate(divide="ignore"):
+        loads = np.where(np.isinf(values), 0.0, 1.0 / values)
+    amplification = figure(cases, "dynamic_amplification", locked=locked)
+    calm = float(np.nanmean(loads / amplification)) if np.isfinite(loads / amplification).any() else 0.0
+    bound = Criterion(criterion.kpi, criterion.relation.replace(">", "<"), 1.0 / criterion.bound)
+    return Course(loads, calm, bound)
+
+
+def crossing(heights: Array, values: Array, criterion: Criterion, calm: float | None = None) -> float:
     """Return the height at which a figure reaches its bound for the first time; infinite where it does not.
 
     Parameters
@@ -191,8 +234,9 @@ def crossing(heights: Array, values: Array, criterion: Criterion) -> float:
     heights : rising, shape (n,) [m]
     values : of the figure at them, shape (n,)
     criterion : on the figure
+    calm : value in a calm sea; None: that of CALM
     """
-    height, value = 0.0, CALM.get(criterion.kpi, 0.0)
+    height, value = 0.0, CALM.get(criterion.kpi, 0.0) if calm is None else calm
     for next_height, next_value in zip(heights, values, strict=True):
         if math.isnan(next_value):
             return height  # such a case is lost, which ends the limit anyhow
@@ -220,10 +264,10 @@ def utilisation(cases: pandas.DataFrame, criterion: Criterion, *, locked: bool =
     criterion : on a figure of merit
     locked : of the uncompensated unit
     """
-    values = figure(cases, criterion.kpi, locked=locked)
-    if values is None:
+    course = course_of(cases, criterion, locked=locked)
+    if course is None:
         return None
-    calm = CALM.get(criterion.kpi, 0.0)
+    values, calm, criterion = course.values, course.calm, course.criterion
     room = criterion.bound - calm
     if room == 0.0:  # nothing is allowed: any of it is beyond
         met = np.array([criterion.is_met(float(value)) for value in values])

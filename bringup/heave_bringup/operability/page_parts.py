@@ -10,10 +10,10 @@ from typing import Any
 
 import pandas
 from heave_bags.analyse.kpi_set import DEFINITION_OF
-from heave_bags.analyse.verdict import Judged
+from heave_bags.analyse.verdict import Judged, required_words
 from heave_node.criteria import Criterion
 
-from heave_bringup.campaign.table import FAILURE, LOST, MISSED, REASON, SEED
+from heave_bringup.campaign.table import BREACHES, FAILURE, LOST, REASON, SEED
 from heave_bringup.operability.seas import HEIGHT, PERIOD
 from heave_bringup.tables.case_table import CASE
 
@@ -55,13 +55,8 @@ def number(value: object) -> str:
 
 def criteria_table(criteria: Sequence[Criterion]) -> str:
     """Return the `criteria` of a study, under a heading."""
-    rows = []
-    for criterion in criteria:
-        definition = DEFINITION_OF[criterion.kpi]
-        rows.append(
-            [definition.title, f"{criterion.relation} {criterion.bound * definition.scale:g}", definition.unit or "-"]
-        )
-    return f"<h2>Criteria</h2>{table(['figure of merit', 'bound', 'unit'], rows, texts=1)}"
+    rows = [[DEFINITION_OF[criterion.kpi].title, required_words(criterion)] for criterion in criteria]
+    return f"<h2>Criteria</h2>{table(['figure of merit', 'required'], rows, texts=2)}"
 
 
 def cases_table(parts: Iterable[pandas.DataFrame], criteria: Sequence[Criterion], file: Path | None) -> str:
@@ -88,10 +83,9 @@ def cases_table(parts: Iterable[pandas.DataFrame], criteria: Sequence[Criterion]
 
 def _missed(row: Mapping[str, Any], criteria: Sequence[Criterion]) -> str:
     """Return in words what a case misses of the `criteria`, and what no run may do."""
-    told = [part.removeprefix("MISSED: ") for part in str(row[MISSED]).split("; ")]
-    others = [part for part in told if part and part.split(" ")[0] not in DEFINITION_OF]
+    breaches = str(row.get(BREACHES, ""))
     judged = [Judged(criterion, float(row[criterion.kpi])) for criterion in criteria]
-    return "; ".join(others + [str(one).removeprefix("MISSED: ") for one in judged if not one.is_met])
+    return "; ".join([*([breaches] if breaches else []), *(str(one) for one in judged if not one.is_met)])
 
 
 def provenance_table(facts: Mapping[str, str]) -> str:

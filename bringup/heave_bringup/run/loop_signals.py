@@ -8,6 +8,8 @@ import numpy as np
 from heave_bags.analyse.depth_programme import take_out_programme
 from heave_bags.analyse.events import take_modes
 from heave_bags.signals import RunSignals, Signal
+from heave_node.loads.strength import strengths
+from heave_node.parameters import flatten
 
 from heave_bringup.closed_loop import LoopParameters, LoopRecord
 
@@ -36,6 +38,7 @@ def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
         largest_tension=signal("largest_top_tension"),
         uncompensated_tension=signal("uncompensated_tension"),
         uncompensated_largest_tension=signal("uncompensated_largest_tension"),
+        unit_tension=signal("unit_tension"),
         slack=Signal(time, (record.column("slack_segments") > 0.0).astype(float)),
         limits_hit=signal("limits_hit"),
         static_tension=Signal(time[:1], record.column("top_tension")[:1]),
@@ -44,6 +47,7 @@ def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
         speed_limit=parameters.winch.speed_limit,
         acceleration_limit=parameters.winch.acceleration_limit,
         power_limit=parameters.winch.power_limit or math.inf,  # 0 means no limit
+        strengths=strengths(flatten(plant), flatten(parameters.winch)),
     )
     weight = plant.cable.weight_in_fluid(plant.water_density, plant.gravity)
     take_modes(signals, time, np.asarray(record.modes))

@@ -10,7 +10,7 @@ from heave_bags.analyse.report import place_figure, render_page
 from heave_bags.analyse.report_figures import Figure
 from heave_node.criteria import Criterion
 from heave_node.kpi import RATED_SHARE
-from heave_node.load_cycles import DAMAGE_EXPONENT, LEAST_RANGE
+from heave_node.loads.cycles import DAMAGE_EXPONENT, LEAST_RANGE
 
 from heave_bringup.operability.limits import FEWEST_SEEDS
 from heave_bringup.operability.page import About

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas
 from heave_node.criteria import Criterion
-from heave_node.load_cycles import DAMAGE_EXPONENT
+from heave_node.loads.cycles import DAMAGE_EXPONENT
 from heave_node.numerics.arrays import Array
 from scipy.interpolate import RegularGridInterpolator
 

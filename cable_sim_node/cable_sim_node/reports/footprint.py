@@ -38,6 +38,16 @@ class FootprintReport:
     area: Footprint
     flow: Array
 
+    @property
+    def largest_tension(self) -> float:
+        """Largest tension at the boom tip on the boundary [N]."""
+        return max(point.tension for point in self.area.points)
+
+    @property
+    def unit_load(self) -> float:
+        """NaN: the shape of the cable at the unit is not part of the report."""
+        return math.nan
+
     def values(self) -> dict[str, object]:
         """Return the numbers with units in their names, for a machine."""
         return {
@@ -67,10 +77,10 @@ class FootprintReport:
         points = self.area.points
         rows = [
             ("depth of the unit [m]", f"{self.depth:10.2f}"),
-            ("thrust of the unit [N]", f"{self.limits.thrust:10.0f}"),
-            ("vertical pull that lifts the unit [N]", f"{self.limits.vertical_pull:10.0f}"),
+            ("thrust of the unit [kN]", f"{self.limits.thrust / 1e3:10.3f}"),
+            ("vertical pull that lifts the unit [kN]", f"{self.limits.vertical_pull / 1e3:10.3f}"),
             ("cable out on the boundary, largest [m]", f"{max(point.length for point in points):10.2f}"),
-            ("top tension on the boundary, largest [N]", f"{max(point.tension for point in points):10.0f}"),
+            ("top tension on the boundary, largest [kN]", f"{self.largest_tension / 1e3:10.3f}"),
         ]
         reach = [
             (f"{math.degrees(heading):.0f}", f"{radius:.2f}" if reachable else "out of reach")

@@ -54,6 +54,16 @@ class HangingReport:
         return self.shape.top_tension
 
     @property
+    def largest_tension(self) -> float:
+        """Tension at the boom tip [N]."""
+        return self.top_tension
+
+    @property
+    def unit_load(self) -> float:
+        """Size of the force of the cable on the unit [N]."""
+        return float(np.linalg.norm(self.unit_pull))
+
+    @property
     def top_angle(self) -> float:
         """Angle of the cable at the boom tip from the vertical [rad]."""
         return self.shape.top_angle
@@ -93,15 +103,15 @@ class HangingReport:
             ("", "           x             y             z"),
             ("boom tip [m]", vector(self.boom_tip)),
             ("unit [m]", vector(self.unit)),
-            ("force on the cable at the boom tip [N]", vector(self.boom_tip_force)),
-            ("force of the cable on the unit [N]", vector(self.unit_pull)),
+            ("force on the cable at the boom tip [kN]", vector(self.boom_tip_force / 1e3)),
+            ("force of the cable on the unit [kN]", vector(self.unit_pull / 1e3)),
             ("unstretched length [m]", f"{self.shape.cable.length:12.3f}"),
             ("stretch [m]", f"{stretch:12.4f}"),
             ("horizontal offset of the unit [m]", f"{offset:12.3f}"),
-            ("weight of the unit in water [N]", f"{self.unit_weight:12.1f}"),
-            ("top tension [N]", f"{self.top_tension:12.1f}"),
+            ("weight of the unit in water [kN]", f"{self.unit_weight / 1e3:12.3f}"),
+            ("top tension [kN]", f"{self.top_tension / 1e3:12.3f}"),
             ("top angle from the vertical [deg]", f"{math.degrees(self.top_angle):12.3f}"),
-            ("smallest tension [N]", f"{float(self.shape.tension.min()):12.1f}"),
+            ("smallest tension [kN]", f"{float(self.shape.tension.min()) / 1e3:12.3f}"),
         ]
         if self.clearance is not None:
             rows.append(("unit above the seabed [m]", f"{self.clearance:12.3f}"))

@@ -70,6 +70,16 @@ class LayingReport:
     course: float
     lays: tuple[LaidCable, ...]
 
+    @property
+    def largest_tension(self) -> float:
+        """Largest tension at the boom tip in any of its rows [N]."""
+        return max(laid.laying.tension for laid in self.lays)
+
+    @property
+    def unit_load(self) -> float:
+        """NaN: the cable holds no unit."""
+        return math.nan
+
     def values(self) -> dict[str, object]:
         """Return the numbers with units in their names, for a machine."""
         return {

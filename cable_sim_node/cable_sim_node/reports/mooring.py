@@ -73,6 +73,16 @@ class MooringReport:
     direction: float
     cables: tuple[MooredCable, ...]
 
+    @property
+    def largest_tension(self) -> float:
+        """Largest tension at the boom tip in any of its rows [N]."""
+        return max(cable.shape.top_tension for cable in self.cables)
+
+    @property
+    def unit_load(self) -> float:
+        """NaN: the cable holds no unit."""
+        return math.nan
+
     def values(self) -> dict[str, object]:
         """Return the numbers with units in their names, for a machine."""
         return {

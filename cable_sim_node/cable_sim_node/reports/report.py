@@ -31,6 +31,18 @@ class Report(Protocol):
         """Draw the report into an empty figure."""
 
 
+class LoadReport(Report, Protocol):
+    """A report of a cable at rest under load."""
+
+    @property
+    def largest_tension(self) -> float:
+        """Largest tension at the boom tip in the report [N]."""
+
+    @property
+    def unit_load(self) -> float:
+        """Largest tension of the cable at the unit [N]; NaN where there is no unit, or it is unknown."""
+
+
 def save_picture(report: Report, path: Path) -> None:
     """Draw a report to a PNG or SVG file, by the ending of `path`.
 

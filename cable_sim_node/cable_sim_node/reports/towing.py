@@ -72,6 +72,16 @@ class TowingReport:
     boom_tip: Array
     tows: tuple[TowedUnit, ...]
 
+    @property
+    def largest_tension(self) -> float:
+        """Largest tension at the boom tip at any of the speeds [N]."""
+        return max(tow.shape.top_tension for tow in self.tows)
+
+    @property
+    def unit_load(self) -> float:
+        """Largest force of the cable on the unit at any of the speeds [N]."""
+        return max(float(np.linalg.norm(tow.shape.lower[0])) for tow in self.tows)
+
     def values(self) -> dict[str, object]:
         """Return the numbers with units in their names, for a machine."""
         return {"course_deg": math.degrees(self.course), "tows": [tow.values() for tow in self.tows]}

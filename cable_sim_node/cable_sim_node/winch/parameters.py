@@ -173,6 +173,13 @@ class WinchParameters:
         maximum=1e9,
         description="Speed servo: largest product of tension and speed in either direction; 0 means no limit.",
     )
+    rated_pull: float = parameter(
+        0.0,
+        unit="N",
+        minimum=0.0,
+        description="Rated pull of the winch on its outermost layer, which the largest tension must not exceed; 0 "
+        "means not stated.",
+    )
     command_timeout: float = parameter(
         0.5,
         unit="s",

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from heave_bringup.commands.arguments import add_bags, add_baseline
 from heave_bringup.commands.command import Command
+from heave_bringup.errors import VerdictError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,6 +21,7 @@ def execute(options: argparse.Namespace) -> None:
     """Write the report and say where it is, as `options` say."""
     from heave_bags.analyse import analysis
     from heave_bags.analyse.report import save_report
+    from heave_bags.analyse.verdict import judge
 
     from heave_bringup.bag_paths import bag_folders
     from heave_bringup.output import write_result
@@ -28,9 +30,17 @@ def execute(options: argparse.Namespace) -> None:
     bags = bag_folders(options.bags)
     output = options.output or bags[0].parent / "report.html"
     records = read_records(bags, scenario=options.scenario, transient=options.transient, has_baseline=options.baseline)
-    save_report(records, output)
-    text = "\n".join([analysis.table(records), "", f"report    {output.resolve()}"])
-    write_result(options, text, {"report": str(output.resolve()), "runs": [analysis.to_json(r) for r in records]})
+    verdicts = [judge(record, record.wanted, moves_winch=record.moves_winch) for record in records]
+    save_report(records, output, verdicts)
+    told = [f"{record.name}: {line}" for record, one in zip(records, verdicts, strict=True) for line in one.lines()]
+    text = "\n".join([analysis.table(records), "", f"report    {output.resolve()}", "", *told])
+    runs = [
+        {**analysis.to_json(record), "verdict": one.to_json()} for record, one in zip(records, verdicts, strict=True)
+    ]
+    write_result(options, text, {"report": str(output.resolve()), "runs": runs})
+    failures = [f"{record.name}: {one}" for record, of in zip(records, verdicts, strict=True) for one in of.failures]
+    if failures:
+        raise VerdictError(failures)
 
 
 COMMAND = Command(

@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from heave_bringup.commands.arguments import add_scenario
 from heave_bringup.commands.command import Command
+from heave_bringup.commands.models.loads import load_lines, refuse_failed, strengths_in
 from heave_bringup.errors import CommandError
+
+if TYPE_CHECKING:
+    from winch_controller_node.design.report import DesignReport
+
+HOURS = 3.0
+"""Duration of a sea state, in which the largest tension is expected [h]."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,6 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Print gains, poles, margins, predictions, bounds and curves; draw them, as `options` say."""
     from cable_sim_node.errors import PlantError
+    from heave_bags.analyse.verdict import judge_loads
+    from heave_node.loads.strength import load_checks
     from heave_node.numerics.linear_model import ModelError
     from winch_controller_node.design.report import design_report
     from winch_controller_node.design.report_figures import draw_report
@@ -50,7 +61,32 @@ def execute(options: argparse.Namespace) -> None:
     warn(vessel_warnings(scenario))
     folder = options.pictures or Path(f"{scenario.name}_design")
     pictures = "\n".join(f"picture   {path.resolve()}" for path in draw_report(report, folder))
-    write_result(options, f"{report.table()}\n\n{pictures}", report.values())
+    top, unit = expected_loads(report)
+    verdict = judge_loads(load_checks(strengths_in(scenario), top=top, unit=unit))
+    expected = f"largest top tension expected in {HOURS:g} h: {1e-3 * top:.2f} kN (Rayleigh)"
+    text = "\n".join([report.table(), expected, "", pictures, *load_lines(verdict)])
+    write_result(options, text, {**report.values(), "expected_tension_max_n": top, "verdict": verdict.to_json()})
+    refuse_failed(verdict)
+
+
+def expected_loads(report: DesignReport) -> tuple[float, float]:
+    """Return the largest tension expected in HOURS of the design sea, at the boom tip and at the unit [N].
+
+    Both are NaN for an identified cable, which knows no weights. The most probable largest of N crests of a
+    narrow-banded Gaussian motion is sigma sqrt(2 ln N) above its mean (M. S. Longuet-Higgins, On the statistical
+    distribution of the heights of sea waves, J. Marine Research 11, 1952).
+
+    Parameters
+    ----------
+    report : of the design, with a crest in each peak period of its sea
+    """
+    crests = HOURS * 3600.0 / report.design.parameters.sea.peak_period
+    rise = report.prediction.sigma["tension"] * math.sqrt(2.0 * math.log(crests))
+    cable = report.design.cable
+    top, unit = (
+        weight + rise if 0.0 < weight < math.inf else math.nan for weight in (cable.static_tension, cable.unit_weight)
+    )
+    return top, unit
 
 
 COMMAND = Command(

@@ -12,10 +12,11 @@ from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_scenario
 from heave_bringup.commands.command import Command
+from heave_bringup.commands.models.loads import load_lines, refuse_failed, strengths_in
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
-    from cable_sim_node.reports.report import Report
+    from cable_sim_node.reports.report import LoadReport
 
     from heave_bringup.scenarios import Scenario
 
@@ -82,6 +83,8 @@ def execute(options: argparse.Namespace) -> None:
     from cable_sim_node.errors import PlantError
     from cable_sim_node.reports.report import PICTURE_ENDINGS, save_picture
     from cable_sim_node.statics.march import march
+    from heave_bags.analyse.verdict import judge_loads
+    from heave_node.loads.strength import load_checks
     from heave_node.numerics.compiled import is_compiled
 
     from heave_bringup.output import check_output, write_result
@@ -100,7 +103,10 @@ def execute(options: argparse.Namespace) -> None:
     suffix = "static" if options.problem == "hanging" else options.problem
     picture = options.picture or Path(f"{scenario.name}_{suffix}.svg")
     save_picture(report, picture)
-    write_result(options, f"{report.table()}\n\npicture   {picture.resolve()}", report.values())
+    verdict = judge_loads(load_checks(strengths_in(scenario), top=report.largest_tension, unit=report.unit_load))
+    text = "\n".join([report.table(), "", f"picture   {picture.resolve()}", *load_lines(verdict)])
+    write_result(options, text, {**report.values(), "verdict": verdict.to_json()})
+    refuse_failed(verdict)
 
 
 def check_options(options: argparse.Namespace) -> None:
@@ -139,14 +145,14 @@ def _course(options: argparse.Namespace) -> float:
     return math.radians(options.course or 0.0)
 
 
-def _hanging(scenario: Scenario, options: argparse.Namespace) -> Report:  # noqa: ARG001 (one signature for all)
+def _hanging(scenario: Scenario, options: argparse.Namespace) -> LoadReport:  # noqa: ARG001 (one signature for all)
     from cable_sim_node.reports.hanging import hanging_report
 
     plant = scenario.parameters["cable_sim"]
     return hanging_report(plant, (0.0, 0.0, plant.boom_tip_height))
 
 
-def _towing(scenario: Scenario, options: argparse.Namespace) -> Report:
+def _towing(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
     from cable_sim_node.reports.towing import towing_report
 
     plant = scenario.parameters["cable_sim"]
@@ -154,7 +160,7 @@ def _towing(scenario: Scenario, options: argparse.Namespace) -> Report:
     return towing_report(plant, options.speed, course=_course(options), boom_tip=tip)
 
 
-def _mooring(scenario: Scenario, options: argparse.Namespace) -> Report:
+def _mooring(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
     from cable_sim_node.reports.mooring import mooring_report
 
     plant = scenario.parameters["cable_sim"]
@@ -168,7 +174,7 @@ def _mooring(scenario: Scenario, options: argparse.Namespace) -> Report:
     )
 
 
-def _footprint(scenario: Scenario, options: argparse.Namespace) -> Report:
+def _footprint(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
     from cable_sim_node.reports.footprint import footprint_report
 
     plant = scenario.parameters["cable_sim"]
@@ -182,7 +188,7 @@ def _footprint(scenario: Scenario, options: argparse.Namespace) -> Report:
     )
 
 
-def _laying(scenario: Scenario, options: argparse.Namespace) -> Report:
+def _laying(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
     from cable_sim_node.reports.laying import laying_report
 
     plant = scenario.parameters["cable_sim"]
@@ -198,7 +204,7 @@ def _laying(scenario: Scenario, options: argparse.Namespace) -> Report:
     )
 
 
-PROBLEMS: dict[str, Callable[[Any, argparse.Namespace], Report]] = {
+PROBLEMS: dict[str, Callable[[Any, argparse.Namespace], LoadReport]] = {
     "hanging": _hanging,
     "towing": _towing,
     "mooring": _mooring,

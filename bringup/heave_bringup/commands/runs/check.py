@@ -10,7 +10,7 @@ from heave_node.tick.clock_rule import parse_clock
 
 from heave_bringup.commands.arguments import add_namespace, add_network
 from heave_bringup.commands.command import Command
-from heave_bringup.errors import CommandError
+from heave_bringup.errors import VerdictError
 
 REPLACEABLE = ("winch_controller", "virtual_winch", "wave_vessel", "cable_sim")
 
@@ -46,9 +46,9 @@ def execute(options: argparse.Namespace) -> None:
     wrong = [finding for finding in findings if not finding.is_good]
     rows = [[f.topic, f.what, "ok" if f.is_good else "WRONG", f.words] for f in findings]
     verdict = (
-        f"verdict: {len(wrong)} of {len(findings)} do not keep the contract"
+        f"verdict: FAILED; {len(wrong)} of {len(findings)} do not keep the contract"
         if wrong
-        else "verdict: the contract is kept"
+        else "verdict: passed; the contract is kept"
     )
     write_result(
         options,
@@ -56,7 +56,7 @@ def execute(options: argparse.Namespace) -> None:
         {"external": node, "good": not wrong, "findings": [vars(finding) for finding in findings]},
     )
     if wrong:
-        raise CommandError(f"{node}: {wrong[0].topic}: {wrong[0].what}: {wrong[0].words}")
+        raise VerdictError([f"{node}: {wrong[0].topic}: {wrong[0].what}: {wrong[0].words}"])
 
 
 COMMAND = Command(

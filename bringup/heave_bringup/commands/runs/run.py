@@ -18,7 +18,7 @@ from heave_node.scenario import WILDCARD
 
 from heave_bringup.commands.arguments import add_baseline, add_namespace, add_network, add_scenario
 from heave_bringup.commands.command import Command
-from heave_bringup.errors import CommandError
+from heave_bringup.errors import CommandError, VerdictError
 from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER
 from heave_bringup.settings import Setting
 
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from heave_bringup.scenarios import Scenario
 
 EVALUATION = "heave_bringup.run.evaluation"
-WANTED = "wanted"
-"""Value of --require that stands for all criteria of the scenario."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -91,8 +89,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KPI<VALUE",
-        help="exit with status 1 unless a figure of merit meets the bound; wanted: unless the scenario's "
-        "criteria are met and compensation was in force",
+        help="a criterion of the verdict beside the scenario's own, for a run of any length; a verdict that is FAILED "
+        "is exit status 3",
     )
     parser.add_argument(
         "--quiet",
@@ -180,11 +178,10 @@ def execute(options: argparse.Namespace) -> None:
             "folder": str(folder.path),
         },
     )
-    missed = result.verdict.failures if WANTED in options.require else result.verdict.missed_requirements
     if outcome.strangers:
         raise CommandError("; ".join(outcome.strangers))
-    if missed:
-        raise CommandError(f"requirements not met:  {'; '.join(missed)}")
+    if result.verdict.failures:
+        raise VerdictError(result.verdict.failures)
 
 
 def _required(texts: Sequence[str]) -> list[Criterion]:
@@ -193,7 +190,7 @@ def _required(texts: Sequence[str]) -> list[Criterion]:
         return []
     from heave_bringup.run.criteria import parse_requirement
 
-    return [parse_requirement(text) for text in texts if text != WANTED]
+    return [parse_requirement(text) for text in texts]
 
 
 def _own_settings(options: argparse.Namespace) -> list[Setting]:

@@ -54,7 +54,6 @@ def _particulars(entry: Entry) -> str:
 def _whole(entry: Entry) -> str:
     lines = [f"{entry.name}: {entry.title}"]
     lines += [f"  system.{entry.kind}.{name}: {value}" for name, value in entry.values.items()]
-    lines += [f"  breaking force: {1e-3 * entry.breaking_force:.0f} kN"] if entry.breaking_force else []
     return "\n".join([*lines, *(f"source: {source}" for source in entry.sources)])
 
 

@@ -7,13 +7,16 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from heave_node.catalogue import KINDS
+from heave_node.catalogue import FROM, KINDS
 
 from heave_bringup.commands.command import Command, add_model
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
     from heave_node.scenario import Sections
+
+STRENGTHS = {"cable": ("breaking_force", "safety_factor"), "unit": (), "winch": ("rated_pull",)}
+"""What another cable or winch does not take over from the model's, whether its entry states it or not."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -57,10 +60,11 @@ def _changed(sections: Sections, options: argparse.Namespace) -> Sections:
         name = getattr(options, kind)
         if name is not None:
             entry = find(kind, name, f"--{kind}")
-            replaced = [f"system.{kind}", *(f"system.{kind}.{value}" for value in entry.values)]
+            given = (FROM, *entry.values, *STRENGTHS[kind])
+            replaced = [f"system.{kind}", *(f"system.{kind}.{value}" for value in given)]
             kept = {key: value for key, value in shared.items() if key not in replaced}
             has_more = any(key.startswith(f"system.{kind}.") for key in kept)
-            shared = {f"system.{kind}.from" if has_more else f"system.{kind}": entry.name, **kept}
+            shared = {f"system.{kind}.{FROM}" if has_more else f"system.{kind}": entry.name, **kept}
     if options.length is not None:
         shared["system.length"] = options.length
     ordered = dict(

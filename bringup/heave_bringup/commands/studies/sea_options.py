@@ -168,7 +168,23 @@ def study_criteria(
     if missing:
         raise ParameterError(f"{table}: its cases do not vary {missing[0]}: it is no table of {command}")
     wanted = load_scenario(f"{table}:{frame[CASE].iloc[0]}", needs_files=False).wanted
-    return criteria_in(wanted, required, without)
+    return with_strengths(frame, criteria_in(wanted, required, without))
+
+
+def with_strengths(frame: pandas.DataFrame, criteria: Sequence[Criterion]) -> list[Criterion]:
+    """Return `criteria`, and beside them that no part carries more than it can, where its strength is stated.
+
+    Parameters
+    ----------
+    frame : table of the cases, with the safety factors as figures of merit
+    criteria : of the study; one on a safety factor stays as it is
+    """
+    from heave_node.criteria import Criterion
+    from heave_node.loads.strength import FACTORS, LEAST
+
+    chosen = {criterion.kpi for criterion in criteria}
+    stated = [key for key in FACTORS if key in frame and (frame[key] > 0.0).any()]
+    return [*criteria, *(Criterion(key, ">=", LEAST) for key in stated if key not in chosen)]
 
 
 def criteria_in(
