@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+import zstandard
 from heave_msgs.msg import MruSample, PointMotion
 from mcap.writer import Writer
 from rclpy.serialization import serialize_message
@@ -204,3 +205,76 @@ def test_a_sensor_that_stood_still_is_said(tmp_path):
     rows = [[t, 0.3 if 5.0 <= t < 20.0 else math.sin(t)] for t in np.arange(0.0, 40.0, 0.1)]
     (warning,) = read_recording(write_csv(tmp_path / "m.csv", rows)).warnings
     assert "stands still for 14.9 s from 5 s on" in warning
+
+
+def mru_bag(folder, names=("bag_0", "bag_1", "bag_2")):
+    """Write a heave of cos t in three files; return the samples of the first two."""
+    folder.mkdir()
+    messages = [stamped(MruSample, t, heave=math.cos(t)) for t in TIME[:99]]
+    for name, at in zip(names, (0, 33, 66), strict=True):
+        write_bag(folder / f"{name}.mcap", "heave_msgs/msg/MruSample", messages[at : at + 33], "/mru")
+    listed = "".join(f"  - {name}.mcap\n" for name in names)
+    (folder / "metadata.yaml").write_text(f"rosbag2_bagfile_information:\n  relative_file_paths:\n{listed}")
+    return np.cos(TIME[:66])
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"", "bag_2.mcap: the file is empty"),
+        (bytes(4096), "bag_2.mcap: is not a complete MCAP file"),
+        (None, "bag_2.mcap: the file is missing, which the bag lists"),
+    ],
+)
+def test_a_bad_file_costs_a_bag_nothing_but_itself(tmp_path, content, says):
+    expected = mru_bag(tmp_path / "bag")
+    if content is None:
+        (tmp_path / "bag" / "bag_2.mcap").unlink()
+    else:
+        (tmp_path / "bag" / "bag_2.mcap").write_bytes(content)
+    recording = read_recording(tmp_path / "bag", "mru")
+    np.testing.assert_allclose(recording.position[:, 2], expected - expected.mean(), atol=1e-12)
+    (warning,) = recording.warnings
+    assert says in warning
+
+
+def test_a_file_without_its_end_is_read_as_far_as_it_goes(tmp_path):
+    mru_bag(tmp_path / "bag")
+    last = tmp_path / "bag" / "bag_2.mcap"
+    opened = last.open("wb")
+    writer = Writer(opened, chunk_size=1)  # a chunk for each message
+    writer.start("ros2", "test")
+    channel = writer.register_channel("/mru", "cdr", writer.register_schema("heave_msgs/msg/MruSample", "ros2msg", b""))
+    for t in TIME[66:99]:
+        writer.add_message(channel, 1, bytes(serialize_message(stamped(MruSample, t, heave=math.cos(t)))), 1)
+    opened.close()  # never finished, as after a power cut
+    recording = read_recording(tmp_path / "bag", "mru")
+    assert len(recording.time) == 99
+    (warning,) = recording.warnings
+    assert "bag_2.mcap: is not a complete MCAP file" in warning
+    assert "33 samples were read up to there; heave repair may recover more" in warning
+
+
+def test_a_gap_names_the_file_that_is_missing(tmp_path):
+    mru_bag(tmp_path / "bag")
+    (tmp_path / "bag" / "bag_1.mcap").unlink()
+    with pytest.raises(RecordingError, match=r"no sample for 3\.4 s after 3\.2 s.*bag_1\.mcap: the file is missing"):
+        read_recording(tmp_path / "bag", "mru")
+
+
+def test_a_compressed_bag_is_refused_with_the_command_that_unpacks_it(tmp_path):
+    messages = [stamped(MruSample, t, heave=math.cos(t)) for t in TIME[:99]]
+    path = tmp_path / "m.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start("ros2", "test")
+        schema = writer.register_schema("heave_msgs/msg/MruSample", "ros2msg", b"")
+        channel = writer.register_channel("/mru", "cdr", schema)
+        for message in messages:
+            writer.add_message(channel, 1, zstandard.compress(bytes(serialize_message(message))), 1)
+        writer.finish()
+    with pytest.raises(RecordingError, match=r"compressed one by one; heave repair BAG --output NEW"):
+        read_recording(path, "mru")
+    path.rename(tmp_path / "m.mcap.zstd")
+    with pytest.raises(RecordingError, match=r"m\.mcap\.zstd is compressed; heave repair BAG --output NEW"):
+        read_recording(tmp_path, "mru")

@@ -7,8 +7,7 @@ time_s and z_m (or heave_m), x_m and y_m if there are; elevation: time_s and ele
 from __future__ import annotations
 
 import math
-import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,12 +15,10 @@ import numpy as np
 from heave_node.files.columns import ColumnsError, read_columns
 from heave_node.files.plausible import question, refusal
 from heave_node.files.text_files import TextFileError, read_text
-from heave_node.interface.codes import MruStatus
 from heave_node.numerics.arrays import Array
-from mcap.exceptions import McapError
-from mcap.reader import make_reader
 
 from wave_vessel_node.implausible import ACCEPT
+from wave_vessel_node.sources.bag_motion import BagMotionError, bag_samples
 
 _LONGEST_GAP = 2.0  # s between samples; longer gaps cannot be interpolated
 _LONGEST_STANDSTILL = 10.0
@@ -42,7 +39,7 @@ class Recording:
     path : file or folder that it was read from
     time : [s] from the first sample, shape (n,)
     position : x, y, z of the motion, or 0, 0, elevation [m], shape (n, 3), about its mean
-    warnings : what was left out
+    warnings : what was left out, and what of a bag could not be read
     """
 
     path: str
@@ -70,19 +67,24 @@ def read_recording(path: str | Path, topic: str = "boom_tip", *, accept_implausi
         raise RecordingError(f"{path}: no such file or folder")
     if not path.is_file() and not path.is_dir():
         raise RecordingError(f"{path}: is not a file")  # a pipe or a device may never end
+    lost: list[str] = []
     if path.suffix.lower() == ".csv":
         samples = list(_csv_samples(path))
     elif path.is_dir() or path.suffix.lower() == ".mcap":
         # by their stamps: neither the names of split files nor the order in a file say what comes first
-        samples = sorted(_bag_samples(path, topic), key=lambda sample: sample[0])
+        try:
+            unsorted, lost = bag_samples(path, topic)
+        except BagMotionError as error:
+            raise RecordingError(str(error)) from error
+        samples = sorted(unsorted, key=lambda sample: sample[0])
     else:
         raise RecordingError(f"{path}: expected a .csv file, an .mcap file or a bag folder")
-    return _checked(path, np.array(samples).reshape(-1, 4), accept_implausible)
+    return _checked(path, np.array(samples).reshape(-1, 4), lost, accept_implausible)
 
 
-def _checked(path: Path, samples: Array, accept: bool) -> Recording:
+def _checked(path: Path, samples: Array, lost: list[str], accept: bool) -> Recording:
     good = np.isfinite(samples).all(axis=1)
-    warnings = []
+    warnings = [f"{path}: {text}" for text in lost]
     if not good.all():
         warnings.append(f"{path}: {int((~good).sum())} non-numeric or invalid samples skipped")
     samples = samples[good]
@@ -97,7 +99,7 @@ def _checked(path: Path, samples: Array, accept: bool) -> Recording:
     if gap.max() > _LONGEST_GAP:
         raise RecordingError(
             f"{path}: no sample for {gap.max():.1f} s after {samples[np.argmax(gap), 0]:g} s: "
-            f"gaps may be at most {_LONGEST_GAP:g} s"
+            f"gaps may be at most {_LONGEST_GAP:g} s{''.join(f'; {text}' for text in lost[:1])}"
         )
     doubts = _questions(samples[:, 0], samples[:, 3])
     if doubts and not accept:
@@ -151,75 +153,3 @@ def _csv_samples(path: Path) -> Iterator[tuple[float, float, float, float]]:
             if math.isnan(value) and row[place].strip().lower().lstrip("+-") != "nan":
                 raise RecordingError(f"{path}: line {number}: {row[place]!r} is not a number")
         yield time, x, y, z
-
-
-def _bag_samples(path: Path, topic: str) -> Iterator[tuple[float, float, float, float]]:
-    inside = sorted(file for file in path.glob("*.mcap") if not file.name.startswith("._"))  # macOS leaves such
-    files = inside if path.is_dir() else [path]
-    if not files:
-        raise RecordingError(f"{path}: the folder has no .mcap file")
-    found = set()
-    matched = False
-    for file in files:
-        try:
-            with file.open("rb") as stream:
-                for schema, channel, message in make_reader(stream).iter_messages():
-                    found.add(channel.topic)
-                    if channel.topic.rsplit("/", 1)[-1] != topic:
-                        continue
-                    decode = _DECODERS.get(schema.name if schema else "")
-                    if decode is None:
-                        known = ", ".join(sorted(_DECODERS))
-                        raise RecordingError(f"{path}: topic {channel.topic} has the wrong type: expected {known}")
-                    matched = True
-                    yield decode(_Cdr(message.data))
-        except (McapError, struct.error) as error:
-            raise RecordingError(f"{file}: is not a complete MCAP file: {error}") from error
-    if not matched:
-        raise RecordingError(f"{path}: there is no topic {topic}; found {', '.join(sorted(found)) or 'none'}")
-
-
-class _Cdr:
-    """Reads the plain members of a serialised ROS message in order (little-endian CDR)."""
-
-    def __init__(self, data: bytes) -> None:
-        self._data = data[4:]
-        self._at = 0
-
-    def read(self, kind: str) -> float:
-        size = struct.calcsize(kind)
-        self._at += -self._at % size
-        value = struct.unpack_from("<" + kind, self._data, self._at)[0]
-        self._at += size
-        return value  # type: ignore[no-any-return]  # struct cannot know
-
-    def header(self) -> float:
-        """Return the stamp [s] and step over the frame."""
-        seconds, nanoseconds = self.read("i"), self.read("I")
-        length = int(self.read("I"))
-        self._at += length
-        return seconds + 1e-9 * nanoseconds
-
-
-def _point_motion(cdr: _Cdr) -> tuple[float, float, float, float]:
-    time = cdr.header()
-    return time, cdr.read("d"), cdr.read("d"), cdr.read("d")
-
-
-def _mru_sample(cdr: _Cdr) -> tuple[float, float, float, float]:
-    time = cdr.header()
-    cdr.read("I")
-    status = int(cdr.read("B"))
-    heave = cdr.read("d")
-    return time, 0.0, 0.0, math.nan if status == MruStatus.INVALID else heave
-
-
-def _wave_elevation(cdr: _Cdr) -> tuple[float, float, float, float]:
-    return cdr.header(), 0.0, 0.0, cdr.read("d")
-
-
-_DECODERS: dict[str, Callable[[_Cdr], tuple[float, float, float, float]]] = {
-    "heave_msgs/msg/PointMotion": _point_motion,
-    "heave_msgs/msg/MruSample": _mru_sample,
-    "heave_msgs/msg/WaveElevation": _wave_elevation,
-}

@@ -1,0 +1,173 @@
+"""Samples of motion or elevation from a bag (MCAP), by the messages of this suite.
+
+What can be read of a bag is read and the rest is named: a power cut leaves empty files, files of zeros and files
+without an end beside sound ones. `heave repair` gets more out of a damaged file, and unpacks what is compressed.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import IO
+
+import zstandard
+from heave_node.files.bounded_yaml import YamlError, parse_yaml
+from heave_node.interface.codes import MruStatus
+from mcap.exceptions import McapError
+from mcap.reader import McapReader, NonSeekingReader, make_reader
+from mcap.records import Channel, Message, Schema
+
+Sample = tuple[float, float, float, float]
+"""Stamp [s] and x, y, z [m]."""
+
+_DAMAGE = (McapError, struct.error, zstandard.ZstdError, RuntimeError, ValueError, EOFError, OSError, MemoryError)
+"""What the readers of MCAP and of its compressions raise for a file that is cut off or damaged."""
+_ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+_UNPACK = "heave repair BAG --output NEW makes a bag that can be read here"
+
+
+class BagMotionError(ValueError):
+    """A bag that holds no motion that can be used; the message is one line."""
+
+
+def bag_samples(path: Path, topic: str) -> tuple[list[Sample], list[str]]:
+    """Return the samples of a bag, in the order of its files, and what could not be read of it, one line each.
+
+    Parameters
+    ----------
+    path : a file, or a folder with MCAP files
+    topic : last part of the topic's name
+
+    Raises BagMotionError if nothing is there, or it is of another type, or packed.
+    """
+    samples: list[Sample] = []
+    lost = _missing(path) if path.is_dir() else []
+    found: set[str] = set()
+    for file in _files(path):
+        before = len(samples)
+        try:
+            with file.open("rb") as stream:
+                for schema, channel, message in _messages(stream):
+                    found.add(channel.topic)
+                    if channel.topic.rsplit("/", 1)[-1] == topic:
+                        samples.append(_decoder(path, schema, channel)(_Cdr(_plain(path, message.data))))
+        except BagMotionError:
+            raise
+        except _DAMAGE as error:
+            lost.append(_damage(file, error, len(samples) - before))
+    if not samples and lost:
+        raise BagMotionError(f"{path}: no sample of {topic} can be read: {lost[0]}")
+    if not samples:
+        raise BagMotionError(f"{path}: there is no topic {topic}; found {', '.join(sorted(found)) or 'none'}")
+    return samples, lost
+
+
+def _files(path: Path) -> list[Path]:
+    """Return the files of a bag. Raises BagMotionError where there is none."""
+    if not path.is_dir():
+        return [path]
+    files = sorted(file for file in path.glob("*.mcap") if not file.name.startswith("._"))  # macOS leaves such
+    if files:
+        return files
+    packed = sorted(file.name for file in path.glob("*.mcap.z*"))
+    if packed:
+        raise BagMotionError(f"{path}: {packed[0]} is compressed; {_UNPACK}")
+    raise BagMotionError(f"{path}: the folder has no .mcap file")
+
+
+def _missing(folder: Path) -> list[str]:
+    """Return the files that the description of a bag lists and that are not there, a line each."""
+    try:
+        described = parse_yaml((folder / "metadata.yaml").read_text(encoding="utf-8"))
+        listed = described["rosbag2_bagfile_information"]["relative_file_paths"]
+        names = [Path(str(name)).name for name in listed]
+    except (OSError, YamlError, ValueError, LookupError, TypeError):
+        return []  # without a description, what is there is read
+    there = {file.name for file in folder.iterdir()}
+    if any(name not in names for name in there if name.endswith(".mcap") and not name.startswith("._")):
+        return []  # under a name that nobody lists: files were renamed
+    return [f"{name}: the file is missing, which the bag lists" for name in names if name not in there]
+
+
+def _messages(stream: IO[bytes]) -> Iterator[tuple[Schema | None, Channel, Message]]:
+    """Yield the messages of a file by its index; from its beginning on where it has none."""
+    reader: McapReader = make_reader(stream)
+    try:
+        indexed = reader.get_summary() is not None
+    except _DAMAGE:
+        indexed = False
+    if not indexed:
+        stream.seek(0)
+        reader = NonSeekingReader(stream)
+    return iter(reader.iter_messages(log_time_order=False))  # they are sorted by their stamps
+
+
+def _damage(file: Path, error: BaseException, read: int) -> str:
+    """Return what is wrong with a file of which `read` samples were read."""
+    if not file.stat().st_size:
+        return f"{file.name}: the file is empty"
+    reason = " ".join(str(error).split()) or type(error).__name__
+    text = f"{file.name}: is not a complete MCAP file ({reason})"
+    return f"{text}: {read} samples were read up to there; heave repair may recover more" if read else text
+
+
+def _decoder(path: Path, schema: Schema | None, channel: Channel) -> Callable[[_Cdr], Sample]:
+    decode = _DECODERS.get(schema.name if schema else "")
+    if decode is None:
+        known = ", ".join(sorted(_DECODERS))
+        raise BagMotionError(f"{path}: topic {channel.topic} has the wrong type: expected {known}")
+    return decode
+
+
+def _plain(path: Path, data: bytes) -> bytes:
+    if data.startswith(_ZSTD_MAGIC):  # no serialised message begins so
+        raise BagMotionError(f"{path}: its messages are compressed one by one; {_UNPACK}")
+    return data
+
+
+class _Cdr:
+    """Reads the plain members of a serialised ROS message in order (little-endian CDR)."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data = data[4:]
+        self._at = 0
+
+    def read(self, kind: str) -> float:
+        size = struct.calcsize(kind)
+        self._at += -self._at % size
+        value = struct.unpack_from("<" + kind, self._data, self._at)[0]
+        self._at += size
+        return value  # type: ignore[no-any-return]  # struct cannot know
+
+    def header(self) -> float:
+        """Return the stamp [s] and step over the frame."""
+        seconds, nanoseconds = self.read("i"), self.read("I")
+        length = int(self.read("I"))
+        self._at += length
+        return seconds + 1e-9 * nanoseconds
+
+
+def _point_motion(cdr: _Cdr) -> Sample:
+    time = cdr.header()
+    return time, cdr.read("d"), cdr.read("d"), cdr.read("d")
+
+
+def _mru_sample(cdr: _Cdr) -> Sample:
+    time = cdr.header()
+    cdr.read("I")
+    status = int(cdr.read("B"))
+    heave = cdr.read("d")
+    return time, 0.0, 0.0, math.nan if status == MruStatus.INVALID else heave
+
+
+def _wave_elevation(cdr: _Cdr) -> Sample:
+    return cdr.header(), 0.0, 0.0, cdr.read("d")
+
+
+_DECODERS: dict[str, Callable[[_Cdr], Sample]] = {
+    "heave_msgs/msg/PointMotion": _point_motion,
+    "heave_msgs/msg/MruSample": _mru_sample,
+    "heave_msgs/msg/WaveElevation": _wave_elevation,
+}
