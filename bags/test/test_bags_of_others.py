@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import zstandard
 from bags_of_others import PERIOD, START, TOPIC, heave_at, samples, write_mcap, write_metadata, write_split
+from heave_bags.analyse.run_record import read_run
 from heave_bags.errors import BagError
 from heave_bags.mcap import repair
 from heave_bags.mcap.bag_writer import BagPolicy
@@ -190,6 +191,13 @@ def test_a_bag_of_which_nothing_can_be_read_is_refused_with_the_reason(tmp_path)
     (folder / "bag_0.mcap").write_bytes(b"")
     with pytest.raises(BagError, match=r"bag_0\.mcap: the file is empty"):
         Bag(folder)
+
+
+def test_a_bag_of_no_run_is_called_so_whatever_was_lost_of_it(tmp_path):
+    write_split(tmp_path / "bag", ("bag_0.mcap", "bag_1.mcap"))
+    (tmp_path / "bag" / "bag_1.mcap").write_bytes(b"")
+    with pytest.raises(BagError, match=f"none of a run's topics; it holds {TOPIC}; bag_1.mcap: the file is empty"):
+        read_run(tmp_path / "bag")
 
 
 @pytest.mark.parametrize("version", [9, 4], ids=["counts by file", "names only"])

@@ -1,6 +1,7 @@
 """What is played, and when."""
 
 import pytest
+from bags_of_others import TOPIC, samples, write_mcap, write_split
 from foreign_bags import by_host_clock, write_foreign
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagWriter
@@ -51,6 +52,27 @@ def test_start_and_duration_choose_a_part(bag):
     times = [message.log_time for _, message in play(bag, start=10.0, duration=2.0)]
     assert times[0] == bag.start_time + 10_000_000_000
     assert times[-1] == bag.start_time + 12_000_000_000
+
+
+def test_what_the_bag_lost_and_its_order_are_said_after_it_was_played(tmp_path):
+    write_split(tmp_path / "bag", ("bag_0.mcap", "bag_1.mcap"))
+    (tmp_path / "bag" / "bag_1.mcap").write_bytes(b"")
+    write_mcap(tmp_path / "a.mcap", [*samples(50, 50), *samples(50)])
+    for name, word in (("bag", "bag_1.mcap: the file is empty"), ("a.mcap", "are not in the order of their log times")):
+        playback = Playback(Bag(tmp_path / name), PlaybackOptions(topics=[TOPIC]))
+        playback.due(0.0)
+        while not playback.finished:
+            playback.step(1000)
+        (remark,) = playback.remarks
+        assert word in remark
+
+
+def test_what_the_bag_lost_is_said_of_a_pass_that_was_broken_off(tmp_path):
+    write_split(tmp_path / "bag", ("bag_0.mcap", "bag_1.mcap"))
+    (tmp_path / "bag" / "bag_1.mcap").write_bytes(b"")
+    playback = Playback(Bag(tmp_path / "bag"), PlaybackOptions())
+    playback.step(3)
+    assert "bag_1.mcap: the file is empty" in playback.remarks[0]
 
 
 def test_what_was_latched_before_the_start_is_played_first(bag):

@@ -24,9 +24,9 @@ from heave_bags.analyse import events, kpi_set
 from heave_bags.analyse.depth_programme import SPAN, take_out_programme
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.fields import Fields, on_one_clock
-from heave_bags.errors import BagError, one_line
+from heave_bags.errors import BagError
 from heave_bags.mcap.files import COMPLETE, SNAPSHOT
-from heave_bags.mcap.loss import Loss
+from heave_bags.mcap.loss import Loss, remarks
 from heave_bags.mcap.reader import Bag, Progress, no_progress
 from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, SCENARIO_ATTACHMENT
 from heave_bags.signals import RunSignals, Signal
@@ -164,7 +164,7 @@ class RunRecord:
 
     def remarks(self) -> list[str]:
         """Return what a reader of the figures must know: the notes, and what of the bag could not be read."""
-        return [*map(one_line, self.notes), *(f"not all of the bag could be read: {loss}" for loss in self.losses)]
+        return remarks(self.notes, self.losses)
 
     def kpis(self, start: float | None = None, end: float | None = None) -> dict[str, float]:
         """Return every KPI over the evaluation window, or over start..end [s]."""
@@ -202,9 +202,10 @@ def read_run(
     bag = Bag(path)
     selection = {topic: fields for topic, fields in SELECTION.items() if bag.has(topic)}
     if not set(selection) - {DIAGNOSTICS}:
-        if bag.losses:
-            raise BagError(f"{bag.path}: nothing of a run in it can be read: {bag.losses[0]}")
-        raise BagError(f"{bag.path}: it holds none of a run's topics; it holds {', '.join(bag.topics) or 'none'}")
+        lost = f"; {bag.losses[0]}" if bag.losses else ""
+        if lost and not bag.message_count:
+            raise BagError(f"{bag.path}: nothing of a run in it can be read{lost}")
+        raise BagError(f"{bag.path}: it holds none of a run's topics; it holds {', '.join(bag.topics) or 'none'}{lost}")
     surveyed = list(bag.losses)
     room = ROOM + ROOM_PER_BYTE * bag.size
     columns = bag.columns(selection, longest=LONGEST_ARRAY, most_bytes=room, progress=progress)

@@ -7,6 +7,7 @@ topic; the message indexes behind a chunk that cannot be unpacked.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -47,6 +48,11 @@ class Loss:
         count = "an unknown number of" if self.messages is None else str(self.messages)
         place = "" if self.position is None else f" at byte {self.position}"
         return one_line(f"{self.file.name}: {self.reason}{place}: {span} with {count} messages lost")
+
+
+def remarks(notes: Iterable[str], losses: Iterable[Loss]) -> list[str]:
+    """Return what a reader of a bag must know, one line each: the `notes` on it, and the `losses`."""
+    return [*map(one_line, notes), *(f"not all of the bag could be read: {loss}" for loss in losses)]
 
 
 class LossAccount:

@@ -13,6 +13,7 @@ from fnmatch import fnmatch
 from heave_node.interface.topics import TOPIC_BY_NAME
 
 from heave_bags.errors import BagError
+from heave_bags.mcap.loss import remarks
 from heave_bags.mcap.reader import Bag, RawMessage
 
 _SORTED_AHEAD = 512
@@ -131,6 +132,7 @@ class Playback:
         self._bag = bag
         self._options = options
         self.topics = selected_topics(bag, options)
+        self._surveyed = list(bag.notes), list(bag.losses)  # a pass that was broken off has none of its own
         if bag.end_time > LAST_TIME:
             raise BagError(f"{bag.path}: its times are after 2038, which ROS messages cannot represent")
         self._first = bag.start_time + round(options.start * _SECOND)
@@ -151,6 +153,11 @@ class Playback:
     def time(self) -> int:
         """Bag time that has been reached [ns]."""
         return self._bag_time
+
+    @property
+    def remarks(self) -> list[str]:
+        """What of the bag could not be read in the last pass, and what else a reader must know; one line each."""
+        return remarks(self._bag.notes or self._surveyed[0], self._bag.losses or self._surveyed[1])
 
     def latched(self) -> list[RawMessage]:
         """Return the last message of each latched topic before the start: what a late subscriber would have got."""

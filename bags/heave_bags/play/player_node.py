@@ -42,10 +42,18 @@ CLOCK = "/clock"
 
 @dataclass(frozen=True)
 class Played:
-    """What a player has done: the number of `messages` published, and the topics `left_out`, with the reason."""
+    """What a player has done.
+
+    Attributes
+    ----------
+    messages : number published
+    left_out : topics that were not, with the reason
+    notes : what of the bag could not be read, and what else a reader must know; one line each
+    """
 
     messages: int
     left_out: Mapping[str, str]
+    notes: Sequence[str] = ()
 
 
 class Player(Node):
@@ -172,7 +180,7 @@ def play(
     try:
         player = Player(bag, options, delay=delay)
         spin(player, player.finished, lambda: progress(player.playback.time * 1e-9) if progress else None)
-        played = Played(player.published, player.left_out)
+        played = Played(player.published, player.left_out, player.playback.remarks)
         player.destroy_node()
     finally:
         rclpy.try_shutdown()

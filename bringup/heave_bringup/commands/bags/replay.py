@@ -26,8 +26,13 @@ def execute(options: argparse.Namespace) -> None:
             delay=options.delay,
             progress=lambda time: progress.show(f"t = {time:.1f} s"),
         )
-    text = [f"{bag}: {played.messages} messages played", *played.left_out.values()]
-    result = {"bag": str(bag), "messages": played.messages, "left_out": dict(played.left_out)}
+    text = [f"{bag}: {played.messages} messages played", *played.left_out.values(), *played.notes]
+    result = {
+        "bag": str(bag),
+        "messages": played.messages,
+        "left_out": dict(played.left_out),
+        "notes": list(played.notes),
+    }
     write_result(options, "\n".join(text), result)
 
 
