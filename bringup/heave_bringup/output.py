@@ -45,6 +45,11 @@ def write_result(options: argparse.Namespace, parts: str | Table | Sequence[str 
             raise CommandError(f"{options.json}: cannot be written: {error.strerror}") from error
 
 
+def warn(lines: Iterable[str]) -> None:
+    """Write warnings to standard error, a line each."""
+    sys.stderr.write("".join(f"heave: warning: {line}\n" for line in lines))
+
+
 def print_parts(parts: Iterable[str | Table]) -> None:
     """Print `parts`, an empty line between them: text as it is, tables fitted to the terminal, no number shortened."""
     console = Console(file=sys.stdout, width=None if sys.stdout.isatty() else FILE_WIDTH)

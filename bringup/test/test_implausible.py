@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from heave_bringup.cli import main
 from heave_bringup.operability.record import read_record
+from heave_bringup.run.checks.files import check_files
 from heave_bringup.run.checks.rest import check_rest
 from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import ParameterError
@@ -37,6 +38,25 @@ def test_one_word_accepts_them_for_ship_and_controller(millimetres):
     assert scenario.parameters["wave_vessel"].accept_implausible
     assert scenario.parameters["winch_controller"].vessel.accept_implausible
     assert not scenario.parameters["wave_vessel"].vessel.rao_file
+
+
+def test_what_is_accepted_or_left_out_of_a_file_is_said_by_run_and_design(millimetres, capsys):
+    scenario = load_scenario("b2_calm_300", settings=[*millimetres[1::2], "system.accept_implausible=true"])
+    assert any("mm.csv" in line and "heave in long waves" in line for line in check_files(scenario))
+    accepted = [*millimetres, "--set", "system.accept_implausible=true"]
+    assert main(["design", "unit_1500", *accepted, "--pictures", "pictures"]) == 0
+    assert any(
+        line.startswith("heave: warning: ") and "mm.csv" in line and "heave in long waves" in line
+        for line in capsys.readouterr().err.splitlines()
+    )
+
+
+def test_where_a_recorded_motion_stood_still_is_known_before_the_run(tmp_path):
+    rows = "".join(f"{t:.1f},{0.3 if 5.0 <= t < 20.0 else np.sin(t):.4f}\n" for t in np.arange(0.0, 40.0, 0.1))
+    (tmp_path / "m.csv").write_text("time_s,z_m\n" + rows)
+    settings = ["wave_vessel.boom_tip_source=file", f"wave_vessel.recording_file={tmp_path / 'm.csv'}"]
+    (line,) = check_files(load_scenario("b2_calm_300", settings=settings))
+    assert "m.csv: stands still for 14.9 s from 5 s on" in line
 
 
 @pytest.mark.parametrize(

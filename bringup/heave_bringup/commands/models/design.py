@@ -27,8 +27,9 @@ def execute(options: argparse.Namespace) -> None:
     from winch_controller_node.design.report_figures import draw_report
     from winch_controller_node.model.lqr import DesignError
 
-    from heave_bringup.output import write_result
+    from heave_bringup.output import warn, write_result
     from heave_bringup.progress import ProgressLine
+    from heave_bringup.run.checks.files import vessel_warnings
     from heave_bringup.scenarios import check_lengths, load_scenario
 
     if options.length is not None:
@@ -46,6 +47,7 @@ def execute(options: argparse.Namespace) -> None:
         except (PlantError, DesignError, ModelError) as error:
             where = scenario.path if options.length is None else f"--length {options.length:g} of {scenario.path}"
             raise CommandError(f"{where}: {error}") from error
+    warn(vessel_warnings(scenario))
     folder = options.pictures or Path(f"{scenario.name}_design")
     pictures = "\n".join(f"picture   {path.resolve()}" for path in draw_report(report, folder))
     write_result(options, f"{report.table()}\n\n{pictures}", report.values())

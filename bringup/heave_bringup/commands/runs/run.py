@@ -97,7 +97,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Run, check, analyse, report, as `options` say."""
     from heave_bringup.network import set_up_transport
-    from heave_bringup.output import write_result
+    from heave_bringup.output import warn, write_result
     from heave_bringup.progress import be_quiet
     from heave_bringup.run.checks.files import check_files
     from heave_bringup.run.checks.rest import check_rest
@@ -117,7 +117,7 @@ def execute(options: argparse.Namespace) -> None:
     _check_composed(options, scenario.run)
     substitutes = _substitutes(options.from_bag)
     if "wave_vessel" not in (*scenario.run.external, *substitutes):
-        check_files(scenario)
+        warn(check_files(scenario))
     if "cable_sim" not in (*scenario.run.external, *substitutes):
         check_rest(scenario)
     folder = new_run_folder(scenario.name, options.bag)
@@ -160,7 +160,7 @@ def execute(options: argparse.Namespace) -> None:
     ]
     text = "\n".join([result.table, "", *told, *places, "", *result.verdict.lines()])
     if options.quiet:
-        sys.stderr.write("".join(f"heave: warning: {line}\n" for line in result.warnings))
+        warn(result.warnings)
     write_result(
         options,
         [] if options.quiet else text,
