@@ -77,6 +77,17 @@ def test_what_statics_cannot_solve_is_one_line_and_status_1(tmp_path, capsys, mo
     assert "300 m of cable" in said
 
 
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_every_problem_refuses_a_cable_that_parts(problem, tmp_path, capsys, monkeypatch):
+    """2,000 N of tension strain an EA of 1,000 N by 200 %; steel parts at some 2 %."""
+    monkeypatch.chdir(tmp_path)
+    arguments, _ = PROBLEMS[problem]
+    assert main(["static", "s300_driven", *arguments, "--set", "system.cable.axial_stiffness=1000"]) == 1
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert "it would part; check cable.axial_stiffness (1000 N" in said
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_an_example_of_help_and_readme_is_a_command_line(example):
     options = make_parser().parse_args(shlex.split(example)[1:])

@@ -86,7 +86,8 @@ def with_tension_law(
     quadratic, cubic = parameters.cable.stiffness_quadratic, parameters.cable.stiffness_cubic
     shape = solve(cable)
     if quadratic == 0.0 and cubic == 0.0:
-        return _unless_overstrained(parameters, shape)
+        refuse_overstrained(parameters, shape.largest_strain)
+        return shape
     small_strain = cable.segments[:, STIFFNESS].copy()
     for _ in range(STIFFNESS_ITERATIONS):
         tension = 0.5 * (np.linalg.norm(shape.lower, axis=1) + np.linalg.norm(shape.upper, axis=1))
@@ -100,16 +101,16 @@ def with_tension_law(
         cable = replace(cable, segments=segments)
         shape = solve(cable)
         if settled:
-            return _unless_overstrained(parameters, shape)
+            refuse_overstrained(parameters, shape.largest_strain)
+            return shape
     raise NoEquilibriumError("the static strain does not converge under the cable's tension law")
 
 
-def _unless_overstrained(parameters: CableSimParameters, shape: StaticShape) -> StaticShape:
-    """Return a shape that no cable parts in."""
-    words = overstrained_words(shape.largest_strain, parameters.cable.axial_stiffness)
+def refuse_overstrained(parameters: CableSimParameters, strain: float) -> None:
+    """Raise StaticsError for a `strain` [-] in which a cable parts."""
+    words = overstrained_words(strain, parameters.cable.axial_stiffness)
     if words:
         raise StaticsError(words)
-    return shape
 
 
 def refuse_floating(unit_height: float, boom_tip_height: float) -> None:
