@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -11,7 +12,7 @@ from heave_node.numerics.arrays import Array
 from cable_sim_node.errors import NoEquilibriumError, StaticsError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import body_properties, cable_sections, unit_properties
-from cable_sim_node.physics.tension_law import overstrained_words, stiffening, yielding_words
+from cable_sim_node.physics.tension_law import overstrained_words, stiffening, strain_at, yielding_words
 from cable_sim_node.statics.shape import StaticShape
 from cable_sim_node.statics.system import PointLoad, StaticCable, StaticSection, static_cable
 from cable_sim_node.statics.tables import STIFFNESS
@@ -111,6 +112,15 @@ def refuse_overstrained(parameters: CableSimParameters, strain: float) -> None:
     words = overstrained_words(strain, parameters.cable.axial_stiffness)
     if words:
         raise StaticsError(words)
+
+
+def refuse_unbearable(parameters: CableSimParameters, strain: float) -> None:
+    """Raise as `with_tension_law` for a tension that strains a linear cable by `strain` [-]."""
+    law = parameters.cable.stiffness_quadratic, parameters.cable.stiffness_cubic
+    true = float(strain_at(1.0, *law, strain))
+    if math.isnan(true):
+        raise NoEquilibriumError(yielding_words(*law))
+    refuse_overstrained(parameters, true)
 
 
 def refuse_floating(unit_height: float, boom_tip_height: float) -> None:
