@@ -396,3 +396,13 @@ def test_the_test_bags_of_rosbag2_are_read_as_the_reference_reader_reads_them():
         assert times == sorted(times), folder
         assert len(times) == bag.stated["message_count"], folder
         assert bag.losses == [], folder
+
+
+def test_a_compressed_file_that_is_cut_is_not_said_to_lack_the_topic_alone(tmp_path):
+    path = tmp_path / "a.mcap"
+    write_mcap(path, samples(), chunk_size=1 << 30)
+    packed = zstandard.compress(path.read_bytes())
+    cut = tmp_path / "one trial.mcap.zstd"
+    cut.write_bytes(packed[: len(packed) - 3000])
+    with pytest.raises(BagError, match=r"no topic /mru/heave; it has none: one trial\.mcap\.zstd: "):
+        import_sea(cut, "/mru/heave")

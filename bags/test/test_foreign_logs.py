@@ -179,11 +179,11 @@ def test_zero_bytes_of_a_power_cut_are_left_out_and_said(tmp_path):
     assert "4096 zero bytes" in sea.notes[0]
 
 
-def test_a_second_header_in_the_middle_is_one_bad_row(tmp_path):
+def test_a_second_header_in_the_middle_is_left_out(tmp_path):
     log = written(tmp_path / "mru.csv", "time,heave", lambda t, z: f"{t:.2f},{z:.3f}" + "\ntime,heave" * (t == 450.0))
     sea = import_sea(log, mapping())
     assert sea.time[-1] == pytest.approx(899.9, abs=0.06)
-    assert "1 samples that are not numbers" in sea.notes[0]
+    assert "headings repeated among the rows: 1 lines left out" in sea.notes
 
 
 def plain(path, heave):

@@ -186,3 +186,134 @@ def test_no_stretch_without_a_long_gap_is_longer_than_the_one_taken(steps, bridg
     assert end - start == pytest.approx(max(run[-1] - run[0] for run in runs))
     taken = time[(time >= start) & (time <= end)]
     assert np.diff(taken).max(initial=0.0) <= bridge
+
+
+TIMES = 0.1 * np.arange(1200)
+
+
+def rows(scale_time=1.0, scale=1.0, form="{:.4f}"):
+    """Return lines of the sine, its time and heave in other units."""
+    return [f"{t * scale_time:.6f},{form.format(z * scale)}" for t, z in zip(TIMES, sine(TIMES), strict=True)]
+
+
+def imported(path, lines, column="heave", encoding="utf-8"):
+    path.write_bytes(("\n".join(lines) + "\n").encode(encoding))
+    return import_sea(path, SeaMapping({"heave": Channel(column=column)}))
+
+
+def is_the_sine(sea):
+    heave = sine(sea.time)
+    return sea.time[-1] > 119.0 and np.allclose(sea.position[:, 2], heave - heave.mean(), atol=2e-3)
+
+
+DAY_END = datetime(2016, 12, 31, 23, 59, tzinfo=timezone.utc)
+
+
+def with_leap_second(t):
+    """Return the UTC of `t` seconds after DAY_END; 31 December 2016 ended with a second 60."""
+    if 60.0 <= t < 61.0:
+        return f"2016-12-31T23:59:{t:06.3f}Z"
+    return f"{DAY_END + timedelta(seconds=t - (t >= 61.0)):%Y-%m-%dT%H:%M:%S.%f}Z"
+
+
+READ = {
+    "minutes in the heading": ["time [min],heave", *rows(1.0 / 60.0)],
+    "hours in the line of units": [
+        "time,heave",
+        "h,m",
+        *(f"{t / 3600.0:.9f},{z:.4f}" for t, z in zip(TIMES, sine(TIMES), strict=True)),
+    ],
+    "units that are not known": ["time,wind,heave", "[s],[Beaufort],[m]", *(row.replace(",", ",4,") for row in rows())],
+    "compound units": ["time,rate,heave", "s,m/s,m", *(row.replace(",", ",4,") for row in rows())],
+    "a word in the first row": ["time,heave", "-0.1,NULL", *rows()],
+    "headings and units repeated": ["time,heave", "s,m", *rows()[:600], "time,heave", "s,m", *rows()[600:]],
+    "a leap second": [
+        "time,heave",
+        *(f"{with_leap_second(round(t, 3))},{z:.4f}" for t, z in zip(TIMES, sine(TIMES), strict=True)),
+    ],
+    "am and pm": [
+        "time,heave",
+        *(
+            f"{datetime(2026, 3, 13, 11, 59) + timedelta(seconds=t):%m/%d/%Y %I:%M:%S.%f %p},{z:.4f}"
+            for t, z in zip(TIMES, sine(TIMES), strict=True)
+        ),
+    ],
+}
+
+
+@pytest.mark.parametrize("kind", READ)
+def test_a_log_as_tools_write_it_is_read(kind, tmp_path):
+    assert is_the_sine(imported(tmp_path / "mru.csv", READ[kind]))
+
+
+@pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
+def test_utf_16_without_a_byte_order_mark_is_read_and_said(encoding, tmp_path):
+    sea = imported(tmp_path / "mru.csv", ["time,heave", *rows()], encoding=encoding)
+    assert is_the_sine(sea)
+    assert "read as UTF-16 without a byte order mark" in sea.notes
+
+
+ASKED = {
+    "minutes, unsaid": (["time,heave", *rows(1.0 / 60.0)], "time in another unit?"),
+    "days, unsaid": (
+        ["time,heave", *(f"{60 + t / 86400:.9f},{z:.4f}" for t, z in zip(TIMES, sine(TIMES), strict=True))],
+        "--time-scale",
+    ),
+    "columns exchanged in mid-file": (
+        [
+            "time,heave,roll",
+            *(f"{row},0" for row in rows()[:600]),
+            "time,roll,heave",
+            *(f"{row},0" for row in rows()[600:]),
+        ],
+        "has other headings in line 602 (time, roll, heave) than in line 1",
+    ),
+    "another unit in mid-file": (
+        ["time,heave", *rows()[:600], "time,heave_cm", *rows(scale=100.0)[600:]],
+        "has other headings in line 602 (time, heave_cm)",
+    ),
+    "one heading twice": (
+        ["time,heave,heave", *(f"{row},0" for row in rows())],
+        "'heave' for heave names more than one",
+    ),
+    "one name in two units": (
+        ["time,heave [m],heave [cm]", *(f"{row},0" for row in rows())],
+        "names more than one column",
+    ),
+    "marks for thousands": (
+        ["time,heave", *(f'{t:.1f},"{2000.0 * z:,.0f}"' for t, z in zip(TIMES, sine(TIMES), strict=True))],
+        "can be read in two ways: write all numbers of the file with decimal points",
+    ),
+    "positive down": (["time,heave [m; positive down]", *rows()], "in m positive down by its heading: give --scale -1"),
+    "centimetres positive down": (["time,heave (down) [cm]", *rows(scale=100.0)], "give --scale -0.01"),
+    "another separator in mid-file": (
+        ["time,heave", *rows()[:600], *(row.replace(",", ";") for row in rows()[600:])],
+        "has no headings for its 2 columns, parted by semicolons from line 602 on",
+    ),
+    "time that runs backwards": (["time,heave", *reversed(rows())], "the time goes back by 0.1 s after t = 119.900 s"),
+    "time with too few digits": (
+        ["time,heave", *(f"{1.7e9 + t:.5e},{z:.4f}" for t, z in zip(TIMES, sine(TIMES), strict=True))],
+        "too few digits?",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", ASKED)
+def test_a_log_that_can_be_read_wrongly_is_refused_with_the_cause(kind, tmp_path):
+    lines, words = ASKED[kind]
+    with pytest.raises(BagError) as caught:
+        imported(tmp_path / "mru.csv", lines)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_time_that_is_taken_out_of_several_is_said(tmp_path):
+    sea = imported(tmp_path / "mru.csv", ["time,gps_time,heave", *(row.replace(",", ",18,") for row in rows())])
+    assert "time: taken from time, not from gps_time; --time-column names another" in sea.notes
+
+
+def test_a_clock_that_is_put_back_is_said(tmp_path):
+    """At the end of summer time a local clock runs twice through the same hour."""
+    moved = [f"{t - 3600.0 * (t >= 100.0) + 7200.0:.1f},{z:.4f}" for t, z in zip(TIMES, sine(TIMES), strict=True)]
+    notes = imported(tmp_path / "mru.csv", ["time,heave", *moved]).notes
+    assert any("the time goes back by 3599.9 s after t = 7299.900 s" in note for note in notes)

@@ -77,6 +77,43 @@ def test_what_statics_cannot_solve_is_one_line_and_status_1(tmp_path, capsys, mo
     assert "300 m of cable" in said
 
 
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_every_problem_refuses_a_cable_that_parts(problem, tmp_path, capsys, monkeypatch):
+    """2,000 N of tension strain an EA of 1,000 N by 200 %; steel parts at some 2 %."""
+    monkeypatch.chdir(tmp_path)
+    arguments, _ = PROBLEMS[problem]
+    assert main(["static", "s300_driven", *arguments, "--set", "system.cable.axial_stiffness=1000"]) == 1
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert "it would part; check cable.axial_stiffness (1000 N" in said
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_every_problem_refuses_a_tension_law_that_carries_nothing(problem, tmp_path, capsys, monkeypatch):
+    """With q = -1e4 the law peaks at EA/(4e4), 390 N of tension."""
+    monkeypatch.chdir(tmp_path)
+    arguments, _ = PROBLEMS[problem]
+    assert main(["static", "s300_driven", *arguments, "--set", "system.cable.stiffness_quadratic=-1e4"]) == 1
+    assert "the cable's tension law carries no load" in capsys.readouterr().err.splitlines()[-1]
+
+
+@pytest.mark.parametrize("problem", ["hanging", "towing"])
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (["system.unit.volume=6.0"], "the unit's buoyancy lifts it above the boom tip"),
+        (["cable_sim.seabed.depth=250"], "below the seabed: reduce length (300 m) or increase seabed.depth (250 m)"),
+    ],
+)
+def test_a_unit_that_floats_or_lies_below_the_seabed_is_refused(
+    problem, settings, words, tmp_path, capsys, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    arguments, _ = PROBLEMS[problem]
+    assert main(["static", "s300_driven", *arguments, *(word for s in settings for word in ("--set", s))]) == 1
+    assert words in capsys.readouterr().err.splitlines()[-1]
+
+
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_an_example_of_help_and_readme_is_a_command_line(example):
     options = make_parser().parse_args(shlex.split(example)[1:])

@@ -157,3 +157,30 @@ def test_a_netcdf_file_that_is_broken_is_refused(tmp_path):
         (tmp_path / "cut.nc").write_bytes(whole[:size])
         with pytest.raises(SpectrumFileError, match=r"cut\.nc"):
             read_spectra(tmp_path / "cut.nc")
+
+
+@pytest.mark.parametrize(
+    ("maker", "variable", "share", "units"),
+    [
+        (of_ww3, "efth", math.pi / 180.0, "m2 s deg-1"),
+        (of_swan, "density", math.pi / 180.0, "m2/Hz/degr"),
+        (own, "efth", 180.0 / math.pi, "m^{2}.s.rad^{-1}"),
+    ],
+)
+def test_the_unit_of_angle_that_a_file_states_is_used(tmp_path, maker, variable, share, units):
+    data = maker()
+    data[variable] = data[variable] * share
+    data[variable].attrs["units"] = units
+    file = read_spectra(written(tmp_path, data))
+    assert file.records[0].spectrum.significant_wave_height == pytest.approx(2.0, rel=0.02)
+    assert any("as their unit says" in warning for warning in file.warnings)
+
+
+@pytest.mark.parametrize("form", ["NETCDF3_CLASSIC", "NETCDF3_64BIT"])
+def test_a_classic_file_that_is_cut_is_refused_not_filled_with_zeros(tmp_path, form):
+    path = tmp_path / "sea.nc"
+    of_ww3().to_netcdf(path, engine="netcdf4", format=form)
+    assert read_spectra(path).records[0].spectrum.significant_wave_height == pytest.approx(2.0, rel=0.02)
+    path.write_bytes(path.read_bytes()[:-1500])
+    with pytest.raises(SpectrumFileError, match=r"sea\.nc: is cut short or damaged"):
+        read_spectra(path)

@@ -156,7 +156,8 @@ class Bag:
             return matches[0]
         if matches:
             raise BagError(f"{self.path}: {topic} could be {' or '.join(matches)}")
-        raise BagError(f"{self.path}: no topic {topic}; it has {', '.join(self.topics) or 'none'}")
+        cause = f": {self.losses[0]}" if self.losses and not self.topics else ""
+        raise BagError(f"{self.path}: no topic {topic}; it has {', '.join(self.topics) or 'none'}{cause}")
 
     def has(self, topic: str) -> bool:
         """Return whether the bag has messages on a topic."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from heave_node.files.plausible import question, refusal, sea_question
+from heave_node.files.plausible import PLAUSIBLE, question, refusal, sea_question
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.spectral_estimate import RecordTooShortError, height_and_period
 from scipy.interpolate import CubicSpline
@@ -23,6 +23,7 @@ from heave_bags.mcap.reader import TIME, Bag
 from heave_bags.play.sample_checks import Findings, is_valid, without_fill, without_standstill
 from heave_bags.play.sea_mapping import Channel, SeaMapping, mapping_for_topic
 from heave_bags.play.ship_log import ShipLog, is_text
+from heave_bags.play.ship_time import time_words
 from heave_bags.play.stretches import longest_stretch
 from heave_bags.play.window import Window
 from heave_bags.signals import Signal
@@ -77,7 +78,7 @@ def import_sea(
     signals = _log_signals(source, mapping, findings) if is_log else _bag_signals(source, mapping, findings)
     checked = {name: _checked(source, name, signal, mapping, findings) for name, signal in signals.items()}
     interval = float(np.median(np.diff(checked["heave"].time)))
-    if interval > window.bridge:
+    if interval > window.bridge or interval < PLAUSIBLE["sample interval"].least:
         findings.ask(question("sample interval", interval, "time") + " give the size of its unit by --time-scale")
     _refuse(source, findings)
     try:
@@ -111,7 +112,10 @@ def _sea_question(heave: Array, period: float) -> str:
     try:
         found = height_and_period(heave, period)
     except RecordTooShortError:
-        return doubt
+        swing = heave[np.abs(heave) > 0.5 * heave.std()]
+        turns = int(np.count_nonzero(np.diff(np.sign(swing))))
+        crossing = 2.0 * heave.size * period / max(turns, 1)
+        return doubt or (sea_question(4.0 * float(heave.std()), crossing, crossing) if turns > 3 else "")
     if doubt or not found.significant_height > 0.0:
         return doubt
     return sea_question(found.significant_height, found.peak_period, found.peak_period)
@@ -216,9 +220,10 @@ def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findi
     if time.size:
         later[1:] = time[1:] > np.maximum.accumulate(time)[:-1]
     left_out = signal.size - int(later.sum()) - findings.taken_out(name)
+    cause = _backward_words(time)
     if left_out:
         findings.notes.append(
-            f"{name}: {left_out} samples that are not numbers or not later than their predecessor skipped"
+            f"{name}: {left_out} samples that are not numbers or not later than their predecessor skipped{cause}"
         )
     checked = Signal(time[later], value[later])
     checked = without_fill(name, checked, "" if channel.acceleration else name, findings)
@@ -226,8 +231,19 @@ def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findi
     if channel.acceleration:
         findings.ask(_gravity_question(name, checked.value))
     if checked.size < 10:
-        raise BagError(f"{source}: {name} has {checked.size} usable samples, 10 are needed")
+        raise BagError(f"{source}: {name} has {checked.size} usable samples, 10 are needed{cause}")
     return checked
+
+
+def _backward_words(time: Array) -> str:
+    """Return in words where times [s] go back most, or do not go on; "" where each is later than the one before."""
+    steps = np.diff(time)
+    if not steps.size or steps.min() > 0.0:
+        return ""
+    worst = int(np.argmin(steps))
+    if steps[worst] == 0.0:
+        return f": {int(np.count_nonzero(steps <= 0.0))} times are those of the sample before; too few digits?"
+    return f": the time goes back by {-steps[worst]:.6g} s after {time_words(time[worst])}"
 
 
 def _gravity_question(name: str, acceleration: Array) -> str:

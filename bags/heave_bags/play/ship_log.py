@@ -30,6 +30,8 @@ _LENGTHS = {"cm": 0.01, "mm": 0.001, "ft": 0.3048, "feet": 0.3048, "dm": 0.1, "i
 _ANGLES = {word: math.radians(1.0) for word in ("deg", "degs", "degree", "degrees", "°", "º")} | {"mrad": 1e-3}
 """Units that headings state, in metres and radians."""
 _SENTENCE = re.compile(r"([$!](?:P[A-Z]{3,}|[A-Z]{5})),[^*]*(\*[0-9A-Fa-f]{2})?")
+_GROUPED = re.compile(r"[+-]?(\d{1,3}([.,' ]\d{3})+([.,]\d*)?|\d+,\d+)")
+"""A number with marks for thousands, or with a decimal comma where the others have points."""
 _UNIT = re.compile(r"\s*[\[(].*?[\])]\s*")
 
 
@@ -69,9 +71,17 @@ class ShipLog:
         column : its heading, in any case, with or without its unit in brackets
         role : what it is wanted for, named where it is missing
 
-        Raises BagError where there is no such column.
+        Raises BagError where there is no such column, or for a number whose comma or point can be of thousands.
         """
-        return np.array([self._columns.number(text) for text in self._cells(column, role)])
+        cells = self._cells(column, role)
+        values = np.array([self._columns.number(text) for text in cells])
+        strange = next((i for i in np.flatnonzero(np.isnan(values)) if _GROUPED.fullmatch(cells[i].strip())), None)
+        if strange is not None:
+            raise BagError(
+                f"{self.source}: line {self._columns.lines[strange]}: {column} = {cells[strange].strip()!r} can be "
+                "read in two ways: write all numbers of the file with decimal points, without marks for thousands"
+            )
+        return values
 
     def validity(self, column: str, bad_bits: int) -> NDArray[np.bool_]:
         """Return which samples a column calls valid, shape (n,) of bool.
@@ -97,14 +107,15 @@ class ShipLog:
     def stated_scale(self, column: str, motion: str) -> tuple[str, float]:
         """Return the unit that heading or unit line of a `column` state for a `motion`, and its size in m or rad.
 
+        The size is negative for heave that they call positive down.
         ("", 1) where it is theirs, or none is stated. Raises BagError where there is no such column.
         """
-        place = self._place(column, motion)
-        units = self._columns.units
-        unit = units[self.header.index(place)] if self.header.index(place) < len(units) else ""
-        words = re.split(r"[^a-z°º]+", f"{place} {unit}".lower())
+        words = re.split(r"[^a-z°º]+", self._with_unit(self._place(column, motion)).lower())
         sizes = _ANGLES if motion in ("roll", "pitch") else _LENGTHS
-        return next(((word, sizes[word]) for word in words if word in sizes), ("", 1.0))
+        unit, size = next(((word, sizes[word]) for word in words if word in sizes), ("", 1.0))
+        if motion == "heave" and "down" in words:
+            return f"{unit or 'm'} positive down", -size
+        return unit, size
 
     def find(self, *names: str) -> str:
         """Return the first heading that is one of the `names`, in any case and without its unit; "": there is none."""
@@ -123,13 +134,19 @@ class ShipLog:
         Raises BagError where the columns are not there, or hold no time.
         """
         names = [column] if isinstance(column, str) else list(column)
-        names = self._time_columns() if names == [""] else names
+        others: list[str] = []
+        if names == [""]:
+            names = self._time_columns()
+            known = {_bare(name): name for name in self.header if name not in names}
+            others = [known[name] for name in (*TIME_NAMES, *TOW_NAMES) if name in known and len(names) == 1]
         parts = [[cell.strip() for cell in self._cells(name, "time")] for name in names]
         try:
             time, notes = self._time_of(names, parts, scale, order)
         except TimeError as error:
             raise BagError(f"{self.source}: {' and '.join(names)}: {error}") from error
         time, words = spread(time)
+        if others:
+            notes.append(f"time: taken from {names[0]}, not from {', '.join(others)}; --time-column names another")
         return time, notes + words
 
     def _time_of(
@@ -142,7 +159,7 @@ class ShipLog:
         texts = [" ".join(row) for row in zip(*parts, strict=True)]
         numbers = np.array([self._columns.number(text) for text in texts])
         if np.isfinite(numbers).mean() > 0.5:
-            return time_of_numbers(numbers, names[0], scale)
+            return time_of_numbers(numbers, self._with_unit(self._place(names[0], "time")), scale)
         return time_of_texts(texts, order)
 
     def _time_columns(self) -> list[str]:
@@ -169,7 +186,18 @@ class ShipLog:
         place = column if column in self.header else self.find(_bare(column))
         if not place:
             raise BagError(f"{self.source}: no column {column!r} for {role}; it has {', '.join(self.header)}")
+        same = [name for name in self.header if (name if column in self.header else _bare(name)) == _bare(place)]
+        if self.header.count(place) > 1 or (column not in self.header and len(same) > 1):
+            raise BagError(
+                f"{self.source}: {column!r} for {role} names more than one column ({', '.join(self.header)}): give "
+                "each a heading of its own, and name the whole of it"
+            )
         return place
+
+    def _with_unit(self, place: str) -> str:
+        """Return the heading `place` and the unit below it."""
+        index, units = self.header.index(place), self._columns.units
+        return f"{place} {units[index]}" if index < len(units) else place
 
 
 def is_text(source: Path) -> bool:

@@ -21,7 +21,10 @@ DATE_ORDERS = ("dmy", "mdy")
 """Ways to read 01/03/2025: day or month first."""
 _UNIX_UNITS = ((1e17, 1e-9, "nanoseconds"), (1e14, 1e-6, "microseconds"), (1e11, 1e-3, "milliseconds"))
 """From which number on a time is Unix time in which unit: 1e11 s is the year 5138."""
-_HEADING_UNITS = {"ms": 1e-3, "msec": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "microseconds": 1e-6, "ns": 1e-9}
+_HEADING_UNITS = {
+    **{"ms": 1e-3, "msec": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "microseconds": 1e-6, "ns": 1e-9},
+    **{"min": 60.0, "mins": 60.0, "minutes": 60.0, "h": 3600.0, "hr": 3600.0, "hrs": 3600.0, "hours": 3600.0},
+}
 """Unit that a heading such as `time_ms` states [s]."""
 _DAY_ZEROS = ((7e5, 8e5, 719529.0, "Matlab"), (2e4, 8e4, 25569.0, "Excel"))
 """Serial days: between which numbers, number of 1 January 1970, and who counts so."""
@@ -140,7 +143,18 @@ def time_of_texts(texts: Sequence[str], order: str = "") -> tuple[Array, list[st
         notes.append("time: of the day alone, without a date")
         time, words = unwrapped(time)
         notes += words
-    return time, notes
+    time, words = _past_leap_second(found, time)
+    return time, notes + words
+
+
+def _past_leap_second(found: Sequence[re.Match[str] | None], time: Array) -> tuple[Array, list[str]]:
+    """Return times with what follows a second 60 at the end of a day one second later, and what was done."""
+    leaps = [i for i, match in enumerate(found) if match and (match["second"] or "").startswith("60")]
+    last = next((i for i in reversed(leaps) if time[i] % DAY < 1.0), None)
+    if last is None or last + 1 == time.size or not time[last + 1] <= time[last]:
+        return time, []
+    time[last + 1 :] += 1.0
+    return time, ["time: passes a leap second: counted on through it"]
 
 
 def _order_of(dates: Iterable[tuple[str | None, ...]]) -> str:

@@ -13,7 +13,7 @@ from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of
 from cable_sim_node.reports.report import columns, labelled_rows
 from cable_sim_node.statics.footprint import Footprint, FootprintLimits, footprint
-from cable_sim_node.statics.suspended import suspended_cable, unit_load
+from cable_sim_node.statics.suspended import refuse_unbearable, suspended_cable, unit_load
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -122,7 +122,8 @@ def footprint_report(
     Raises
     ------
     StaticsError
-        for limits that are not positive, or sections or bodies that do not fit on the cable.
+        for limits that are not positive, sections or bodies that do not fit on the cable, or one strained by more than
+        LARGEST_STRAIN.
     NoEquilibriumError
         if no place can be reached within the limits.
     """
@@ -132,4 +133,5 @@ def footprint_report(
     current = current_of(parameters)
     cable = suspended_cable(parameters, unit_load(parameters, is_carried=True))
     area = footprint(cable, (0.0, 0.0, boom_tip_height), -depth, limits, current, headings=HEADINGS)
+    refuse_unbearable(parameters, area.largest_strain)
     return FootprintReport(depth, limits, area, current.at(depth))

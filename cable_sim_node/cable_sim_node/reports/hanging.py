@@ -145,6 +145,23 @@ class HangingReport:
         )
 
 
+def clearance_of(parameters: CableSimParameters, unit: Array) -> float | None:
+    """Return the height [m] of a `unit` at x, y, z [m] above the seabed, None where there is none.
+
+    Raises StaticsError for a unit below the seabed.
+    """
+    seabed = parameters.seabed
+    if not seabed.depth > 0.0:
+        return None
+    clearance = Seabed(seabed).clearance(unit)
+    if clearance < 0.0:
+        raise StaticsError(
+            f"the unit would hang {-clearance:.3g} m below the seabed: reduce length ({parameters.length:g} m) "
+            f"or increase seabed.depth ({seabed.depth:g} m)"
+        )
+    return clearance
+
+
 def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0.0, 0.0)) -> HangingReport:
     """Return the static equilibrium of a plant's cable and unit at payout 0.
 
@@ -170,14 +187,7 @@ def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0
     unit = shape.positions[0]
     refuse_floating(float(unit[2]), float(tip[2]))
     seabed = parameters.seabed
-    clearance = None
-    if seabed.depth > 0.0:
-        clearance = Seabed(seabed).clearance(unit)
-        if clearance < 0.0:
-            raise StaticsError(
-                f"the unit would hang {-clearance:.3g} m below the seabed: reduce length ({parameters.length:g} m) "
-                f"or increase seabed.depth ({seabed.depth:g} m)"
-            )
+    clearance = clearance_of(parameters, unit)
     return HangingReport(
         shape=shape,
         boom_tip=tip,

@@ -14,7 +14,7 @@ from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of
 from cable_sim_node.reports.report import columns
 from cable_sim_node.statics.laying import Laying, covering_payout, critical_angle, lay
-from cable_sim_node.statics.suspended import static_sections
+from cable_sim_node.statics.suspended import refuse_unbearable, static_sections
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -153,8 +153,8 @@ def laying_report(
     Raises
     ------
     StaticsError
-        for a cable that does not sink, speeds that are not positive, or a bottom that rises more steeply than the
-        cable hangs.
+        for a cable that does not sink, speeds that are not positive, a bottom that rises more steeply than the
+        cable hangs, or a cable strained by more than LARGEST_STRAIN.
     NoEquilibriumError
         if the cable does not come up to the ship.
     """
@@ -172,6 +172,7 @@ def laying_report(
             bottom_tension=bottom_tension,
             sheave_height=boom_tip_height,
         )
+        refuse_unbearable(parameters, laying.strain)
         x, y = laying.touchdown
         sideways = float(y * along[0] - x * along[1])
         lays.append(LaidCable(speed, -float(laying.touchdown @ along), sideways, angle, payout, laying))

@@ -15,10 +15,11 @@ from numpy.typing import ArrayLike
 from cable_sim_node.errors import StaticsError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of
+from cable_sim_node.reports.hanging import clearance_of
 from cable_sim_node.reports.report import columns
 from cable_sim_node.statics.problems import towing_cable
 from cable_sim_node.statics.shape import StaticShape
-from cable_sim_node.statics.suspended import suspended_cable, with_tension_law
+from cable_sim_node.statics.suspended import refuse_floating, suspended_cable, with_tension_law
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -136,9 +137,10 @@ def towing_report(
     Raises
     ------
     StaticsError
-        for a speed that is not a finite number of 0 or more, or sections or bodies that do not fit on the cable.
+        for a speed that is not a finite number of 0 or more, sections or bodies that do not fit on the cable, or a unit
+        below the seabed.
     NoEquilibriumError
-        if the tow's shape cannot be reached.
+        if the tow's shape cannot be reached, or the unit would float above the boom tip.
     """
     tip = np.asarray(boom_tip, dtype=np.float64)
     along = np.array([math.cos(course), math.sin(course)])
@@ -149,6 +151,8 @@ def towing_report(
             raise StaticsError(f"the towing speed must be finite and not negative; got {speed:g}")
         solve = partial(towing_cable, end=tip, current=current.shifted(speed * along))
         shape = with_tension_law(parameters, cable, solve)
+        refuse_floating(float(shape.positions[0, 2]), float(tip[2]))
+        clearance_of(parameters, shape.positions[0])
         offset = shape.positions[0] - tip
         sideways = float(offset[1] * along[0] - offset[0] * along[1])
         tows.append(TowedUnit(speed, -float(shape.positions[0, 2]), -float(offset[:2] @ along), sideways, shape))

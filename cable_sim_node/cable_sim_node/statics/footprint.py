@@ -53,6 +53,7 @@ class FootprintPoint:
     vertical_pull : of the cable on the unit [N]
     length : unstretched length out [m]
     tension : at the boom tip [N]
+    strain : largest of the cable that is out [-]
     """
 
     offset: Array
@@ -60,6 +61,7 @@ class FootprintPoint:
     vertical_pull: float
     length: float
     tension: float
+    strain: float
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,7 @@ class Footprint:
     headings : [rad] from x towards y
     radius : farthest reachable distance from the boom tip's foot along each heading [m], 0 where `is_reachable` is
         False: strong current can carry the whole area away from under the ship
+    largest_strain : of the cable anywhere on the boundary [-]
     is_reachable : whether the heading meets the area at all
     """
 
@@ -79,6 +82,7 @@ class Footprint:
     headings: Array
     radius: Array
     is_reachable: NDArray[np.bool_]
+    largest_strain: float
 
 
 def footprint(
@@ -133,7 +137,8 @@ def footprint(
         )
     rays = np.linspace(0.0, 2.0 * np.pi, headings, endpoint=False, dtype=np.float64)
     reach = np.array([max(_ray(outline, float(ray)) for outline in outlines) for ray in rays])
-    return Footprint(tuple(outlines[0]), rays, np.maximum(reach, 0.0), reach >= 0.0)
+    strain = max(point.strain for outline in outlines for point in outline)
+    return Footprint(tuple(outlines[0]), rays, np.maximum(reach, 0.0), reach >= 0.0, strain)
 
 
 @dataclass(frozen=True)
@@ -180,7 +185,7 @@ class _Sweep:
             rise = float(shape.positions[-1, 2] - self.unit_height)
             return None, 1.0 - rise / float(self.tip[2] - self.unit_height)
         tension = float(np.linalg.norm(crossing.tension))
-        point = FootprintPoint(-crossing.position[:2], thrust, pull, crossing.label, tension)
+        point = FootprintPoint(-crossing.position[:2], thrust, pull, crossing.label, tension, crossing.strain)
         return point, max(crossing.label / self.cable.length, tension / self.limits.tension) - 1.0
 
 

@@ -36,6 +36,7 @@ class Laying:
     suspended_length : unstretched length between ship and bottom [m]
     tension : at the ship [N]
     departure_angle : of the cable at the ship from the horizontal [rad]
+    strain : largest of the cable that hangs [-]
     shape : positions from the touchdown at (0, 0, -depth) up to the ship, shape (k, 3) [m]
     """
 
@@ -43,6 +44,7 @@ class Laying:
     suspended_length: float
     tension: float
     departure_angle: float
+    strain: float
     shape: Array
 
 
@@ -154,6 +156,7 @@ def lay(
                 suspended_length=crossing.label,
                 tension=float(np.linalg.norm(crossing.tension)),
                 departure_angle=math.atan2(crossing.tension[2], float(np.hypot(*crossing.tension[:2]))),
+                strain=crossing.strain,
                 shape=np.vstack((shape.positions[below], crossing.position)),
             )
         length *= 2.0

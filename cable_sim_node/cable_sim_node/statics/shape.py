@@ -50,8 +50,13 @@ class StaticShape:
     @property
     def largest_strain(self) -> float:
         """Largest strain of the cable [-]."""
+        return self.largest_strain_below(np.inf)
+
+    def largest_strain_below(self, label: float) -> float:
+        """Return the largest strain [-] of the segments that begin before the unstretched length `label` [m]."""
+        below = self.cable.labels[:-1] < label
         ends = np.maximum(np.linalg.norm(self.lower, axis=1), np.linalg.norm(self.upper, axis=1))
-        return float(np.max(ends / self.cable.segments[:, STIFFNESS]))
+        return float(np.max(ends[below] / self.cable.segments[below, STIFFNESS]))
 
     @property
     def top_tension(self) -> float:
@@ -97,11 +102,13 @@ class Crossing:
     label : unstretched length from s = 0 [m]
     position : [m]
     tension : tension vector there [N]
+    strain : largest from s = 0 up to there, its whole segment taken in [-]
     """
 
     label: float
     position: Array
     tension: Array
+    strain: float
 
 
 def cut_at_height(shape: StaticShape, height: float) -> Crossing | None:
@@ -127,7 +134,10 @@ def cut_at_height(shape: StaticShape, height: float) -> Crossing | None:
     else:
         span[:] = 0.0
     return Crossing(
-        float(shape.cable.labels[index]) + part, shape.positions[index] + span, shape.lower[index] - load * part
+        float(shape.cable.labels[index]) + part,
+        shape.positions[index] + span,
+        shape.lower[index] - load * part,
+        shape.largest_strain_below(float(shape.cable.labels[index + 1])),
     )
 
 

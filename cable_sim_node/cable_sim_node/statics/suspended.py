@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -11,7 +12,7 @@ from heave_node.numerics.arrays import Array
 from cable_sim_node.errors import NoEquilibriumError, StaticsError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import body_properties, cable_sections, unit_properties
-from cable_sim_node.physics.tension_law import overstrained_words, stiffening, yielding_words
+from cable_sim_node.physics.tension_law import overstrained_words, stiffening, strain_at, yielding_words
 from cable_sim_node.statics.shape import StaticShape
 from cable_sim_node.statics.system import PointLoad, StaticCable, StaticSection, static_cable
 from cable_sim_node.statics.tables import STIFFNESS
@@ -86,7 +87,8 @@ def with_tension_law(
     quadratic, cubic = parameters.cable.stiffness_quadratic, parameters.cable.stiffness_cubic
     shape = solve(cable)
     if quadratic == 0.0 and cubic == 0.0:
-        return _unless_overstrained(parameters, shape)
+        refuse_overstrained(parameters, shape.largest_strain)
+        return shape
     small_strain = cable.segments[:, STIFFNESS].copy()
     for _ in range(STIFFNESS_ITERATIONS):
         tension = 0.5 * (np.linalg.norm(shape.lower, axis=1) + np.linalg.norm(shape.upper, axis=1))
@@ -100,16 +102,25 @@ def with_tension_law(
         cable = replace(cable, segments=segments)
         shape = solve(cable)
         if settled:
-            return _unless_overstrained(parameters, shape)
+            refuse_overstrained(parameters, shape.largest_strain)
+            return shape
     raise NoEquilibriumError("the static strain does not converge under the cable's tension law")
 
 
-def _unless_overstrained(parameters: CableSimParameters, shape: StaticShape) -> StaticShape:
-    """Return a shape that no cable parts in."""
-    words = overstrained_words(shape.largest_strain, parameters.cable.axial_stiffness)
+def refuse_overstrained(parameters: CableSimParameters, strain: float) -> None:
+    """Raise StaticsError for a `strain` [-] in which a cable parts."""
+    words = overstrained_words(strain, parameters.cable.axial_stiffness)
     if words:
         raise StaticsError(words)
-    return shape
+
+
+def refuse_unbearable(parameters: CableSimParameters, strain: float) -> None:
+    """Raise as `with_tension_law` for a tension that strains a linear cable by `strain` [-]."""
+    law = parameters.cable.stiffness_quadratic, parameters.cable.stiffness_cubic
+    true = float(strain_at(1.0, *law, strain))
+    if math.isnan(true):
+        raise NoEquilibriumError(yielding_words(*law))
+    refuse_overstrained(parameters, true)
 
 
 def refuse_floating(unit_height: float, boom_tip_height: float) -> None:

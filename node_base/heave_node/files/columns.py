@@ -19,7 +19,9 @@ _SAMPLE = 300
 """So many lines, from the end of the file, show how it is written."""
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _POINT_OR_COMMA = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?")
-_TIME = re.compile(r"\d[\d:./\-]*[:/\-][\d:./\-,T Z+]*\d\d?Z?|[+-]?(nan|inf)", re.IGNORECASE)
+_TIME = re.compile(
+    r"\d[\d:./\-]*[:/\-][\d:./\-,T Z+]*\d\d?( ?[AP]M)?( ?(UTC|GMT))?( ?[Z+-][\d:]*)?|[+-]?(nan|inf)", re.IGNORECASE
+)
 _UNITS = frozenset(
     [
         "s",
@@ -29,6 +31,13 @@ _UNITS = frozenset(
         "secs",
         "second",
         "seconds",
+        "min",
+        "mins",
+        "minutes",
+        "h",
+        "hr",
+        "hrs",
+        "hours",
         "m",
         "cm",
         "mm",
@@ -132,17 +141,26 @@ def read_columns(lines: Sequence[str], known: Collection[str] = ()) -> Columns:
         notes.append(f"headings taken from the comment in line {header_line}")
     else:
         header, header_line, start = cells[first], numbered[first][0], first + 1 + units
+        if len(header) == 1 and not known and len(cells[-1]) > 1:
+            raise ColumnsError(
+                f"has no headings for its {len(cells[-1])} columns, parted by {_SEPARATORS[separator]} from line "
+                f"{header_line + 1} on: line {header_line} is {header[0][:60]!r}"
+            )
     if first is not None and first > 0:
         notes.append(f"{first} lines before the headings in line {header_line} left out")
     if units:
         notes.append(f"units in line {numbered[start - 1][0]}: {', '.join(cells[start - 1])}")
-    if start >= len(cells):
+    header = [name.strip() for name in header]
+    kept = _without_repeats(header, header_line, cells, range(start, len(cells)), numbered)
+    if len(kept) < len(cells) - start:
+        notes.append(f"headings repeated among the rows: {len(cells) - start - len(kept)} lines left out")
+    if not kept:
         raise ColumnsError("has a header but no rows")
     return Columns(
-        [name.strip() for name in header],
+        header,
         header_line,
-        cells[start:],
-        [number for number, _ in numbered[start:]],
+        [cells[index] for index in kept],
+        [numbered[index][0] for index in kept],
         comma,
         [name.strip() for name in cells[start - 1]] if units else [],
         notes,
@@ -206,6 +224,8 @@ def _places(cells: Sequence[Sequence[str]], known: Collection[str]) -> tuple[int
     first = next((i for i, row in enumerate(cells) if len(row) == width and _figures(row) >= least), None)
     if first is None or usual == 0:
         return 0, 0
+    while first and len(cells[first - 1]) == width and _is_figure(cells[first - 1][0], _POINT_OR_COMMA):
+        first -= 1  # a row with words for what is missing
     if first == 0:
         return None, 0
     units = int(first > 1 and _are_units(cells[first - 1]))
@@ -218,8 +238,46 @@ def _figures(row: Sequence[str]) -> int:
 
 
 def _are_units(row: Sequence[str]) -> bool:
-    words = [cell.strip().strip("[]()").lower() for cell in row]
-    return any(words) and all(not word or word in _UNITS for word in words)
+    cells = [cell.strip() for cell in row]
+    words = [cell.strip("[]()").lower() for cell in cells]
+    if not any(words):
+        return False
+    if all(cell[:1] + cell[-1:] in ("[]", "()", "") for cell in cells):
+        return True
+    return all(not word or word in _UNITS or all(part in _UNITS for part in word.split("/")) for word in words)
+
+
+def _without_repeats(
+    header: Sequence[str],
+    header_line: int,
+    cells: Sequence[Sequence[str]],
+    indices: Sequence[int],
+    numbered: Sequence[tuple[int, str]],
+) -> list[int]:
+    """Return the `indices` of rows of `cells` that do not repeat the headings, or their units.
+
+    Raises ColumnsError for other headings among the rows: what is below them has other columns or units.
+    """
+    kept: list[int] = []
+    for index in indices:
+        row = cells[index]
+        if _is_figure(row[0], _POINT_OR_COMMA) or not row[0].strip():
+            kept.append(index)
+            continue
+        names = [name.strip() for name in row]
+        if names == header:
+            continue
+        is_repeated_before = index - 1 in indices and (not kept or kept[-1] != index - 1)
+        if is_repeated_before and _are_units(row):
+            continue
+        is_like = names[0] == header[0] or len(set(names) & set(header)) > 1
+        if is_like and not any(name and _is_figure(name, _POINT_OR_COMMA) for name in names):
+            raise ColumnsError(
+                f"has other headings in line {numbered[index][0]} ({', '.join(names)}) than in line {header_line}: "
+                "split the file there"
+            )
+        kept.append(index)
+    return kept
 
 
 def _from_comment(lines: Sequence[str], separator: str, width: int, before: int) -> tuple[list[str], int]:

@@ -47,7 +47,10 @@ PLAUSIBLE: Mapping[str, Plausible] = {
     "peak period": Plausible("s", 1.0, 40.0, "frequencies in another unit?", "frequencies in rad/s?"),
     # waves break: 2 pi Hs/(g Tz^2) is at most 1/10 (DNV-RP-C205, 3.5.5), and half as much again for what is uncertain
     "significant steepness": _size(
-        "", 0.15, "directions or r1, r2 in the form of densities, densities in another unit, or frequencies in rad/s?"
+        "",
+        0.15,
+        "directions or r1, r2 in the form of densities, densities in another unit, frequencies in rad/s, or time in "
+        "another unit?",
     ),
     "heave": _size("m", 30.0, _LENGTH_CAUSE),
     "four standard deviations of heave": _size("m", 25.0, _LENGTH_CAUSE),

@@ -48,10 +48,11 @@ def read_text(path: Path) -> Text:
         raise TextFileError(f"{path}: is compressed by zstd: run `unzstd` on it first")
     notes = []
     whole = data.rstrip(b"\0")
-    if len(data) - len(whole) > 1 and not data.startswith(_UTF_16):
+    wide = _bare_utf_16(data)
+    if len(data) - len(whole) > 1 and not data.startswith(_UTF_16) and not wide:
         notes.append(f"{len(data) - len(whole)} zero bytes at its end left out")
         data = whole
-    text, encoding = _decoded(path, data)
+    text, encoding = _decoded(path, data, wide)
     if encoding:
         notes.append(f"read as {encoding}")
     wrong = next((sign for sign in text if sign < " " and sign not in _TEXT_CONTROLS), None)
@@ -60,11 +61,22 @@ def read_text(path: Path) -> Text:
     return Text(text.splitlines(), tuple(notes))
 
 
-def _decoded(path: Path, data: bytes) -> tuple[str, str]:
-    """Return the text of `data`, and its encoding where that is not UTF-8."""
-    if data.startswith(_UTF_16):
+def _bare_utf_16(data: bytes) -> str:
+    """Return the encoding of UTF-16 without a byte order mark: every second byte of its start is 0; "": it is not."""
+    start = data[:400]
+    first, second = start[0::2], start[1::2]
+    if len(start) < 4 or data.startswith(_UTF_16):
+        return ""
+    if first.count(0) == 0 and second.count(0) > 0.9 * len(second):
+        return "utf-16-le"
+    return "utf-16-be" if second.count(0) == 0 and first.count(0) > 0.9 * len(first) else ""
+
+
+def _decoded(path: Path, data: bytes, wide: str) -> tuple[str, str]:
+    """Return the text of `data`, and its encoding where that is not UTF-8; `wide` is that of `_bare_utf_16`."""
+    if wide or data.startswith(_UTF_16):
         try:
-            return data.decode("utf-16"), "UTF-16"
+            return data.decode(wide or "utf-16"), "UTF-16 without a byte order mark" if wide else "UTF-16"
         except UnicodeDecodeError as error:
             raise TextFileError(f"{path}: is not complete UTF-16 text: {error.reason}") from error
     try:

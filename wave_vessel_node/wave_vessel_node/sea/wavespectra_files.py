@@ -7,6 +7,7 @@ Measured spectra (NDBC) have none.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import datetime, timezone
@@ -16,6 +17,7 @@ from typing import Any
 import numpy as np
 from heave_node.extras import how_to_install
 from heave_node.numerics.arrays import Array
+from scipy.io import netcdf_file
 
 from wave_vessel_node.sea.spectra import SpectrumError, TabulatedSpectrum
 from wave_vessel_node.sea.spectrum_record import (
@@ -39,6 +41,13 @@ _CONVENTIONS = (
     ("NDBC (CDIP)", "read_ndbc", {"waveEnergyDensity"}),
 )
 """Maker of the files, the library's reader, and the variables by which they are known."""
+_ANGLES = {
+    "read_ww3": ("efth", "rad"),
+    "read_wavespectra": ("efth", "deg"),
+    "read_ncswan": ("density", "rad"),
+    "read_era5": ("d2fd", "rad"),
+}
+"""Variable of the densities, and the unit of angle that the reader takes them to be over, whatever the file says."""
 _OPTIONS = {"read_ndbc": {"directional": False}}
 _OWN_HEIGHTS = ("hs", "HS", "hsig")
 """Variables in which a file states its own significant wave heights [m]."""
@@ -103,22 +112,26 @@ def read_with_wavespectra(path: Path, *, accept_implausible: bool = False) -> Sp
         import xarray  # noqa: PLC0415
     except ImportError as error:
         raise SpectrumFileError(f"{path}: reading it needs wavespectra; {how_to_install('wavespectra')}") from error
-    heights = None
+    heights, angle = None, 1.0
     try:
+        _refuse_cut(path)
         if path.suffix.lower() in _ENDINGS or _is_netcdf(path):
             with xarray.open_dataset(path) as opened:
                 name = _reader_of(path, set(opened.variables) | set(opened.dims))
+                angle = _angle_factor(name, opened)
                 heights = next((opened[own].load() for own in _OWN_HEIGHTS if own in opened), None)
         else:
             name = "read_swan"
         dataset = getattr(wavespectra, name)(str(path), **_OPTIONS.get(name, {}))
         frequency, density, times, warnings = _one_site(path, dataset)
+        if angle != 1.0:
+            warnings.append(f"{path}: densities taken per {'degree' if angle > 1.0 else 'radian'}, as their unit says")
     except SpectrumFileError:
         raise
     except Exception as error:  # the library and its backends raise what they like
         first = (str(error) or type(error).__name__).splitlines()[0]
         raise SpectrumFileError(f"{path}: wavespectra cannot read it: {first}") from error
-    table = _Table(frequency, density, times, has_tail=name != "read_ndbc")
+    table = _Table(frequency, angle * density, times, has_tail=name != "read_ndbc")
     records = _records(path, table, warnings, accept_implausible)
     _compare(path, records, heights, warnings)
     return SpectrumFile(str(path), tuple(sorted(records, key=lambda record: record.time)), tuple(warnings))
@@ -127,6 +140,28 @@ def read_with_wavespectra(path: Path, *, accept_implausible: bool = False) -> Sp
 def _is_netcdf(path: Path) -> bool:
     with path.open("rb") as file:
         return file.read(4).startswith(_NETCDF)
+
+
+def _refuse_cut(path: Path) -> None:
+    """Raise SpectrumFileError for a classic NetCDF file that ends too early: its library reads zeros from there on."""
+    with path.open("rb") as file:
+        if file.read(4) not in (b"CDF\x01", b"CDF\x02"):
+            return
+    try:
+        with netcdf_file(str(path), mmap=False):
+            pass
+    except Exception as error:  # it has no class of its own for a file without an end
+        raise SpectrumFileError(f"{path}: is cut short or damaged: copy it again") from error
+
+
+def _angle_factor(reader: str, dataset: Any) -> float:
+    """Return by what the densities that a `reader` makes of a `dataset` are multiplied to be per degree."""
+    variable, taken = _ANGLES.get(reader, ("", ""))
+    unit = str(dataset[variable].attrs.get("units", "")).lower() if variable else ""
+    stated = "rad" if "rad" in unit else "deg" if "deg" in unit else taken
+    if stated == taken:
+        return 1.0
+    return math.degrees(1.0) if stated == "deg" else math.radians(1.0)
 
 
 def _reader_of(path: Path, names: Collection[Any]) -> str:
