@@ -46,7 +46,7 @@ def write_result(options: argparse.Namespace, parts: str | Table | Sequence[str 
 
 
 def warn(lines: Iterable[str]) -> None:
-    """Write warnings to standard error, a line each."""
+    """Write warnings to standard error, one for each of the `lines`."""
     sys.stderr.write("".join(f"heave: warning: {line}\n" for line in lines))
 
 

@@ -146,7 +146,7 @@ class HangingReport:
 
 
 def clearance_of(parameters: CableSimParameters, unit: Array) -> float | None:
-    """Return the height [m] of a `unit` at x, y, z [m] above the seabed, None where there is none.
+    """Return the height [m] of a `unit` at x, y, z [m] above the seabed of the `parameters`, None where there is none.
 
     Raises StaticsError for a unit below the seabed.
     """

@@ -108,14 +108,14 @@ def with_tension_law(
 
 
 def refuse_overstrained(parameters: CableSimParameters, strain: float) -> None:
-    """Raise StaticsError for a `strain` [-] in which a cable parts."""
+    """Raise StaticsError for a `strain` [-] in which a cable of the `parameters` parts."""
     words = overstrained_words(strain, parameters.cable.axial_stiffness)
     if words:
         raise StaticsError(words)
 
 
 def refuse_unbearable(parameters: CableSimParameters, strain: float) -> None:
-    """Raise as `with_tension_law` for a tension that strains a linear cable by `strain` [-]."""
+    """Raise as `with_tension_law` for a tension that strains a linear cable of the `parameters` by `strain` [-]."""
     law = parameters.cable.stiffness_quadratic, parameters.cable.stiffness_cubic
     true = float(strain_at(1.0, *law, strain))
     if math.isnan(true):
