@@ -15,17 +15,14 @@ from heave_bags.analyse.events import MODE_PART
 from heave_msgs.action import MoveToDepth
 from heave_msgs.msg import CompensationKpi, ControllerState, LoadCell, TickStatus, WinchState
 from heave_node.interface import topics
-from heave_node.ros.process import in_namespace
+from heave_node.ros.process import node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.qos import qos_of
-from heave_node.ros.transport.start_watchdog import watched_start
 from heave_node.tick.tick import seconds_of
 from rclpy.action import ActionClient
 from rclpy.client import Client
-from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from heave_bringup.errors import NoRunError
@@ -77,14 +74,7 @@ class RunLink:
     def __init__(self, namespace: str = "") -> None:
         prepare_environment()
         self._namespace = namespace.strip("/")
-        with watched_start():
-            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-            self._node = Node(
-                f"heave_operate_{os.getpid()}",
-                namespace=namespace,
-                cli_args=in_namespace(namespace),
-                start_parameter_services=False,
-            )
+        self._node = node_beside(f"heave_operate_{os.getpid()}", namespace)
         self.situation = Situation()
         self.heard_at = self.wall_time
         self._surveyed_at = self.wall_time

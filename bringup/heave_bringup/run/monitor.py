@@ -12,16 +12,14 @@ from heave_bags.analyse.events import ALARMS_PART, MODE_PART, SENSOR_PARTS
 from heave_msgs.msg import CableState, CompensationKpi, PointMotion, TickStatus
 from heave_node.interface import topics
 from heave_node.interface.codes import without_figures
-from heave_node.ros.process import in_namespace
+from heave_node.ros.process import in_namespace, node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.qos import qos_of
-from heave_node.ros.transport.start_watchdog import watched_start
 from heave_node.ros.transport.strangers import PART as STRANGERS
 from heave_node.tick.tick import seconds_of
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.signals import SignalHandlerOptions
 
 from heave_bringup.run.live_figures import LiveFigures
 
@@ -92,12 +90,8 @@ class Monitor:
     """
 
     def __init__(self, namespace: str = "") -> None:
-        # The command handles Ctrl-C itself: it must end the nodes in order.
-        with watched_start():
-            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-            self._node = Node(
-                "heave_command", namespace=namespace, cli_args=in_namespace(namespace), start_parameter_services=False
-            )
+        # the command must end the nodes in order
+        self._node = node_beside("heave_command", namespace)
         self.status: TickStatus | None = None
         self.kpi: CompensationKpi | None = None
         self.live = LiveFigures()

@@ -18,16 +18,13 @@ from heave_bags.record.topic_watch import TopicWatch
 from heave_node.cdr.definitions import DefinitionError, schema_text
 from heave_node.interface import topics
 from heave_node.interface.messages import message_type
-from heave_node.ros.process import in_namespace
+from heave_node.ros.process import node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
-from heave_node.ros.transport.start_watchdog import watched_start
 from nav_msgs.msg import Odometry
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
-from rclpy.signals import SignalHandlerOptions
 
 from heave_bringup.errors import CommandError, NoRunError
 from heave_bringup.view.shown_topic import ShownTopic
@@ -57,15 +54,8 @@ class Stream:
     def __init__(self, namespace: str, port: int) -> None:
         prepare_environment()
         self._prefix = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
-        with watched_start():
-            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-            self._node = Node(
-                f"heave_view_{os.getpid()}",
-                namespace=namespace,
-                cli_args=in_namespace(namespace),
-                start_parameter_services=False,
-                parameter_overrides=[Parameter("use_sim_time", value=True)],
-            )
+        simulated_time = Parameter("use_sim_time", value=True)
+        self._node = node_beside(f"heave_view_{os.getpid()}", namespace, parameter_overrides=[simulated_time])
         self._watch = TopicWatch(self._node, exclude=("/rosout", "/parameter_events", "*/transition_event"))
         self._spinner = Spinner(self._node)
         self._shown: list[ShownTopic] = []

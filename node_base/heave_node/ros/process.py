@@ -8,10 +8,12 @@ import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from types import FrameType
+from typing import Any
 
 import rclpy
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import TransitionCallbackReturn
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from heave_node.interface import topics
@@ -22,6 +24,7 @@ from heave_node.ros.spin import spin
 from heave_node.ros.transport.environment import is_bound_to_loopback, prepare_environment
 from heave_node.ros.transport.exchange import Exchange
 from heave_node.ros.transport.exposure import exposed_ports
+from heave_node.ros.transport.start_watchdog import watched_start
 
 RCLError = rclpy_implementation.RCLError
 
@@ -126,6 +129,21 @@ def in_namespace(namespace: str) -> list[str]:
     own = [(topic.name, f"{place}{topic.name}") for topic in (topics.CLOCK, topics.DIAGNOSTICS)]
     rules = [("__ns", place), *own]
     return ["--ros-args", *(part for name, new in rules for part in ("-r", f"{name}:={new}"))]
+
+
+def node_beside(name: str, namespace: str, **options: Any) -> Node:
+    """Start ROS and return the node of a command beside a run: it takes no part, and the command handles Ctrl-C itself.
+
+    Parameters
+    ----------
+    name, namespace : of the node; "": in none
+    options : of rclpy's Node besides
+    """
+    with watched_start():
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        return Node(
+            name, namespace=namespace, cli_args=in_namespace(namespace), start_parameter_services=False, **options
+        )
 
 
 def shut_down(nodes: Sequence[HeaveNode]) -> None:
