@@ -120,7 +120,7 @@ def test_in_real_time_a_slow_adviser_holds_nothing_up_and_its_late_answers_are_r
     level, words, values = adviser_part(folder / "bag")
     assert level == DiagnosticStatus.WARN
     assert words.startswith("late: ")
-    assert values["late"] > 2
+    assert values["late"] >= 1
     assert values["answered"] == 0
 
 

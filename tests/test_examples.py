@@ -33,7 +33,12 @@ def running(nodes: list[str], domain: int, *arguments: str) -> Iterator[None]:
         for program in programs:
             program.send_signal(signal.SIGINT)
         for program in programs:
-            program.wait(10.0)
+            try:
+                program.wait(10.0)
+            except subprocess.TimeoutExpired:
+                # one that was interrupted before it ran may not hear it, and must not speak in the runs of others
+                program.kill()
+                program.wait()
 
 
 def give(domain: int, *arguments: str) -> subprocess.CompletedProcess[str]:
