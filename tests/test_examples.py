@@ -21,6 +21,18 @@ PROGRAM = {"virtual_winch": "winch.py", "wave_vessel": "vessel.py", "winch_contr
 RADAR = {"radar": "radar.py"}
 
 
+def end(program: subprocess.Popen[bytes]) -> None:
+    """Wait for a program that was interrupted.
+
+    One that was interrupted before it ran may not hear it, and must not speak in the runs of others.
+    """
+    try:
+        program.wait(10.0)
+    except subprocess.TimeoutExpired:
+        program.kill()
+        program.wait()
+
+
 @contextmanager
 def running(nodes: list[str], domain: int, *arguments: str) -> Iterator[None]:
     programs = [
@@ -33,12 +45,7 @@ def running(nodes: list[str], domain: int, *arguments: str) -> Iterator[None]:
         for program in programs:
             program.send_signal(signal.SIGINT)
         for program in programs:
-            try:
-                program.wait(10.0)
-            except subprocess.TimeoutExpired:
-                # one that was interrupted before it ran may not hear it, and must not speak in the runs of others
-                program.kill()
-                program.wait()
+            end(program)
 
 
 def give(domain: int, *arguments: str) -> subprocess.CompletedProcess[str]:

@@ -123,8 +123,16 @@ def type_page(path: Path, folder: Path, change: Callable[[str], str]) -> None:
             assert done.returncode == 0, f"{text}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
 
 
+STUDIES = ("my_campaign.md", "my_cable.md", "wrong_winch.md", "less_power.md", "which_winch.md", "can_i_land_it.md")
+"""Pages of minutes, even with shorter runs: `make validate` runs them."""
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("path", WITH_CODE, ids=name_of)
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(path, marks=pytest.mark.long) if path.name in STUDIES else path for path in WITH_CODE],
+    ids=name_of,
+)
 def test_what_a_page_says_to_type_runs(path, tmp_path):
     """Every command and line of Python of the page, with shorter runs: see `tests.guide.shortened`."""
     type_page(path, tmp_path, shortened)

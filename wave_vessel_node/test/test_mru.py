@@ -43,6 +43,16 @@ def test_a_perfect_unit_says_the_truth_at_the_time_of_its_stamp():
         assert (reading.heave, reading.heave_rate, reading.heave_acceleration) == pytest.approx(heave(tick * DT))
 
 
+def test_a_unit_that_measures_no_rate_states_heave_and_attitude_as_one_that_does():
+    """With the same noise; rate and acceleration, and the accuracy of the rate, are NaN."""
+    heave = sine(0.7)
+    whole, alone = (run(MruParameters(measures_rate=measures), 50, heave) for measures in (True, False))
+    assert [(one.time, one.heave, one.roll, one.pitch) for one in alone] == [
+        (one.time, one.heave, one.roll, one.pitch) for one in whole
+    ]
+    assert all(map(math.isnan, np.ravel([one[2:3] + one[7:8] + one[9:] for one in alone])))
+
+
 def test_noise_is_white_and_has_the_stated_deviation():
     readings = run(MruParameters(noise=0.02, rate_noise=0.03), 20000)
     heave = np.array([reading.heave for reading in readings])

@@ -214,6 +214,9 @@ class MruParameters:
         maximum=1.0,
         description="White noise of heave rate: standard deviation of each reading.",
     )
+    measures_rate: bool = parameter(
+        True, unit="", description="It measures heave rate and acceleration; many units state heave alone (NaN then)."
+    )
     wander: float = parameter(
         0.0,
         unit="m",

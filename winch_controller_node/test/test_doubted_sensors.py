@@ -109,7 +109,11 @@ def test_a_mean_of_the_heave_as_by_trim_is_found_and_the_unit_held_as_without_it
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("scenario", "law", "amplitude", "period"),
-    [("b3_deep_900", "mpc", 0.4, 90.0), ("b10_real_mru_swell", "mpc", 0.5, 120.0), ("b2_calm_300", "lqg", 0.3, 60.0)],
+    [
+        ("b2_calm_300", "lqg", 0.3, 60.0),
+        pytest.param("b3_deep_900", "mpc", 0.4, 90.0, marks=pytest.mark.long),
+        pytest.param("b10_real_mru_swell", "mpc", 0.5, 120.0, marks=pytest.mark.long),
+    ],
 )
 def test_a_heave_and_its_rate_that_wander_as_in_a_turn_are_told_and_taken_off(scenario, law, amplitude, period):
     """Up to 4.5 times the uncompensated motion was left (b10), and the depth sensor blamed."""
@@ -166,7 +170,8 @@ def test_while_the_motion_reference_unit_is_wrong_the_unit_is_never_worse_off(fa
     assert np.std(unit[blind]) < 1.05 * np.std(off[blind])
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [3, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
 def test_a_unit_whose_motion_reference_unit_is_turned_over_for_good_is_never_worse_off(seed):
     """Let go, a unit at rest on its way to the motion without compensation swung by 1.8 and 2.4 times that."""
     fault = {"kind": ["scale"], "start": [150.0], "duration": [0.0], "magnitude": [-1.0]}

@@ -158,3 +158,20 @@ def test_whatever_is_read_it_is_off_or_not(readings, noise):
 @pytest.mark.parametrize("heave", [1e155, -1e308])
 def test_a_heave_that_is_hardly_a_number_is_off(heave):
     assert read(well_read(), BEFORE, BEFORE + DT, lambda *_: (heave, 0.0)) == [(True, False)]
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_a_unit_that_measures_no_rate_is_taken_at_that_of_its_readings_before(noise):
+    """A swell that it reads is no step, with its noise; one of 1 m is, as long as it stays; and back again is none."""
+    random = np.random.default_rng(1)
+
+    def heave_alone(heave, _):
+        return heave + noise * random.standard_normal(), math.nan
+
+    def stepped(heave, _):
+        return heave_alone(heave + 1.0, 0.0)
+
+    steps = MruSteps()
+    assert not any(off for off, _ in read(steps, 0.0, BEFORE, heave_alone, noise))
+    assert all(off for off, _ in read(steps, BEFORE, BEFORE + 20.0, stepped, noise))
+    assert not any(off for off, _ in read(steps, BEFORE + 20.0, BEFORE + 40.0, heave_alone, noise))

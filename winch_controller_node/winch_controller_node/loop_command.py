@@ -153,7 +153,7 @@ class LoopCommand:
             reference=Reference(mean_payout, mean_rate, tick.mean_command),
             static_tension=self._static_tension,
             measured_tension=tick.sensed.filtered_tension,
-            mru_rate=mode.authority * tick.sensed.mru_rate,
+            mru_rate=mode.authority * (tick.boom_tip[1] if math.isnan(tick.sensed.mru_rate) else tick.sensed.mru_rate),
             preview=preview,
             bounds_tension=decision.bounds_tension,
         )

@@ -42,6 +42,7 @@ class Port:
     meaning : what it says, in words
     numbers : fields that must be finite numbers, each with the largest magnitude that is plausible in its unit
     counter : field that counts up by one; "" for none
+    may_be_missing : those of the numbers that are NaN where they are not measured
     """
 
     topic: Topic
@@ -50,6 +51,7 @@ class Port:
     meaning: str
     numbers: tuple[tuple[str, float], ...] = ()
     counter: str = ""
+    may_be_missing: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,7 @@ MRU = Port(
     sensors.MRU.meaning,
     sensors.MRU.largest,
     "sequence",
+    sensors.MRU.may_be_missing,
 )
 HEAVE_PREVIEW = Port(
     topics.HEAVE_PREVIEW,

@@ -149,7 +149,9 @@ class _Listener:
             heard.stamps.append(seconds_of(message.header.stamp))
             heard.clock.append(self._simulated + time.monotonic() - self._ticked_at)
             for name, largest in port.numbers:
-                if not is_plausible(fields[name](message), largest):
+                value = fields[name](message)
+                is_missing = name in port.may_be_missing and math.isnan(value)
+                if not (is_missing or is_plausible(value, largest)):
                     heard.bad[name] = heard.bad.get(name, 0) + 1
             if port.counter:
                 heard.counter.append(int(getattr(message, port.counter)))

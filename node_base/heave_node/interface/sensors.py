@@ -71,7 +71,7 @@ class MruReading(NamedTuple):
     Attributes
     ----------
     time : of the measurement as the unit states it [s]
-    heave, heave_rate, heave_acceleration : [m], [m/s], [m/s^2]
+    heave, heave_rate, heave_acceleration : [m], [m/s], [m/s^2]; NaN of the last two: the unit does not measure them
     roll, pitch : of the vessel [rad]
     status : what the unit says of the sample
     sequence : counts samples from 1; a gap is a lost sample
@@ -123,6 +123,7 @@ class Sensor:
     frame : of the message's header
     meaning : what a message says, for who writes or reads one: fields, units, frame, sign
     largest : fields that must be finite, each with the largest magnitude that is plausible in its unit
+    may_be_missing : those of them that are NaN where the sensor does not measure them
     values : fields of the message that hold the values, in order
     accuracies : fields that hold their variance or standard deviation
     constants : fields that always hold the same, with what they hold
@@ -136,6 +137,7 @@ class Sensor:
     meaning: str
     largest: tuple[tuple[str, float], ...]
     values: tuple[str, ...]
+    may_be_missing: tuple[str, ...] = ()
     accuracies: tuple[str, ...] = ()
     constants: tuple[tuple[str, float], ...] = ()
     encode: Callable[[Any, Water], Numbers] = values_and_variances
@@ -209,6 +211,7 @@ MRU = Sensor(
     frame="world",
     meaning="heave, heave rate and acceleration of the boom tip, roll, pitch, status, sequence number",
     largest=(("heave", 30.0), ("heave_rate", 30.0), ("roll", 1.6), ("pitch", 1.6)),
+    may_be_missing=("heave_rate",),
     values=_MRU_FIELDS,
     encode=_encode_mru,
 )

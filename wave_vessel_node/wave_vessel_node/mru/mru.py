@@ -189,6 +189,8 @@ class MotionReferenceUnit:
         self._last_delivered = measured_at
         said = self._faulty_values.apply(now, seen + noise * self._noise_sigma)
         heave, heave_rate, heave_acceleration, roll, pitch = quantised(said, self._steps).tolist()
+        if not self._parameters.measures_rate:
+            heave_rate = heave_acceleration = math.nan
         return MruReading(
             time=measured_at + self._parameters.stamp_error,
             heave=heave,
@@ -199,7 +201,7 @@ class MotionReferenceUnit:
             sequence=self._sequence,
             heave_acceleration=heave_acceleration,
             heave_sigma=self._parameters.noise,
-            heave_rate_sigma=self._parameters.rate_noise,
+            heave_rate_sigma=self._parameters.rate_noise if self._parameters.measures_rate else math.nan,
         )
 
     def _with_instrument_errors(self, heave: Array, motion: VesselMotion) -> list[float]:

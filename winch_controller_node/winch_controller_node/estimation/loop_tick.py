@@ -40,7 +40,7 @@ class Sensed(NamedTuple):
     Attributes
     ----------
     payout : encoder reading, jumps taken off [m]; None: none came
-    mru_rate : newest heave rate of the MRU [m/s]
+    mru_rate : newest heave rate of the MRU [m/s]; NaN: it measures none
     tension, filtered_tension : newest top tension, and that low-passed [N]; NaN before the first
     depths : depth readings of the tick: stamp [s] and depth, positive down [m]
     depth_heave : the newest of them as heave about the mean payout's share [m]; None: none came

@@ -1,5 +1,7 @@
 """Steps in the heave of a motion reference unit: it cannot move otherwise than its own heave rate says.
 
+A unit that does not measure the rate is taken at that of its readings before, steps left out.
+
 A ship heaves about where it floats, and so does what an MRU reads. After a step, heave and rate contradict each other
 by as much as the step, for as long as it stays; a wrong mean heave would be paid out, metre by metre.
 """
@@ -37,7 +39,7 @@ class MruSteps:
     def __init__(self) -> None:
         self.is_unproved = False
         self._last: MruReading | None = None
-        self._foreseen = 0.0
+        self._foreseen = self._rate = 0.0
         self._mean, self._known = 0.0, 0.0
         self._new_mean = self._new_square = self._new_time = 0.0
 
@@ -51,14 +53,26 @@ class MruSteps:
         last, self._last = self._last, reading
         elapsed = math.inf if last is None else reading.time - last.time
         if last is None or not 0.0 < elapsed <= LONGEST_GAP:
-            self._foreseen, self._new_time = reading.heave, 0.0
+            self._foreseen, self._rate, self._new_time = reading.heave, 0.0, 0.0
             return False
-        self._foreseen += 0.5 * (last.heave_rate + reading.heave_rate) * elapsed
+        self._foreseen += self._rate_between(last, reading, noise) * elapsed
         off = abs(reading.heave - self._foreseen)
         if off <= max(LARGEST_STEP, SIGMAS * noise) or self._is_back(reading.heave, elapsed):
             self._follow(reading.heave, elapsed)
             return False
         return True
+
+    def _rate_between(self, last: MruReading, reading: MruReading, noise: float) -> float:
+        """Return the heave rate from the `last` reading to this [m/s], by the rates that were read or the one before.
+
+        `noise` is that of the heave [m], 1 sigma.
+        """
+        if not math.isnan(last.heave_rate + reading.heave_rate):
+            return 0.5 * (last.heave_rate + reading.heave_rate)
+        before, change = self._rate, reading.heave - last.heave
+        if abs(change) <= max(LARGEST_STEP, SIGMAS * noise):
+            self._rate = change / (reading.time - last.time)
+        return before
 
     def _follow(self, heave: float, elapsed: float) -> None:
         """Go on from a `heave` [m] that is right, so long `elapsed` after the last [s]."""

@@ -41,6 +41,9 @@ ON_TICK = 1e-4
 NEGLIGIBLE = 1e-4
 """A noise that is believed to be no larger than this, in the sensor's unit, is never too large."""
 
+HEAVE_ALONE = "heave alone: it measures no rate"
+"""How an MRU is seen that has no fault and states no heave rate."""
+
 CONTRADICTS = "contradicts all others"
 """How a sensor is seen that is doubted and has no other fault."""
 
@@ -78,7 +81,7 @@ class Observer:
     gates : by sensor
     payout : encoder reading accepted in this tick, jumps taken off [m]; None: none
     tension : newest accepted top tension [N]; NaN before the first
-    mru_rate : newest accepted heave rate of the MRU [m/s]
+    mru_rate : newest accepted heave rate of the MRU [m/s]; NaN: it measures none
     depths : stamp [s] and depth, positive down [m], of the depth readings accepted in this tick
     witnessed : readings of this tick that the estimator does not take, in its terms: they tell which sensor is wrong
     doubted : sensor in use whose readings are only witnesses: they contradict all others; empty: none
@@ -303,6 +306,8 @@ class Observer:
         """Return how each sensor is seen at `tick`."""
         now = tick * self._dt
         states = [gate.state(now) for gate in self.gates.values()]
+        if math.isnan(self.mru_rate):
+            states = [one._replace(reason=one.reason or HEAVE_ALONE) if one.sensor == "mru" else one for one in states]
         return tuple([_as_doubted(state) if state.sensor == self.doubted else state for state in states])
 
     def unit_heave_reading(self, mean_state: Array, unit: int) -> float:
@@ -347,6 +352,8 @@ class Observer:
             LEVER_ARM_Y: (reading.roll - attitude[1]) / elapsed,
         }
         self.mru_rate = reading.heave_rate
+        if math.isnan(reading.heave_rate):
+            return taken
         sigma = self._noise["mru_heave_rate"].add(reading.heave_rate, reading.heave_rate_sigma)
         taken.append(Measurement("mru_heave_rate", reading.heave_rate, tick, sigma, offset, turning))
         return taken

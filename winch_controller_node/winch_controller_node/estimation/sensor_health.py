@@ -301,11 +301,13 @@ def judge_mru(gate: SensorGate, now: float, reading: MruReading, steps: MruSteps
     noise : standard deviation of its heave [m]
     """
     status = _MRU_WORDS.get(reading.status, f"status {reading.status}")
-    if status or not math.isfinite(reading.heave + reading.heave_rate + reading.time):
+    # a unit that does not measure the rate says NaN
+    rate = 0.0 if math.isnan(reading.heave_rate) else reading.heave_rate
+    if status or not math.isfinite(reading.heave + rate + reading.time):
         steps.restart()
     elif steps.is_off(reading, noise):
         status = "jump"
-    values = (reading.heave, reading.heave_rate, reading.roll, reading.pitch)
+    values = (reading.heave, rate, reading.roll, reading.pitch)
     passes = gate.judge(now, reading.time, values, status)
     if gate.reason == "frozen":
         steps.restart()  # where the ship has gone meanwhile its rate does not tell

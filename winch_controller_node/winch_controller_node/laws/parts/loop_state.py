@@ -40,7 +40,7 @@ class LoopState(NamedTuple):
     reference : the mean payout's motion
     static_tension : tension at the top about which the model's tension counts [N]
     measured_tension : low-passed reading of the load cell [N]; NaN before the first
-    mru_rate : newest heave rate that the MRU read, times the authority [m/s]
+    mru_rate : newest heave rate that the MRU read, the estimated one where it measures none, times the authority [m/s]
     preview : boom-tip heave ahead, times the authority; None: there is none
     bounds_tension : the highest tension is one that compensation can keep in this sea
     """
