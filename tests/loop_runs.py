@@ -35,14 +35,14 @@ def environment(domain: int) -> dict[str, str]:
 def heave(*arguments: str, timeout: float = 120.0) -> subprocess.CompletedProcess[str]:
     """Give the `heave` command and return what it printed and its exit status."""
     with domain_id() as domain:
-        return subprocess.run(
-            command(*arguments),
-            env=environment(domain),
-            capture_output=True,
-            text=True,
-            timeout=timeout,
-            check=False,
-        )
+        return give(domain, *arguments, timeout=timeout)
+
+
+def give(domain: int, *arguments: str, timeout: float = 150.0) -> subprocess.CompletedProcess[str]:
+    """Give the `heave` command in a ROS domain that others are in as well."""
+    return subprocess.run(
+        command(*arguments), env=environment(domain), capture_output=True, text=True, timeout=timeout, check=False
+    )
 
 
 def run_scenario(folder: Path, scenario: str = "b2_calm_300", *, duration: float, options: Sequence[str] = ()) -> Path:

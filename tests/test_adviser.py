@@ -15,7 +15,7 @@ from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 from rclpy.serialization import deserialize_message
 
-from tests.loop_runs import CALM_DURATION, command, environment, heave, process_of, recorded_messages, wait_until
+from tests.loop_runs import CALM_DURATION, command, environment, give, heave, process_of, recorded_messages, wait_until
 
 PROGRAM = Path(__file__).with_name("adviser_program.py")
 REAL_TIME = ("--pacing", "realtime")
@@ -32,12 +32,6 @@ def started(domain, *arguments):
         if process.poll() is None:
             process.send_signal(signal.SIGINT)
         process.communicate(timeout=30.0)
-
-
-def give(domain, *arguments, timeout=150.0):
-    return subprocess.run(
-        command(*arguments), env=environment(domain), capture_output=True, text=True, timeout=timeout, check=False
-    )
 
 
 def adviser_part(bag):

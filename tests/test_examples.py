@@ -14,7 +14,7 @@ from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 from heave_bringup.errors import ExitStatus
 
-from tests.loop_runs import HAS_RUN, command, environment, recorded_messages
+from tests.loop_runs import HAS_RUN, environment, give, recorded_messages
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 PROGRAM = {"virtual_winch": "winch.py", "wave_vessel": "vessel.py", "winch_controller": "controller.py"}
@@ -46,12 +46,6 @@ def running(nodes: list[str], domain: int, *arguments: str) -> Iterator[None]:
             program.send_signal(signal.SIGINT)
         for program in programs:
             end(program)
-
-
-def give(domain: int, *arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        command(*arguments), env=environment(domain), capture_output=True, text=True, timeout=150.0, check=False
-    )
 
 
 @pytest.mark.slow

@@ -11,10 +11,11 @@ from heave_bags.mcap.bag_writer import BagPolicy, BagWriter
 from heave_bags.mcap.reader import Bag
 from heave_bags.mcap.writer import ChunkPolicy
 from heave_bags.play import sea_import, sea_mapping
-from heave_bags.play.sea_import import boom_tip_motion, euler_part, import_sea, integrated
+from heave_bags.play.sea_import import boom_tip_motion, import_sea, integrated
 from heave_bags.play.sea_mapping import Channel, SeaMapping
 from heave_msgs.msg import MruSample
 from heave_node.devices.maps.channel import DEFAULT_CUT_OFF
+from heave_node.numerics.kinematics import euler_part
 from hypothesis import given
 from hypothesis import strategies as st
 from made_up_run import MadeUpRun, header

@@ -33,7 +33,6 @@ def test_the_numbers_are_those_that_scripts_rely_on():
     }
 
 
-@pytest.mark.skipif(not README.is_file(), reason="no checkout")
 def test_the_readme_and_the_help_have_the_table_of_the_code():
     assert status_table() in README.read_text(encoding="utf-8")
     help_text = make_parser().format_help()

@@ -16,6 +16,7 @@ import numpy as np
 from heave_node.devices.maps.channel import Channel
 from heave_node.files.plausible import PLAUSIBLE, question, refusal, sea_question
 from heave_node.numerics.arrays import Array
+from heave_node.numerics.kinematics import euler_part
 from heave_node.numerics.spectral_estimate import RecordTooShortError, height_and_period
 from scipy.interpolate import CubicSpline
 
@@ -190,15 +191,6 @@ def _validity_names(channel: Channel) -> tuple[str, ...]:
     """Return the fields or columns that may call the samples of a channel valid: the one named, else by custom."""
     own = channel.column or channel.field
     return (channel.valid,) if channel.valid else (f"{own}_valid", "valid")
-
-
-def euler_part(part: str, x: Array, y: Array, z: Array, w: Array) -> Array:
-    """Return `part`, roll, pitch or yaw [rad] (about x, y, z, in the order z-y-x), of the quaternions x, y, z, w."""
-    if part == "roll":
-        return np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    if part == "pitch":
-        return np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
-    return np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
 def _log_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[str, Signal]:

@@ -27,3 +27,12 @@ class PointMotion:
     position: Array = field(default_factory=_zeros)
     velocity: Array = field(default_factory=_zeros)
     acceleration: Array = field(default_factory=_zeros)
+
+
+def euler_part(part: str, x: Array, y: Array, z: Array, w: Array) -> Array:
+    """Return `part`, roll, pitch or yaw [rad] (about x, y, z, in the order z-y-x), of the quaternions x, y, z, w."""
+    if part == "roll":
+        return np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    if part == "pitch":
+        return np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
+    return np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

@@ -24,11 +24,6 @@ class Newest:
     def __len__(self) -> int:
         return self._count
 
-    @property
-    def is_full(self) -> bool:
-        """Tell whether as many are there as are kept."""
-        return self._count == self._length
-
     def append(self, value: float) -> None:
         """Take in a `value`; the oldest goes where all are there."""
         if self._end == self._array.size:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from heave_node.devices.formats.sample import Counters
+from abc import ABC, abstractmethod
+
+from heave_node.devices.formats.sample import Counters, Sample
 
 LONGEST_LINE = 1024
 """Bytes of a line; of a longer one nothing is used."""
@@ -19,7 +21,6 @@ class LineSplitter:
     def __init__(self, counters: Counters) -> None:
         self._counters = counters
         self._rest = b""
-        self._is_too_long = False
 
     def feed(self, data: bytes) -> list[str]:
         """Return the lines that end within the next bytes of the stream, `data`; empty ones are left out."""
@@ -40,3 +41,27 @@ class LineSplitter:
             self._counters.malformed += 1
             return ""
         return line.decode("latin-1").strip()
+
+
+class LineDecoder(ABC):
+    """A decoder of lines, each of which is a sample or none: see `Decoder`."""
+
+    def __init__(self) -> None:
+        self.counters = Counters()
+        self._lines = LineSplitter(self.counters)
+
+    def feed(self, data: bytes) -> list[Sample]:
+        """Return what is complete with the next bytes of a stream, `data`."""
+        return [sample for line in self._lines.feed(data) if (sample := self._read(line)) is not None]
+
+    def end(self) -> list[Sample]:
+        """Return what the end of a datagram or of a file completes."""
+        return self._last(self._lines.end())
+
+    def _last(self, line: str) -> list[Sample]:
+        sample = self._read(line) if line else None
+        return [] if sample is None else [sample]
+
+    @abstractmethod
+    def _read(self, line: str) -> Sample | None:
+        """Return the sample of a line; None where it holds none, which is counted."""

@@ -6,15 +6,15 @@ import re
 
 import pynmea2
 
-from heave_node.devices.formats.lines import LineSplitter
+from heave_node.devices.formats.lines import LineDecoder
 from heave_node.devices.formats.nmea_sentences import SENTENCES, WITHOUT_CHECKSUM, Quality
-from heave_node.devices.formats.sample import Counters, Sample
+from heave_node.devices.formats.sample import Sample
 
 _NAME = re.compile(r"(P[A-Z0-9]{3,9}|[A-Z]{2}([A-Z]{3}))$")
 _WRONG = (ValueError, LookupError, TypeError, AttributeError, OverflowError)
 
 
-class NmeaDecoder:
+class NmeaDecoder(LineDecoder):
     """Reads sentences of a serial line, of datagrams or of a log, in which other text may stand before each.
 
     Parameters
@@ -23,14 +23,9 @@ class NmeaDecoder:
     """
 
     def __init__(self, *, needs_checksum: bool = True) -> None:
-        self.counters = Counters()
+        super().__init__()
         self.needs_checksum = needs_checksum
-        self._lines = LineSplitter(self.counters)
         self._quality = Quality()
-
-    def feed(self, data: bytes) -> list[Sample]:
-        """See Decoder."""
-        return [sample for line in self._lines.feed(data) if (sample := self._read(line)) is not None]
 
     def end(self) -> list[Sample]:
         """See Decoder."""
@@ -38,8 +33,7 @@ class NmeaDecoder:
         if line and "*" not in line[-3:] and self.needs_checksum:
             self.counters.half_lines += 1
             return []
-        sample = self._read(line) if line else None
-        return [] if sample is None else [sample]
+        return self._last(line)
 
     def _read(self, line: str) -> Sample | None:
         """Return the sample of the last sentence that a line holds."""

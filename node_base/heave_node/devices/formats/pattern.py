@@ -12,8 +12,8 @@ import re
 from collections.abc import Callable
 from functools import reduce
 
-from heave_node.devices.formats.lines import LineSplitter
-from heave_node.devices.formats.sample import Counters, Sample, is_number, number
+from heave_node.devices.formats.lines import LineDecoder
+from heave_node.devices.formats.sample import Sample, is_number, number
 
 CHECKSUM, COVERED = "checksum", "covered"
 CHECKSUMS: dict[str, tuple[Callable[[bytes], int], int]] = {
@@ -24,7 +24,7 @@ CHECKSUMS: dict[str, tuple[Callable[[bytes], int], int]] = {
 """Kinds of checksum, "" for none: what is computed, and the base in which it is written."""
 
 
-class PatternDecoder:
+class PatternDecoder(LineDecoder):
     """Reads lines by a pattern.
 
     Parameters
@@ -36,6 +36,7 @@ class PatternDecoder:
     """
 
     def __init__(self, pattern: str, checksum: str = "") -> None:
+        super().__init__()
         try:
             self._pattern = re.compile(pattern)
         except re.error as error:
@@ -52,18 +53,6 @@ class PatternDecoder:
         self.fields = frozenset(names - {CHECKSUM, COVERED})
         self._compute, self._base = CHECKSUMS[checksum]
         self._has_checksum = bool(checksum)
-        self.counters = Counters()
-        self._lines = LineSplitter(self.counters)
-
-    def feed(self, data: bytes) -> list[Sample]:
-        """See Decoder."""
-        return [sample for line in self._lines.feed(data) if (sample := self._read(line)) is not None]
-
-    def end(self) -> list[Sample]:
-        """See Decoder."""
-        line = self._lines.end()
-        sample = self._read(line) if line else None
-        return [] if sample is None else [sample]
 
     def _read(self, line: str) -> Sample | None:
         found = self._pattern.search(line)

@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 import re
 
-from heave_node.devices.formats.lines import LineSplitter
-from heave_node.devices.formats.sample import Counters, Sample
+from heave_node.devices.formats.lines import LineDecoder
+from heave_node.devices.formats.sample import Sample
 from heave_node.interface.codes import MruStatus
 
 _LINE = re.compile(
@@ -26,22 +26,8 @@ _ACROSS, _UP, _CENTI = 0.0383, 0.000625, 0.01
 """Sizes of the last digit [m/s^2], [m/s^2], [m] or [degree]."""
 
 
-class Tss1Decoder:
+class Tss1Decoder(LineDecoder):
     """Reads TSS1."""
-
-    def __init__(self) -> None:
-        self.counters = Counters()
-        self._lines = LineSplitter(self.counters)
-
-    def feed(self, data: bytes) -> list[Sample]:
-        """See Decoder."""
-        return [sample for line in self._lines.feed(data) if (sample := self._read(line)) is not None]
-
-    def end(self) -> list[Sample]:
-        """See Decoder."""
-        line = self._lines.end()
-        sample = self._read(line) if line else None
-        return [] if sample is None else [sample]
 
     def _read(self, line: str) -> Sample | None:
         """Return the sample of a line, before which other text may stand."""

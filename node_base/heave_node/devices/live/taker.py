@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from heave_node.devices.formats.sample import Sample
 from heave_node.devices.formats.table import LINE
 from heave_node.devices.live.high_pass import DEFAULT_PERIOD, HighPass
@@ -14,6 +16,7 @@ from heave_node.devices.maps.device_map import DeviceMap
 from heave_node.devices.maps.field_path import FieldPath
 from heave_node.devices.maps.quantities import QUANTITIES
 from heave_node.interface.codes import MruStatus
+from heave_node.numerics.kinematics import euler_part
 
 
 @dataclass
@@ -164,9 +167,4 @@ def euler_angle(part: str, x: float, y: float, z: float, w: float) -> float:
     size = math.sqrt(x * x + y * y + z * z + w * w)
     if not size > 0.5:
         raise ValueError("a quaternion of no length")
-    x, y, z, w = x / size, y / size, z / size, w / size
-    if part == "roll":
-        return math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    if part == "pitch":
-        return math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0))
-    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return float(euler_part(part, *(np.array([x, y, z, w]) / size)))
