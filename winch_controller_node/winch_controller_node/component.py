@@ -18,6 +18,7 @@ from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.beliefs_in_force import BeliefsInForce
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import predict_loop
+from winch_controller_node.design.schedule import identifies_winch
 from winch_controller_node.design_in_force import DesignInForce, PreparedDesign
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.estimation.loop_tick import LoopTick
@@ -41,7 +42,7 @@ from winch_controller_node.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.supervision.supervisor import Decision, Supervisor, WinchSituation
 from winch_controller_node.supervision.watch.encoder_reflex import Act, EncoderReflex
 from winch_controller_node.supervision.watch.load_watch import Episode, LoadWatch
-from winch_controller_node.supervision.watch.winch_watch import WinchWatch, identifies_winch
+from winch_controller_node.supervision.watch.winch_watch import WinchWatch
 
 DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
 """Limits of the winch that a sea takes it to."""

@@ -129,15 +129,7 @@ class DesignInForce:
     def take_limits(self, winch: WinchModelParameters) -> None:
         """Keep limits and gain of another `winch`: model and gains stay what they are."""
         mine = self.parameters.winch
-        kept = replace(
-            mine,
-            speed_gain=winch.speed_gain,
-            hauling_gain=winch.hauling_gain,
-            creep=winch.creep,
-            speed_limit=winch.speed_limit,
-            acceleration_limit=winch.acceleration_limit,
-            power_limit=winch.power_limit,
-        )
+        kept = mine.with_limits_of(winch)
         if kept == mine:
             return
         self.parameters = replace(self.parameters, winch=kept)

@@ -25,7 +25,7 @@ from winch_controller_node.adviser.judge import (
 from winch_controller_node.adviser.record import Record, SensorHistory
 from winch_controller_node.adviser.report import Report
 from winch_controller_node.adviser.sea import likeliest_sea
-from winch_controller_node.adviser.winch import WinchAnswer, WinchIdentifier, identifies_winch
+from winch_controller_node.adviser.winch import WinchAnswer, WinchIdentifier
 from winch_controller_node.beliefs.beliefs import (
     Adopted,
     Belief,
@@ -38,7 +38,7 @@ from winch_controller_node.beliefs.beliefs import (
 from winch_controller_node.beliefs.corrections import Correction, corrections
 from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, with_value
 from winch_controller_node.design.design import ControllerDesign, design_controller
-from winch_controller_node.design.schedule import is_scheduled
+from winch_controller_node.design.schedule import identifies_winch, is_scheduled
 from winch_controller_node.design.seas import SeaTracker, possible_seas
 from winch_controller_node.interface.observations import READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.model.lqr import DesignError
@@ -160,7 +160,7 @@ class Adviser:
     # the winch
 
     def _look_at_winch(self) -> None:
-        if not identifies_winch(self._nominal, is_scheduled=self._is_scheduled):
+        if not identifies_winch(self._nominal):
             return
         excerpt = self._record.last(min(self._winch.length, self._record.duration))
         believed = {name: belief.value for name, belief in self._beliefs.values.items()}
@@ -412,14 +412,4 @@ class Adviser:
 
 def _needs_design(before: WinchControllerParameters, after: WinchControllerParameters) -> bool:
     """Tell whether the model changes: limits and gain of the winch are not in it."""
-    mine, other = before.winch, after.winch
-    same_winch = replace(
-        other,
-        speed_gain=mine.speed_gain,
-        hauling_gain=mine.hauling_gain,
-        creep=mine.creep,
-        speed_limit=mine.speed_limit,
-        acceleration_limit=mine.acceleration_limit,
-        power_limit=mine.power_limit,
-    )
-    return replace(after, winch=same_winch) != before
+    return replace(after, winch=after.winch.with_limits_of(before.winch)) != before

@@ -245,8 +245,3 @@ class WinchIdentifier:
                 self._let_up.add(index)
                 values[index] = min((1.0 + LIMIT_STEP) * float(held[index]), float(self._prior.nominal[index]))
         return values
-
-
-def identifies_winch(parameters: WinchControllerParameters, *, is_scheduled: bool) -> bool:
-    """Tell whether the winch of `parameters` is identified: a speed servo, and no gain schedule (`is_scheduled`)."""
-    return parameters.lag.adaptation and not is_scheduled and parameters.winch.law != "first_order"

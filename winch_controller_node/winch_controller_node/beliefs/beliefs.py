@@ -144,7 +144,7 @@ def parameters_under(beliefs: Beliefs, nominal: WinchControllerParameters) -> Wi
         path = QUANTITIES[name].path
         if path and name not in LIMITS:
             parameters = with_value(parameters, path, beliefs.values[name].value)
-    for names in ((SPEED_OUT, SPEED_IN), (ACCELERATION_OUT, ACCELERATION_IN), (POWER_LIMIT,)):
+    for names in LIMIT_GROUPS:
         identified = [beliefs.values[name].value for name in names if name in beliefs.values]
         if identified:
             parameters = with_value(parameters, QUANTITIES[names[0]].path, USED * min(identified))
@@ -157,7 +157,10 @@ def without_sea(beliefs: Beliefs) -> Beliefs:
     return replace(beliefs, values=MappingProxyType(values), design=None, adopted=None)
 
 
-LIMITS = (SPEED_OUT, SPEED_IN, ACCELERATION_OUT, ACCELERATION_IN, POWER_LIMIT)
+LIMIT_GROUPS = ((SPEED_OUT, SPEED_IN), (ACCELERATION_OUT, ACCELERATION_IN), (POWER_LIMIT,))
+"""Limits of the winch that are one parameter each; of two directions the weaker counts."""
+
+LIMITS = tuple(name for group in LIMIT_GROUPS for name in group)
 
 
 def latency_ticks(tick_period: float) -> int:

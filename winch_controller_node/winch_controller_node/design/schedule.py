@@ -101,6 +101,11 @@ def is_scheduled(parameters: WinchControllerParameters) -> bool:
     return parameters.schedule.maximum_length > 0.0
 
 
+def identifies_winch(parameters: WinchControllerParameters) -> bool:
+    """Tell whether the winch is identified while the loop runs: a speed servo, no gain schedule in `parameters`."""
+    return parameters.lag.adaptation and not is_scheduled(parameters) and parameters.winch.law != "first_order"
+
+
 FOLLOW = 0.03
 """Change of length, relative, at which the scheduled design is renewed."""
 

@@ -73,14 +73,6 @@ class Surprise:
         """Measurement that is foreseen worst, and the mean of its normalised innovations squared."""
         return max(self._means.items(), key=lambda pair: pair[1], default=("", 1.0))
 
-    def unexplained(self, sensor: str) -> str:
-        """Return in words that nothing explains the worst, which a `sensor` reads, and what to do."""
-        name, mean = self.worst
-        return (
-            f"{name} is {math.sqrt(mean):.1f} times as far off as foreseen; no sensor or cable explains it: nothing is "
-            f"changed; where it comes again look at sensor {sensor} and at what hangs on the cable"
-        )
-
     @property
     def words(self) -> str:
         """What is read cannot be believed yet, in words; empty where it can, or has been excused."""

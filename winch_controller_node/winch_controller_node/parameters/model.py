@@ -6,7 +6,7 @@ Names are those of the plant's own parameters where both have one.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from heave_node.parameters import ParameterError, parameter
 from heave_node.winch.position_loop import check_position_gain
@@ -115,6 +115,18 @@ class WinchModelParameters:
         maximum=10.0,
         description="Unmodelled white acceleration of the drum (two-sided density).",
     )
+
+    def with_limits_of(self, other: WinchModelParameters) -> WinchModelParameters:
+        """Return it with the limits and gains of an `other` winch: what the linear model of a winch does not hold."""
+        return replace(
+            self,
+            speed_gain=other.speed_gain,
+            hauling_gain=other.hauling_gain,
+            creep=other.creep,
+            speed_limit=other.speed_limit,
+            acceleration_limit=other.acceleration_limit,
+            power_limit=other.power_limit,
+        )
 
     def __post_init__(self) -> None:
         if self.payout_minimum >= self.payout_maximum:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from heave_node.interface.codes import WinchFault, WinchLimit
 
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.design.schedule import is_scheduled
+from winch_controller_node.design.schedule import identifies_winch
 from winch_controller_node.identification.late_commands import CUT_TIME, LateCommands
 from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -29,11 +29,6 @@ CAUTIOUS_TIME = 3.0
 
 PAYOUT = int(WinchLimit.PAYOUT)
 """Limit of the winch at which no model of it holds."""
-
-
-def identifies_winch(parameters: WinchControllerParameters) -> bool:
-    """Tell whether the winch is identified while the loop runs: a speed servo, no gain schedule in `parameters`."""
-    return parameters.lag.adaptation and not is_scheduled(parameters) and parameters.winch.law != "first_order"
 
 
 class TransportReport(NamedTuple):
