@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import time
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import NamedTuple
 
 import psutil
 from domain_coordinator import domain_id
@@ -43,6 +46,33 @@ def give(domain: int, *arguments: str, timeout: float = 150.0) -> subprocess.Com
     return subprocess.run(
         command(*arguments), env=environment(domain), capture_output=True, text=True, timeout=timeout, check=False
     )
+
+
+class Adapted(NamedTuple):
+    """How `heave adapt` has ended: exit status, and what it printed."""
+
+    returncode: int
+    out: str
+    err: str
+
+
+@contextmanager
+def adapting(domain: int, *arguments: str) -> Iterator[list[Adapted]]:
+    """Give `heave adapt` while others run in a ROS domain, and interrupt it; it has then ended as the list says."""
+    ended: list[Adapted] = []
+    adapter = subprocess.Popen(
+        command("adapt", *arguments),
+        env=environment(domain),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        yield ended
+    finally:
+        adapter.send_signal(signal.SIGINT)
+        out, err = adapter.communicate(timeout=20.0)
+        ended.append(Adapted(adapter.returncode, out, err))
 
 
 def run_scenario(folder: Path, scenario: str = "b2_calm_300", *, duration: float, options: Sequence[str] = ()) -> Path:

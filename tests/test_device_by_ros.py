@@ -1,18 +1,18 @@
 """A motion sensor that is a topic of a type of others, and a winch that is a program on UDP, beside `heave adapt`."""
 
 import json
-import signal
 import socket
 import subprocess
 import sys
 import threading
 import time
-from pathlib import Path
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
 from domain_coordinator import domain_id
 
-from tests.loop_runs import command, environment
+from tests.loop_runs import adapting, environment, give
 from tests.test_device_on_udp import free_port
 
 ODOMETRY_MAP = """
@@ -103,6 +103,16 @@ class Drive(threading.Thread):
         self._line.close()
 
 
+@contextmanager
+def running(drive: Drive) -> Iterator[None]:
+    drive.start()
+    try:
+        yield
+    finally:
+        drive.ended.set()
+        drive.join()
+
+
 @pytest.mark.slow
 def test_a_topic_of_another_type_and_a_drive_on_udp_take_part(tmp_path):
     orders, state = free_port(), free_port()
@@ -110,31 +120,22 @@ def test_a_topic_of_another_type_and_a_drive_on_udp_take_part(tmp_path):
     (tmp_path / "boat.yaml").write_text(ODOMETRY_MAP)
     (tmp_path / "drive.yaml").write_text(WINCH_MAP.format(orders=orders, state=state))
     maps = [str(tmp_path / name) for name in ("boat.yaml", "drive.yaml")]
-    with domain_id() as domain:
-        drive.start()
-        adapter = subprocess.Popen(
-            command("adapt", *maps, "--json", str(tmp_path / "adapter.json")),
+    with (
+        domain_id() as domain,
+        running(drive),
+        adapting(domain, *maps, "--json", str(tmp_path / "adapter.json")) as ended,
+    ):
+        fellow = subprocess.run(
+            [sys.executable, "-c", FELLOW],
             env=environment(domain),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
+            capture_output=True,
             text=True,
+            timeout=90.0,
+            check=False,
         )
-        try:
-            fellow = subprocess.run(
-                [sys.executable, "-c", FELLOW],
-                env=environment(domain),
-                capture_output=True,
-                text=True,
-                timeout=90.0,
-                check=False,
-            )
-        finally:
-            adapter.send_signal(signal.SIGINT)
-            _, err = adapter.communicate(timeout=20.0)
-            drive.ended.set()
-            drive.join()
-    assert fellow.returncode == 0, fellow.stderr + err
-    assert adapter.returncode == 0, err
+    (adapter,) = ended
+    assert fellow.returncode == 0, fellow.stderr + adapter.err
+    assert adapter.returncode == 0, adapter.err
     found = json.loads(fellow.stdout)
     heave, rate, status = found["mru"][-1]
     assert (rate, status) == (0.5 / 8.0, 0)
@@ -149,8 +150,7 @@ def test_a_topic_of_another_type_and_a_drive_on_udp_take_part(tmp_path):
     assert any(text.startswith("S0.000 B1") for text in drive.heard), "without commands it is told to stop and brake"
     assert found["state"][-1][1:3] == [True, 1], "brake, and FAULT_COMMAND_TIMEOUT"
     assert found["state"][-1][4] == 1, "RELEASE_BRAKE_REQUEST"
-    figures = json.loads(Path(tmp_path / "adapter.json").read_text())
-    assert figures["drive"]["commands_sent"] >= 80
+    assert json.loads(figures.read_text())["drive"]["commands_sent"] >= 80
 
 
 @pytest.mark.slow
@@ -158,28 +158,7 @@ def test_a_drive_without_brake_or_watchdog_keeps_the_contract_behind_its_map(tmp
     orders, state = free_port(), free_port()
     drive = Drive(orders, state)
     (tmp_path / "drive.yaml").write_text(WINCH_MAP.format(orders=orders, state=state))
-    with domain_id() as domain:
-        drive.start()
-        adapter = subprocess.Popen(
-            command("adapt", str(tmp_path / "drive.yaml")),
-            env=environment(domain),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        try:
-            check = subprocess.run(
-                command("check", "--external", "virtual_winch"),
-                env=environment(domain),
-                capture_output=True,
-                text=True,
-                timeout=90.0,
-                check=False,
-            )
-        finally:
-            adapter.send_signal(signal.SIGINT)
-            _, err = adapter.communicate(timeout=20.0)
-            drive.ended.set()
-            drive.join()
-    assert check.returncode == 0, check.stdout + check.stderr + err
+    with domain_id() as domain, running(drive), adapting(domain, str(tmp_path / "drive.yaml")) as ended:
+        check = give(domain, "check", "--external", "virtual_winch", timeout=90.0)
+    assert check.returncode == 0, check.stdout + check.stderr + ended[0].err
     assert "the contract is kept" in check.stdout

@@ -1,7 +1,6 @@
 """A motion sensor and a load cell that know nothing of the suite but are on UDP, and the suite's controller on them."""
 
 import json
-import signal
 import socket
 import subprocess
 import sys
@@ -12,7 +11,7 @@ import pytest
 from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 
-from tests.loop_runs import command, environment
+from tests.loop_runs import adapting, give
 from tests.udp_ship import AMPLITUDE, PERIOD
 
 MRU_MAP = """
@@ -51,29 +50,15 @@ def test_the_loop_compensates_by_a_motion_sensor_and_a_load_cell_on_udp(tmp_path
     options += ["--set", "all.transient=30", "--set", "winch_controller.modes.settling_time=5.0", "--no-report"]
     with domain_id() as domain:
         ship = subprocess.Popen([sys.executable, str(Path(__file__).with_name("udp_ship.py")), *map(str, ports)])
-        adapter = subprocess.Popen(
-            command("adapt", *maps, "--json", str(tmp_path / "adapter.json")),
-            env=environment(domain),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
         try:
-            run = subprocess.run(
-                command("run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options),
-                env=environment(domain),
-                capture_output=True,
-                text=True,
-                timeout=180.0,
-                check=False,
-            )
+            with adapting(domain, *maps, "--json", str(tmp_path / "adapter.json")) as ended:
+                run = give(domain, "run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options, timeout=180.0)
         finally:
-            adapter.send_signal(signal.SIGINT)
-            out, err = adapter.communicate(timeout=20.0)
             ship.kill()
             ship.wait()
-    assert run.returncode == 0, run.stdout + run.stderr + err
-    assert adapter.returncode == 0, err
+    (adapter,) = ended
+    assert run.returncode == 0, run.stdout + run.stderr + adapter.err
+    assert adapter.returncode == 0, adapter.err
     columns = Bag(tmp_path / "run" / "bag").columns(
         {"/mru": ["heave", "heave_rate", "status"], "/winch/load_cell": ["tension"], "/winch/state": ["encoder_payout"]}
     )
@@ -89,4 +74,4 @@ def test_the_loop_compensates_by_a_motion_sensor_and_a_load_cell_on_udp(tmp_path
     assert figures["sensor"]["checksum_errors"] >= 2
     assert figures["sensor"]["invalid"] >= 2
     assert figures["cell"]["checksum_errors"] == 0
-    assert "readings" in out
+    assert "readings" in adapter.out
