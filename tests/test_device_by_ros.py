@@ -150,7 +150,8 @@ def test_a_topic_of_another_type_and_a_drive_on_udp_take_part(tmp_path):
     assert any(text.startswith("S0.000 B1") for text in drive.heard), "without commands it is told to stop and brake"
     assert found["state"][-1][1:3] == [True, 1], "brake, and FAULT_COMMAND_TIMEOUT"
     assert found["state"][-1][4] == 1, "RELEASE_BRAKE_REQUEST"
-    assert json.loads(figures.read_text())["drive"]["commands_sent"] >= 80
+    figures = json.loads((tmp_path / "adapter.json").read_text())
+    assert figures["drive"]["commands_sent"] >= 80
 
 
 @pytest.mark.slow
