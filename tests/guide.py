@@ -39,12 +39,17 @@ def blocks(path: Path) -> list[Block]:
     return [Block(language, title, text, not mark) for mark, language, title, text in found]
 
 
-def shortened(text: str) -> str:
-    """Return commands or Python with `SHARE` of the simulated time that they state.
+def shortened(text: str, share: float = SHARE) -> str:
+    """Return commands or Python with a `share` of the simulated time that they state.
 
     What states none stays whole, and so does a run that must give a certain figure (`--require`).
     """
-    transient = f"{SHARE * _TRANSIENT:g}"
+
+    def less(found: re.Match[str]) -> str:
+        numbers = ", ".join(f"{share * float(number):g}" for number in found[1].split(", "))
+        return found[0].replace(found[1], numbers)
+
+    transient = f"{share * _TRANSIENT:g}"
     # what is left out at the start of a run has to follow its duration
     for duration, addition in (
         (r"heave (?:run|operability|sizing) (?!.*--require).*--duration \S+", f" --set all.transient={transient}"),
@@ -59,11 +64,5 @@ def shortened(text: str) -> str:
         rf"\bafter=({_NUMBER})",
         rf"^DURATION, [A-Z, ]+ = ({_NUMBER}(?:, {_NUMBER})*)$",  # the line of a notebook that holds its times
     ):
-        text = re.sub(stated, _less, text, flags=re.MULTILINE)
+        text = re.sub(stated, less, text, flags=re.MULTILINE)
     return text
-
-
-def _less(found: re.Match[str]) -> str:
-    """Return a match with `SHARE` of each number in its group."""
-    numbers = ", ".join(f"{SHARE * float(number):g}" for number in found[1].split(", "))
-    return found[0].replace(found[1], numbers)
