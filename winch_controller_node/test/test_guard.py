@@ -9,7 +9,8 @@ from heave_bringup.scenarios import load_scenario
 from winch_controller_node.estimation.loop_tick import Motion
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
-from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
+from winch_controller_node.supervision.guard import HarmGuard
+from winch_controller_node.supervision.guard_checks import GuardedLoop, GuardedMotions
 from winch_controller_node.supervision.watch.winch_demand import WinchDemand
 
 DT = 0.05

@@ -1,4 +1,4 @@
-"""Running statistics of motions, and the check of one amplitude against another."""
+"""Running statistics of motions, the check of one amplitude against another, and a timer."""
 
 from __future__ import annotations
 
@@ -12,6 +12,28 @@ SLOW_MEAN_FACTOR = 3.0
 
 DETREND_TIME = 5.0
 """Time constant with which the mean of a sensor's heave is followed [s]."""
+
+
+class Countdown:
+    """Time that is left of one that was set.
+
+    Parameters
+    ----------
+    tick_period : [s]
+    """
+
+    def __init__(self, tick_period: float) -> None:
+        self._dt = tick_period
+        self._left = 0.0
+
+    def start(self, time: float) -> None:
+        """Set the `time` [s]."""
+        self._left = time
+
+    def step(self) -> bool:
+        """Take a tick off; return whether some is left."""
+        self._left = max(self._left - self._dt, 0.0)
+        return self._left > 0.0
 
 
 class RunningSigma:

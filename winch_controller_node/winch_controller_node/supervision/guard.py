@@ -18,115 +18,73 @@ sea asks for no more than the winch can give.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import NamedTuple
 
-from winch_controller_node.estimation.loop_tick import Motion
-from winch_controller_node.laws.parts.effort import Effort
-from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
-from winch_controller_node.supervision.checks import AmplitudeCheck, AmplitudeLimit, DetrendedHeave, RunningSigma
+from winch_controller_node.supervision.checks import Countdown, RunningSigma
+from winch_controller_node.supervision.guard_checks import (
+    FLOOR_FACTOR,
+    LEFT_OVER_TIME,
+    DrumCheck,
+    GuardedLoop,
+    GuardedMotions,
+    Swings,
+    UnitCheck,
+)
+from winch_controller_node.supervision.guard_hold import DISAGREED, HarmHold
 from winch_controller_node.supervision.watch.winch_demand import WinchDemand
 
 FULL_SHARE = 0.95
 """Share of the wanted authority from which on compensation is judged over waves."""
 
-RATE_ERROR = AmplitudeLimit(time=2.0, ratio=1.5, floor=0.1)
-"""Speed of the drum that is not intended, against that of the boom tip [m/s]."""
-
-CATCH_UP_TIME = 15.0
-"""Time that the drum is not checked after a lost sensor is back [s]: the law has to catch up with what it missed."""
-
-LEFT_OVER_TIME = 30.0
-"""Time in which compensation has to take out a swing that it has found [s]: that of a sudden stop, or one not seen."""
-
-LARGEST_LEFT_OVER = 2.0
-"""Largest swing that compensation may find, over the uncompensated one."""
-
 CORRECTIONS_TIME, CORRECTIONS_REST = 20.0, 300.0
 """Time within which a belief is corrected again and again [s], and time from its beginning to the next such."""
-
-CAUSE_TIME, KNOWN_HOLD = 20.0, 5.0
-"""Harm whose cause is known and corrected within the first time [s] keeps compensation off for the second [s] only."""
-
-RESTART = 0.1
-"""A swing that waves have left is excused again once so little of the last one is excused still."""
-
-BEYOND = 0.02
-"""A sea is beyond the winch's limits where so much of the largest speed is missing."""
-
-OUT_OF_REACH = 2.0
-"""Error of the drum's speed that its limits excuse, over that of a drum that follows what is intended within them."""
-
-SWING_WORK = 2.0
-"""Speed of the drum that stops a swinging unit, over the speed of the unit."""
-
-SWING_TIME, SWING_RATIO = 3.0, 1.2
-"""Swing of the unit against the uncompensated one: memory [s] and ratio."""
-
-DEPTH_TIME, DEPTH_RATIO = 6.0, 1.3
-"""Heave that the depth sensor reads against the uncompensated one: memory [s] and ratio."""
-
-MISMATCH_TIME, MISMATCH_RATIO = 8.0, 0.8
-"""Depth sensor less estimate, against the uncompensated heave: memory [s] and ratio."""
-
-DISAGREED = "depth sensor and motion reference unit disagree"
-"""Why the estimate is not trusted, in words."""
-
-LEAST_AUTHORITY = 0.5
-"""The drum is checked against this share of the boom tip's speed at least."""
-
-FLOOR_FACTOR = 10.0
-"""The checks over seconds ignore heave below so many times `guard.floor`: that is left to the comparison over waves."""
 
 LARGEST_DEMAND = 1.4
 """Demand of the sea's share over the winch that a law is given which keeps the limits by itself."""
 
-HOLD_GROWTH = 4.0
-"""The hold time grows by this factor each time: what all tries do together stays little."""
 
+class WaveComparison:
+    """Compares the standard deviations of the compensated and the uncompensated unit over waves.
 
-@dataclass(frozen=True)
-class GuardedLoop:
-    """What the guard must know of the loop it watches.
+    Parameters
+    ----------
+    parameters : window, ratio, floor
+    tick_period : [s]
 
     Attributes
     ----------
-    limits : of the winch
-    effort : of the law
-    inertia : a of the two-state cable [s^2]; 0: unknown
-    feeds_back_unit : the law feeds the unit's motion back, so that the loop can become unstable
-    fade_time : shortest time over which authority goes from 0 to 1 or back [s]
+    time : compared so far [s]
     """
 
-    limits: WinchLimits
-    effort: Effort = field(default_factory=Effort)
-    inertia: float = 0.0
-    feeds_back_unit: bool = True
-    fade_time: float = 10.0
+    def __init__(self, parameters: GuardParameters, tick_period: float) -> None:
+        self._parameters = parameters
+        self._dt = tick_period
+        self.restart()
 
+    def restart(self) -> None:
+        """Begin anew."""
+        self._unit, self._free_unit = (RunningSigma(self._parameters.window, self._dt) for _ in range(2))
+        self.time = 0.0
 
-class GuardedMotions(NamedTuple):
-    """What the guard compares at a tick, all about the mean depth.
+    def harm(self, motions: GuardedMotions, authority: float) -> str:
+        """Take in a tick; return what harm there is, in words; empty: none.
 
-    Attributes
-    ----------
-    unit : estimated motion of the unit, compensated
-    free_unit : the same with the winch locked
-    boom_tip : estimated motion of the boom tip
-    payout_rate : estimated speed of the drum, without that of the mean payout [m/s]
-    measured_heave : heave of the unit as the depth sensor reads it [m]; None: no reading came
-    depth_noise : standard deviation of that sensor's noise, as far as it is known [m]
-    mean_acceleration : of the mean payout [m/s^2]
-    """
-
-    unit: Motion
-    free_unit: Motion
-    boom_tip: Motion
-    payout_rate: float = 0.0
-    measured_heave: float | None = None
-    depth_noise: float = 0.0
-    mean_acceleration: float = 0.0
+        Of a share of the sea, `authority`, no more can be asked than that share of what the whole has to gain.
+        """
+        self._unit.add(motions.unit.heave)
+        self._free_unit.add(motions.free_unit.heave)
+        self.time += self._dt
+        if self.time < 0.5 * self._parameters.window:
+            return ""
+        sigma, free_sigma = self._unit.sigma, self._free_unit.sigma
+        least = authority * (1.0 - self._parameters.harm_ratio)
+        if sigma <= self._parameters.floor or sigma <= (1.0 - least) * free_sigma:
+            return ""
+        verdict = "is harmful" if sigma > free_sigma else f"gains less than {100.0 * least:.0f} %"
+        return (
+            f"compensation {verdict}: heave of the unit {sigma:.3f} m, {free_sigma:.3f} m without compensation "
+            "(standard deviations)"
+        )
 
 
 class HarmGuard:
@@ -140,51 +98,43 @@ class HarmGuard:
 
     Attributes
     ----------
-    inhibits : compensation is to be off
     trusts_estimate : the depth sensor agrees with the estimate
-    reason : why it inhibits, in words; empty when it does not
     """
 
     def __init__(self, parameters: GuardParameters, loop: GuardedLoop, *, tick_period: float) -> None:
         self._parameters = parameters
         self._loop = loop
         self._dt = tick_period
-        self.inhibits = False
+        self._hold = HarmHold(parameters, tick_period)
         self.trusts_estimate = True
-        self.reason = ""
-        self._is_unexplained = False
-        self._hold_time = parameters.hold_time
-        self._hold: float | None = None
-        self._off_time = 0.0
-        self._judged_time = 0.0
         self._authority_before = 0.0
         self.forget_sea()
 
     def forget_sea(self) -> None:
         """Begin to compare anew: what was seen until now was another sea."""
-        self._demand = WinchDemand(self._parameters.window, tick_period=self._dt)
-        self._make_comparison()
-        self._make_checks()
-
-    def _make_comparison(self) -> None:
-        """Begin the comparison over waves anew."""
-        self._unit = RunningSigma(self._parameters.window, self._dt)
-        self._free_unit = RunningSigma(self._parameters.window, self._dt)
-
-    def _make_checks(self) -> None:
-        window, floor = self._parameters.window, FLOOR_FACTOR * self._parameters.floor
-        self._rate_check = AmplitudeCheck(RATE_ERROR, window, self._dt)
-        self._swing_check = AmplitudeCheck(AmplitudeLimit(SWING_TIME, SWING_RATIO, floor), window, self._dt)
-        self._depth_check = AmplitudeCheck(AmplitudeLimit(DEPTH_TIME, DEPTH_RATIO, floor), window, self._dt)
-        self._mismatch_check = AmplitudeCheck(AmplitudeLimit(MISMATCH_TIME, MISMATCH_RATIO, floor), window, self._dt)
-        self._measured = DetrendedHeave(self._dt)
-        self._mismatch = DetrendedHeave(self._dt)
-        self._exchanged_swing = self._reachable = self._to_gain_speed = 0.0
-        self._catch_up = 0.0
-        self._left_over = 0.0
-        self._is_corrected = self._is_out_of_reach = False
+        window = self._parameters.window
+        self._demand = WinchDemand(window, tick_period=self._dt)
+        self._waves = WaveComparison(self._parameters, self._dt)
+        self._drum = DrumCheck(window, self._dt)
+        self._unit = UnitCheck(window, FLOOR_FACTOR * self._parameters.floor, self._dt)
+        self._excused = Countdown(self._dt)
         self._corrected_first: dict[str, float] = {}
-        self._time = self._began = self._excused = 0.0
+        self._time = 0.0
+
+    @property
+    def inhibits(self) -> bool:
+        """Tell whether compensation is to be off."""
+        return self._hold.inhibits
+
+    @property
+    def reason(self) -> str:
+        """Why it inhibits, in words; empty where it does not."""
+        return self._hold.reason
+
+    @property
+    def prospect(self) -> str:
+        """When compensation is tried again, in words; empty where it is not inhibited."""
+        return self._hold.prospect(self.demand)
 
     @property
     def demand(self) -> float:
@@ -202,33 +152,20 @@ class HarmGuard:
             return min(1.0, LARGEST_DEMAND / demand) if demand > 0.0 else 1.0
         return self._demand.largest_share(self._loop.limits, self._loop.effort, self._parameters.limit_use)
 
-    @property
-    def prospect(self) -> str:
-        """When compensation is tried again, in words; empty where it is not inhibited."""
-        if not self.inhibits:
-            return ""
-        hold = self._hold_time if self._hold is None else self._hold
-        if self._off_time < hold:
-            # one wording, whether the reason is there in this tick or not: it may come and go
-            return f"tried again once that has been over for {hold:.0f} s, in {hold - self._off_time:.0f} s at best"
-        most = self._parameters.demand_ratio
-        return f"tried again once the sea demands at most {most:g} times the winch's limits; now {self.demand:.1f}"
-
     def take_loop(self, loop: GuardedLoop) -> None:
         """Watch another loop from now on: another design is in force."""
         self._loop = loop
 
     def allow_catch_up(self) -> None:
         """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
-        self._catch_up = CATCH_UP_TIME
+        self._drum.allow_catch_up()
 
     def allow_resumption(self) -> None:
         """Do not hold against the loop how drum and unit moved while a sensor was lost."""
         self.allow_catch_up()
-        self._is_corrected = True
-        self._excused = LEFT_OVER_TIME
-        self._judged_time = 0.0
-        self._make_comparison()
+        self._unit.allow_left_over()
+        self._excused.start(LEFT_OVER_TIME)
+        self._waves.restart()
 
     def allow_correction(self, belief: str) -> None:
         """Do not hold against the loop what a wrong belief has done: it has just been corrected.
@@ -239,10 +176,7 @@ class HarmGuard:
         ----------
         belief : what it is about, as "winch"
         """
-        if self.inhibits and self._hold is None and self._time - self._began < CAUSE_TIME:
-            self._hold = KNOWN_HOLD
-        if self.inhibits and self._is_unexplained:
-            self.reason, self._is_unexplained = f"{DISAGREED}: {belief} was wrong", False
+        self._hold.explain(belief)
         since = self._time - self._corrected_first.get(belief, -math.inf)
         if since > CORRECTIONS_REST:
             self._corrected_first[belief] = self._time
@@ -250,8 +184,7 @@ class HarmGuard:
             return
         self.allow_resumption()
         self.trusts_estimate = True
-        self._mismatch_check.restart()
-        self._mismatch = DetrendedHeave(self._dt)
+        self._unit.forget_mismatch()
 
     def inhibit(self, reason: str, hold: float | None = None) -> None:
         """Keep compensation off while there is a `reason` that is certain, and for a time after it.
@@ -261,9 +194,7 @@ class HarmGuard:
         reason : in words
         hold : time after it [s]; None: the hold time of harm, which becomes longer each time
         """
-        self._off_time = 0.0
-        if not self.inhibits or self._is_unexplained:
-            self._begin_inhibiting(reason, hold)
+        self._hold.certain(reason, hold)
 
     def update(self, motions: GuardedMotions, authority: float, target: float = 1.0) -> None:
         """Take one tick in.
@@ -276,191 +207,46 @@ class HarmGuard:
         """
         self._demand.add(motions.boom_tip.rate)
         self._time += self._dt
-        self._excused = max(self._excused - self._dt, 0.0)
-        self._update_checks(motions, authority)
-        if self._mismatch_check.is_exceeded:
-            self.trusts_estimate = False
-            self._disagree(
-                f"{DISAGREED} by {self._mismatch_check.amplitude:.3f} m, and which of them is wrong is not known: no "
-                "compensation until they agree; look at sign and scale of both"
-            )
+        is_excused = self._excused.step()
+        self._check(motions, authority)
         if self.inhibits:
             self._wait(authority)
         elif authority <= 0.0:
-            self._judged_time = 0.0
-            self._make_comparison()
-        else:
-            self._judge_checks()
-            may_compare = self._excused == 0.0 and authority >= FULL_SHARE * target
-            if not self.inhibits and may_compare:
-                self._compare(motions, authority)
+            self._waves.restart()
+        elif harm := self._harm_over_seconds():
+            self._hold.begin(harm)
+        elif not is_excused and authority >= FULL_SHARE * target:
+            if harm := self._waves.harm(motions, authority):
+                self._hold.begin(harm)
+            else:
+                self._hold.is_kept_after(self._waves.time)
 
-    def _disagree(self, reason: str) -> None:
-        """Keep compensation off for a disagreement, which is the `reason` until it is known who is wrong."""
-        self._off_time = 0.0
-        if not self.inhibits:
-            self._begin_inhibiting(reason)
-            self._is_unexplained = True
-
-    # over seconds
-
-    def _update_checks(self, motions: GuardedMotions, authority: float) -> None:
-        """Take the motions of a tick into the checks over seconds."""
-        change = authority - self._authority_before
-        self._authority_before = authority
-        swing, free_swing = self._swing(motions.unit), self._swing(motions.free_unit)
-        self._check_rate(motions, authority, change, swing, free_swing)
-        self._swing_check.add(swing, free_swing)
-        self._update_left_over(motions, authority)
-        # the mean square of a heave is half that of its swing
-        free_heave = 0.5 * free_swing
-        heave, noise = motions.measured_heave, motions.depth_noise
-        self._depth_check.take_off(noise)
-        self._mismatch_check.take_off(noise)
-        self._measured.add(heave, noise)
-        self._depth_check.add(self._measured.value**2, free_heave)
-        self._mismatch.add(None if heave is None else heave - motions.unit.heave, noise)
-        self._mismatch_check.add(self._mismatch.value**2, free_heave)
-        if authority <= 0.0:
-            self._rate_check.restart()
-            self._swing_check.restart(self._swing_check.reference)
-            self._depth_check.restart()
-
-    def _update_left_over(self, motions: GuardedMotions, authority: float) -> None:
-        """Do not hold against the loop the swing that it has found.
-
-        While the winch stands, the unit less the uncompensated one is a free swing, and would go on for long: whoever
-        stops the winch suddenly sets it going. So does a wrong belief that has been corrected, and a wave that is
-        beyond the winch's limits: of a compensated unit all of its motion is that.
-        """
-        unit, free = motions.unit, motions.free_unit
-        if authority <= 0.0:
-            unit = Motion(unit.heave - free.heave, unit.rate - free.rate)
-        found = min(math.sqrt(self._swing(unit)), LARGEST_LEFT_OVER * math.sqrt(self._swing_check.reference))
-        if authority <= 0.0 or self._is_corrected:
-            self._left_over = found
-        else:
-            self._left_over *= 1.0 - self._dt / LEFT_OVER_TIME
-            if self._is_out_of_reach and self._left_over < RESTART * found:
-                self._left_over = found  # once: what keeps growing is no swing that a wave has left
-        self._is_corrected = False
-        self._swing_check.allow(self._left_over)
-        self._depth_check.allow(math.sqrt(0.5) * self._left_over)
-
-    def _swing(self, motion: Motion) -> float:
-        """Return z^2 + a z'^2 [m^2]: the squared amplitude of a unit that swings by itself."""
-        return motion.heave**2 + self._loop.inertia * motion.rate**2
-
-    def _check_rate(
-        self, motions: GuardedMotions, authority: float, change: float, swing: float, free_swing: float
-    ) -> None:
-        """Compare the speed of the drum that is not intended with that of the boom tip, and what stopping a swing asks.
-
-        While authority A moves, the unit goes over to (1 - A) of its uncompensated motion: by thesis Eq. 6.2 that asks
-        for payout = A tip + 2 a A' z_off' (b and A'' left out), with a z_off'' = tip - z_off.
-        """
-        loop, tip = self._loop, motions.boom_tip
-        largest = self._dt / loop.fade_time
-        authority_rate = min(max(change, -largest), largest) / self._dt
-        intended = authority * tip.rate + authority_rate * (3.0 * tip.heave - 2.0 * motions.free_unit.heave)
-        error = motions.payout_rate - intended
-        allowed = (1.0 + loop.effort.rate_error) * max(authority, LEAST_AUTHORITY) * tip.rate
-        # a law has to stop a unit that swings, and while authority moves to take it out of its uncompensated swing;
-        # where that is large, as at a resonance, the drum does no harm before it is as fast
-        is_moving = change != 0.0
-        self._exchanged_swing = free_swing if is_moving else self._exchanged_swing * (1.0 - self._dt / SWING_TIME)
-        to_stop = SWING_WORK**2 * (swing + self._exchanged_swing) + free_swing
-        work = to_stop / loop.inertia if loop.inertia > 0.0 else 0.0
-        self._follow_mean(motions.mean_acceleration)
-        out_of_reach = intended - self._follow_within_limits(intended)
-        self._is_out_of_reach = abs(out_of_reach) > BEYOND * loop.limits.speed
-        self._rate_check.add(error**2, allowed**2 + work + self._to_gain_speed**2 + (OUT_OF_REACH * out_of_reach) ** 2)
-        self._catch_up = max(self._catch_up - self._dt, 0.0)
-        if self._catch_up > 0.0:
-            self._rate_check.restart()
-
-    def _follow_mean(self, acceleration: float) -> None:
-        """Notice what speed of the drum an `acceleration` of the mean payout asks for [m/s^2].
-
-        The unit gains speed with it once its cable is longer by a times the acceleration, on a soft cable by metres.
-        The law pays that out within the memory of the check, and hauls it in while the unit comes along.
-        """
+    def _check(self, motions: GuardedMotions, authority: float) -> None:
+        """Take the motions of a tick into the checks over seconds; doubt the estimate where the depth sensor does."""
+        change, self._authority_before = authority - self._authority_before, authority
         inertia = self._loop.inertia
-        fading = self._dt / max(math.sqrt(inertia), self._dt)
-        asked = inertia * abs(acceleration) / RATE_ERROR.time
-        self._to_gain_speed = max(asked, (1.0 - fading) * self._to_gain_speed)
-
-    def _follow_within_limits(self, intended: float) -> float:
-        """Return the speed of a drum that follows an `intended` one within the winch's limits [m/s]."""
-        limits = self._loop.limits
-        largest = limits.acceleration * self._dt
-        reached = self._reachable + min(max(intended - self._reachable, -largest), largest)
-        self._reachable = min(max(reached, -limits.speed), limits.speed)
-        return self._reachable
-
-    def _judge_checks(self) -> None:
-        feeds_back_unit = self._loop.feeds_back_unit
-        if self._depth_check.is_exceeded:
+        swings = Swings.of(motions, inertia)
+        self._drum.update(motions, self._loop, authority, change, swings)
+        self._unit.update(motions, inertia, authority, swings, is_out_of_reach=self._drum.is_out_of_reach)
+        mismatch = self._unit.mismatch
+        if mismatch is not None:
             self.trusts_estimate = False
-            self._begin_inhibiting(
-                f"compensation is harmful: the depth sensor reads {self._depth_check.amplitude:.3f} m of heave, more "
-                "than without compensation; if it does not move so, depth sensor or motion reference unit is wrong"
-            )
-        elif feeds_back_unit and self._swing_check.is_exceeded:
-            self._begin_inhibiting(
-                f"compensation is harmful: the unit swings by {self._swing_check.amplitude:.3f} m, more than without "
-                "compensation"
-            )
-        elif feeds_back_unit and self._rate_check.is_exceeded:
-            self._begin_inhibiting(
-                f"compensation is harmful: the drum is {self._rate_check.amplitude:.3f} m/s off its intended speed, an "
-                "error larger than the speed of the boom tip"
+            self._hold.unexplained(
+                f"{DISAGREED} by {mismatch:.3f} m, and which of them is wrong is not known: no "
+                "compensation until they agree; look at sign and scale of both"
             )
 
-    # over waves
-
-    def _compare(self, motions: GuardedMotions, authority: float) -> None:
-        """Compare the standard deviations of the compensated and the uncompensated unit.
-
-        Of a share of the sea, `authority`, no more can be asked than that share of what the whole has to gain.
-        """
-        self._unit.add(motions.unit.heave)
-        self._free_unit.add(motions.free_unit.heave)
-        self._judged_time += self._dt
-        parameters = self._parameters
-        if self._judged_time < 0.5 * parameters.window:
-            return
-        sigma, free_sigma = self._unit.sigma, self._free_unit.sigma
-        least = authority * (1.0 - parameters.harm_ratio)
-        if sigma > parameters.floor and sigma > (1.0 - least) * free_sigma:
-            verdict = "is harmful" if sigma > free_sigma else f"gains less than {100.0 * least:.0f} %"
-            self._begin_inhibiting(
-                f"compensation {verdict}: heave of the unit {sigma:.3f} m, {free_sigma:.3f} m without compensation "
-                "(standard deviations)"
-            )
-        elif self._judged_time > 4.0 * self._hold_time:
-            self._hold_time = parameters.hold_time
-
-    # while it inhibits
-
-    def _begin_inhibiting(self, reason: str, hold: float | None = None) -> None:
-        self.inhibits, self._began = True, self._time
-        self._is_unexplained = False
-        self._hold = hold
-        self._off_time = 0.0
-        self.reason = reason
+    def _harm_over_seconds(self) -> str:
+        """Return what the checks over seconds have found, in words; empty: nothing."""
+        if harm := self._unit.harm_by_depth:
+            self.trusts_estimate = False
+            return harm
+        if not self._loop.feeds_back_unit:
+            return ""
+        return self._unit.harm_to_swing or self._drum.harm
 
     def _wait(self, authority: float) -> None:
         """Count the time off, and let compensation be tried again."""
-        if authority > 0.0:
-            return
-        self._off_time += self._dt
-        hold = self._hold_time if self._hold is None else self._hold
-        if self._off_time >= hold and self.demand <= self._parameters.demand_ratio:
-            self.inhibits = False
+        if self._hold.ends(authority, self.demand):
             self.trusts_estimate = True
-            self.reason = ""
-            if self._hold is None:
-                self._hold_time = min(HOLD_GROWTH * self._hold_time, self._parameters.hold_time_limit)
-            self._judged_time = 0.0
-            self._make_comparison()
+            self._waves.restart()

@@ -12,7 +12,8 @@ from winch_controller_node.estimation.tension import TensionMean
 from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.supervision.command_timeouts import Advice, CommandTimeouts
 from winch_controller_node.supervision.entry_gates import PEAK_OVER_SIGNIFICANT, EntryGates
-from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
+from winch_controller_node.supervision.guard import HarmGuard
+from winch_controller_node.supervision.guard_checks import GuardedLoop, GuardedMotions
 from winch_controller_node.supervision.landing import LEAST_RATE, HangingLoad, HangingUnit, Landing, LandingEvent
 from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import Mode, ModeOutput, Situation

@@ -1,0 +1,111 @@
+"""How long compensation stays off after harm, and when it is tried again."""
+
+from __future__ import annotations
+
+from winch_controller_node.parameters.laws import GuardParameters
+
+CAUSE_TIME, KNOWN_HOLD = 20.0, 5.0
+"""Harm whose cause is known and corrected within the first time [s] keeps compensation off for the second [s] only."""
+
+HOLD_GROWTH = 4.0
+"""The hold time grows by this factor each time: what all tries do together stays little."""
+
+DISAGREED = "depth sensor and motion reference unit disagree"
+"""Why the estimate is not trusted, in words."""
+
+
+class HarmHold:
+    """Keeps compensation off for a reason, and for a time after it.
+
+    Parameters
+    ----------
+    parameters : hold times, and the largest demand of the sea in which it is tried again
+    tick_period : [s]
+
+    Attributes
+    ----------
+    inhibits : compensation is to be off
+    reason : why, in words; empty where it need not
+    """
+
+    def __init__(self, parameters: GuardParameters, tick_period: float) -> None:
+        self._parameters = parameters
+        self._dt = tick_period
+        self.inhibits, self.reason = False, ""
+        self._is_unexplained = False
+        self._hold_time = parameters.hold_time
+        self._known_hold: float | None = None
+        self._since = self._off_time = 0.0
+
+    @property
+    def _hold(self) -> float:
+        """Time for which the reason must have been over [s]."""
+        return self._hold_time if self._known_hold is None else self._known_hold
+
+    def begin(self, reason: str, hold: float | None = None) -> None:
+        """Inhibit for a `reason`; `hold` as for `certain`."""
+        self.inhibits, self.reason = True, reason
+        self._is_unexplained = False
+        self._known_hold = hold
+        self._since = self._off_time = 0.0
+
+    def certain(self, reason: str, hold: float | None = None) -> None:
+        """Inhibit for a `reason` that lasts in this tick.
+
+        Parameters
+        ----------
+        reason : in words
+        hold : time after it [s]; None: the hold time of harm, which becomes longer each time
+        """
+        self._off_time = 0.0
+        if not self.inhibits or self._is_unexplained:
+            self.begin(reason, hold)
+
+    def unexplained(self, reason: str) -> None:
+        """Inhibit for a disagreement, which is the `reason` until it is known who is wrong."""
+        self._off_time = 0.0
+        if not self.inhibits:
+            self.begin(reason)
+            self._is_unexplained = True
+
+    def explain(self, belief: str) -> None:
+        """Hold for less, and say why: a wrong `belief`, as of the "winch", has just been corrected."""
+        if self.inhibits and self._known_hold is None and self._since < CAUSE_TIME:
+            self._known_hold = KNOWN_HOLD
+        if self.inhibits and self._is_unexplained:
+            self.reason, self._is_unexplained = f"{DISAGREED}: {belief} was wrong", False
+
+    def is_kept_after(self, judged_time: float) -> None:
+        """Forget the harm of before where compensation has done none for long, of a `judged_time` [s]."""
+        if judged_time > 4.0 * self._hold_time:
+            self._hold_time = self._parameters.hold_time
+
+    def prospect(self, demand: float) -> str:
+        """Return when compensation is tried again in a sea of some `demand`, in words; empty where it is not off."""
+        if not self.inhibits:
+            return ""
+        if self._off_time < self._hold:
+            # one wording, whether the reason is there in this tick or not: it may come and go
+            left = self._hold - self._off_time
+            return f"tried again once that has been over for {self._hold:.0f} s, in {left:.0f} s at best"
+        most = self._parameters.demand_ratio
+        return f"tried again once the sea demands at most {most:g} times the winch's limits; now {demand:.1f}"
+
+    def ends(self, authority: float, demand: float) -> bool:
+        """Take in a tick that inhibits; return whether compensation may be tried again from now on.
+
+        Parameters
+        ----------
+        authority : share of the sea that is compensated still
+        demand : of the sea, over the winch's limits
+        """
+        self._since += self._dt
+        if authority > 0.0:
+            return False
+        self._off_time += self._dt
+        if self._off_time < self._hold or demand > self._parameters.demand_ratio:
+            return False
+        self.inhibits, self.reason = False, ""
+        if self._known_hold is None:
+            self._hold_time = min(HOLD_GROWTH * self._hold_time, self._parameters.hold_time_limit)
+        return True
