@@ -220,7 +220,7 @@ class WinchController:
 
         Raises ModeError where the depth is not known, the winch does not compensate, or its range does not reach.
         """
-        if self.observer.depth_zero is None:
+        if self.observer.terms.depth_zero is None:
             raise ModeError("a move needs the depth sensor: no reading received yet")
         if self.mode is not Mode.COMPENSATING:
             raise ModeError(f"a move needs mode compensating; the mode is {self.mode.value}")

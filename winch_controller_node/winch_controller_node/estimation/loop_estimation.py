@@ -83,7 +83,7 @@ class LoopEstimation:
     def _refer_to(self, design: ControllerDesign) -> None:
         """Refer to a design from now on, whose model the estimator has already."""
         self._design = design
-        self.observer.take_design(design)
+        self.observer.terms.take_design(design)
         self._slack = design.slack
         self._rows = loop_rows(design.model)
         self._shadow.take_cable(design.cable, design.tick_period)
@@ -112,7 +112,7 @@ class LoopEstimation:
         if tick is not None:
             self.estimator.step(tick, 0.0, [])
         self.motion.carry(matrix)
-        self.observer.forget_shares()
+        self.observer.terms.forget_shares()
         self._refer_to(design)
 
     def adopt(self, design: ControllerDesign, matrix: Array | None, adopted: Adopted, tick: int) -> None:
@@ -142,7 +142,7 @@ class LoopEstimation:
         )
         if matrix is not None:
             self.motion.carry(matrix)
-            self.observer.forget_shares()
+            self.observer.terms.forget_shares()
         self.surprise.restart()
         self._refer_to(design)
         # the boom tip was another one, and so is what it does to a unit that no winch moves
@@ -233,7 +233,7 @@ class LoopEstimation:
             if not self._has_begun:
                 measurements = replace(measurements, winch=None)
         mean_state, estimator = self.motion.state, self.estimator
-        self.observer.remember_share(number, mean_state)
+        self.observer.terms.remember_share(number, mean_state)
         rows = self._rows
         rate = float(rows.payout_rate @ (estimator.estimate + mean_state)) + rows.payout_rate_through * command.total
         readings = self.observer.observe(number, measurements, estimator, rate, unit_stands=unit_stands)
@@ -290,7 +290,7 @@ class LoopEstimation:
         if is_near or not self._has_begun:
             return
         self.motion.begin_at(payout, self._design.model, self._design.parameters.winch)
-        self.observer.begin_at(payout)
+        self.observer.terms.begin_at(payout)
 
     def _sensed(self, readings: list[Measurement]) -> Sensed:
         observer = self.observer
@@ -425,18 +425,18 @@ class LoopEstimation:
     @property
     def mean_depth(self) -> float:
         """Estimated mean depth of the unit, positive down [m]; NaN before the first depth reading."""
-        zero = self.observer.depth_zero
+        zero = self.observer.terms.depth_zero
         if zero is None:
             return math.nan
         payout = float(self._rows.payout @ self.motion.state) + self.motion.left_over.point.payout
-        return zero + self._depth_bias() + payout * (1.0 + self.observer.stretch_per_payout)
+        return zero + self._depth_bias() + payout * (1.0 + self.observer.terms.stretch_per_payout)
 
     def payout_at(self, depth: float) -> float:
         """Return the mean payout [m] that brings the unit to a mean depth [m]; NaN before the first depth reading."""
-        zero = self.observer.depth_zero
+        zero = self.observer.terms.depth_zero
         if zero is None:
             return math.nan
-        return (depth - zero - self._depth_bias()) / (1.0 + self.observer.stretch_per_payout)
+        return (depth - zero - self._depth_bias()) / (1.0 + self.observer.terms.stretch_per_payout)
 
     def _depth_bias(self) -> float:
         """Return how much deeper the mean is than the first reading [m]."""

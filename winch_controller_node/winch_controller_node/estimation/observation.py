@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from typing import NamedTuple
 
 from heave_node.interface.codes import SensorLevel, WinchFault
 from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
 
-from winch_controller_node.beliefs.corrections import AS_READ, Correction
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.mru_steps import MruSteps
+from winch_controller_node.estimation.reading_terms import ReadingTerms, SensorsWatched, tick_of
 from winch_controller_node.estimation.sensor_health import (
     DepthJumps,
     EncoderGate,
@@ -29,14 +28,10 @@ from winch_controller_node.interface.sensors import (
     LEVER_ARM_X,
     LEVER_ARM_Y,
     SCALAR_SENSORS,
-    SensorModelParameters,
     Zero,
 )
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement
 from winch_controller_node.parameters.laws import HealthParameters
-
-ON_TICK = 1e-4
-"""A stamp that is off its tick by a smaller share of the tick period is on it."""
 
 NEGLIGIBLE = 1e-4
 """A noise that is believed to be no larger than this, in the sensor's unit, is never too large."""
@@ -46,9 +41,6 @@ HEAVE_ALONE = "heave alone: it measures no rate"
 
 CONTRADICTS = "contradicts all others"
 """How a sensor is seen that is doubted and has no other fault."""
-
-REMEMBERED = 64
-"""Ticks for which the mean payout's share is kept, for readings that come late."""
 
 
 class Observed(NamedTuple):
@@ -85,88 +77,45 @@ class Observer:
     depths : stamp [s] and depth, positive down [m], of the depth readings accepted in this tick
     witnessed : readings of this tick that the estimator does not take, in its terms: they tell which sensor is wrong
     doubted : sensor in use whose readings are only witnesses: they contradict all others; empty: none
-    stretch_per_payout : how much further than paid out the unit goes down at rest: stretch of the new cable [-]
-    corrections : of the readings, by sensor
+    terms : in which the estimator takes readings
     observed : readings of this tick as they were read, before corrections, for the adviser
     """
 
     def __init__(self, design: ControllerDesign, health: HealthParameters) -> None:
         self._dt = design.tick_period
-        sensors = design.parameters.sensors
-        self._use = sensors.in_use()
-        self.corrections: dict[str, Correction] = {}
-        self.observed: list[Observed] = []
-        self._watched = {
-            name: sensor for name, sensor in sensors.by_name().items() if name in self._use or sensor.is_always_watched
-        }
+        sensors = SensorsWatched.of(design.parameters.sensors)
+        self._sensors = sensors
         self.gates = {
             name: SensorGate(name, SensorTiming(sensor.period(self._dt), sensor.age()), health)
-            for name, sensor in self._watched.items()
+            for name, sensor in sensors.watched.items()
             if name != "encoder"
         }
         self.encoder = EncoderGate(SensorTiming(self._dt, self._dt), health, tick_period=self._dt)
         self.gates["encoder"] = self.encoder.gate
         self._depth_jumps = DepthJumps()
         self._mru_steps = MruSteps()
-        self._rows_of = {name: sensor.rows() for name, sensor in self._watched.items()}
-        rows = [(sensor, row) for name, sensor in self._use.items() for row in self._rows_of[name]]
-        self._sensor_of = {row.name: name for name, found in self._rows_of.items() for row in found}
-        self._has_offset = {"mru_heave"}
-        self._of_boom_tip = {row.name for sensor, row in rows if sensor.sees == "boom_tip"}
-        self._heaves_of_unit = {row.name for _, row in rows if row.output == "unit_heave"}
         self._noise = {
             row.name: SensorNoise(row.sigma, sensor.period(self._dt))
-            for sensor, row in rows
+            for name, sensor in sensors.in_use.items()
+            for row in sensors.rows_of[name]
             if sensor.zero is not Zero.STATIC_TENSION
         }
-        self._zeros: dict[str, float] = {}
-        self._first_heave = 0.0
+        self.terms = ReadingTerms(design, sensors)
         self.payout: float | None = None
         self.tension = math.nan
         self.mru_rate = 0.0
-        self.take_design(design)
         self.depths: list[tuple[float, float]] = []
         self.witnessed: list[Measurement] = []
+        self.observed: list[Observed] = []
         self.doubted = ""
         self._unit_heave = 0.0
         self._levels: dict[str, SensorLevel] = {}
         self._quiet: list[str] = []
         self._attitude: tuple[float, float, float] | None = None
-        self._shares: deque[tuple[int, Array]] = deque(maxlen=REMEMBERED)
-
-    def take_design(self, design: ControllerDesign) -> None:
-        """Refer to the cable of a design from now on."""
-        cable = design.cable
-        self._static_tension = cable.static_tension
-        self.stretch_per_payout = cable.static_tension / (cable.stiffness * design.length)
-
-    @property
-    def depth_zero(self) -> float | None:
-        """Depth that counts as heave zero [m]; None before the first reading."""
-        return self._zeros.get("depth")
-
-    def begin_at(self, payout: float) -> None:
-        """Take the unit to have hung on a `payout` [m] that is not 0 when its depth was first read."""
-        self.forget_shares()
-        self._first_heave = -payout * (1.0 + self.stretch_per_payout)
-        for name, zero in self._zeros.items():
-            self._zeros[name] = self._zero_from(zero, self._watched[name])
-
-    def remember_share(self, tick: int, mean_state: Array) -> None:
-        """Note the state of the mean payout's own motion at `tick`, `mean_state`, shape (n,)."""
-        self._shares.append((tick, mean_state))
-
-    def forget_shares(self) -> None:
-        """Forget the shares noted so far: the states are counted otherwise from now on."""
-        self._shares.clear()
 
     def doubt(self, sensor: str) -> None:
         """Take the readings of a `sensor` as those of a witness only from now on; empty: of none that is in use."""
         self.doubted = sensor
-
-    def correct(self, corrections: dict[str, Correction]) -> None:
-        """Take off what is believed to be wrong with readings, `corrections` by sensor, from now on."""
-        self.corrections = corrections
 
     def trust(self) -> None:
         """Try a frozen encoder and a doubted depth sensor again: an operator asks for it, and any harm is found again.
@@ -179,7 +128,7 @@ class Observer:
 
     def _doubt_first(self, sensor: str) -> None:
         """Doubt a `sensor` in use that has jumped: it must agree with all others before it is used again."""
-        if sensor in self._use and not self.doubted:
+        if sensor in self._sensors.in_use and not self.doubted:
             self.doubt(sensor)
 
     def observe(
@@ -207,13 +156,13 @@ class Observer:
         taken: list[Measurement] = []
         witnessed: list[Measurement] = []
         for mru in delivered.mru:
-            if "mru" in self._use and judge_mru(self.gates["mru"], now, mru, self._mru_steps, self._mru_noise):
+            if self._admits(mru, now):
                 if self._mru_steps.is_unproved:
                     self._doubt_first("mru")
                 (taken if self._is_taken("mru") else witnessed).extend(self._mru(mru))
         taken += self._encoder(now, delivered, expected_rate)
         for name in SCALAR_SENSORS:
-            if name in self._watched:
+            if name in self._sensors.watched:
                 of_unit = self._scalar(now, name, delivered.of(name))
                 if not unit_stands:
                     (taken if self._is_taken(name) else witnessed).extend(of_unit)
@@ -223,9 +172,15 @@ class Observer:
         self.witnessed = [self._in_terms(reading, estimator, is_used=False) for reading in witnessed]
         return [self._in_terms(reading, estimator, is_used=True) for reading in taken]
 
+    def _admits(self, mru: MruReading, now: float) -> bool:
+        """Tell whether the gate of the MRU lets a reading through that is there `now` [s]."""
+        return "mru" in self._sensors.in_use and judge_mru(
+            self.gates["mru"], now, mru, self._mru_steps, self._noise["mru_heave"].sigma
+        )
+
     def _is_taken(self, sensor: str) -> bool:
         """Tell whether the estimator takes what a `sensor` reads."""
-        return sensor in self._use and sensor != self.doubted
+        return sensor in self._sensors.in_use and sensor != self.doubted
 
     def learn(self, estimator: KalmanEstimator, surprise: Surprise) -> None:
         """Take back the samples of which the estimator refused a reading; an MRU's sample holds two.
@@ -318,28 +273,18 @@ class Observer:
         mean_state : state of the mean payout's own motion, shape (n,)
         unit : index of unit_heave in it
         """
-        return self._unit_heave - float(mean_state[unit]) * (1.0 + self.stretch_per_payout)
-
-    def _tick_of(self, time: float) -> tuple[int, float]:
-        """Return the tick nearest to a `time` [s], and how much later than it that is, in ticks."""
-        tick = round(time / self._dt)
-        offset = time / self._dt - tick
-        return tick, offset if abs(offset) > ON_TICK else 0.0
-
-    @property
-    def _mru_noise(self) -> float:
-        """Standard deviation of the MRU's heave [m]."""
-        return self._noise["mru_heave"].sigma
+        return self._unit_heave - float(mean_state[unit]) * (1.0 + self.terms.stretch_per_payout)
 
     @property
     def depth_noise(self) -> float:
         """Standard deviation of the depth sensor [m]; 0 where the estimator does not take it."""
         return max(
-            (self._noise[row.name].sigma for row in self._rows_of["depth"] if row.name in self._noise), default=0.0
+            (self._noise[row.name].sigma for row in self._sensors.rows_of["depth"] if row.name in self._noise),
+            default=0.0,
         )
 
     def _mru(self, reading: MruReading) -> list[Measurement]:
-        tick, offset = self._tick_of(reading.time)
+        tick, offset = tick_of(reading.time, self._dt)
         attitude, self._attitude = self._attitude, (reading.time, reading.roll, reading.pitch)
         level = {LEVER_ARM_X: -reading.pitch, LEVER_ARM_Y: reading.roll}
         sigma = self._noise["mru_heave"].add(reading.heave, reading.heave_sigma)
@@ -370,7 +315,7 @@ class Observer:
         self.payout = payout
         if payout is None or not self._is_taken("encoder"):
             return []
-        tick, offset = self._tick_of(winch.time)
+        tick, offset = tick_of(winch.time, self._dt)
         return [Measurement("payout", payout, tick, offset=offset)]
 
     def _scalar(self, now: float, name: str, readings: tuple[ScalarReading, ...]) -> list[Measurement]:
@@ -389,14 +334,15 @@ class Observer:
                 continue
             if name == "load_cell":
                 self.tension = read
-            sensor = self._watched[name]
-            value = sensor.sign * (read - self._zero(name, sensor, read))
+            sensor = self._sensors.watched[name]
+            value = sensor.sign * (read - self.terms.zero(name, read))
             if name == "depth":
                 self._unit_heave = value
                 self.depths.append((reading.time, -value))
-            when, offset = self._tick_of(reading.time)
+            when, offset = tick_of(reading.time, self._dt)
             taken += [
-                Measurement(row.name, value, when, self._sigma(row.name, value), offset) for row in self._rows_of[name]
+                Measurement(row.name, value, when, self._sigma(row.name, value), offset)
+                for row in self._sensors.rows_of[name]
             ]
         return taken
 
@@ -405,55 +351,23 @@ class Observer:
         noise = self._noise.get(measurement)
         return None if noise is None else noise.add(value)
 
-    def _zero(self, name: str, sensor: SensorModelParameters, value: float) -> float:
-        """Return what a reading of `value` counts from."""
-        if sensor.zero is Zero.FIRST_READING:
-            return self._zeros.setdefault(name, self._zero_from(value, sensor))
-        return self._static_tension if sensor.zero is Zero.STATIC_TENSION else 0.0
-
-    def _zero_from(self, first: float, sensor: SensorModelParameters) -> float:
-        """Return what the readings of a `sensor` count from, of which this is the `first`."""
-        return first - sensor.sign * self._first_heave
-
     def _in_terms(self, reading: Measurement, estimator: KalmanEstimator, *, is_used: bool) -> Measurement:
         """Return a reading in the estimator's terms, corrected and without the mean payout's share; note it as read."""
-        share = self._share_of(reading, estimator)
+        share = self.terms.share_of(reading, estimator)
         as_read = self.encoder.as_read if reading.name == "payout" else reading.value
         self.observed.append(Observed(reading, as_read, share, is_used))
-        return self._corrected(reading, share)
+        return self.terms.corrected(reading, share)
 
     def as_believed(self, observed: Observed) -> Measurement:
         """Return a reading `observed` in the last seconds in the estimator's terms, as it is believed to be now."""
         reading = observed.reading
         if reading.name == "payout":
             reading = reading._replace(value=self.encoder.payout_at(observed.value))
-        return self._corrected(reading, observed.share)
+        return self.terms.corrected(reading, observed.share)
 
     def is_taken(self, reading: Measurement) -> bool:
         """Tell whether the estimator takes what the sensor of a `reading` reads."""
-        return self._is_taken(self._sensor_of[reading.name])
-
-    def _corrected(self, reading: Measurement, share: float) -> Measurement:
-        correction = self.corrections.get(self._sensor_of[reading.name], AS_READ)
-        offset = correction.offset if reading.name in self._has_offset else 0.0
-        value = (reading.value - offset) / correction.scale - share
-        if correction.delay == 0.0:
-            return reading._replace(value=value)
-        tick, ahead = self._tick_of((reading.tick + reading.offset) * self._dt - correction.delay)
-        return reading._replace(value=value, tick=tick, offset=ahead)
-
-    def _share_of(self, reading: Measurement, estimator: KalmanEstimator) -> float:
-        """Return the mean payout's share in a reading, at its time."""
-        if not self._shares or reading.name in self._of_boom_tip:
-            return 0.0
-        newest, state = self._shares[-1]
-        if newest > reading.tick:
-            noted = (share for tick, share in reversed(self._shares) if tick <= reading.tick)
-            state = next(noted, self._shares[0][1])
-        share = float(estimator.row_of(reading) @ state)
-        if reading.name in self._heaves_of_unit:
-            share -= self.stretch_per_payout * float(estimator.model.row("payout") @ state)
-        return share
+        return self._is_taken(self._sensors.sensor_of[reading.name])
 
 
 def _as_doubted(state: SensorState) -> SensorState:
