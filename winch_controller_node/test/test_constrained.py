@@ -15,11 +15,11 @@ from winch_controller_node.laws.mpc import (
     ConstrainedLaw,
     MpcParameters,
     constrained_gain,
-    correction_knots,
     free_gain,
 )
 from winch_controller_node.laws.parts.governor import CommandGovernor, SpeedServo
 from winch_controller_node.laws.parts.loop_state import AuthorityShift, LoopState, Reference
+from winch_controller_node.laws.parts.plan import correction_knots
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
@@ -139,11 +139,11 @@ def test_the_plan_is_the_optimum_that_osqp_finds_for_the_same_problem(design):
     law = make_law(design)
     state = sea_state(design, 1.0, 1)
     assert law.command(state).status == "solved"
-    free = law._free @ state.x
-    lower, upper = law._bounds(state)
+    free = law._rows.free @ state.x
+    lower, upper = law._rows.bounds(state)
     hessian = law._basis.T @ law._basis * DT
     peer = osqp.OSQP()
-    rows = sp.csc_matrix(law._forced)
+    rows = sp.csc_matrix(law._rows.forced)
     settings = {"eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 400_000, "verbose": False}
     peer.setup(sp.csc_matrix(hessian), np.zeros(len(hessian)), rows, lower - free, upper - free, **settings)
     best = peer.solve(raise_error=True).x
@@ -188,7 +188,7 @@ def test_the_mean_payout_takes_its_share_of_the_speed(design):
     """While the mean is paid out at 1 m/s, compensation may add 1 m/s on that side and 3 m/s on the other."""
     law = make_law(design)
     state = sea_state(design, 2.0, 0)._replace(reference=Reference(rate=1.0))
-    lower, upper = law._bounds(state)
+    lower, upper = law._rows.bounds(state)
     assert (lower[0], upper[0]) == (-3.0, 1.0)
 
 
@@ -203,8 +203,8 @@ def test_the_plan_keeps_below_a_highest_tension(design):
         made_for = LawDesign(design.model, parameters.winch, limits, parameters.weights, design.gain)
         law = ConstrainedLaw(made_for, MpcParameters())
         command = law.command(state)
-        rows = next(kind.rows for kind in law._rows if kind.name == "tension")
-        return float((law._free @ state.x + law._forced @ law._plan)[rows].max()), command
+        rows = next(kind.rows for kind in law._rows.kinds if kind.name == "tension")
+        return float((law._rows.free @ state.x + law._rows.forced @ law._plan)[rows].max()), command
 
     highest, command = planned()
     assert highest > 0.1 * state.static_tension

@@ -1,0 +1,314 @@
+"""The plan of law mpc: the winch's limits as rows of it, and the solver that corrects it.
+
+A row gives a constrained quantity at a tick of the horizon from the state now, from the correction, and from what a
+preview tells beyond the state.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import daqp
+import numpy as np
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.linear_model import LinearModel
+
+from winch_controller_node.laws.parts.governor import (
+    ACCELERATION,
+    PAYOUT,
+    POWER,
+    SPEED,
+    TENSION,
+    SpeedServo,
+    standing_command,
+)
+from winch_controller_node.laws.parts.loop_state import LoopState, Reference
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
+from winch_controller_node.parameters.model import WinchModelParameters
+
+UNBOUNDED = 1e30
+"""Bound that stands for none."""
+SOFT = 8
+"""DAQP's mark of a soft constraint."""
+
+ACTIVE_TOLERANCE = 1e-3
+"""A limit shapes the plan when the plan comes this near to it, relative to the limit."""
+
+SPARED = 0.02
+"""Share of the acceleration limit that a command leaves unused where no limit shapes the plan."""
+
+
+def correction_knots(horizon: float, dt: float) -> list[int]:
+    """Return the ticks of the hat functions: dense where the next commands are made, sparse far ahead.
+
+    `horizon` [s], `dt` : tick period [s].
+    """
+    knots, time = [0], 0.0
+    while time < horizon - 1e-9:
+        time += 0.1 if time < 0.5 else 0.25 if time < 3.0 else 0.35
+        tick = round(min(time, horizon) / dt)
+        if tick > knots[-1]:
+            knots.append(tick)
+    if len(knots) > 2 and knots[-1] - knots[-2] == 1:
+        del knots[-2]  # else nothing before the end of the horizon would belong to the last one
+    return knots
+
+
+def constrained_ticks(first: int, horizon_ticks: int, dt: float) -> list[int]:
+    """Return the ticks from `first` up to `horizon_ticks` at which limits are kept: each one soon, some later.
+
+    `dt` : tick period [s].
+    """
+    ticks: list[int] = []
+    tick = first
+    while tick < horizon_ticks:
+        ticks.append(tick)
+        ahead = (tick - first) * dt
+        tick += max(1, round((0.05 if ahead < 2.3 else 0.1 if ahead < 4.8 else 0.15) / dt))
+    return ticks
+
+
+def hat_functions(knots: list[int], ticks: int) -> Array:
+    """Return the basis of the correction, shape (ticks, knots): linear between knots."""
+    time = np.arange(ticks)
+    return np.column_stack([np.interp(time, knots, np.eye(len(knots))[j]) for j in range(len(knots))])
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Rows of one kind of constraint: which rows, and when [s from now]."""
+
+    name: str
+    rows: slice
+    times: Array
+
+
+class Planned(NamedTuple):
+    """What a plan is made for.
+
+    Attributes
+    ----------
+    gain : of the feedback under it, shape (n,)
+    basis : of the correction, shape (ticks, m)
+    disturbances, fed : of a preview, shapes (k, n, p) and (k, p): what it adds to the state, and to the command
+    standing : row that gives the command under which the drum does not accelerate, shape (n,)
+    delay : of the command, in ticks
+    """
+
+    gain: Array
+    basis: Array
+    disturbances: Array
+    fed: Array
+    standing: Array
+    delay: int
+
+
+class PlanRows:
+    """The limits of the winch as rows of the plan.
+
+    Parameters
+    ----------
+    model : sampled
+    winch : a speed servo
+    plan : what it is made for
+    limits : that are kept
+
+    Attributes
+    ----------
+    limits : that are kept
+    kinds : of rows
+    free, forced, previewed : rows of the state, the correction and the preview, shapes (r, n), (r, m), (r, p)
+    """
+
+    def __init__(self, model: LinearModel, winch: WinchModelParameters, plan: Planned, limits: WinchLimits) -> None:
+        assert model.dt is not None
+        self._lag, self._dt = winch.time_constant, model.dt
+        self._position_gain, self._set_point_reach = winch.position_gain, winch.set_point_reach
+        self.take_limits(limits)
+        dense = constrained_ticks(plan.delay, len(plan.basis), model.dt)
+        sparse = dense[::3]
+        responses = _responses(model, plan)
+        commanded = [tick - plan.delay for tick in dense]
+        blocks = [
+            _output_rows(model, plan.gain, "payout_rate", dense, responses),
+            # acceleration at the moment each command takes effect, which may be within a tick
+            _servo_rows(plan, plan.standing, winch.time_constant, commanded, responses),
+            # the speed that the servo is asked for: a slow one needs more than it makes
+            _servo_rows(plan, standing_command(model, winch), 1.0, commanded, responses),
+            _output_rows(model, plan.gain, "payout", sparse, responses),
+            _output_rows(model, plan.gain, "tension", sparse, responses),
+        ]
+        self.kinds, start = [], 0
+        for name, ticks in ((SPEED, dense), (ACCELERATION, dense), (SPEED, dense), (PAYOUT, sparse), (TENSION, sparse)):
+            self.kinds.append(_Rows(name, slice(start, start + len(ticks)), np.array(ticks) * model.dt))
+            start += len(ticks)
+        self.free, self.forced, self.previewed = (np.vstack(rows) for rows in zip(*blocks, strict=True))
+
+    def take_limits(self, limits: WinchLimits) -> None:
+        """Keep other limits from now on."""
+        self.limits = limits
+        self._acceleration = SpeedServo(self._lag, limits.acceleration, self._dt).linear_acceleration
+
+    def bounds(self, state: LoopState) -> tuple[Array, Array]:
+        """Return lower and upper bounds of the rows at a `state`, with the mean payout's share subtracted."""
+        limits, reference = self.limits, state.reference
+        speeds, accelerations, set_points, payouts, tensions = self.kinds
+        speed = limits.speed
+        if math.isfinite(limits.power):
+            swing = float((self.free[tensions.rows] @ state.x).max())
+            speed = limits.speed_under(state.static_tension + max(swing, 0.0))
+        mean = reference.payout + reference.rate * payouts.times
+        least, most = limits.minimum_tension, limits.maximum_tension if state.bounds_tension else math.inf
+        lower, upper = np.empty(len(self.forced)), np.empty(len(self.forced))
+        lower[speeds.rows], upper[speeds.rows] = -speed - reference.rate, speed - reference.rate
+        taken = self._acceleration_taken(reference)
+        lower[accelerations.rows], upper[accelerations.rows] = -self._acceleration - taken, self._acceleration - taken
+        reach = self._set_point_reach * speed
+        asked = reference.command - self._position_gain * reference.payout
+        lower[set_points.rows], upper[set_points.rows] = -reach - asked, reach - asked
+        lower[payouts.rows], upper[payouts.rows] = limits.payout_minimum - mean, limits.payout_maximum - mean
+        lower[tensions.rows] = least - state.static_tension if least > 0.0 else -UNBOUNDED
+        upper[tensions.rows] = most - state.static_tension if math.isfinite(most) else UNBOUNDED
+        return lower, upper
+
+    def _acceleration_taken(self, reference: Reference) -> float:
+        """Return the acceleration that the mean payout takes up when the next command takes effect [m/s^2]."""
+        standing = reference.rate + self._position_gain * reference.payout
+        return (reference.command - standing) / self._lag
+
+    def spared(self, value: float, standing: float, reference: Reference) -> float:
+        """Return the command that asks for no more than the acceleration limit, also at the start of the tick.
+
+        A plan may ask for more at the start of a tick, to gain over all of it what the limit allows; noise alone should
+        not.
+
+        Parameters
+        ----------
+        value : command that is wanted [m/s]
+        standing : command under which the drum would not accelerate, but for the mean payout's motion [m/s]
+        reference : that motion
+        """
+        standing -= self._acceleration_taken(reference) * self._lag
+        step = (1.0 - SPARED) * self.limits.acceleration * self._lag
+        return min(max(value, standing - step), standing + step)
+
+    def active(self, planned: Array, lower: Array, upper: Array) -> tuple[str, ...]:
+        """Return the limits that a plan touches, in words.
+
+        `planned`, `lower`, `upper` : of all rows, shape (r,).
+        """
+        active = []
+        for kind in self.kinds:
+            values, low, high = planned[kind.rows], lower[kind.rows], upper[kind.rows]
+            if np.any(values >= high - ACTIVE_TOLERANCE * np.abs(high)) or np.any(
+                values <= low + ACTIVE_TOLERANCE * np.abs(low)
+            ):
+                is_power = kind.name == SPEED and math.isfinite(self.limits.power)
+                active.append(POWER if is_power and float(np.max(high)) < self.limits.speed else kind.name)
+        return tuple(active)
+
+
+class PlanSolver:
+    """Finds the smallest correction with which a plan keeps its bounds: a QP with a constant Hessian.
+
+    Parameters
+    ----------
+    basis : of the correction, shape (ticks, m)
+    forced : rows of it, shape (r, m)
+    tick_period : [s]
+    iteration_limit : iterations after which it gives up
+    softness : reciprocal weight of a violated bound
+    """
+
+    def __init__(
+        self, basis: Array, forced: Array, *, tick_period: float, iteration_limit: int, softness: float
+    ) -> None:
+        hessian = basis.T @ basis * tick_period
+        self._scale = 1.0 / np.sqrt(np.diag(hessian))
+        self._hessian = np.ascontiguousarray(hessian * self._scale[:, None] * self._scale[None, :])
+        self._forced = np.ascontiguousarray(forced * self._scale[None, :])
+        self._settings = {"iter_limit": iteration_limit, "rho_soft": softness}
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget the warm start."""
+        rows, columns = self._forced.shape
+        self._solver = daqp.Model()
+        self._solver.settings = self._settings
+        self._solver.setup(
+            self._hessian,
+            np.zeros(columns),
+            self._forced,
+            np.full(rows, UNBOUNDED),
+            np.full(rows, -UNBOUNDED),
+            np.full(rows, SOFT, dtype=np.int32),
+        )
+
+    def solve(self, lower: Array, upper: Array) -> tuple[Array | None, int]:
+        """Return the correction, shape (m,), for bounds of shape (r,), and the iterations that it took; None: none."""
+        self._solver.update(bupper=upper, blower=lower)
+        solution, _, flag, info = self._solver.solve()
+        iterations = int(info["iterations"])
+        if flag > 0 and np.all(np.isfinite(solution)):
+            return np.asarray(solution) * self._scale, iterations
+        # a solver that stopped in mid-way starts afresh
+        self.restart()
+        return None, iterations
+
+
+@dataclass(frozen=True)
+class _Responses:
+    """Per tick 0..ticks the free response of the closed loop (n, n), that to each basis function (n, m), and that to
+    each surprise of a preview with the commands `fed` forward for it.
+    """
+
+    free: list[Array]
+    forced: list[Array]
+    previewed: list[Array]
+    basis: Array
+    fed: Array
+
+
+def _responses(model: LinearModel, plan: Planned) -> _Responses:
+    basis, fed = plan.basis, plan.fed
+    closed = model.A - model.B @ plan.gain[None, :]
+    ticks, surprises = len(basis), fed.shape[1]
+    # no more is known of what comes after the preview than the estimate says
+    fed = np.vstack([fed, np.zeros((max(ticks - len(fed), 0), surprises))])
+    free, forced = [np.eye(model.order)], [np.zeros((model.order, basis.shape[1]))]
+    previewed = [np.zeros((model.order, surprises))]
+    for k in range(ticks):
+        free.append(closed @ free[-1])
+        forced.append(closed @ forced[-1] + model.B @ basis[k][None, :])
+        previewed.append(closed @ previewed[-1] + model.B @ fed[k][None, :])
+        if k < len(plan.disturbances):
+            previewed[-1] += plan.disturbances[k]
+    return _Responses(free, forced, previewed, basis, fed)
+
+
+def _output_rows(
+    model: LinearModel, gain: Array, output: str, ticks: list[int], responses: _Responses
+) -> tuple[Array, Array, Array]:
+    """Return rows that give an output at `ticks` from the state now, from the correction and from a preview."""
+    row, through = model.row(output), float(model.D[model.output_names.index(output), 0])
+    feedback = row - through * gain
+    basis, fed = responses.basis, responses.fed
+    return (
+        np.array([feedback @ responses.free[k] for k in ticks]),
+        np.array([feedback @ responses.forced[k] + through * basis[min(k, len(basis) - 1)] for k in ticks]),
+        np.array([feedback @ responses.previewed[k] + through * fed[min(k, len(fed) - 1)] for k in ticks]),
+    )
+
+
+def _servo_rows(
+    plan: Planned, taken: Array, divisor: float, ticks: list[int], responses: _Responses
+) -> tuple[Array, Array, Array]:
+    """Return rows of the commands of `ticks`, less the row that is `taken` off them, over a `divisor`."""
+    feedback, through = -(plan.gain + taken) / divisor, plan.basis / divisor
+    return (
+        np.array([feedback @ responses.free[k] for k in ticks]),
+        np.array([feedback @ responses.forced[k] + through[k] for k in ticks]),
+        np.array([feedback @ responses.previewed[k] + responses.fed[k] / divisor for k in ticks]),
+    )
