@@ -10,6 +10,7 @@ from heave_bringup.closed_loop import COLUMNS, LoopRecord
 
 from tests.campaigns.draws import __main__ as campaign
 from tests.campaigns.draws import cases, figures, run
+from tests.campaigns.draws.ablation import ALL, part
 from tests.campaigns.draws.cases import KINDS, SCENARIOS, Case, draw
 from tests.campaigns.draws.chance import Chance
 from tests.campaigns.draws.deviation import nominal
@@ -321,3 +322,21 @@ def test_latency_is_taken_by_loops_that_are_made_from_then_on(monkeypatch):
 
 def test_what_is_promised_is_what_stands_in_the_help():
     assert (figures.SELDOM, figures.LEAST_OF_TOLD) == (0.01, 0.95)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_what_an_ablation_switches_off_is_there(name):
+    switches = ALL[name]()
+    assert switches
+    for place, value in switches:
+        owner, attribute = part(place)
+        assert getattr(owner, attribute) != value
+
+
+def test_a_journal_without_a_part_is_another_one(tmp_path):
+    heading = Heading("c", "s", "few", 1, "", is_told=False)
+    without = replace(heading, without="sensor noise")
+    assert without.file_name == "few-1-s-without-sensor-noise.jsonl"
+    Journal(tmp_path / "a", heading)
+    with pytest.raises(JournalError):
+        Journal(tmp_path / "a", without)

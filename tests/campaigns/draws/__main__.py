@@ -3,6 +3,7 @@
     python -m tests.campaigns.draws --kind few --draws 512
     python -m tests.campaigns.draws --kind stacked --draws 40 --seed 20261126 --workers 1
     python -m tests.campaigns.draws --print runs/draws/few-20261126-0123456789ab.jsonl --against BEFORE.jsonl
+    python -m tests.campaigns.draws --kind stacked --draws 64 --without "sensor noise"
 
 few: one or two things differ from the nominal. stacked: three to five. seas: another sea alone. lifts: another lift, of
 which the controller knows all. In a third of the draws of few and stacked an operation is under way as well: a move, an
@@ -32,6 +33,7 @@ from pathlib import Path
 
 from heave_bags.record.provenance import git_commit
 
+from tests.campaigns.draws.ablation import ALL
 from tests.campaigns.draws.cases import KINDS, draw
 from tests.campaigns.draws.figures import Drawn, as_values, broken, comparison, figures_of, line, table, worst_first
 from tests.campaigns.draws.journal import ROOT, Heading, Journal, JournalError, sources_digest
@@ -58,7 +60,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     out = sys.stderr if options.json else sys.stdout
     heading = journal.heading
     out.write(f"commit {heading.commit or 'unknown'}, sources {heading.sources}, seed {heading.day}")
-    out.write(f", latency {heading.latency or 'as it is'}\n")
+    out.write(f", latency {heading.latency or 'as it is'}")
+    out.write(f", without {heading.without}\n" if heading.without else "\n")
     wanted = options.only or (sorted(journal.outcomes) if options.print else range(options.draws))
     status = 0
     try:
@@ -108,7 +111,13 @@ def _journal(options: argparse.Namespace) -> Journal:
     if options.print:
         return Journal(options.print)
     heading = Heading(
-        git_commit(ROOT), sources_digest(), options.kind, options.seed, options.latency or "", options.told
+        git_commit(ROOT),
+        sources_digest(),
+        options.kind,
+        options.seed,
+        options.latency or "",
+        options.told,
+        options.without or "",
     )
     path = options.journal or FOLDER / heading.file_name
     if options.fresh:
@@ -124,7 +133,7 @@ def _run(wanted: Sequence[int], workers: int, journal: Journal) -> Iterator[int]
         for index in wanted
         if index not in journal.outcomes
     ]
-    for case, found in run_tasks(tasks, workers, heading.latency):
+    for case, found in run_tasks(tasks, workers, heading.latency, heading.without):
         journal.add(case, found)
         yield case.index
 
@@ -151,6 +160,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="S",
         help="time until what is found takes effect [s]",
     )
+    parser.add_argument("--without", choices=tuple(ALL), help="a part of the controller that is switched off")
     parser.add_argument("--told", action="store_true", help="also run those that can be with a controller that is told")
     parser.add_argument("--alarms", action="store_true", help="print all draws and all alarms at the end")
     parser.add_argument(

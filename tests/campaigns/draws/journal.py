@@ -42,6 +42,7 @@ class Heading:
     kind, day : of the draws
     latency : of what the controller finds [s], or "true"; empty: its own
     is_told : those draws that can be are run with a controller that is told as well
+    without : part of the controller that is switched off; empty: none
     """
 
     commit: str
@@ -50,6 +51,7 @@ class Heading:
     day: int
     latency: str
     is_told: bool
+    without: str = ""
 
     @property
     def draws(self) -> tuple[str, int]:
@@ -60,7 +62,8 @@ class Heading:
     def file_name(self) -> str:
         """Return the name of its file."""
         late = f"-late-{self.latency}" if self.latency else ""
-        return f"{self.kind}-{self.day}-{self.sources}{late}{'-told' if self.is_told else ''}.jsonl"
+        without = f"-without-{self.without.replace(' ', '-')}" if self.without else ""
+        return f"{self.kind}-{self.day}-{self.sources}{late}{without}{'-told' if self.is_told else ''}.jsonl"
 
 
 class Journal:

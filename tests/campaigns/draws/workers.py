@@ -8,6 +8,7 @@ import signal
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from tests.campaigns.draws.ablation import switch_off
 from tests.campaigns.draws.cases import Case, draw
 from tests.campaigns.draws.run import Outcome, run_case, set_latency
 
@@ -32,7 +33,9 @@ class Task:
     is_told: bool = False
 
 
-def run_tasks(tasks: Sequence[Task], workers: int, latency: str = "") -> Iterator[tuple[Case, Outcome]]:
+def run_tasks(
+    tasks: Sequence[Task], workers: int, latency: str = "", without: str = ""
+) -> Iterator[tuple[Case, Outcome]]:
     """Run all `tasks` in so many processes and yield what they came to, as it comes.
 
     Parameters
@@ -40,6 +43,7 @@ def run_tasks(tasks: Sequence[Task], workers: int, latency: str = "") -> Iterato
     tasks : to be run
     workers : number of processes
     latency : of what the controller finds, see `set_latency`; empty: its own
+    without : part of the controller that is switched off, see `ablation`; empty: none
 
     Processes end with the iterator, also where that is left early.
     """
@@ -47,13 +51,13 @@ def run_tasks(tasks: Sequence[Task], workers: int, latency: str = "") -> Iterato
         return
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the matrices are small, and a worker has one processor
     context = multiprocessing.get_context("spawn")
-    with context.Pool(min(workers, len(tasks)), initializer=_begin, initargs=(latency,)) as pool:
+    with context.Pool(min(workers, len(tasks)), initializer=_begin, initargs=(latency, without)) as pool:
         results = pool.imap_unordered(_run, tasks)
         for _ in tasks:
             yield results.next(timeout=2.0 * LIMIT)
 
 
-def _begin(latency: str) -> None:
+def _begin(latency: str, without: str) -> None:
     """Leave Ctrl-C to the campaign, which ends its workers; bound each case; compile what a run needs."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGALRM, _end)
@@ -61,6 +65,8 @@ def _begin(latency: str) -> None:
     run_case(draw(kind, day, 0), duration=duration)
     if latency:
         set_latency(latency)
+    if without:
+        switch_off(without)
 
 
 def _end(*_: object) -> None:

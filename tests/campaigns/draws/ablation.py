@@ -1,0 +1,112 @@
+"""What can be switched off in the controller by itself, to see what it saves and what it costs.
+
+Each row names attributes of the code and what stands in their place. A campaign with `--without NAME` runs so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any, NamedTuple
+
+PACKAGE = "winch_controller_node"
+NEVER = 1e9
+"""Price at which no hypothesis is accepted [nats]."""
+
+LAW_LIMIT = "supervision.guard:HarmGuard.authority_limit"
+
+
+class Switch(NamedTuple):
+    """A part of the controller in another form: where it is, as "module:owner.name", and what it is then."""
+
+    place: str
+    value: Any
+
+
+def _gives(value: Any) -> Callable[..., Any]:
+    """Return a function that does nothing but give a `value`."""
+    return lambda *_, **__: value
+
+
+def _unpriced(*names: str) -> list[Switch]:
+    """Return the switches with which no quantity of these `names` of the judge is found."""
+    judge = import_module(f"{PACKAGE}.adviser.judge")
+    prices = dict(judge.PRICES)
+    return [Switch("adviser.judge:PRICES", {**prices, **{getattr(judge, name): NEVER for name in names}})]
+
+
+def _nothing() -> property:
+    return property(_gives(""))
+
+
+LEARNING = {
+    "winch": lambda: [Switch("adviser.component:Adviser._take_winch", _gives(None))],
+    "encoder scale": lambda: [
+        Switch("adviser.component:Adviser._take_encoder", _gives(None)),
+        *_unpriced("ENCODER_SCALE"),
+    ],
+    "mru": lambda: _unpriced("MRU_SCALE", "MRU_OFFSET", "MRU_DELAY", "DRIFT", "HIGH_PASS"),
+    "depth scale": lambda: _unpriced("DEPTH_SCALE"),
+    "cable": lambda: _unpriced("INERTIA", "DAMPING"),
+    "exclusion": lambda: [Switch("adviser.judge:EXCLUSION", NEVER)],
+    "sea": lambda: [Switch("adviser.component:Adviser._look_at_sea", _gives(None))],
+    "all learning": lambda: [
+        Switch(f"adviser.component:Adviser.{name}", _gives(False))
+        for name in ("_look_at_winch", "_is_time_to_judge", "_look_at_sea")
+    ],
+}
+"""What the adviser finds."""
+
+REFLEXES = {
+    "encoder reflex": lambda: [
+        Switch(
+            "supervision.watch.encoder_reflex:EncoderReflex.look",
+            _gives(import_module(f"{PACKAGE}.supervision.watch.encoder_reflex").Act.NOTHING),
+        )
+    ],
+    "doubt of jumps": lambda: [Switch("estimation.observation:Observer._doubt_first", _gives(None))],
+    "sensor noise": lambda: [Switch("estimation.sensor_noise:SensorNoise.add", _gives(None))],
+    "share by the drum": lambda: [Switch("supervision.watch.winch_watch:CAUTIOUS_SHARE", 1.0)],
+    "share by the sea": lambda: [Switch("supervision.supervisor:UNKNOWN_SEA_SHARE", 1.0)],
+    "share by the limits": lambda: [Switch(LAW_LIMIT, _gives(1.0))],
+}
+"""What the core does within a tick."""
+
+CHECKS = {
+    "gates": lambda: [Switch("supervision.supervisor:Supervisor._closed_gates", _gives(""))],
+    "drum check": lambda: [Switch("supervision.guard_checks:DrumCheck.harm", _nothing())],
+    "swing check": lambda: [Switch("supervision.guard_checks:UnitCheck.harm_to_swing", _nothing())],
+    "depth check": lambda: [Switch("supervision.guard_checks:UnitCheck.harm_by_depth", _nothing())],
+    "mismatch check": lambda: [Switch("supervision.guard_checks:UnitCheck.mismatch", property(_gives(None)))],
+    "waves check": lambda: [Switch("supervision.guard:WaveComparison.harm", _gives(""))],
+    "guard": lambda: [
+        switch
+        for name in ("drum check", "swing check", "depth check", "mismatch check", "waves check")
+        for switch in CHECKS[name]()
+    ],
+}
+"""What supervision checks."""
+
+ALL = {**LEARNING, **REFLEXES, **CHECKS}
+"""Everything that can be switched off, by name."""
+
+
+def part(place: str) -> tuple[Any, str]:
+    """Return the owner of the part at a `place`, and its name there.
+
+    Raises AttributeError where there is none.
+    """
+    module, path = place.split(":")
+    *owners, name = path.split(".")
+    target: Any = import_module(f"{PACKAGE}.{module}")
+    for owner in owners:
+        target = getattr(target, owner)
+    if not hasattr(target, name):
+        raise AttributeError(f"{place}: there is no such part")
+    return target, name
+
+
+def switch_off(name: str) -> None:
+    """Have this process run without a part of the controller, by its `name` in `ALL`."""
+    for place, value in ALL[name]():
+        setattr(*part(place), value)
