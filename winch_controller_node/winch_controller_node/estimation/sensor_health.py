@@ -342,7 +342,7 @@ class EncoderGate:
         self.offset = 0.0
         self.jump = 0.0
         self.as_read, self._last_payout = 0.0, math.nan
-        self.play, self._times_taken_up = 0.0, 0
+        self.play = 0.0
         self._parameters = parameters
         self._dt = tick_period
         self._last: tuple[float, float] | None = None
@@ -350,11 +350,6 @@ class EncoderGate:
         self._still, self._unseen, self._path, self._is_frozen = 0, 0.0, 0.0, False
         self._turned = 0.0  # the last step of the encoder [m]
         self._travel: deque[tuple[float, float]] = deque(maxlen=max(2, round(TRAVEL_KNOWN / tick_period)))
-
-    @property
-    def shows_play(self) -> bool:
-        """Tell whether it has taken up play again and again: once may have been a drum that turned late."""
-        return self._times_taken_up > 1
 
     def rescale(self, factor: float, payout: float) -> None:
         """Take the encoder to read `factor` times as much as it was taken to until now, and the last to be `payout`."""
@@ -475,7 +470,6 @@ class EncoderGate:
         )
         if is_like_play:
             self.play = max(self.play, abs(self._unseen))
-            self._times_taken_up += 1
         return is_like_play
 
     def _thaw(self) -> None:

@@ -29,10 +29,6 @@ class Surprise:
     Parameters
     ----------
     tick_period : [s]
-
-    Attributes
-    ----------
-    is_excused : no sensor without which compensation fails is to blame
     """
 
     def __init__(self, tick_period: float) -> None:
@@ -41,7 +37,6 @@ class Surprise:
         self._time = 0.0
         self._quiet_times: dict[str, float] = {}
         self._told_quiet: set[str] = set()
-        self.is_excused = False
 
     def add(self, innovations: Mapping[str, Innovation]) -> None:
         """Take in the innovations of a tick, by measurement."""
@@ -75,8 +70,8 @@ class Surprise:
 
     @property
     def words(self) -> str:
-        """What is read cannot be believed yet, in words; empty where it can, or has been excused."""
-        if self.is_excused or self._time == 0.0:
+        """What is read cannot be believed yet, in words; empty where it can."""
+        if self._time == 0.0:
             return ""
         name, mean = self.worst
         wait = MEMORY * math.log((mean - 1.0) / (SURPRISING - 1.0))
@@ -90,13 +85,8 @@ class Surprise:
         """Time since which readings have been foreseen badly without a pause [s]."""
         return self._time
 
-    def excuse(self) -> None:
-        """Go on in spite of it, until something else is believed."""
-        self.is_excused = True
-
     def restart(self) -> None:
         """Begin anew: something else is believed from now on."""
         self._means = {}
         self._time = 0.0
         self._quiet_times = {}
-        self.is_excused = False
