@@ -91,7 +91,7 @@ class WinchController:
         self._command = LoopCommand(design, law)
         self._winch = WinchWatch(design)
         self._load = LoadWatch(parameters.alarms, tick_period=tick_period)
-        self._travel_half, self._travel_end = Episode(tick_period), Episode(tick_period)
+        self._travel_episodes = Episode(tick_period), Episode(tick_period)
         self._programme = Programme(parameters.programme)
         self._operator = OperatorSpeed(parameters.operator, tick_period=tick_period)
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
@@ -439,12 +439,13 @@ class WinchController:
         is_at_limit = winch is not None and bool(winch.limits_hit & DYNAMIC_LIMITS)
         static_tension = self.design.cable.static_tension
         self._alarms += self._load.update(loop.sensed.tension, static_tension, is_at_limit=is_at_limit)
-        if self._travel_half.begins(self.mode is Mode.CONSTANT_TENSION and self._command.is_half_travelled):
+        half, end = self._travel_episodes
+        if half.begins(self.mode is Mode.CONSTANT_TENSION and self._command.is_half_travelled):
             self._alarms.append(
                 f"constant tension has travelled {0.5 * self.parameters.tension.travel:g} m, half of tension.travel: "
                 "look whether the load yields or hangs, or ask for stopped"
             )
-        if self._travel_end.begins(TRAVEL in command.asked.active):
+        if end.begins(TRAVEL in command.asked.active):
             self._alarms.append(
                 f"constant tension has travelled {self.parameters.tension.travel:g} m: the load has yielded or is lost"
             )

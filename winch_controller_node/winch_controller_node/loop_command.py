@@ -80,7 +80,6 @@ class LoopCommand:
         """Use a design and its `law` from now on; the tension that is held stays."""
         parameters, model = design.parameters, design.model
         self._winch = parameters.winch
-        self._is_first_order = parameters.winch.law == "first_order"
         self._static_tension = design.cable.static_tension
         self._rows = loop_rows(model)
         self._stop_step = parameters.modes.stop_deceleration * design.tick_period
@@ -103,7 +102,11 @@ class LoopCommand:
         self._giving_time = max(GIVING_TIME, 2.0 * (parameters.winch.command_delay + parameters.winch.time_constant))
         self._shift = AuthorityShift(model, design.sea_states)
         self._inertia = design.cable.a
-        self._payout_state, self._unit_state = model.state("payout"), model.state("unit_heave")
+        self._left_over_states = model.state("payout"), model.state("unit_heave")
+
+    @property
+    def _is_first_order(self) -> bool:
+        return self._winch.law == "first_order"
 
     @property
     def settled_swing(self) -> float:
@@ -208,8 +211,9 @@ class LoopCommand:
         # the unit shall follow the mean payout stiffly, not swing after it as it would by itself
         x[self._rows.unit_states] += tick.mean_swing
         if tick.left_over != 0.0:
-            x[self._payout_state] -= tick.left_over
-            x[self._unit_state] += tick.left_over
+            payout, unit = self._left_over_states
+            x[payout] -= tick.left_over
+            x[unit] += tick.left_over
         return x
 
     def _bound_unseen(self, x: Array) -> None:

@@ -22,6 +22,7 @@ from winch_controller_node.adviser.judge import (
     Judge,
     accepted,
 )
+from winch_controller_node.adviser.looks import JUDGED_EVERY, Looks, SeaLooks
 from winch_controller_node.adviser.record import Record, SensorHistory
 from winch_controller_node.adviser.report import Report
 from winch_controller_node.adviser.sea import likeliest_sea
@@ -39,7 +40,7 @@ from winch_controller_node.beliefs.corrections import Correction, corrections
 from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, with_value
 from winch_controller_node.design.design import ControllerDesign, design_controller
 from winch_controller_node.design.schedule import identifies_winch, is_scheduled
-from winch_controller_node.design.seas import SeaTracker, possible_seas
+from winch_controller_node.design.seas import possible_seas
 from winch_controller_node.interface.observations import READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -50,26 +51,14 @@ MINUTE = 60.0
 SHORTEST = 25.0
 """Shortest record that is judged [s]: its first part settles the state."""
 
-JUDGED_EVERY = 5
-"""Seconds from one look at the sensors to the next; each second while a sensor is set aside, or not trusted."""
-
 MISFIT = 1.8
 """Mean squared normalised innovation of a sensor above which hypotheses are tried."""
-
-WORSE, RESTS = 1.3, 60
-"""Where nothing was found they are tried again when it is so many times as large, or after so many seconds."""
 
 UNCERTAIN_GAIN = 0.25
 """Logarithm of a gain over the nominal one from which on it may as well be the encoder's scale."""
 
 CAUTIOUS = 0.3
 """Share of the sea that is compensated while winch and encoder are not told apart."""
-
-CLEAR = 4.0
-"""Heave rate of a sea over the noise of the MRU from which on its period is judged."""
-
-SEA_PATIENCE, LONGER, LONGEST_SEA_PATIENCE = 5.0, 1.3, 120.0
-"""Time from one comparison of seas to the next [s], and by what it grows, to the last, while no other is found."""
 
 
 class Adviser:
@@ -101,9 +90,7 @@ class Adviser:
         self._nominal_cable = plain.cable
         self._design = self._designed(self.parameters) if beliefs.values else plain
         self._winch = WinchIdentifier(nominal, self._dt)
-        self._begin_sea()
-        self._before: Hypothesis | None = None
-        self._best_since, self._tried, self._unexplained = 0, -RESTS, 1.0
+        self._sea, self._looks = SeaLooks(self._design), Looks()
         self._gain_is_winch = self._drum_gain_is_open = False
         self._leads_to: Hypothesis | None = None
         self._report = Report(nominal)
@@ -116,11 +103,6 @@ class Adviser:
         excerpt = silence.last(1.0)
         Judge(excerpt, self._believed())
         self._winch.compile(excerpt)
-
-    def _begin_sea(self) -> None:
-        """Look at the sea anew."""
-        self._sea = SeaTracker(self._design)
-        self._sea_compared, self._sea_patience = -math.inf, SEA_PATIENCE
 
     @property
     def parameters(self) -> WinchControllerParameters:
@@ -255,26 +237,22 @@ class Adviser:
         # an encoder that is set aside is the drum's record to judge
         is_off = worst > MISFIT or self._beliefs.excluded not in ("", "encoder")
         is_off |= abs(math.log(abs(self._drum_gain / self._history.encoder_scale))) > UNCERTAIN_GAIN
+        looks = self._looks
         if not is_off:
-            self._before = None
+            looks.before = None
             return
-        is_news = worst > WORSE * self._unexplained or self._seconds >= self._tried + RESTS
-        if not (is_news or self._before is not None or self._beliefs.excluded or self._drum_gain_is_open):
+        if not looks.is_due(worst, self._seconds, is_asked=bool(self._beliefs.excluded) or self._drum_gain_is_open):
             return
-        self._tried, self._unexplained = self._seconds, worst
         ranked = judge.best()
         if not ranked:
             # what was read is beyond every model
             return
         self._gain_is_winch = judge.rules_out_encoder(ranked)
-        if self._before is None or self._before.culprits != ranked[0].culprits:
-            self._best_since = self._seconds
-        is_old = self._seconds - self._best_since >= JUDGED_EVERY
-        found = accepted(ranked, present, self._before if is_old else None, used)
-        self._before = ranked[0] if ranked[0].changes or ranked[0].excluded != present.excluded else None
+        found = accepted(ranked, present, looks.held_before(ranked[0], self._seconds), used)
+        looks.before = ranked[0] if ranked[0].changes or ranked[0].excluded != present.excluded else None
         # while the encoder is set aside what it reads makes others look wrong
         if found is not None and (self._beliefs.excluded != "encoder" or "encoder" in found.culprits):
-            self._before = None
+            looks.before = None
             self._take_hypothesis(found, present)
 
     def _take_hypothesis(self, found: Hypothesis, present: Hypothesis) -> None:
@@ -292,7 +270,7 @@ class Adviser:
         self._believe(values, excluded=found.excluded)
         if "mru" in found.culprits:
             # the boom tip was not where it was taken to be
-            self._begin_sea()
+            self._sea = SeaLooks(self._design)
         self._leads_to = found
 
     def _note_corrections(self, changes: Mapping[str, Change], values: Mapping[str, Belief]) -> None:
@@ -332,14 +310,12 @@ class Adviser:
             return
         if self._beliefs.excluded == "mru" or "mru" not in parameters.sensors.use:
             return
-        self._watch_sea(observations)
+        self._sea.add(observations, self._nominal.sensors.mru.rate_noise)
         if self._record.duration < SHORTEST:
             return
-        seen, now = self._sea.newly_seen(), observations.last * self._dt
-        noise = parameters.sensors.mru.rate_noise
-        if seen is None or seen.heave * seen.frequency < CLEAR * noise or now - self._sea_compared < self._sea_patience:
+        seen = self._sea.news(observations.last * self._dt, parameters.sensors.mru.rate_noise)
+        if seen is None:
             return
-        self._sea_compared, self._sea_patience = now, min(LONGER * self._sea_patience, LONGEST_SEA_PATIENCE)
         seas = possible_seas(seen, self._nominal.sea, parameters.sea, parameters.vessel)
         found = likeliest_sea(parameters, self._design, seas, self._record.last(self._record.duration), self._history)
         if found is None:
@@ -352,7 +328,7 @@ class Adviser:
         sea = dict(zip(SEA, heights_and_periods, strict=True))
         if not self._is_sea(sea):
             return
-        self._sea_patience = SEA_PATIENCE
+        self._sea.has_changed()
         values = {name: belief for name, belief in self._beliefs.values.items() if name not in SEA}
         values |= {
             name: Belief(name, value, since=observations.last)
@@ -367,16 +343,6 @@ class Adviser:
         others = [one.total for one in judge.best() if one.changes or one.excluded != judge.present.excluded]
         other = min(others, default=math.inf)
         return other > judge.present.total - AGAIN or judge.total_with(sea) < other
-
-    def _watch_sea(self, observations: Observations) -> None:
-        """Have the motion of the boom tip in a batch seen."""
-        ticks = observations.ticks
-        row = observations.rows.index("mru_heave_rate")
-        readings = observations.readings[observations.readings[:, 2] == row]
-        for nis in readings[np.isfinite(readings[:, -1]), -1].tolist():
-            self._sea.note_surprise(nis, self._nominal.sensors.mru.rate_noise)
-        for heave, rate in ticks[:, [TICK_COLUMNS.index("tip_heave"), TICK_COLUMNS.index("tip_rate")]].tolist():
-            self._sea.update(heave, rate)
 
     # what is believed
 
@@ -398,7 +364,7 @@ class Adviser:
             return
         if design is not None:
             self._design = design
-            self._sea.refer_to(design)
+            self._sea.tracker.refer_to(design)
         self._beliefs = replace(beliefs, design=design if design is not None else self._beliefs.design)
 
     def _designed(self, parameters: WinchControllerParameters) -> ControllerDesign:

@@ -45,6 +45,40 @@ NEAR = 0.1
 """A drum that stands so near to a payout of 0 at first [m] returns to it, as it does after a stop."""
 
 
+class TipWatch:
+    """Whether the boom tip is known: its sensor is there, or has been lost for no longer than it is predicted.
+
+    Parameters
+    ----------
+    tick_period : [s]
+
+    Attributes
+    ----------
+    knows_tip : the boom tip is measured by a sensor that is believed, or can be predicted still
+    """
+
+    def __init__(self, tick_period: float) -> None:
+        self._dt = tick_period
+        self._lost, self._back = 0.0, TIP_BACK
+        self.knows_tip = True
+
+    def update(self, coast_time: float, *, is_lost: bool, is_doubted: bool) -> None:
+        """Take in a tick.
+
+        Parameters
+        ----------
+        coast_time : for which it is predicted [s]
+        is_lost : the sensor gives nothing to read
+        is_doubted : what it reads is not believed: from then on nothing is predicted
+        """
+        if is_doubted or is_lost:
+            self._lost, self._back = math.inf if is_doubted else self._lost + self._dt, 0.0
+        else:
+            self._back += self._dt
+            self._lost = 0.0 if self._back > TIP_BACK else self._lost
+        self.knows_tip = self._lost <= coast_time
+
+
 class LoopEstimation:
     """Estimate of the loop, and of what the unit would do with the winch locked.
 
@@ -59,7 +93,6 @@ class LoopEstimation:
     log : of what is observed, for the adviser
     surprise : how far readings are from what was foreseen
     mean_tension : over the waves
-    knows_tip : the boom tip is measured by a sensor that is believed
     """
 
     def __init__(self, design: ControllerDesign) -> None:
@@ -75,7 +108,7 @@ class LoopEstimation:
         self._tip_power = 0.0
         self._has_begun, self._first_payout = False, math.nan
         self._sea = SeaTracker(design)
-        self._tip_lost, self._tip_back, self.knows_tip = 0.0, TIP_BACK, True
+        self._tip_watch = TipWatch(dt)
         self.log, self.surprise = ObservationLog(dt), Surprise(dt)
         self._recent: deque[tuple[int, float, tuple[Observed, ...]]] = deque(maxlen=2 * round(LATENCY / dt))
         self._refer_to(design)
@@ -252,7 +285,8 @@ class LoopEstimation:
         self._taut_shadow.step(tip)
         self._taut_shadow.go_over_to(uncompensated, TAUT_TIME)
         self._hanging_unit.step(tip - rows.drum(estimate, command.compensating))
-        before, self.knows_tip = self.knows_tip, not self._is_tip_unseen()
+        before = self.knows_tip
+        self._watch_tip()
         if self.knows_tip and not before:
             # what the winch would have left of the boom tip meanwhile is not known: it goes on from now
             self._take_unit(estimate[rows.unit_states])
@@ -319,16 +353,15 @@ class LoopEstimation:
         gate = self.observer.gates.get("load_cell")
         return gate is not None and gate.is_lost
 
-    def _is_tip_unseen(self) -> bool:
-        """Tell whether the MRU is doubted, or lost for longer than it is predicted, and not yet back for a while."""
-        dt, gate = self._design.tick_period, self.observer.gates.get("mru")
+    @property
+    def knows_tip(self) -> bool:
+        """Tell whether the boom tip is measured by a sensor that is believed, or was a moment ago."""
+        return self._tip_watch.knows_tip
+
+    def _watch_tip(self) -> None:
+        gate, coast_time = self.observer.gates.get("mru"), self._design.parameters.modes.coast_time
         is_doubted = self.observer.doubted == "mru"
-        if is_doubted or (gate is not None and gate.is_lost):
-            self._tip_lost, self._tip_back = math.inf if is_doubted else self._tip_lost + dt, 0.0
-        else:
-            self._tip_back += dt
-            self._tip_lost = 0.0 if self._tip_back > TIP_BACK else self._tip_lost
-        return self._tip_lost > self._design.parameters.modes.coast_time
+        self._tip_watch.update(coast_time, is_lost=gate is not None and gate.is_lost, is_doubted=is_doubted)
 
     def _follow_sea(self, tip: Array) -> None:
         """Let the estimator's driving noise follow the sea that moves the boom `tip`, heave and rate, shape (2,)."""

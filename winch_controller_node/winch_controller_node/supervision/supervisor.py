@@ -141,17 +141,13 @@ class Supervisor:
         )
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))
-        self._entry, self._window = parameters.entry, parameters.guard.window
-        self._holds_hanging = parameters.tension.hanging
-        self._largest_demand = parameters.guard.demand_ratio
         self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
         self._reason_before = ""
         self._fades_by_law = False
         self._share_news = ShareNews(dt)
         self._blind_time = 0.0
         self._blind_lowering = Episode(dt)
-        self._touchdown_ratio = parameters.tension.touchdown_ratio
-        self._longest_wait = LONGEST_WAIT * parameters.modes.settling_time
+        self._parameters, self._dt = parameters, dt
         self._refer_to(design, law)
         self._watch_sea()
 
@@ -168,11 +164,10 @@ class Supervisor:
 
     def _watch_sea(self) -> None:
         """Begin to watch it."""
-        self._gates = EntryGates(self._entry, window=self._window, tick_period=self._dt)
-        self.highest_tension = HighestTension(self._window, tick_period=self._dt)
+        self._gates = EntryGates(self._parameters.entry, window=self._parameters.guard.window, tick_period=self._dt)
+        self.highest_tension = HighestTension(self._parameters.guard.window, tick_period=self._dt)
 
     def _refer_to(self, design: ControllerDesign, law: ControlLaw) -> None:
-        self._dt = design.tick_period
         self._inertia = design.cable.a
         self._load, self._limits = hanging_load(design), design.limits
         self._keeps_limits = law.keeps_limits
@@ -201,23 +196,12 @@ class Supervisor:
         settles = self._fades_by_law and can_settle
         has_faded = settles and self.modes.authority == 0.0
         is_damped = not winch.is_contrary and (is_damped_blind or has_faded or self._may_damp(tick, lost))
-        mode = self.modes.step(
-            Situation(
-                lost=lost,
-                has_estimate=tick.sensed.has_encoder,
-                winch_fault=winch.fault,
-                fault_cause=winch.fault_cause,
-                harm=f"{self.guard.reason}, {ASK_AGAIN}" if winch.is_contrary else self.guard.reason,
-                prospect="" if winch.is_contrary else self.guard.prospect,
-                awaits_operator=winch.is_contrary,
-                speed=winch.speed,
-                authority_limit=authority_limit,
-                is_settled=not (is_damped or settles) or self._is_settled(tick, winch.settled_swing),
-                is_damped_blind=is_damped_blind,
-                closed_gates=self._closed_gates(tick, winch.mean_payout),
-                tension_refusal=self._why_no_tension(tick, winch.mean_payout),
-            )
+        situation = self._situation(tick, winch)._replace(
+            authority_limit=authority_limit,
+            is_settled=not (is_damped or settles) or self._is_settled(tick, winch.settled_swing),
+            is_damped_blind=is_damped_blind,
         )
+        mode = self.modes.step(situation)
         if mode.before is not None:
             alarms += (f"mode {mode.mode.value}: {mode.reason}",)
             alarms += self._tell_peaks(mode, authority_limit)
@@ -239,6 +223,22 @@ class Supervisor:
             bounds_tension=self.highest_tension.is_kept,
             landing=landing,
             alarms=alarms,
+        )
+
+    def _situation(self, tick: LoopTick, winch: WinchSituation) -> Situation:
+        """Return what winch, guard and gates tell the modes in a tick."""
+        is_contrary = winch.is_contrary
+        return Situation(
+            has_estimate=tick.sensed.has_encoder,
+            winch_fault=winch.fault,
+            fault_cause=winch.fault_cause,
+            lost=self._lost(tick),
+            harm=f"{self.guard.reason}, {ASK_AGAIN}" if is_contrary else self.guard.reason,
+            prospect="" if is_contrary else self.guard.prospect,
+            awaits_operator=is_contrary,
+            speed=winch.speed,
+            closed_gates=self._closed_gates(tick, winch.mean_payout),
+            tension_refusal=self._why_no_tension(tick, winch.mean_payout),
         )
 
     def _resume_after_timeout(self, tick: LoopTick, winch: WinchSituation) -> tuple[str, ...]:
@@ -305,14 +305,15 @@ class Supervisor:
 
     def _closed_gates(self, tick: LoopTick, mean_payout: float) -> str:
         """Return why compensation may not begin about a mean payout [m]; empty where it may."""
-        wait = self._longest_wait - tick.number * self._dt
+        wait = LONGEST_WAIT * self._parameters.modes.settling_time - tick.number * self._dt
         if not tick.knows_sea and wait > 0.0:
             return f"waves are being looked at, for at most {wait:.0f} s more"
         if tick.doubt:
             return tick.doubt
         if self.highest_tension.words:
             return self.highest_tension.words
-        return self._gates.for_compensation(mean_payout, self._limits, self.guard.demand, self._largest_demand)
+        most = self._parameters.guard.demand_ratio
+        return self._gates.for_compensation(mean_payout, self._limits, self.guard.demand, most)
 
     def _watch_highest_tension(self, tick: LoopTick) -> tuple[str, ...]:
         """Return that the sea has become too high for the highest tension, where that is new."""
@@ -346,7 +347,8 @@ class Supervisor:
             return f"the load cell is {reason}: {remedy('load_cell', reason)}"
         if self.modes.mode is Mode.CONSTANT_TENSION:
             return ""  # the winch follows already
-        if not self._holds_hanging and not self.landing.unit_stands and (hangs := self._may_hang(tick.mean_tension)):
+        may_hang = self._parameters.tension.hanging or self.landing.unit_stands
+        if not may_hang and (hangs := self._may_hang(tick.mean_tension)):
             return hangs
         return self._gates.for_tension(payout, self._limits, self.guard.demand)
 
@@ -402,8 +404,9 @@ class Supervisor:
         if not self._blind_lowering.begins(is_blind and self.landing.lowering_rate >= LEAST_RATE):
             return ()
         is_weighed = math.isfinite(tick.sensed.filtered_tension) and "load_cell" not in tick.sensed.lost
+        ratio = self._parameters.tension.touchdown_ratio
         known = (
-            f"by tension alone, once the cable has carried less than {100.0 * self._touchdown_ratio:.0f} % of the "
+            f"by tension alone, once the cable has carried less than {100.0 * ratio:.0f} % of the "
             f"weight on average over {self._load.swing_time:.0f} s"
             if is_weighed
             else "by nothing, for the load cell is missing too"
