@@ -5,9 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 from heave_node.parameters import build_parameters
+from winch_controller_node.adviser import component
 from winch_controller_node.adviser.component import Adviser
+from winch_controller_node.adviser.record import SensorHistory
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.observations import Observations
+from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05
@@ -58,13 +61,13 @@ def test_where_all_is_as_believed_every_answer_is_the_same(design, drawn_from, s
     assert {one.authority for one in found} == {1.0}
 
 
+def mru_twice(name, value, tick):
+    return 2.0 * value if name.startswith("mru") and tick >= 45 * SECOND else value
+
+
 def test_an_mru_that_reads_twice_as_much_is_found_within_20_seconds_with_the_state_to_go_on_from(design, drawn_from):
     """From 45 s on. No model changes, and so no design."""
-
-    def twice(name, value, tick):
-        return 2.0 * value if name.startswith("mru") and tick >= 45 * SECOND else value
-
-    found = answers(drawn_from(design, 80.0, change=twice))
+    found = answers(drawn_from(design, 80.0, change=mru_twice))
     second = since(found, "mru")
     assert 45 < second < 65
     assert set(found[-1].values) == {"mru.scale"}
@@ -108,3 +111,17 @@ def test_an_operator_who_states_another_sea_has_what_is_believed_of_sensors_kept
     after = adviser.advise(dataclasses.replace(batch, restated=(("sea.peak_period", 9.0),)))
     assert after.values == before.values
     assert adviser.parameters.sea.peak_period == 9.0
+
+
+def test_what_cannot_be_designed_for_is_not_in_the_history_of_the_sensors_either(design, drawn_from, monkeypatch):
+    """Else readings would be corrected in the adviser's record, and not in the core."""
+    adviser = Adviser(PARAMETERS, tick_period=DT)
+
+    def refuse(parameters):
+        raise DesignError("test")
+
+    monkeypatch.setattr(adviser, "_designed", refuse)
+    monkeypatch.setattr(component, "_needs_design", lambda before, after: True)
+    found = answers(drawn_from(design, 80.0, change=mru_twice), adviser)
+    assert not any(one.values or one.adopted for one in found)
+    assert adviser._history == SensorHistory()

@@ -186,3 +186,15 @@ def test_how_far_an_encoder_jumped_at_the_onset_is_known(jump):
     record, theta, drum = jumping()
     jumped = dataclasses.replace(record, readings=drum + np.where(np.arange(100) >= 60, jump, 0.0))
     assert jumped.step(theta) == pytest.approx(jump, abs=1e-12)
+
+
+@pytest.mark.parametrize("after", [(), (80,)], ids=str)
+@given(at_break=st.floats(-2.0, 2.0), at_onset=st.floats(-2.0, 2.0))
+def test_the_jump_at_an_onset_is_that_of_the_encoder_there_alone(after, at_break, at_onset):
+    record, theta, drum = jumping()
+    place = np.arange(100)
+    jumped = drum + np.where(place >= 30, at_break, 0.0) + np.where(place >= 60, at_onset, 0.0)
+    for one in after:
+        jumped += np.where(place >= one, 1.0, 0.0)
+    record = dataclasses.replace(record, readings=jumped, breaks=(*record.breaks, *after))
+    assert record.step(theta) == pytest.approx(at_onset, abs=1e-9)

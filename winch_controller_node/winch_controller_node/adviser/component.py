@@ -179,10 +179,13 @@ class Adviser:
 
     def _take_encoder(self, since: int, factor: float, sigma: float, step: float, nats: float) -> None:
         """Believe that the encoder has read `factor` times as much as believed `since` a tick, after a `step` [m]."""
+        held = self._history, self._beliefs
         self._rescale(since, factor * self._history.encoder_scale, step)
         belief = Belief(ENCODER_SCALE, self._history.encoder_scale, sigma, nats, since)
-        self._believe({**self._beliefs.values, ENCODER_SCALE: belief}, excluded="")
-        self._adopt_present()
+        if self._believe({**self._beliefs.values, ENCODER_SCALE: belief}, excluded=""):
+            self._adopt_present()
+        else:
+            self._history, self._beliefs = held
 
     def _rescale(self, since: int, scale: float, step: float = 0.0) -> None:
         """Note that the encoder has another scale since a tick; in the first seconds it has had it from the start.
@@ -257,6 +260,7 @@ class Adviser:
 
     def _take_hypothesis(self, found: Hypothesis, present: Hypothesis) -> None:
         """Believe a hypothesis, and go on from the state that it leads to."""
+        held = self._history, self._beliefs
         values = dict(self._beliefs.values)
         nats = present.total - found.total
         for name, change in found.changes.items():
@@ -267,7 +271,9 @@ class Adviser:
             if name == ENCODER_SCALE:
                 self._rescale(change.since, change.value)
         self._note_corrections(found.changes, values)
-        self._believe(values, excluded=found.excluded)
+        if not self._believe(values, excluded=found.excluded):
+            self._history, self._beliefs = held
+            return
         if "mru" in found.culprits:
             # the boom tip was not where it was taken to be
             self._sea = SeaLooks(self._design)
@@ -346,8 +352,11 @@ class Adviser:
 
     # what is believed
 
-    def _believe(self, values: Mapping[str, Belief], *, excluded: str | None = None) -> None:
-        """Believe other `values`, and design for them where the model is another one; where that fails, nothing new."""
+    def _believe(self, values: Mapping[str, Belief], *, excluded: str | None = None) -> bool:
+        """Believe other `values`, and design for them where the model is another one; return whether that can be.
+
+        Where it cannot nothing new is believed.
+        """
         before = self.parameters
         beliefs = replace(
             self._beliefs,
@@ -361,11 +370,12 @@ class Adviser:
             for name in {*values, *self._beliefs.values}:
                 if values.get(name) != self._beliefs.values.get(name):
                     self._report.refuse(QUANTITIES[name].owner)
-            return
+            return False
         if design is not None:
             self._design = design
             self._sea.tracker.refer_to(design)
         self._beliefs = replace(beliefs, design=design if design is not None else self._beliefs.design)
+        return True
 
     def _designed(self, parameters: WinchControllerParameters) -> ControllerDesign:
         """Return the design for `parameters` on the nominal cable, its inertia and damping as believed."""

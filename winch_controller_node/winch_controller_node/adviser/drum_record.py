@@ -96,9 +96,13 @@ class DrumRecord:
         )
 
     def step(self, theta: Array) -> float:
-        """Return by how much the encoder has jumped at the onset, under `theta` [m]."""
-        after = np.flatnonzero(self.seen) >= self.onset
-        return float(np.mean((self.readings[self.seen] - self.simulated(theta[None, :])[0, self.seen])[after]))
+        """Return by how much the encoder has jumped at the onset, and there alone, under `theta` [m]."""
+        left = self.readings - self.simulated(theta[None, :])[0]
+        end = min((one for one in self.breaks if one > self.onset), default=len(left))
+        before = max((one for one in self.breaks if one < self.onset), default=None)
+        # before the first break the payout at the start is found so that nothing is left
+        jumped = 0.0 if before is None else float(np.nanmean(left[before : self.onset]))
+        return float(np.nanmean(left[self.onset : end])) - jumped
 
     def speeds(self, over: float) -> Array:
         """Return the speed of the encoder over each time `over` [s] [m/s]; NaN where a reading is missing."""
