@@ -22,10 +22,9 @@ from winch_controller_node.adviser.judge import (
     Judge,
     accepted,
 )
-from winch_controller_node.adviser.looks import JUDGED_EVERY, Looks, SeaLooks
 from winch_controller_node.adviser.record import Record, SensorHistory
 from winch_controller_node.adviser.report import Report
-from winch_controller_node.adviser.sea import likeliest_sea
+from winch_controller_node.adviser.sea import SeaLooks, likeliest_sea
 from winch_controller_node.adviser.winch import WinchAnswer, WinchIdentifier
 from winch_controller_node.beliefs.beliefs import (
     Adopted,
@@ -51,6 +50,12 @@ MINUTE = 60.0
 SHORTEST = 25.0
 """Shortest record that is judged [s]: its first part settles the state."""
 
+JUDGED_EVERY = 5
+"""Seconds from one look at the sensors to the next; each second while a sensor is set aside, or not trusted."""
+
+WORSE, RESTS = 1.3, 60
+"""Hypotheses that explained nothing are tried again when the misfit is so many times larger, or after some seconds."""
+
 MISFIT = 1.8
 """Mean squared normalised innovation of a sensor above which hypotheses are tried."""
 
@@ -59,6 +64,32 @@ UNCERTAIN_GAIN = 0.25
 
 CAUTIOUS = 0.3
 """Share of the sea that is compensated while winch and encoder are not told apart."""
+
+
+class Looks:
+    """When hypotheses are tried: where the sensors read otherwise than foreseen, and something is new about it."""
+
+    def __init__(self) -> None:
+        self._before: Hypothesis | None = None
+        self._best_since, self._tried, self._misfit = 0, -RESTS, 1.0
+
+    def is_due(self, misfit: float, second: int, *, is_asked: bool) -> bool:
+        """Tell whether hypotheses are tried in a `second` with a `misfit`, or where that `is_asked`; note that."""
+        is_news = misfit > WORSE * self._misfit or second >= self._tried + RESTS
+        if not (is_news or self._before is not None or is_asked):
+            return False
+        self._tried, self._misfit = second, misfit
+        return True
+
+    def held_before(self, best: Hypothesis, second: int) -> Hypothesis | None:
+        """Return that of the last look, where the `best` in this `second` blames the same as it for long enough."""
+        if self._before is None or self._before.culprits != best.culprits:
+            self._best_since = second
+        return self._before if second - self._best_since >= JUDGED_EVERY else None
+
+    def note(self, best: Hypothesis | None) -> None:
+        """Remember the best hypothesis of this look, that was not accepted; None: what is believed was the best."""
+        self._before = best
 
 
 class Adviser:
@@ -242,7 +273,7 @@ class Adviser:
         is_off |= abs(math.log(abs(self._drum_gain / self._history.encoder_scale))) > UNCERTAIN_GAIN
         looks = self._looks
         if not is_off:
-            looks.before = None
+            looks.note(None)
             return
         if not looks.is_due(worst, self._seconds, is_asked=bool(self._beliefs.excluded) or self._drum_gain_is_open):
             return
@@ -252,10 +283,10 @@ class Adviser:
             return
         self._gain_is_winch = judge.rules_out_encoder(ranked)
         found = accepted(ranked, present, looks.held_before(ranked[0], self._seconds), used)
-        looks.before = ranked[0] if ranked[0].changes or ranked[0].excluded != present.excluded else None
+        looks.note(ranked[0] if ranked[0].changes or ranked[0].excluded != present.excluded else None)
         # while the encoder is set aside what it reads makes others look wrong
         if found is not None and (self._beliefs.excluded != "encoder" or "encoder" in found.culprits):
-            looks.before = None
+            looks.note(None)
             self._take_hypothesis(found, present)
 
     def _take_hypothesis(self, found: Hypothesis, present: Hypothesis) -> None:

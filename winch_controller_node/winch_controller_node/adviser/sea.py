@@ -1,7 +1,8 @@
-"""Which sea the readings tell: the last two minutes of the MRU under each sea that may be there."""
+"""Which sea the readings tell: the last two minutes of the MRU under each sea that may be there, and when to look."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -16,7 +17,15 @@ from winch_controller_node.adviser.filter_pass import SETTLING, run_pass
 from winch_controller_node.adviser.judge import pass_model
 from winch_controller_node.adviser.record import TICK, Excerpt, SensorHistory
 from winch_controller_node.design.design import ControllerDesign, measurement_models
-from winch_controller_node.design.seas import PossibleSeas, distance, neighbours, no_lower_while_it_grows
+from winch_controller_node.design.seas import (
+    PossibleSeas,
+    SeaSeen,
+    SeaTracker,
+    distance,
+    neighbours,
+    no_lower_while_it_grows,
+)
+from winch_controller_node.interface.observations import TICK_COLUMNS, Observations
 from winch_controller_node.model.models import boom_tip_block, sea_spectrum, second_order_vessel
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
@@ -36,6 +45,48 @@ periods differ from the nominal ones: two minutes are some fifteen waves, by cha
 
 REFINEMENTS = (1.2, 1.1)
 """Factors, up and down, by which the likeliest sea is then changed."""
+
+
+CLEAR = 4.0
+"""Heave rate of a sea over the noise of the MRU from which on its period is judged."""
+
+SEA_PATIENCE, LONGER, LONGEST_SEA_PATIENCE = 5.0, 1.3, 120.0
+"""Time from one comparison of seas to the next [s], and by what it grows, to the last, while no other is found."""
+
+
+class SeaLooks:
+    """The sea that is seen, and when it is compared with others.
+
+    Parameters
+    ----------
+    design : in force
+    """
+
+    def __init__(self, design: ControllerDesign) -> None:
+        self.tracker = SeaTracker(design)
+        self._compared, self._patience = -math.inf, SEA_PATIENCE
+
+    def add(self, observations: Observations, noise: float) -> None:
+        """Have the motion of the boom tip in a batch seen; `noise` is that of the heave rate [m/s]."""
+        row = observations.rows.index("mru_heave_rate")
+        readings = observations.readings[observations.readings[:, 2] == row]
+        for nis in readings[np.isfinite(readings[:, -1]), -1].tolist():
+            self.tracker.note_surprise(nis, noise)
+        tip = [TICK_COLUMNS.index("tip_heave"), TICK_COLUMNS.index("tip_rate")]
+        for heave, rate in observations.ticks[:, tip].tolist():
+            self.tracker.update(heave, rate)
+
+    def news(self, now: float, noise: float) -> SeaSeen | None:
+        """Return what is seen where it is time to compare seas [s]; None: it is not, or `noise` [m/s] hides it."""
+        seen = self.tracker.newly_seen()
+        if seen is None or seen.heave * seen.frequency < CLEAR * noise or now - self._compared < self._patience:
+            return None
+        self._compared, self._patience = now, min(LONGER * self._patience, LONGEST_SEA_PATIENCE)
+        return seen
+
+    def has_changed(self) -> None:
+        """Compare again soon: another sea has just been found."""
+        self._patience = SEA_PATIENCE
 
 
 def likeliest_sea(
