@@ -290,12 +290,16 @@ class RecorderNode(ParticipantNode):
         return Canonical(kind, schema_text(kind))
 
     def on_tick(self, tick: Tick) -> None:
-        """Write what has become complete by `tick`, and make it survive a crash before it is answered for."""
+        """Write what has become complete by `tick`."""
         self._tick_began = time.monotonic_ns()
         if self.run.is_lockstep:
             self._write_complete(tick)
-        if self.answers(tick.number) or not self.run.is_lockstep:
+        else:
             self.session.acknowledge()
+
+    def before_answer(self) -> None:
+        """Let what was written survive a crash of this process."""
+        self.session.acknowledge()
 
     def on_flush(self, tick: Tick) -> None:
         """Write the messages of the last tick."""

@@ -223,8 +223,14 @@ class ParticipantNode(HeaveNode):
         """Return whether this node answers for the tick of this number: one that may lag does so for many at a time."""
         return tick % max(1, self.lag // 2) == 0
 
+    def before_answer(self) -> None:
+        """Make what was done so far last: an answer, the first one or one asked for again, vouches for it."""
+
     def _answer(self) -> None:
         assert self._answered is not None
+        self.fail_on_error(self.before_answer)
+        if self.failure:
+            return
         done = TickDone(self._answered.epoch, self._answered.tick, self.published_counts())
         self._done.publish(done.to_bytes())
 
