@@ -12,7 +12,7 @@ from heave_node.numerics.constants import LARGEST_STRAIN
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.master import ClockMasterNode
-from heave_node.ros.node import NodeError
+from heave_node.ros.errors import NodeError
 from heave_node.ros.process import run_node
 from heave_node.tick.tick import Tick
 

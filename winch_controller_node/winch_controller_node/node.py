@@ -30,7 +30,7 @@ from heave_node.numerics.linear_model import ModelError
 from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.input_timing import TIMING
-from heave_node.ros.node import NodeError
+from heave_node.ros.errors import NodeError
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.ports import Input
 from heave_node.ros.process import run_node
@@ -74,6 +74,7 @@ class WinchControllerNode(ParticipantNode):
     name = "winch_controller"
     parameters_type = WinchControllerParameters
     after = ("wave_vessel",)
+    does_every_tick = True
 
     def __init__(self) -> None:
         super().__init__()

@@ -11,7 +11,7 @@ import os
 import sys
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -20,7 +20,8 @@ from heave_node.cdr.definitions import schema_text
 from heave_node.interface import topics
 from heave_node.interface.topic import Role, Topic
 from heave_node.ros.diagnostics import Health, Level
-from heave_node.ros.node import NodeError, expect_no, expect_sender, steady_clock
+from heave_node.ros.errors import NodeError
+from heave_node.ros.node import expect_no, expect_sender, steady_clock
 from heave_node.ros.participant import HELD_MESSAGES, ParticipantNode
 from heave_node.ros.process import run_node
 from heave_node.ros.spin import sender_callback
@@ -369,10 +370,13 @@ class RecorderNode(ParticipantNode):
         if self._order is not None and self.run.is_lockstep:
             self._order.write_rest(session, self._take_everything, tick_start=self._last_log_time)
         problems = [*session.state.problems]
-        missing = self._missing() if session.is_recording else {}
+        missing = self._missing(self._expected) if session.is_recording else {}
         lost = missing_words(missing, self._expected)
         if lost:
-            problems.append(f"messages were lost: {lost}")
+            if self.run.is_lockstep:
+                problems.append(f"messages were lost: {lost}")
+            else:  # the run is over and the bag says so
+                self.get_logger().error(f"messages were lost: {lost}")
             session.note_missed(sum(missing.values()), f"did not come to the recorder: {lost}")
         if session.is_recording:
             session.stop(self._final_metadata(lost))
@@ -395,14 +399,21 @@ class RecorderNode(ParticipantNode):
         inbox = self.gate.inboxes[topic]
         return inbox.take(inbox.received)
 
-    def _missing(self) -> dict[str, int]:
-        """Return by how many messages topics hold fewer than were published; empty where all are there.
+    def missing(self, published: Sequence[int]) -> int:
+        """See ParticipantNode: in real time no gate counts what comes, but the bag."""
+        totals: dict[str, int] = {}
+        for topic, count in zip(self._roster.topics if self._roster else (), published, strict=True):
+            totals[topic] = totals.get(topic, 0) + count
+        return super().missing(published) + sum(self._missing(totals).values())
+
+    def _missing(self, published: Mapping[str, int]) -> dict[str, int]:
+        """Return by how many messages topics hold fewer than were `published`; empty where all are there.
 
         Only of a bag that covers the whole run. The recorder's own /diagnostics are not in it.
         """
         if str(self.session.folder) != self.parameters.directory:
             return {}
-        published = {topic: count for topic, count in self._expected.items() if topic != self._diagnostics_topic}
+        published = {topic: count for topic, count in published.items() if topic != self._diagnostics_topic}
         return missing_messages(published, self.session.counts())
 
 

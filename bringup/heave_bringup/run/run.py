@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from heave_msgs.msg import TickStatus
+from heave_node.ros.master import STOP_RECORDING_TIME
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.shared_memory import remove_dead_segments
 from heave_node.scenario import write_sections
@@ -34,8 +35,6 @@ END_NEWS_WAIT = 1.0
 SHUTDOWN_WAIT = 30.0
 """Wall time that the nodes have to end once the run is over [s]. By then a node that the middleware holds up has ended
 itself; one that still runs is ended, and the run fails unless its recorder has closed the bag."""
-STOP_RECORDING_TIME = 3.0
-"""Real time: wall time for which a run goes on after a node died, so that the bag shows how the winch stops [s]."""
 
 
 @dataclass

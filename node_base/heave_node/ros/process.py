@@ -184,6 +184,7 @@ def _on_idle(node: HeaveNode) -> None:
 def _end_on_signals(nodes: Sequence[HeaveNode]) -> None:
     def on_signal(number: int, _: FrameType | None) -> None:
         for node in nodes:
+            node.was_ended = node.was_ended or not node.failure
             node.fail(f"ended by {signal.Signals(number).name}")
 
     for number in (signal.SIGINT, signal.SIGTERM):
