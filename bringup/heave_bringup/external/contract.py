@@ -324,7 +324,7 @@ def _table(contract: Contract) -> list[str]:
             rate = f"{port.rate:g} Hz" if port.rate else "-"
             required = "yes" if port.is_required and direction == "out" else "no"
             qos = offered_words(port.topic) if direction == "out" else heard_words(port.topic)
-            name = port.topic.name.lstrip("/")
+            name = port.topic.name
             cells = (direction, f"`{name}`", f"`{port.topic.type}`", qos, rate, required)
             rows.append(f"| {' | '.join(cells)} | {port.meaning} |")
     return rows

@@ -302,7 +302,7 @@ class ClockMasterNode(HeaveNode):
             self._begin_what_follows()
 
     def _has_all_inputs(self) -> bool:
-        """Return whether all inputs of the tick are here; at the end in real time, whether no more of them will come."""
+        """Return whether all inputs of the tick are here; at the end in real time, whether no more of them come."""
         if self.gate.is_complete():
             return True
         return self._is_flushing and not self.run.is_lockstep and self._patience.is_over(self.gate.lost())

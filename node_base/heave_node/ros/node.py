@@ -29,8 +29,8 @@ from rclpy.task import Future
 from heave_node.interface import topics
 from heave_node.interface.messages import message_type
 from heave_node.interface.topic import Topic
-from heave_node.ros.errors import NodeError, one_line
 from heave_node.ros.diagnostics import Health, Level, diagnostic_array
+from heave_node.ros.errors import NodeError, one_line
 from heave_node.ros.input_timing import InputTiming
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.ports import Input, Output, decoder_of, of_any_machine, stamped
