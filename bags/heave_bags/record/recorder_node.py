@@ -350,8 +350,10 @@ class RecorderNode(ParticipantNode):
 
     def on_run_ended(self, status: TickStatus) -> None:
         """Note from `status` how the run went, and how many messages the nodes say they published."""
+        is_complete = status.state == TickStatus.ENDED
         self._outcome = {
-            "ended": COMPLETE if status.state == TickStatus.ENDED else status.reason or "failed",
+            "ended": COMPLETE if is_complete else status.reason or "failed",
+            **({"lost_on_the_way": status.reason} if is_complete and status.reason else {}),
             "ticks": str(status.tick),
             "real_time_factor": repr(status.real_time_factor),
             "loop_age_p50_s": repr(status.loop_age_p50),
