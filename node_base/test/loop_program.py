@@ -14,9 +14,9 @@ import time
 from dataclasses import dataclass
 
 from heave_msgs.msg import LoadCell, MruSample, PointMotion, TickStatus, WinchCommand, WinchState
+from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.parameters import parameter
-from heave_node.ros.errors import NodeError
 from heave_node.ros.master import ClockMasterNode
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_composed, run_node

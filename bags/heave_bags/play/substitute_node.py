@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.topic import Role, Topic
 from heave_node.parameters import parameter
-from heave_node.ros.errors import NodeError
 from heave_node.ros.master import ClockMasterNode
 from heave_node.ros.node import HeaveNode
 from heave_node.ros.participant import ParticipantNode

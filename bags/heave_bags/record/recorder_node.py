@@ -17,10 +17,10 @@ from pathlib import Path
 
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
 from heave_node.cdr.definitions import schema_text
+from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.topic import Role, Topic
 from heave_node.ros.diagnostics import Health, Level
-from heave_node.ros.errors import NodeError
 from heave_node.ros.node import expect_no, expect_sender, steady_clock
 from heave_node.ros.participant import HELD_MESSAGES, ParticipantNode
 from heave_node.ros.process import run_node

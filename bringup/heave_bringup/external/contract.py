@@ -296,13 +296,13 @@ name at the start barrier. Equal seeds then give equal bytes, if the program doe
   |---|---|---|
   | `on_build()` | once, before the run | makes component, inputs and outputs |
   | `on_tick(tick)` | once per tick | takes the inputs, steps the component, publishes the outputs |
-  | `on_reset()` | when `simulation/reset` starts the run again at tick 1 | puts all that you keep between ticks back to its start; a node without it ends the run at a reset |
+  | `on_reset()` | `simulation/reset` starts the run again | sets back what you keep; without it a reset ends the run |
   | `on_inactive_tick(tick)` | in place of `on_tick` while the node is inactive | lets time pass, publishes nothing |
   | `on_left_out(tick)` | in real time, for each tick that a node jumps over | lets time pass, publishes nothing |
   | `on_exit()` | once, however the node ends | releases files and devices |
 
-- **In real time** a node that is behind makes up for its ticks for {CATCH_UP_LIMIT:g} s, then jumps to the newest one: it
-  uses the newest messages, and never works through a backlog. `does_every_tick = True` forbids that. The end of the run
+- **In real time** a node that is behind makes up for its ticks for {CATCH_UP_LIMIT:g} s, then jumps to the newest one.
+  It never works through a backlog of seconds. `does_every_tick = True` forbids that. The end of the run
   counts the messages that never came to a node. It prints the figures, names the loss and ends with status 1.
 - **`--foreign cable_sim`**: your plant takes part like any other node, and `ship_clock` leads the ticks. Stamp its
   readings with the end of the tick: the controller reads them in the next one.

@@ -21,11 +21,11 @@ from heave_node.interface import topics
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
+from heave_node.ros.silence import Patience
 from heave_node.ros.transport.identity import describe_sender, identity_of_endpoint
 from heave_node.ros.transport.qos import mismatches
 from heave_node.tick import malformed
 from heave_node.tick.loop_timing import LoopTiming
-from heave_node.tick.patience import Patience
 from heave_node.tick.protocol import TickDone, TickStart
 from heave_node.tick.roster import NOT_WAITED_FOR, Participant, Roster
 from heave_node.tick.speakers import Speakers

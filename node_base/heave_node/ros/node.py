@@ -21,16 +21,16 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
-from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 
+from heave_node.errors import NodeError, one_line
 from heave_node.interface import topics
 from heave_node.interface.messages import message_type
 from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, diagnostic_array
-from heave_node.ros.errors import NodeError, one_line
 from heave_node.ros.input_timing import InputTiming
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.ports import Input, Output, decoder_of, of_any_machine, stamped
@@ -330,6 +330,9 @@ class HeaveNode(LifecycleNode):
             self._refuse_unused_overrides()
             # The first line of a log looks for its caller among all modules, which takes up to a second: not in a tick.
             inspect.getmodule(inspect.currentframe())
+        except InvalidQosOverridesError as error:
+            self.fail(" ".join(str(error).split()), error)
+            return TransitionCallbackReturn.ERROR
         except Exception as error:  # rclpy would swallow it and say only that the transition failed
             self.fail(one_line(error, type(self)), error)
             return TransitionCallbackReturn.ERROR

@@ -16,9 +16,8 @@ from rclpy.duration import Duration
 from heave_node.interface import topics
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
-from heave_node.ros.silence import Silence
+from heave_node.ros.silence import Patience, Silence
 from heave_node.tick import malformed
-from heave_node.tick.patience import Patience
 from heave_node.tick.protocol import TickDone, TickStart
 from heave_node.tick.punctuality import Punctuality
 from heave_node.tick.speakers import ANYONE

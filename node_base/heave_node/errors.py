@@ -7,8 +7,6 @@ import traceback
 from pathlib import Path
 from types import FrameType
 
-from rclpy.qos_overriding_options import InvalidQosOverridesError
-
 SUITE = frozenset(
     ("heave_node", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "heave_bags", "heave_bringup")
 )
@@ -41,7 +39,7 @@ def _frames(error: BaseException) -> list[tuple[FrameType, int]]:
 
 def _is_foreseen(error: BaseException) -> bool:
     """Return whether whoever raised an error worded it for the user."""
-    if isinstance(error, NodeError | InvalidQosOverridesError):
+    if isinstance(error, NodeError):
         return True
     frames = _frames(error)
     raised_in = str(frames[-1][0].f_globals.get("__package__") or "") if frames else ""
