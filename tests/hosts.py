@@ -7,6 +7,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,6 +20,10 @@ WHAT_DECIDES_ON_THE_TRANSPORT = (
     "FASTDDS_DEFAULT_PROFILES_FILE",
     "FASTRTPS_DEFAULT_PROFILES_FILE",
 )
+
+
+MULTICAST = ("224.0.0.0/4", "dev", "cable")
+"""Where multicast goes, by which hosts find each other."""
 
 
 class Host:
@@ -47,8 +52,22 @@ class Host:
         )
 
     def plug(self, state: str) -> None:
-        """Set this host's end of the cable `up` or `down`."""
+        """Set this host's end of the cable `up` or `down`; the route that goes with it comes back with it."""
         _ip("-n", self.name, "link", "set", "cable", state)
+        if state == "up":
+            _ip("-n", self.name, "route", "replace", *MULTICAST)
+
+    def unplug_for(self, seconds: float) -> None:
+        """Take the cable out for `seconds` of wall time."""
+        self.plug("down")
+        time.sleep(seconds)
+        self.plug("up")
+
+    def slow_down(self, rate: str) -> None:
+        """Let this host send no faster than a `rate`, as tc writes it: what waits for longer than 0.4 s is dropped."""
+        shape = ["tbf", "rate", rate, "burst", "16kb", "latency", "400ms"]
+        command = ["ip", "netns", "exec", self.name, "tc", "qdisc", "add", "dev", "cable", "root", *shape]
+        subprocess.run(command, check=True)
 
 
 def why_not() -> str:
@@ -79,7 +98,7 @@ def two_hosts() -> Iterator[tuple[Host, Host]]:
             _ip("-n", host.name, "address", "add", f"{host.address}/24", "dev", "cable")
             for device in ("lo", "cable"):
                 _ip("-n", host.name, "link", "set", device, "up")
-            _ip("-n", host.name, "route", "add", "224.0.0.0/4", "dev", "cable")
+            _ip("-n", host.name, "route", "add", *MULTICAST)
             # The kernel answers one closed port a second by default: a test asks hundreds.
             _ip("netns", "exec", host.name, "sh", "-c", "echo 0 > /proc/sys/net/ipv4/icmp_ratelimit")
         yield hosts[0], hosts[1]

@@ -22,7 +22,8 @@ from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
 from heave_node.ros.silence import Patience
-from heave_node.ros.transport.identity import describe_sender, identity_of_endpoint
+from heave_node.ros.transport.host_clocks import HostClocks
+from heave_node.ros.transport.identity import describe_sender, host_of, identity_of_endpoint
 from heave_node.ros.transport.qos import mismatches
 from heave_node.tick import malformed
 from heave_node.tick.loop_timing import LoopTiming
@@ -74,6 +75,7 @@ class ClockMasterNode(HeaveNode):
         self._stepped = True
         self._failed_participant: tuple[str, float] | None = None
         self._patience = Patience()
+        self._host_clocks, self._clock_patience = HostClocks(), Patience()
         self._pause_at: int | None = None
         self._reset_wanted = False
         self._clock_started_at = 0.0
@@ -96,6 +98,7 @@ class ClockMasterNode(HeaveNode):
         expect_no(malformed.fault_in_join(message))
         expect_sender(identity, message.identity)
         self.strangers.note_host(identity, message.host)
+        self._host_clocks.heard(message.node, self.message_sent, time.time_ns(), message.least_delay)
         if message.node not in self.roster.expected:
             return
         known = self.roster.participants.get(message.node)
@@ -175,12 +178,37 @@ class ClockMasterNode(HeaveNode):
         published = {topic: self.count_publishers(topic) for topic in self._external_topics()}
         lacking = [*self.roster.missing(published, self._external_topics(needed=True)), *self._rivals()]
         self._reason = "; ".join(lacking)
-        if not lacking:
+        if not lacking and self._may_start_by_clocks():
             self.roster.freeze()
             self._begin_run()
             if not self.run.is_lockstep:
                 self._clock_started_at = time.monotonic()
                 self.create_timer(self.run.tick_period, self._follow_wall_clock, clock=steady_clock())
+
+    def _on_other_hosts(self) -> dict[str, str]:
+        """Return the names of the participants on other hosts, with the names of these."""
+        here = host_of(self.identity)
+        others = (p for p in self.roster.participants.values() if host_of(p.identity) not in ("", here))
+        return {p.name: p.host for p in others}
+
+    def _may_start_by_clocks(self) -> bool:
+        """Show how far the clocks of other hosts are from this one's; in real time refuse a run where that is too far.
+
+        A program that does not take part in the measurement is waited for no longer than `FLUSH_PATIENCE`.
+        """
+        others = self._on_other_hosts()
+        unknown = [node for node in others if self._host_clocks.offset(node) is None]
+        if unknown and not self._clock_patience.is_over(len(unknown)):
+            self._reason = f"the clock of {', '.join(unknown)}"
+            return False
+        far = "" if self.run.is_lockstep else self._host_clocks.too_far(others, self.run.clock_offset_limit)
+        if far:
+            self._end(TickStatus.FAILED, far)
+            return False
+        if others:
+            told = self._host_clocks.words(others) or "not known"
+            self.get_logger().info(f"clocks of other hosts, ahead of this one's: {told}")
+        return True
 
     def _begin_run(self) -> None:
         """Begin a run (an epoch): publish the order of the counters, and begin tick 1."""
@@ -231,8 +259,10 @@ class ClockMasterNode(HeaveNode):
         """Add the loop age of every tick, those that missed their deadline too."""
         if self.run.is_lockstep or not len(self.timing.ages):
             return []
+        told = self._host_clocks.words(self._on_other_hosts())
+        clocks = [Health("clocks of other hosts", Level.OK, told)] if told else []
         values = {**self.timing.ages.to_values(), "missed_deadlines": str(self.timing.missed_deadlines)}
-        return [timing_health("loop age", values), *super().diagnose_timing()]
+        return [timing_health("loop age", values), *clocks, *super().diagnose_timing()]
 
     # Ticks ---------------------------------------------------------------------------------------------------------
 

@@ -98,6 +98,7 @@ class HeaveNode(LifecycleNode):
     clock_of_run : simulated time by monotonic wall time [ns]
     strangers : processes noticed that are not part of the run
     message_sent : when the message of the protocol that is handled now was sent, by its sender's clock [ns]
+    least_delay : least time that a status of the clock master took, by the clocks of both hosts [s]; 0: none came
     exchange : of the topics of a run whose nodes share one process; None: they go through the middleware
     """
 
@@ -126,6 +127,7 @@ class HeaveNode(LifecycleNode):
         self.clock_of_run = SimulatedClock()
         self.is_active = False
         self.message_sent = 0
+        self.least_delay = 0.0
         self._outputs: list[Output] = []
         self._inputs: list[Input] = []
         self._input_timings: dict[str, InputTiming] = {}
@@ -403,6 +405,7 @@ class HeaveNode(LifecycleNode):
                 inputs=list(self._input_subscriptions),
                 matched_publishers=[s.get_publisher_count() for s in self._input_subscriptions.values()],
                 waiting_for=waiting_for,
+                least_delay=self.least_delay,
                 failure=self.failure,
             )
         )

@@ -326,6 +326,9 @@ class ParticipantNode(HeaveNode):
             expect_sender(identity, self._master)
         expect_no(malformed.fault_in_status(message))
         self._silence.end()
+        if self.message_sent:
+            delay = 1e-9 * (time.time_ns() - self.message_sent)
+            self.least_delay = min(delay, self.least_delay or delay)
         if message.state in (TickStatus.ENDED, TickStatus.FAILED) and self.has_started and not self.finished.done():
             self.fail_on_error(lambda: self.on_run_ended(message))
             self.finish()
