@@ -8,7 +8,7 @@ import os
 import shutil
 import subprocess
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -20,10 +20,6 @@ WHAT_DECIDES_ON_THE_TRANSPORT = (
     "FASTDDS_DEFAULT_PROFILES_FILE",
     "FASTRTPS_DEFAULT_PROFILES_FILE",
 )
-
-
-MULTICAST = ("224.0.0.0/4", "dev", "cable")
-"""Where multicast goes, by which hosts find each other."""
 
 
 class Host:
@@ -52,21 +48,22 @@ class Host:
         )
 
     def plug(self, state: str) -> None:
-        """Set this host's end of the cable `up` or `down`; the route that goes with it comes back with it."""
+        """Set this host's end of the cable `up` or `down`."""
         _ip("-n", self.name, "link", "set", "cable", state)
-        if state == "up":
-            _ip("-n", self.name, "route", "replace", *MULTICAST)
 
-    def unplug_for(self, seconds: float) -> None:
-        """Take the cable out for `seconds` of wall time."""
-        self.plug("down")
-        time.sleep(seconds)
-        self.plug("up")
+    def send_slowly(self, rate: str, burst: str = "16kb") -> None:
+        """Let this host send no faster than a `rate`, and no more than a `burst` at once, as tc writes them.
 
-    def slow_down(self, rate: str) -> None:
-        """Let this host send no faster than a `rate`, as tc writes it: what waits for longer than 0.4 s is dropped."""
-        shape = ["tbf", "rate", rate, "burst", "16kb", "latency", "400ms"]
-        command = ["ip", "netns", "exec", self.name, "tc", "qdisc", "add", "dev", "cable", "root", *shape]
+        What would wait for longer than 0.4 s is dropped, and every packet that is larger than the burst.
+        """
+        self._shape("replace", "tbf", "rate", rate, "burst", burst, "latency", "400ms")
+
+    def send_freely(self) -> None:
+        """Undo `send_slowly`."""
+        self._shape("delete")
+
+    def _shape(self, verb: str, *shape: str) -> None:
+        command = ["ip", "netns", "exec", self.name, "tc", "qdisc", verb, "dev", "cable", "root", *shape]
         subprocess.run(command, check=True)
 
 
@@ -98,7 +95,7 @@ def two_hosts() -> Iterator[tuple[Host, Host]]:
             _ip("-n", host.name, "address", "add", f"{host.address}/24", "dev", "cable")
             for device in ("lo", "cable"):
                 _ip("-n", host.name, "link", "set", device, "up")
-            _ip("-n", host.name, "route", "add", *MULTICAST)
+            _ip("-n", host.name, "route", "add", "224.0.0.0/4", "dev", "cable")
             # The kernel answers one closed port a second by default: a test asks hundreds.
             _ip("netns", "exec", host.name, "sh", "-c", "echo 0 > /proc/sys/net/ipv4/icmp_ratelimit")
         yield hosts[0], hosts[1]
@@ -110,6 +107,18 @@ def two_hosts() -> Iterator[tuple[Host, Host]]:
 
 def _ip(*arguments: str) -> None:
     subprocess.run(["ip", *arguments], check=True)
+
+
+def drop_link(hosts: Sequence[Host], seconds: float) -> None:
+    """Let no packet through between `hosts` for some wall time; the ends of the cable do not notice.
+
+    A cable that is pulled takes longer: Linux looks at the state of a link once a second.
+    """
+    for host in hosts:
+        host.send_slowly("8bit", burst="1b")
+    time.sleep(seconds)
+    for host in hosts:
+        host.send_freely()
 
 
 def stop(*processes: subprocess.Popen[str]) -> None:

@@ -48,5 +48,7 @@ def test_a_clock_is_too_far_only_where_the_delay_does_not_explain_it():
     exchange(near, ahead=0.0, there=0.5, back=0.01)
     exchange(far, ahead=-0.5, there=0.01, back=0.01)
     assert near.too_far({"winch": "quay"}, 0.1) == "", "a slow link is no wrong clock"
-    assert far.too_far({"winch": "quay"}, 0.1).startswith("the clock of winch's host quay is 0.500 s behind this host's")
+    assert far.too_far({"winch": "quay"}, 0.1).startswith(
+        "the clock of winch's host quay is 0.500 s behind this host's"
+    )
     assert far.words({"winch": "quay"}) == "winch on quay -500.0 ms, to 10.0 ms"

@@ -277,7 +277,8 @@ type needs no node of yours: `heave adapt MAP.yaml` is one by a map file.
   names, units and defaults, `scenario.yaml` beside each bag the values in force, and `--set system.winch.speed_limit=1`
   changes one. The suite's controller brakes until it knows the sea, some 25 s; figures count after the transient (120 s
   as shipped).
-- **Reach**: the same `ROS_DOMAIN_ID`, on this machine. For other machines give `heave` the option `--network`.
+- **Reach**: the same `ROS_DOMAIN_ID`, on this machine. For other machines give `heave` the option `--network`; the
+  guide's page on several hosts says what a link that drops does.
 - **A topic has one publisher**, a process: a second one is named, is an error, and is not obeyed. One that has left
   may be started again during the run.
 """
