@@ -191,7 +191,7 @@ def topics_page() -> str:
     lines += ["Names are relative to the namespace of the run. What a field means: [messages](messages.md); how a node"]
     lines += ["of yours joins in: [external nodes](contract.md).", ""]
     lines += ["| topic | type | published by | carried |", "|---|---|---|---|"]
-    for topic in sorted(ALL_TOPICS, key=lambda topic: topic.name.lstrip("/")):
+    for topic in sorted(ALL_TOPICS, key=lambda topic: topic.name):
         kind = topic.type
         if kind.startswith("heave_msgs/"):
             kind = f"[`{kind}`](messages.md#{kind.rpartition('/')[2].lower()})"

@@ -7,7 +7,8 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -50,6 +51,21 @@ class Host:
         """Set this host's end of the cable `up` or `down`."""
         _ip("-n", self.name, "link", "set", "cable", state)
 
+    def send_slowly(self, rate: str, burst: str = "16kb") -> None:
+        """Let this host send no faster than a `rate`, and no more than a `burst` at once, as tc writes them.
+
+        What would wait for longer than 0.4 s is dropped, and every packet that is larger than the burst.
+        """
+        self._shape("replace", "tbf", "rate", rate, "burst", burst, "latency", "400ms")
+
+    def send_freely(self) -> None:
+        """Undo `send_slowly`."""
+        self._shape("delete")
+
+    def _shape(self, verb: str, *shape: str) -> None:
+        command = ["ip", "netns", "exec", self.name, "tc", "qdisc", verb, "dev", "cable", "root", *shape]
+        subprocess.run(command, check=True)
+
 
 def why_not() -> str:
     """Say why this machine can make no hosts; "" where it can."""
@@ -91,6 +107,18 @@ def two_hosts() -> Iterator[tuple[Host, Host]]:
 
 def _ip(*arguments: str) -> None:
     subprocess.run(["ip", *arguments], check=True)
+
+
+def drop_link(hosts: Sequence[Host], seconds: float) -> None:
+    """Let no packet through between `hosts` for some wall time; the ends of the cable do not notice.
+
+    A cable that is pulled takes longer: Linux looks at the state of a link once a second.
+    """
+    for host in hosts:
+        host.send_slowly("8bit", burst="1b")
+    time.sleep(seconds)
+    for host in hosts:
+        host.send_freely()
 
 
 def stop(*processes: subprocess.Popen[str]) -> None:

@@ -117,7 +117,8 @@ def test_the_built_messages_load_with_their_type_support(workspace: Workspace):
 
 
 def test_the_command_of_the_built_workspace_finds_its_scenarios(workspace: Workspace):
-    listed = workspace.sourced("install/heave_bringup/lib/heave_bringup/heave list")
+    on_path = 'export PATH="$PWD/install/heave_bringup/lib/heave_bringup:$PATH"'  # as docs/guide/install.md says
+    listed = workspace.sourced(f"{on_path} && heave list")
     assert "b2_calm_300" in listed.stdout, listed.stderr
 
 

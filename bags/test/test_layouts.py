@@ -12,7 +12,7 @@ from heave_node.cdr.layout import PRIMITIVES, parse_schema
 from heave_node.interface.topics import ALL_TOPICS
 
 CONFIG = Path(__file__).parent.parent / "config"
-TYPE_OF = {"/" + topic.name.lstrip("/"): topic.type for topic in ALL_TOPICS}
+TYPE_OF = {f"/{topic.name}": topic.type for topic in ALL_TOPICS}
 
 
 def assert_exists(topic: str, fields: list[str]) -> None:

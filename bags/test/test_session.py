@@ -9,7 +9,7 @@ from heave_bags.mcap.reader import Bag
 from heave_bags.mcap.ros.qos import OfferedQos
 from heave_bags.record.recorder_node import RecorderNode
 from heave_bags.record.session import RecordingSession, SnapshotRing, missing_messages, missing_words
-from heave_node.ros.node import NodeError
+from heave_node.errors import NodeError
 from made_up_run import MadeUpRun, tick_messages
 from rclpy.serialization import serialize_message
 

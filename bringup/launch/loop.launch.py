@@ -1,19 +1,17 @@
 """Start the whole loop: ros2 launch heave_bringup loop.launch.py scenario:=b2_calm_300.
 
-The nodes are those of `heave run`, each by the launch file of its own package. The run ends when they do; a node that
-fails takes the others down.
+The nodes are those of `heave run`, each by the launch file of its own package, in the namespace of whoever includes
+this file. The run ends when they do; a node that fails takes the others down.
 """
 
-from pathlib import Path
-
+from heave_bringup.errors import CommandError
 from heave_bringup.nodes import PROCESS_BY_NAME
-from heave_bringup.run.run import new_run_folder, nodes_to_start, store_scenario
-from heave_bringup.scenarios import load_scenario
-from heave_bringup.settings import Setting
-from heave_node.scenario import WILDCARD
+from heave_bringup.run.launched import ARGUMENTS, prepare
+from heave_node.parameters import ParameterError
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 from launch.actions import (
     DeclareLaunchArgument,
+    GroupAction,
     IncludeLaunchDescription,
     LogInfo,
     OpaqueFunction,
@@ -24,6 +22,7 @@ from launch.event_handlers import OnProcessExit
 from launch.events.process import ProcessExited
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import PushRosNamespace
 from launch_ros.substitutions import FindPackageShare
 
 
@@ -31,16 +30,10 @@ def generate_launch_description() -> LaunchDescription:
     """Return the loop with its arguments."""
     return LaunchDescription(
         [
-            DeclareLaunchArgument(
-                "scenario", default_value="b2_calm_300", description="Shipped scenario or parameter file."
+            *(
+                DeclareLaunchArgument(name, default_value=default, description=meaning)
+                for name, (default, meaning) in ARGUMENTS.items()
             ),
-            DeclareLaunchArgument(
-                "folder", default_value="", description="Folder for the bag; empty: runs/SCENARIO-NNN."
-            ),
-            DeclareLaunchArgument(
-                "pacing", default_value="", description="lockstep or realtime; empty: as in the scenario."
-            ),
-            DeclareLaunchArgument("external", default_value="", description="Nodes not to start, separated by commas."),
             RegisterEventHandler(OnProcessExit(on_exit=end_with_the_first_failure)),
             OpaqueFunction(function=start_nodes),
         ]
@@ -49,25 +42,20 @@ def generate_launch_description() -> LaunchDescription:
 
 def start_nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Check the scenario, put the run's parameter file into its folder, and start every node with it."""
-    scenario_name, folder_name, pacing, external = (
-        LaunchConfiguration(name).perform(context) for name in ("scenario", "folder", "pacing", "external")
-    )
-    settings = []
-    if pacing:
-        settings.append(Setting(WILDCARD, "pacing", pacing, f"pacing:={pacing}"))
-    if external:
-        settings.append(Setting(WILDCARD, "external", external.split(","), f"external:={external}"))
-    scenario = load_scenario(scenario_name, settings=settings)
-    folder = new_run_folder(scenario.name, Path(folder_name) if folder_name else None)
-    store_scenario(scenario, folder)
-    arguments = {"scenario": str(folder.scenario)}
+    arguments = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    try:
+        folder, names = prepare(arguments)
+    except (ParameterError, CommandError) as error:
+        return [LogInfo(msg=f"heave: {error}"), Shutdown(reason=str(error))]
+    given = {"scenario": str(folder.scenario)}
     nodes = [
-        IncludeLaunchDescription(
-            PythonLaunchDescriptionSource(launch_file_of(node)), launch_arguments=arguments.items()
-        )
-        for node in nodes_to_start(scenario)
+        IncludeLaunchDescription(PythonLaunchDescriptionSource(launch_file_of(name)), launch_arguments=given.items())
+        for name in names
     ]
-    return [LogInfo(msg=f"bag folder: {folder.bag}"), *nodes]
+    return [
+        LogInfo(msg=f"bag folder: {folder.bag}"),
+        GroupAction([PushRosNamespace(arguments["namespace"]), *nodes]),
+    ]
 
 
 def launch_file_of(node: str) -> PathJoinSubstitution:

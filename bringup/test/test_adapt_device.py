@@ -78,9 +78,9 @@ def test_another_run_begins_with_its_brake_on_and_counts_from_one():
     LiveDevice(find_map("ros2_control_velocity"), node)
     sent = node.sent["/velocity_controller/commands"]
     node.callbacks["/joint_states"](joints(0.0))
-    node.callbacks["/clock"](Clock(clock=Time(sec=90)))
+    node.callbacks["clock"](Clock(clock=Time(sec=90)))
     node.callbacks["winch/command"](WinchCommand(sequence=1800, payout_rate=0.3))
-    node.callbacks["/clock"](Clock(clock=Time(nanosec=50_000_000)))
+    node.callbacks["clock"](Clock(clock=Time(nanosec=50_000_000)))
     node.callbacks["/joint_states"](joints(0.0))
     assert node.sent["winch/state"][-1].brake
     node.callbacks["winch/command"](WinchCommand(sequence=1, payout_rate=0.1))

@@ -80,6 +80,13 @@ class RunParameters:
         maximum=60.0,
         description="Wall time after which an unanswered tick is sent again.",
     )
+    clock_offset_limit: float = parameter(
+        0.1,
+        unit="s",
+        minimum=1e-3,
+        maximum=1e9,
+        description="Largest offset between the clocks of two hosts of a run in real time; a larger one is refused.",
+    )
     in_tick_wait: float = parameter(
         0.4,
         unit="",

@@ -14,21 +14,35 @@ import time
 from dataclasses import dataclass
 
 from heave_msgs.msg import LoadCell, MruSample, PointMotion, TickStatus, WinchCommand, WinchState
+from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.parameters import parameter
 from heave_node.ros.master import ClockMasterNode
-from heave_node.ros.node import NodeError
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_composed, run_node
-from heave_node.tick.tick import stamp_of
+from heave_node.tick.tick import seconds_of, stamp_of
 from rclpy.serialization import serialize_message
 
-FAULTS = ("", "die", "hang", "late", "stop", "duplicate", "lose", "lose_for_ever", "future_stamp", "old_stamp", "raise")
+FAULTS = (
+    "",
+    "die",
+    "hang",
+    "late",
+    "stop",
+    "duplicate",
+    "lose",
+    "lose_for_ever",
+    "future_stamp",
+    "old_stamp",
+    "raise",
+    "bug",
+)
+MORE_FAULTS = ("slow", "doze", "bug_at_start")
 
 
 @dataclass(frozen=True)
 class LoopParameters:
-    fault: str = parameter("", unit="", choices=FAULTS, description="How the node misbehaves.")
+    fault: str = parameter("", unit="", choices=(*FAULTS, *MORE_FAULTS), description="How the node misbehaves.")
     fault_tick: int = parameter(20, unit="", minimum=1, description="When.")
     strict: bool = parameter(True, unit="", description="Check that each tick has exactly its messages.")
 
@@ -53,6 +67,12 @@ class LoopNode(ParticipantNode):
         fault = self.parameters.fault if tick.number == self.parameters.fault_tick else ""
         if fault == "die":
             os.kill(os.getpid(), signal.SIGKILL)
+        if fault == "bug":
+            _ = [][tick.number]  # the line that a user must be shown
+        if fault == "doze":
+            time.sleep(4.0)
+        if self.parameters.fault == "slow" and tick.number >= self.parameters.fault_tick:
+            time.sleep(3e-9 * tick.period_nanoseconds)
         if fault == "raise":
             raise NodeError("the solver gave up")
         if fault == "hang":
@@ -102,6 +122,8 @@ class Controller(LoopNode):
     after = ("wave_vessel",)
 
     def on_build(self) -> None:
+        if self.parameters.fault == "bug_at_start":
+            _ = {}["gain"]  # raised before the run
         wanted = (topics.MRU, topics.LOAD_CELL, topics.WINCH_STATE)
         self.inputs = [self.add_input(topic, holds_ahead=not self.parameters.strict) for topic in wanted]
         self.without_load = 0
@@ -128,13 +150,19 @@ class Winch(LoopNode):
     def on_build(self) -> None:
         self.command = self.add_input(topics.WINCH_COMMAND)
         self.state = self.add_output(topics.WINCH_STATE)
+        self.oldest = 0.0
 
     def on_tick(self, tick) -> None:
         commands = self.take(self.command)
+        if commands:
+            self.oldest = max(self.oldest, tick.time - seconds_of(commands[-1].header.stamp))
         self.check(tick, len(commands), 1, "commands")
         message = WinchState(payout=commands[-1].payout if commands else -1.0)
         message.header.stamp = tick.end_stamp
         self.send(self.state, message, tick)
+
+    def on_exit(self) -> None:
+        sys.stdout.write(f"oldest={self.oldest:.3f}\n")
 
 
 class Plant(ClockMasterNode):
@@ -173,6 +201,7 @@ class Plant(ClockMasterNode):
         ended = self.run_state == TickStatus.ENDED
         timing = self.timing
         sys.stdout.write(f"ended={ended} ticks={self.tick_number} epoch={self.epoch} sum={self.sum:g}\n")
+        sys.stdout.write(f"lost={self.roster.lost_words(self.gate.lost())}\n")
         sys.stdout.write(f"missed={timing.missed_deadlines} resends={timing.resends}\n")
 
 

@@ -18,7 +18,7 @@ from rosgraph_msgs.msg import Clock
 def make_publisher(exchange: Exchange, topic: Topic) -> tuple[LocalPublisher, list[bytes]]:
     """Return a publisher and the messages that others get."""
     outside: list[bytes] = []
-    name = "/" + topic.name.lstrip("/")
+    name = f"/{topic.name}"
     stands_in: Any = SimpleNamespace(topic_name=name, publish=outside.append)
     return exchange.add_publisher(topic, stands_in, "own"), outside
 

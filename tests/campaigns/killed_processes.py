@@ -81,7 +81,7 @@ class Witness:
             self._receive_from(name)
 
     def _receive_from(self, name: str) -> None:
-        topic = topics.CLOCK if name == topics.CLOCK.name else topics.TOPIC_BY_NAME[name.removeprefix("/")]
+        topic = topics.TOPIC_BY_NAME[name.removeprefix("/")]
 
         def note(data: bytes) -> None:
             self.received[name].append((time.monotonic(), data[STAMP]))

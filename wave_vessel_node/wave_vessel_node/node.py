@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import sys
 
+from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.codes import MruStatus
 from heave_node.interface.messages import SensorMessages
 from heave_node.interface.sensors import MRU, STANDARD_WATER
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.fault_service import FaultService
-from heave_node.ros.node import NodeError
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
 from heave_node.tick.tick import Tick
@@ -79,6 +79,10 @@ class WaveVesselNode(ParticipantNode):
 
     def on_inactive_tick(self, tick: Tick) -> None:
         """See ParticipantNode. The sea goes on."""
+        self._outputs_of(tick)
+
+    def on_left_out(self, tick: Tick) -> None:
+        """See ParticipantNode: the sea goes on."""
         self._outputs_of(tick)
 
     def prepare(self, number: int) -> None:

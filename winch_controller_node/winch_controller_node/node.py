@@ -12,6 +12,7 @@ from typing import Any
 from geometry_msgs.msg import TwistStamped
 from heave_msgs.msg import TickStatus
 from heave_msgs.srv import Redesign, SetMode
+from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.codes import (
     ALARMS,
@@ -30,7 +31,6 @@ from heave_node.numerics.linear_model import ModelError
 from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.input_timing import TIMING
-from heave_node.ros.node import NodeError
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.ports import Input
 from heave_node.ros.process import run_node
@@ -74,6 +74,7 @@ class WinchControllerNode(ParticipantNode):
     name = "winch_controller"
     parameters_type = WinchControllerParameters
     after = ("wave_vessel",)
+    does_every_tick = True
 
     def __init__(self) -> None:
         super().__init__()

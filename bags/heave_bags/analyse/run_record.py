@@ -425,6 +425,8 @@ def _fill_outcome(record: RunRecord) -> None:
     ended = record.outcome.get("ended", "")
     if ended not in (COMPLETE, SNAPSHOT, ""):
         record.notes.append(f"the run did not end normally: {ended}")
+    if "lost_on_the_way" in record.outcome:
+        record.notes.append(record.outcome["lost_on_the_way"])
     if "lost" in record.outcome:
         record.notes.append(f"messages lost while recording: {record.outcome['lost']}")
 

@@ -66,7 +66,7 @@ def publisher_of(bag: Bag, topic: str) -> tuple[str, ...]:
     if said is not None:
         return tuple(said.split())
     for name, known in TOPIC_BY_NAME.items():
-        if topic.endswith("/" + name.lstrip("/")) and known.publisher:
+        if topic.endswith("/" + name) and known.publisher:
             return (known.publisher,)
     return ()
 

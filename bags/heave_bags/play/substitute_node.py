@@ -14,11 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.topic import Role, Topic
 from heave_node.parameters import parameter
 from heave_node.ros.master import ClockMasterNode
-from heave_node.ros.node import HeaveNode, NodeError
+from heave_node.ros.node import HeaveNode
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.ports import Output
 from heave_node.ros.process import run_node
@@ -90,6 +91,10 @@ class SubstituteParticipant(Substitute, ParticipantNode):
     def on_tick(self, tick: Tick) -> None:
         """Play the tick."""
         self.play(tick)
+
+    def on_left_out(self, tick: Tick) -> None:
+        """See ParticipantNode: what the node published in the tick is left out too."""
+        self.player.take(tick.number)
 
 
 class SubstituteMaster(Substitute, ClockMasterNode):

@@ -75,7 +75,7 @@ class TickPlayer:
         self._period = period
         self._shift = shift
         self._check_tick()
-        shared = (f"{self.namespace}{topics.DIAGNOSTICS.name}",)
+        shared = (f"{self.namespace}/{topics.DIAGNOSTICS.name}",)
         self._wanted = [*self.topics, *(name for name in shared if name in bag.topics and name not in self.topics)]
         self._stamped = {name for name in self._wanted if _has_header(bag, name)}
         if bag.run.get("pacing") == "lockstep":
@@ -89,9 +89,7 @@ class TickPlayer:
 
     def name_in_run(self, topic: str) -> str:
         """Return the name of a `topic` of the bag as a node has it: relative, so that it goes into any namespace."""
-        name = topic.removeprefix(f"{self.namespace}/")
-        fixed = f"/{name}"  # such as /clock
-        return fixed if fixed in topics.TOPIC_BY_NAME else name
+        return topic.removeprefix(f"{self.namespace}/")
 
     def _check_tick(self) -> None:
         recorded = self._bag.run.get("tick_period_s")
@@ -208,7 +206,7 @@ def _namespace_of(bag: Bag, published: list[str]) -> str:
     Raises BagError where it published in several, none of which is in another.
     """
     known = [name for name in published if _relative(name) != name]
-    found = sorted({name.removesuffix("/" + _relative(name).lstrip("/")) for name in known}, key=len)
+    found = sorted({name.removesuffix("/" + _relative(name)) for name in known}, key=len)
     if any(not f"{name}/".startswith(f"{found[0]}/") for name in found):
         raise BagError(f"{bag.path}: it holds several systems: {', '.join(found)}")
     return found[0] if found else ""
@@ -217,6 +215,6 @@ def _namespace_of(bag: Bag, published: list[str]) -> str:
 def _relative(name: str) -> str:
     """Return the name of a topic as the suite's table has it, whatever its namespace."""
     for known in topics.TOPIC_BY_NAME:
-        if name == known or name.endswith("/" + known.lstrip("/")):
+        if name == known or name.endswith("/" + known):
             return known
     return name

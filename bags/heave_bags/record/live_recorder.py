@@ -101,7 +101,7 @@ class LiveRecorder(Node):
 
     def _taker(self, topic: str) -> Callable[..., None]:
         write, clock = self.session.write, self.get_clock()
-        if topic == topics.DIAGNOSTICS.name and self._sees_faults:
+        if topic == self.resolve_topic_name(topics.DIAGNOSTICS.name) and self._sees_faults:
 
             def take_and_watch(data: bytes, _: object) -> None:
                 write(topic, clock.now().nanoseconds, data)

@@ -11,16 +11,17 @@ import os
 import sys
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
 from heave_node.cdr.definitions import schema_text
+from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.topic import Role, Topic
 from heave_node.ros.diagnostics import Health, Level
-from heave_node.ros.node import NodeError, expect_no, expect_sender, steady_clock
+from heave_node.ros.node import expect_no, expect_sender, steady_clock
 from heave_node.ros.participant import HELD_MESSAGES, ParticipantNode
 from heave_node.ros.process import run_node
 from heave_node.ros.spin import sender_callback
@@ -290,12 +291,16 @@ class RecorderNode(ParticipantNode):
         return Canonical(kind, schema_text(kind))
 
     def on_tick(self, tick: Tick) -> None:
-        """Write what has become complete by `tick`, and make it survive a crash before it is answered for."""
+        """Write what has become complete by `tick`."""
         self._tick_began = time.monotonic_ns()
         if self.run.is_lockstep:
             self._write_complete(tick)
-        if self.answers(tick.number) or not self.run.is_lockstep:
+        else:
             self.session.acknowledge()
+
+    def before_answer(self) -> None:
+        """Let what was written survive a crash of this process."""
+        self.session.acknowledge()
 
     def on_flush(self, tick: Tick) -> None:
         """Write the messages of the last tick."""
@@ -345,8 +350,10 @@ class RecorderNode(ParticipantNode):
 
     def on_run_ended(self, status: TickStatus) -> None:
         """Note from `status` how the run went, and how many messages the nodes say they published."""
+        is_complete = status.state == TickStatus.ENDED
         self._outcome = {
-            "ended": COMPLETE if status.state == TickStatus.ENDED else status.reason or "failed",
+            "ended": COMPLETE if is_complete else status.reason or "failed",
+            **({"lost_on_the_way": status.reason} if is_complete and status.reason else {}),
             "ticks": str(status.tick),
             "real_time_factor": repr(status.real_time_factor),
             "loop_age_p50_s": repr(status.loop_age_p50),
@@ -365,10 +372,13 @@ class RecorderNode(ParticipantNode):
         if self._order is not None and self.run.is_lockstep:
             self._order.write_rest(session, self._take_everything, tick_start=self._last_log_time)
         problems = [*session.state.problems]
-        missing = self._missing() if session.is_recording else {}
+        missing = self._missing(self._expected) if session.is_recording else {}
         lost = missing_words(missing, self._expected)
         if lost:
-            problems.append(f"messages were lost: {lost}")
+            if self.run.is_lockstep:
+                problems.append(f"messages were lost: {lost}")
+            else:  # the run is over and the bag says so
+                self.get_logger().error(f"messages were lost: {lost}")
             session.note_missed(sum(missing.values()), f"did not come to the recorder: {lost}")
         if session.is_recording:
             session.stop(self._final_metadata(lost))
@@ -391,14 +401,21 @@ class RecorderNode(ParticipantNode):
         inbox = self.gate.inboxes[topic]
         return inbox.take(inbox.received)
 
-    def _missing(self) -> dict[str, int]:
-        """Return by how many messages topics hold fewer than were published; empty where all are there.
+    def missing(self, published: Sequence[int]) -> int:
+        """See ParticipantNode: in real time no gate counts what comes, but the bag."""
+        totals: dict[str, int] = {}
+        for topic, count in zip(self._roster.topics if self._roster else (), published, strict=True):
+            totals[topic] = totals.get(topic, 0) + count
+        return super().missing(published) + sum(self._missing(totals).values())
+
+    def _missing(self, published: Mapping[str, int]) -> dict[str, int]:
+        """Return by how many messages topics hold fewer than were `published`; empty where all are there.
 
         Only of a bag that covers the whole run. The recorder's own /diagnostics are not in it.
         """
         if str(self.session.folder) != self.parameters.directory:
             return {}
-        published = {topic: count for topic, count in self._expected.items() if topic != self._diagnostics_topic}
+        published = {topic: count for topic, count in published.items() if topic != self._diagnostics_topic}
         return missing_messages(published, self.session.counts())
 
 

@@ -15,6 +15,7 @@ from heave_node.cdr.definitions import schema_text
 from heave_node.cdr.layout import SEPARATOR
 from heave_node.interface import sensors, topics
 from heave_node.interface.topic import Role, Topic
+from heave_node.ros.participant import CATCH_UP_LIMIT
 from heave_node.run_parameters import RunParameters
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.beliefs.beliefs import LATENCY
@@ -276,19 +277,36 @@ type needs no node of yours: `heave adapt MAP.yaml` is one by a map file.
   names, units and defaults, `scenario.yaml` beside each bag the values in force, and `--set system.winch.speed_limit=1`
   changes one. The suite's controller brakes until it knows the sea, some 25 s; figures count after the transient (120 s
   as shipped).
-- **Reach**: the same `ROS_DOMAIN_ID`, on this machine. For other machines give `heave` the option `--network`.
+- **Reach**: the same `ROS_DOMAIN_ID`, on this machine. For other machines give `heave` the option `--network`; the
+  guide's page on several hosts says what a link that drops does.
 - **A topic has one publisher**, a process: a second one is named, is an error, and is not obeyed. One that has left
   may be started again during the run.
 """
 
 
-LOCKSTEP = """## In lockstep, under the name of a node
+LOCKSTEP = f"""## In lockstep, under the name of a node
 
 External nodes are used as they come, in real time. A program that can wait takes part in each tick instead, in
 lockstep and in real time: `heave run SCENARIO --foreign NODE` starts all nodes but NODE, and waits for a node of that
 name at the start barrier. Equal seeds then give equal bytes, if the program does.
 
-- In Python, derive from `ParticipantNode`: `examples/lockstep_controller.py` is all that it takes.
+- In Python, derive from `ParticipantNode`: `examples/lockstep_controller.py` and `examples/plant.py` are all that it
+  takes. An error in your code ends your node and the run at once; both say in which file and line.
+
+  | you fill in | called | does |
+  |---|---|---|
+  | `on_build()` | once, before the run | makes component, inputs and outputs |
+  | `on_tick(tick)` | once per tick | takes the inputs, steps the component, publishes the outputs |
+  | `on_reset()` | `simulation/reset` starts the run again | sets back what you keep; without it a reset ends the run |
+  | `on_inactive_tick(tick)` | in place of `on_tick` while the node is inactive | lets time pass, publishes nothing |
+  | `on_left_out(tick)` | in real time, for each tick that a node jumps over | lets time pass, publishes nothing |
+  | `on_exit()` | once, however the node ends | releases files and devices |
+
+- **In real time** a node that is behind makes up for its ticks for {CATCH_UP_LIMIT:g} s, then jumps to the newest one.
+  It never works through a backlog of seconds. `does_every_tick = True` forbids that. The end of the run
+  counts the messages that never came to a node. It prints the figures, names the loss and ends with status 1.
+- **`--foreign cable_sim`**: your plant takes part like any other node, and `ship_clock` leads the ticks. Stamp its
+  readings with the end of the tick: the controller reads them in the next one.
 - In anything else, follow the protocol (its topics are relative, reliable, keep the last 200; `_tick/roster` and
   `_tick/status` are transient local):
   1. Until the roster comes, publish `_tick/join` each 0.05 s: your name, `ready`, your topics with the number of
@@ -298,12 +316,14 @@ name at the start barrier. Equal seeds then give equal bytes, if the program doe
   3. `_tick/start` begins a tick: `published[i]` messages were sent before it. Wait until you have as many on each
      topic that you read, and until `_tick/done/OTHER` of this tick has come from each node whose part comes before
      yours, with as many messages as its own counts say. The controller comes after `wave_vessel`, the winch after
-     `winch_controller`, the plant after `wave_vessel` and `virtual_winch`. The adviser comes after nobody: with the
+     `winch_controller`, the plant after `wave_vessel` and `virtual_winch`. A higher `epoch` begins a new run at tick 1:
+     start again from nothing. The adviser comes after nobody: with the
      `lag` in its join it may be behind, by two ticks less than its latency in lockstep, without bound in real time.
   4. Do your part, publish, and publish `_tick/done/NODE` with how many messages you have published on each of your
-     outputs since the start, in the order of your join.
+     outputs since the start, in the order of your join. `lost` is 0, but at the end of a run in real time.
   5. A `_tick/start` that you have answered already: publish the messages of the tick and your answer again, byte for
      byte. One with `flush` true is the last: answer it when you have all messages, and end.
+  6. If you cannot go on, publish your join once more with the reason in `failure`: the run ends at once.
 """
 
 
@@ -324,7 +344,7 @@ def _table(contract: Contract) -> list[str]:
             rate = f"{port.rate:g} Hz" if port.rate else "-"
             required = "yes" if port.is_required and direction == "out" else "no"
             qos = offered_words(port.topic) if direction == "out" else heard_words(port.topic)
-            name = port.topic.name.lstrip("/")
+            name = port.topic.name
             cells = (direction, f"`{name}`", f"`{port.topic.type}`", qos, rate, required)
             rows.append(f"| {' | '.join(cells)} | {port.meaning} |")
     return rows

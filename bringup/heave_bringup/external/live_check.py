@@ -116,7 +116,7 @@ class _Listener:
 
     def _elsewhere(self) -> str:
         """Return in words where topics of these names have publishers, if not here."""
-        wanted = tuple("/" + port.topic.name.lstrip("/") for port in self._contract.publishes)
+        wanted = tuple("/" + port.topic.name for port in self._contract.publishes)
         names = [name for name, _ in self._node.get_topic_names_and_types() if name.endswith(wanted)]
         there = sorted(name for name in names if self._node.count_publishers(name))
         if there:

@@ -13,12 +13,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from heave_msgs.msg import TickStatus
+from heave_node.ros.master import STOP_RECORDING_TIME
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.shared_memory import remove_dead_segments
 from heave_node.scenario import write_sections
 
 from heave_bringup.errors import CommandError
-from heave_bringup.nodes import ADVISER, MASTER, NODES, RECORDER, SHIP_CLOCK
+from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, NODES, RECORDER, SHIP_CLOCK
 from heave_bringup.progress import ProgressLine
 from heave_bringup.run.launcher import Launcher, NodeProcess
 from heave_bringup.run.monitor import Monitor
@@ -34,8 +35,6 @@ END_NEWS_WAIT = 1.0
 SHUTDOWN_WAIT = 30.0
 """Wall time that the nodes have to end once the run is over [s]. By then a node that the middleware holds up has ended
 itself; one that still runs is ended, and the run fails unless its recorder has closed the bag."""
-STOP_RECORDING_TIME = 3.0
-"""Real time: wall time for which a run goes on after a node died, so that the bag shows how the winch stops [s]."""
 
 
 @dataclass
@@ -103,6 +102,11 @@ class Outcome:
     alarms: list[str]
     strangers: list[str]
 
+    @property
+    def lost(self) -> list[str]:
+        """Messages that did not come to a node, or not to the bag: the figures hold for what did."""
+        return [self.status.reason] if self.status.reason else []
+
 
 @dataclass(frozen=True)
 class Composed:
@@ -133,7 +137,8 @@ def run_scenario(
     scenario : checked
     folder : where the run leaves its files
     substitutes : bags by the node in whose place each is played
-    foreign : nodes that somebody else starts, and that take part in each tick
+    foreign : nodes that somebody else starts, and that take part in each tick. In the place of the plant one takes part
+        too: then the ship's clock leads the ticks
     on_look : called a few times per second while the run lasts
     namespace : of its nodes and topics; "" for none. Runs in different ones share a ROS domain
     composed : all nodes share one process, without substitutes; None: each has its own
@@ -143,6 +148,9 @@ def run_scenario(
     """
     prepare_environment()
     remove_dead_segments()
+    if MASTER in foreign:  # it takes part in each tick, as others do, and does not lead them
+        run = replace(scenario.run, participants=(*scenario.run.participants, MASTER))
+        scenario = replace(scenario, run=run)
     with only_run_in_domain(namespace) as is_only:
         if not is_only:
             _remove_unused(folder)
@@ -223,7 +231,7 @@ def nodes_to_start(scenario: Scenario, foreign: Sequence[str] = ()) -> list[str]
     The `foreign` ones are those that others start.
     """
     wanted = {MASTER, *scenario.run.participants} - set(scenario.run.external) - set(foreign)
-    clock = [SHIP_CLOCK.name] if MASTER in scenario.run.external else []
+    clock = [SHIP_CLOCK.name] if MASTER in (*scenario.run.external, *foreign) else []
     return clock + [node.name for node in NODES if node.name in wanted]
 
 
@@ -332,11 +340,17 @@ def _cause(failed: Sequence[NodeProcess], monitor: Monitor) -> str:
     killed = [text for text in endings.values() if "was killed by" in text]
     own = [text for name, text in endings.items() if name not in (MASTER, RECORDER)]
     status = monitor.status
-    missed = [f"{MASTER}: {status.reason}"] if status and status.state == TickStatus.FAILED and status.reason else []
+    missed = [_reason(status)] if status and status.state == TickStatus.FAILED and status.reason else []
     cause = next(iter([*killed, *own, *missed, *endings.values()]))
     # before the first tick there is no time to tell
     time = monitor.status.simulated_time if monitor.status else 0.0
     return cause if time == 0.0 or " t = " in cause else f"{cause} at t = {time:.2f} s"
+
+
+def _reason(status: TickStatus) -> str:
+    """Return what the clock master says; where it passes on the words of a node that has failed, as that one's."""
+    is_of_node = status.reason.partition(":")[0] in NODE_BY_NAME
+    return status.reason if is_of_node else f"{MASTER}: {status.reason}"
 
 
 def _show_progress(scenario: Scenario, monitor: Monitor, progress: ProgressLine) -> None:

@@ -93,8 +93,7 @@ class Stream:
 
     def _find(self) -> None:
         deadline = time.monotonic() + FINDING_TIME
-        clock = topics.CLOCK.name.lstrip("/")  # of the namespace: a run or a bag that is replayed publishes it
-        while self._node.count_publishers(clock) == 0:
+        while self._node.count_publishers(topics.CLOCK.name) == 0:  # of a run, or of a bag that is replayed
             if time.monotonic() > deadline:
                 domain = os.environ.get("ROS_DOMAIN_ID", "0")
                 where = f"ROS domain {domain}{self._prefix and ', namespace '}{self._prefix}"
@@ -130,7 +129,7 @@ class Stream:
 
     def _taker(self, topic: ShownTopic) -> Callable[[bytes], None]:
         clock = self._node.get_clock()
-        is_clock = topic.name == topics.CLOCK.name
+        is_clock = topic.name == f"/{topics.CLOCK.name}"
         is_unit = topic.name == f"/{topics.UNIT_ODOMETRY.name}"
 
         def take(data: bytes) -> None:

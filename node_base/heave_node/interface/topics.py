@@ -9,7 +9,7 @@ from __future__ import annotations
 from heave_node.interface import sensors
 from heave_node.interface.topic import Role, Topic
 
-CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock", "cable_sim")
+CLOCK = Topic("clock", "rosgraph_msgs/msg/Clock", "cable_sim")
 SEA_STATE = Topic("sea_state", "heave_msgs/msg/SeaState", "wave_vessel", Role.LATCHED)
 SEA_STATE_ESTIMATE = Topic("sea_state_estimate", "heave_msgs/msg/SeaStateEstimate", "wave_vessel")
 WAVE_ELEVATION = Topic("wave_elevation", "heave_msgs/msg/WaveElevation", "wave_vessel")
@@ -32,7 +32,7 @@ CONTROLLER_KPI = Topic("controller/kpi", "heave_msgs/msg/CompensationKpi", "winc
 CONTROLLER_OBSERVATIONS = Topic("controller/observations", "heave_msgs/msg/Observations", "winch_controller")
 CONTROLLER_BELIEFS = Topic("controller/beliefs", "heave_msgs/msg/Beliefs", "winch_adviser", Role.KEPT)
 OPERATOR_SPEED = Topic("controller/operator_speed", "geometry_msgs/msg/TwistStamped", "")
-DIAGNOSTICS = Topic("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", "")
+DIAGNOSTICS = Topic("diagnostics", "diagnostic_msgs/msg/DiagnosticArray", "")
 MARKERS = Topic("markers", "visualization_msgs/msg/MarkerArray", "cable_sim")
 
 ALL_TOPICS: tuple[Topic, ...] = tuple(

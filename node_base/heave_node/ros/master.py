@@ -21,12 +21,14 @@ from heave_node.interface import topics
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
-from heave_node.ros.transport.identity import describe_sender, identity_of_endpoint
+from heave_node.ros.silence import Patience
+from heave_node.ros.transport.host_clocks import HostClocks
+from heave_node.ros.transport.identity import describe_sender, host_of, identity_of_endpoint
 from heave_node.ros.transport.qos import mismatches
 from heave_node.tick import malformed
 from heave_node.tick.loop_timing import LoopTiming
 from heave_node.tick.protocol import TickDone, TickStart
-from heave_node.tick.roster import Participant, Roster
+from heave_node.tick.roster import NOT_WAITED_FOR, Participant, Roster
 from heave_node.tick.speakers import Speakers
 from heave_node.tick.tick import Tick
 
@@ -40,6 +42,8 @@ WARNING_PERIOD = 1.0
 """Wall time between two warnings about a missing node [s]."""
 MISMATCH_PATIENCE = 0.5
 """Wall time for which publisher and reader must seem not to match before the run is refused [s]."""
+STOP_RECORDING_TIME = 3.0
+"""Real time: wall time for which a run goes on after a node failed, so that the bag shows how the winch stops [s]."""
 LAST_STATUS_TIMEOUT = Duration(seconds=2)
 """Wall time that the last status may take to be acknowledged by every subscriber."""
 
@@ -69,6 +73,9 @@ class ClockMasterNode(HeaveNode):
         self._reason = self._mismatch = ""
         self._mismatch_since = 0.0
         self._stepped = True
+        self._failed_participant: tuple[str, float] | None = None
+        self._patience = Patience()
+        self._host_clocks, self._clock_patience = HostClocks(), Patience()
         self._pause_at: int | None = None
         self._reset_wanted = False
         self._clock_started_at = 0.0
@@ -91,12 +98,15 @@ class ClockMasterNode(HeaveNode):
         expect_no(malformed.fault_in_join(message))
         expect_sender(identity, message.identity)
         self.strangers.note_host(identity, message.host)
+        self._host_clocks.heard(message.node, self.message_sent, time.time_ns(), message.least_delay)
         if message.node not in self.roster.expected:
             return
         known = self.roster.participants.get(message.node)
         if known is not None and known.identity != message.identity:
             self._judge_second(known, message)
-        if known is not None and self.has_started:
+        if message.failure:
+            self._note_failed(message)
+        elif known is not None and self.has_started:
             known.waiting_for = message.waiting_for
         else:
             self.roster.join(
@@ -111,6 +121,13 @@ class ClockMasterNode(HeaveNode):
                     waiting_for=message.waiting_for,
                 )
             )
+
+    def _note_failed(self, message: TickJoin) -> None:
+        """End the run in which a node has failed: at once, in real time once the bag shows how the winch stops."""
+        is_waited_for = message.lag != NOT_WAITED_FOR
+        if is_waited_for and self._failed_participant is None:
+            delay = 0.0 if self.run.is_lockstep or not self.has_started else STOP_RECORDING_TIME
+            self._failed_participant = (f"{message.node}: {message.failure}", time.monotonic() + delay)
 
     def _judge_second(self, known: Participant, message: TickJoin) -> None:
         """Let a second process of a node's name take its place where the first has left; refuse it where not."""
@@ -161,12 +178,37 @@ class ClockMasterNode(HeaveNode):
         published = {topic: self.count_publishers(topic) for topic in self._external_topics()}
         lacking = [*self.roster.missing(published, self._external_topics(needed=True)), *self._rivals()]
         self._reason = "; ".join(lacking)
-        if not lacking:
+        if not lacking and self._may_start_by_clocks():
             self.roster.freeze()
             self._begin_run()
             if not self.run.is_lockstep:
                 self._clock_started_at = time.monotonic()
                 self.create_timer(self.run.tick_period, self._follow_wall_clock, clock=steady_clock())
+
+    def _on_other_hosts(self) -> dict[str, str]:
+        """Return the names of the participants on other hosts, with the names of these."""
+        here = host_of(self.identity)
+        others = (p for p in self.roster.participants.values() if host_of(p.identity) not in ("", here))
+        return {p.name: p.host for p in others}
+
+    def _may_start_by_clocks(self) -> bool:
+        """Show how far the clocks of other hosts are from this one's; in real time refuse a run where that is too far.
+
+        A program that does not take part in the measurement is waited for no longer than `FLUSH_PATIENCE`.
+        """
+        others = self._on_other_hosts()
+        unknown = [node for node in others if self._host_clocks.offset(node) is None]
+        if unknown and not self._clock_patience.is_over(len(unknown)):
+            self._reason = f"the clock of {', '.join(unknown)}"
+            return False
+        far = "" if self.run.is_lockstep else self._host_clocks.too_far(others, self.run.clock_offset_limit)
+        if far:
+            self._end(TickStatus.FAILED, far)
+            return False
+        if others:
+            told = self._host_clocks.words(others) or "not known"
+            self.get_logger().info(f"clocks of other hosts, ahead of this one's: {told}")
+        return True
 
     def _begin_run(self) -> None:
         """Begin a run (an epoch): publish the order of the counters, and begin tick 1."""
@@ -217,8 +259,10 @@ class ClockMasterNode(HeaveNode):
         """Add the loop age of every tick, those that missed their deadline too."""
         if self.run.is_lockstep or not len(self.timing.ages):
             return []
+        told = self._host_clocks.words(self._on_other_hosts())
+        clocks = [Health("clocks of other hosts", Level.OK, told)] if told else []
         values = {**self.timing.ages.to_values(), "missed_deadlines": str(self.timing.missed_deadlines)}
-        return [timing_health("loop age", values), *super().diagnose_timing()]
+        return [timing_health("loop age", values), *clocks, *super().diagnose_timing()]
 
     # Ticks ---------------------------------------------------------------------------------------------------------
 
@@ -265,6 +309,7 @@ class ClockMasterNode(HeaveNode):
             expect_no(malformed.fault_in_done(message, len(participant.outputs)))
             if message.epoch == self.epoch:
                 self.roster.answer(node, message.tick, message.published)
+                participant.lost = message.lost
                 self.gate.peer_done(node, message.epoch, message.tick, message.published)
                 self.timing.answered_up_to(self.roster.answered_by_all())
                 self._advance()
@@ -276,7 +321,7 @@ class ClockMasterNode(HeaveNode):
         tick = self.tick
         if self._stepped or tick is None or self.failure:
             return
-        if self.roster.unanswered(tick.number, flush=self._is_flushing) or not self.gate.is_complete():
+        if self.roster.unanswered(tick.number, flush=self._is_flushing) or not self._has_all_inputs():
             return
         self._stepped = True
         if self._is_flushing:
@@ -285,6 +330,12 @@ class ClockMasterNode(HeaveNode):
         if self.run.is_lockstep:
             self.fail_on_error(lambda: self.on_advance(tick))
             self._begin_what_follows()
+
+    def _has_all_inputs(self) -> bool:
+        """Return whether all inputs of the tick are here; at the end in real time, whether no more of them come."""
+        if self.gate.is_complete():
+            return True
+        return self._is_flushing and not self.run.is_lockstep and self._patience.is_over(self.gate.lost())
 
     def _begin_what_follows(self) -> None:
         """Go on after a tick: to the next one, to the end, to a pause or to a new run."""
@@ -298,10 +349,14 @@ class ClockMasterNode(HeaveNode):
             self._begin_tick(self.tick_number + 1)
 
     def _follow_wall_clock(self) -> None:
-        """Begin the ticks that are due; a machine that is late catches up, and its missed deadlines are counted."""
-        elapsed = round((time.monotonic() - self._clock_started_at) / self.run.tick_period)
+        """Begin the ticks that are due; a machine that is late catches up, and its missed deadlines are counted.
+
+        After a tick period of that what the others have sent is taken in, so that the plant does not live in the past.
+        """
+        began = time.monotonic()
+        elapsed = round((began - self._clock_started_at) / self.run.tick_period)
         while self.run_state == TickStatus.RUNNING and not self.failure and not self._is_flushing:
-            if self.tick_number >= elapsed:
+            if self.tick_number >= elapsed or time.monotonic() - began > self.run.tick_period:
                 return
             if self.tick is not None:
                 self._close_real_time_tick(self.tick)
@@ -381,11 +436,13 @@ class ClockMasterNode(HeaveNode):
         self._stepped = False
         self.begin_outputs()
         self.timing.wait_began()
+        self._patience = Patience()
         self._send_start(self.tick, flush=True)
 
     def _end_of_flush(self) -> None:
         if not self._reset_wanted:
-            self._end(TickStatus.ENDED, "")
+            lost = 0 if self.run.is_lockstep else self.gate.lost()
+            self._end(TickStatus.ENDED, self.roster.lost_words(lost))
             return
         self._reset_wanted = False
         self.gate.end_run()
@@ -423,11 +480,15 @@ class ClockMasterNode(HeaveNode):
             self._status_at = now
             self._publish_status()
         self.strangers.look(self._speakers)
-        if self.run_state == TickStatus.WAITING:
+        if self._failed_participant is not None and now >= self._failed_participant[1]:
+            self._end(TickStatus.FAILED, self._failed_participant[0])
+        elif self.run_state == TickStatus.WAITING:
             self._try_to_start()
             self._warn_or_give_up(now - self._created_at, "start_timeout", self._reason)
         elif not self._stepped:
             self._look_for_missing(now)
+            if self._is_flushing and not self.finished.done():
+                self._advance()
 
     def _look_for_missing(self, now: float) -> None:
         """Send an unanswered tick again, and name the nodes that have not answered."""

@@ -26,6 +26,7 @@ from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 
+from heave_node.errors import NodeError, one_line
 from heave_node.interface import topics
 from heave_node.interface.messages import message_type
 from heave_node.interface.topic import Topic
@@ -56,10 +57,6 @@ JOIN_PERIOD = 0.05
 """Wall time between two TickJoin messages while the run has not started [s]."""
 DIAGNOSTICS_PERIOD = 1.0
 """Simulated time between two DiagnosticArray messages [s]."""
-
-
-class NodeError(Exception):
-    """A node that cannot go on; the message is one line for the user."""
 
 
 class ProtocolError(Exception):
@@ -95,11 +92,13 @@ class HeaveNode(LifecycleNode):
     gate : messages received, and whether those of the tick are complete
     tick, epoch : the tick and the run the node is in
     failure : why the node ended, "" while nothing went wrong; `failed_at` when [s of monotonic wall time]
+    was_ended : a signal, not an error, ended it
     identity : of this node's process, as the others see it on each of its messages
     clocks : of the external inputs, by topic
     clock_of_run : simulated time by monotonic wall time [ns]
     strangers : processes noticed that are not part of the run
     message_sent : when the message of the protocol that is handled now was sent, by its sender's clock [ns]
+    least_delay : least time that a status of the clock master took, by the clocks of both hosts [s]; 0: none came
     exchange : of the topics of a run whose nodes share one process; None: they go through the middleware
     """
 
@@ -120,6 +119,7 @@ class HeaveNode(LifecycleNode):
         self.strangers = Strangers(self, self.identity)
         self.finished: Future[None] = Future()
         self.failure, self.failed_at = "", 0.0
+        self.was_ended = False
         self.tick: Tick | None = None
         self.epoch = 0
         self.has_started = False
@@ -127,6 +127,7 @@ class HeaveNode(LifecycleNode):
         self.clock_of_run = SimulatedClock()
         self.is_active = False
         self.message_sent = 0
+        self.least_delay = 0.0
         self._outputs: list[Output] = []
         self._inputs: list[Input] = []
         self._input_timings: dict[str, InputTiming] = {}
@@ -323,6 +324,7 @@ class HeaveNode(LifecycleNode):
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Build the component and join the tick protocol; `state` is the lifecycle state before."""
+        self._join = self.create_protocol_publisher(topics.TICK_JOIN)
         try:
             self._diagnostics = self.add_output(topics.DIAGNOSTICS)
             self.join_protocol()
@@ -330,10 +332,12 @@ class HeaveNode(LifecycleNode):
             self._refuse_unused_overrides()
             # The first line of a log looks for its caller among all modules, which takes up to a second: not in a tick.
             inspect.getmodule(inspect.currentframe())
-        except Exception as error:  # rclpy would swallow it and say only that the transition failed
-            self.fail(one_line(error), error)
+        except InvalidQosOverridesError as error:
+            self.fail(" ".join(str(error).split()), error)
             return TransitionCallbackReturn.ERROR
-        self._join = self.create_protocol_publisher(topics.TICK_JOIN)
+        except Exception as error:  # rclpy would swallow it and say only that the transition failed
+            self.fail(one_line(error, type(self)), error)
+            return TransitionCallbackReturn.ERROR
         self._join_timer = self.create_timer(JOIN_PERIOD, self._publish_join_until_started, clock=steady_clock())
         return super().on_configure(state)
 
@@ -382,7 +386,7 @@ class HeaveNode(LifecycleNode):
             self.publish_join()
 
     def publish_join(self, waiting_for: str = "") -> None:
-        """Tell the clock master what this node publishes and subscribes to.
+        """Tell the clock master what this node publishes and subscribes to, and why it has ended where it has.
 
         Parameters
         ----------
@@ -401,6 +405,8 @@ class HeaveNode(LifecycleNode):
                 inputs=list(self._input_subscriptions),
                 matched_publishers=[s.get_publisher_count() for s in self._input_subscriptions.values()],
                 waiting_for=waiting_for,
+                least_delay=self.least_delay,
+                failure=self.failure,
             )
         )
 
@@ -483,7 +489,7 @@ class HeaveNode(LifecycleNode):
         try:
             work()
         except Exception as error:  # whatever a component raises must end the run with a reason
-            self.fail(one_line(error), error)
+            self.fail(one_line(error, type(self)), error)
 
     def fail(self, reason: str, error: Exception | None = None) -> None:
         """End this node with a one-line `reason`; the traceback of `error` goes to the debug log."""
@@ -506,16 +512,6 @@ class HeaveNode(LifecycleNode):
 
     def on_idle(self) -> None:
         """Look at the wall clock; called a few times per second from the spin loop."""
-
-
-def one_line(error: BaseException) -> str:
-    """Return `error` as one line: its text alone where it was foreseen, with its type where not."""
-    text = " ".join(str(error).split())
-    return (
-        text
-        if isinstance(error, NodeError | ValueError | InvalidQosOverridesError) and text
-        else f"{type(error).__name__}: {text}"
-    )
 
 
 def steady_clock() -> Clock:

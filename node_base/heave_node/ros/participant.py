@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
+from typing import ClassVar
 
 from heave_msgs.msg import TickRoster, TickStatus
+from rclpy.duration import Duration
 
 from heave_node.interface import topics
+from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
-from heave_node.ros.silence import Silence
+from heave_node.ros.silence import Patience, Silence
 from heave_node.tick import malformed
 from heave_node.tick.protocol import TickDone, TickStart
 from heave_node.tick.punctuality import Punctuality
@@ -20,6 +25,10 @@ from heave_node.tick.tick import Tick
 
 CATCH_UP_SHARE = 0.4
 """Share of a tick for which a node that was held up takes messages in before it makes up for ticks."""
+CATCH_UP_LIMIT = 0.2
+"""Wall time for which a node makes up for the ticks that it is behind, before it jumps to the newest one [s]."""
+TOLD_TIMEOUT = 2.0
+"""Wall time in which the clock master must be found, and hear why a node has ended [s]."""
 HELD_MESSAGES = 1000
 """Messages of the protocol that wait at most for the roster to say who may publish."""
 
@@ -29,14 +38,21 @@ class ParticipantNode(HeaveNode):
 
     A node sets `name`, `parameters_type` and `after`, makes its component, inputs and outputs in `on_build`, and does
     its part of a tick in `on_tick`. `lag` is the number of ticks that it may be behind the others (a recorder).
-    `punctuality` tells, in real time, whether ticks began late or this node was.
+    `punctuality` tells, in real time, whether ticks began late or this node was. A node that is behind in real time
+    makes up for the ticks that it missed, and, where that takes too long, jumps to the newest one: `on_left_out` gets
+    those between. One that `does_every_tick` never jumps.
     """
+
+    does_every_tick: ClassVar[bool] = False
 
     def on_tick(self, tick: Tick) -> None:
         """Do this node's part of `tick`: take the inputs, step the component, publish the outputs."""
 
     def on_inactive_tick(self, tick: Tick) -> None:
         """Let time pass in a `tick` in which this node is inactive: it gets no inputs and must publish nothing."""
+
+    def on_left_out(self, tick: Tick) -> None:
+        """Let time pass in a `tick` that this node, being behind in real time, jumps over; it must publish nothing."""
 
     def prepare(self, number: int) -> None:
         """Work out in advance, while the others are in their tick, what needs nothing of them in tick `number`."""
@@ -53,6 +69,10 @@ class ParticipantNode(HeaveNode):
         self._master = self._other_master = ""
         self._early: deque[Callable[[], None]] = deque(maxlen=HELD_MESSAGES)
         self._silence = Silence()
+        self._patience = Patience()
+        self._left_out = self._lost = 0
+        self._making_up_since = math.inf
+        self._is_advancing = False
         self._done = self.create_protocol_publisher(topics.tick_done_topic(self.name))
         self.create_protocol_subscription(topics.TICK_ROSTER, self._on_roster)
         self.create_protocol_subscription(topics.TICK_START, self._on_start, TickStart.of)
@@ -128,27 +148,60 @@ class ParticipantNode(HeaveNode):
             self.clock_of_run.tick_began(message.stamp, time.monotonic_ns())
             if not self.run.is_lockstep:
                 self.punctuality.entered(message.stamp, self.message_sent, time.time_ns())
-            if len(self._starts) == 1:
+            if self._is_behind():
+                self._catch_up_soon()
+            elif len(self._starts) == 1:
                 self._begin_next()
-            elif not self.run.is_lockstep:
-                self._step_or_catch_up()
+            elif not self.run.is_lockstep and self._is_in_tick() and not self._is_taking_in():
+                self._step()
         elif _order(message) == _order(newest):
             self._answer_again()
 
-    def _step_or_catch_up(self) -> None:
-        """End the tick before the newest one, or where this node was held up, let what was delivered meanwhile come in
-        first: each tick that is made up for shall see its own readings.
-        """
-        if self.punctuality.newest_of_node <= self.run.tick_period:
-            self._step()
-        elif self._catch_up.is_canceled():
+    def _is_behind(self) -> bool:
+        """Return whether this node, in real time, was held up for longer than a tick."""
+        return not self.run.is_lockstep and self.punctuality.newest_of_node > self.run.tick_period
+
+    def _catch_up_soon(self) -> None:
+        """Let what was delivered meanwhile come in first: each tick that is made up for shall see its own readings."""
+        if self._catch_up.is_canceled():
             self._catch_up.reset()
+
+    def _is_taking_in(self) -> bool:
+        """Return whether a node that is behind takes messages in, before it does any tick."""
+        return not self.run.is_lockstep and not self._catch_up.is_canceled()
 
     def _on_catch_up(self) -> None:
         """Make up for the ticks that have queued up, up to the newest one."""
         self._catch_up.cancel()
+        if not self._is_in_tick():
+            self._begin_next()
         while len(self._starts) > 1 and not self.failure:
             self._step()
+        self._advance()
+
+    def _jump_if_behind(self) -> None:
+        """Where making up for ticks takes too long, leave out those in the queue but for the newest.
+
+        The end of a run is no tick, and is not left out.
+        """
+        now = time.monotonic()
+        if self.run.is_lockstep or self.does_every_tick or len(self._starts) < 2:
+            self._making_up_since = math.inf
+        self._making_up_since = min(self._making_up_since, now)
+        if now - self._making_up_since < CATCH_UP_LIMIT:
+            return
+        self._making_up_since = math.inf
+        while len(self._starts) > 1 and not self._starts[0].flush:
+            tick = Tick(self._starts.popleft().tick, self.epoch, self.run.tick_nanoseconds)
+            self._left_out += 1
+            self.fail_on_error(partial(self.on_left_out, tick))
+
+    def diagnose_timing(self) -> list[Health]:
+        """Add how many ticks this node had to leave out."""
+        if not self._left_out:
+            return super().diagnose_timing()
+        text = f"{self._left_out} ticks left out: this node takes too long"
+        return [Health("ticks", Level.WARN, text), *super().diagnose_timing()]
 
     def _leave_foreign_run(self, message: TickStart, identity: str) -> None:
         """End this node where the run that is under way began without it."""
@@ -160,6 +213,7 @@ class ParticipantNode(HeaveNode):
 
     def _begin_next(self) -> None:
         """Enter the oldest tick of the queue, once its roster is known."""
+        self._jump_if_behind()
         if not self._starts or self._starts[0].epoch > self._roster_epoch:
             return
         start = self._starts[0]
@@ -172,20 +226,43 @@ class ParticipantNode(HeaveNode):
         self.begin_outputs()
         if not self.run.is_lockstep:
             self._deadline.reset()
+        self._patience = Patience()
         self._advance()
 
     def _advance(self) -> None:
-        while self._starts and self._is_in_tick() and self.gate.is_complete() and not self.failure:
+        if self._is_advancing:
+            return
+        self._is_advancing = True
+        while self._is_in_tick() and not self._is_taking_in() and self._is_complete() and not self.failure:
             self._step()
+        self._is_advancing = False
+
+    def _is_complete(self) -> bool:
+        """Return whether this node can do its part of the tick; at the end in real time what is lost must be known."""
+        start = self._starts[0]
+        is_last = start.flush and not self.run.is_lockstep
+        return self.gate.is_complete() and not (is_last and self.missing(start.published))
+
+    def missing(self, published: Sequence[int]) -> int:
+        """Return how many messages have not come to this node; asked at the end of a run in real time.
+
+        Parameters
+        ----------
+        published : messages of the run so far, per entry of the roster
+        """
+        del published  # the gate has counted them
+        return self.gate.lost()
 
     def _is_in_tick(self) -> bool:
-        start = self._starts[0]
-        return self.tick is not None and (self.tick.epoch, self.tick.number) == (start.epoch, start.tick)
+        """Return whether this node has entered the oldest tick of the queue."""
+        if not self._starts or self.tick is None:
+            return False
+        return (self.tick.epoch, self.tick.number) == (self._starts[0].epoch, self._starts[0].tick)
 
     def _on_deadline(self) -> None:
         """Step with what has arrived: in real time a node waits no longer."""
         self._deadline.cancel()
-        if self._starts and self._is_in_tick() and not self._starts[0].flush:
+        if self._is_in_tick() and not self._is_taking_in() and not self._starts[0].flush:
             self._step()
 
     def _step(self) -> None:
@@ -194,6 +271,7 @@ class ParticipantNode(HeaveNode):
         tick = self.tick
         assert tick is not None
         if start.flush:
+            self._lost = 0 if self.run.is_lockstep else self.missing(start.published)
             self.fail_on_error(lambda: self.on_flush(tick))
             self.gate.end_run()
         else:
@@ -223,9 +301,16 @@ class ParticipantNode(HeaveNode):
         """Return whether this node answers for the tick of this number: one that may lag does so for many at a time."""
         return tick % max(1, self.lag // 2) == 0
 
+    def before_answer(self) -> None:
+        """Make what was done so far last: an answer, the first one or one asked for again, vouches for it."""
+
     def _answer(self) -> None:
         assert self._answered is not None
-        done = TickDone(self._answered.epoch, self._answered.tick, self.published_counts())
+        self.fail_on_error(self.before_answer)
+        if self.failure:
+            return
+        lost = self._lost if self._answered.flush else 0
+        done = TickDone(self._answered.epoch, self._answered.tick, lost, self.published_counts())
         self._done.publish(done.to_bytes())
 
     def _answer_again(self) -> None:
@@ -241,17 +326,38 @@ class ParticipantNode(HeaveNode):
             expect_sender(identity, self._master)
         expect_no(malformed.fault_in_status(message))
         self._silence.end()
+        if self.message_sent:
+            delay = 1e-9 * (time.time_ns() - self.message_sent)
+            self.least_delay = min(delay, self.least_delay or delay)
         if message.state in (TickStatus.ENDED, TickStatus.FAILED) and self.has_started and not self.finished.done():
             self.fail_on_error(lambda: self.on_run_ended(message))
             self.finish()
 
     def on_idle(self) -> None:
-        """End the node when the clock master has been silent for too long."""
+        """End the node when the clock master has been silent for too long, and a wait for what does not come."""
+        if not self.run.is_lockstep and self._is_in_tick() and self._starts[0].flush:
+            self._advance()
+            if self._starts and self._patience.is_over(self.missing(self._starts[0].published)):
+                self._step()
         limit = self.run.participant_timeout if self.has_started else self.run.start_timeout
         silence = self._silence.look()
         if (self.is_active or self.has_started) and silence > limit:
             name = f" {self._roster.nodes[0]}" if self._roster is not None and self._roster.nodes else ""
             self.fail(f"no message from the clock master{name} for {silence:.1f} s")
+
+    def wait_until_heard(self) -> None:
+        """Let the clock master know why this node has ended before the run, so that nobody waits for it.
+
+        In real time another process may take the place of one that was ended by a signal: there the run goes on.
+        """
+        is_of_run = bool(self.failure) and self.exchange is None and (self.run.is_lockstep or not self.was_ended)
+        if not is_of_run or not hasattr(self, "_join"):
+            return
+        deadline = time.monotonic() + TOLD_TIMEOUT
+        while not self.has_started and not self._join.get_subscription_count() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        self.publish_join()
+        self._join.wait_for_all_acked(Duration(seconds=TOLD_TIMEOUT))
 
 
 def _order(message: TickStart) -> tuple[int, int]:

@@ -16,7 +16,6 @@ from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from heave_node.interface import topics
 from heave_node.parameters import ParameterError
 from heave_node.ros.composed import spin_composed
 from heave_node.ros.node import HeaveNode
@@ -122,13 +121,8 @@ def _leave(node: HeaveNode) -> None:
 
 
 def in_namespace(namespace: str) -> list[str]:
-    """Return the ROS arguments that put a node, with its clock and its diagnostics, into a `namespace`; none for ""."""
-    if not namespace:
-        return []
-    place = f"/{namespace.strip('/')}"
-    own = [(topic.name, f"{place}{topic.name}") for topic in (topics.CLOCK, topics.DIAGNOSTICS)]
-    rules = [("__ns", place), *own]
-    return ["--ros-args", *(part for name, new in rules for part in ("-r", f"{name}:={new}"))]
+    """Return the ROS arguments that put a node into a `namespace`; none for ""."""
+    return ["--ros-args", "-r", f"__ns:=/{namespace.strip('/')}"] if namespace else []
 
 
 def node_beside(name: str, namespace: str, **options: Any) -> Node:
@@ -184,6 +178,7 @@ def _on_idle(node: HeaveNode) -> None:
 def _end_on_signals(nodes: Sequence[HeaveNode]) -> None:
     def on_signal(number: int, _: FrameType | None) -> None:
         for node in nodes:
+            node.was_ended = node.was_ended or not node.failure
             node.fail(f"ended by {signal.Signals(number).name}")
 
     for number in (signal.SIGINT, signal.SIGTERM):

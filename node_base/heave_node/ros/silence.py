@@ -1,4 +1,6 @@
-"""How long another node has been silent, as far as this process could have heard it."""
+"""How long another node has been silent, as far as this process could have heard it, and how long to wait for what may
+never come.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +9,9 @@ from collections.abc import Callable
 
 STANDSTILL = 1.0
 """Time between two looks from which on this process itself stood still [s]: looks come several times a second."""
+
+FLUSH_PATIENCE = 1.0
+"""Wall time without another message after which those that are missing at the end of a run are lost [s]."""
 
 
 class Silence:
@@ -35,3 +40,26 @@ class Silence:
             self._heard_at = min(self._heard_at + stood, now)
         self._looked_at = now
         return now - self._heard_at
+
+
+class Patience:
+    """Waits while what is missing becomes less.
+
+    Parameters
+    ----------
+    seconds : for which the number may stand still [s]
+    clock : returns the wall time [s]
+    """
+
+    def __init__(self, seconds: float = FLUSH_PATIENCE, clock: Callable[[], float] = time.monotonic) -> None:
+        self._seconds = seconds
+        self._clock = clock
+        self._missing = -1
+        self._since = clock()
+
+    def is_over(self, missing: int) -> bool:
+        """Return whether as many messages as now, `missing`, have been missing for too long; ask again and again."""
+        now = self._clock()
+        if missing != self._missing:
+            self._missing, self._since = missing, now
+        return now - self._since >= self._seconds

@@ -124,6 +124,7 @@ class TickGate:
         self._done: dict[str, tuple[tuple[int, int], Sequence[int]]] = {}
         self._expected: dict[str, int] = {}
         self._lacking: list[tuple[Inbox, int]] | None = None
+        self._before: dict[str, int] = {}
 
     def add_inbox(self, inbox: Inbox) -> Inbox:
         """Wait for the messages of another `inbox` too; return the one of its topic."""
@@ -152,9 +153,12 @@ class TickGate:
 
     def begin(self, epoch: int, tick: int, published: Sequence[int]) -> None:
         """Enter tick `tick` of run `epoch`, before which `published` messages were sent (per entry of the roster)."""
+        is_late = self.tick == (0, 0) and tick > 1
         self.tick = (epoch, tick)
         self._started = published
         self._count_anew()
+        if is_late:  # in the place of a process that has left: what that one got is not lost
+            self._before = {topic: max(0, self.expected(topic) - box.received) for topic, box in self.inboxes.items()}
 
     def peer_done(self, node: str, epoch: int, tick: int, published: Sequence[int]) -> None:
         """Note that `node` has done its part of tick `tick` of run `epoch`.
@@ -218,6 +222,13 @@ class TickGate:
                 names = " and ".join(sorted({node for node, _, _ in self._publishers[topic]}))
                 waiting.append(f"{topic} from {names} ({inbox.received} of {expected} messages)")
         return ", ".join(waiting)
+
+    def lost(self) -> int:
+        """Return how many messages of the run have not come, since this node takes part."""
+        lacking = (
+            self.expected(topic) - box.received - self._before.get(topic, 0) for topic, box in self.inboxes.items()
+        )
+        return sum(max(0, count) for count in lacking)
 
     def ticks_behind(self, node: str) -> int:
         """Return for how many ticks before this one a `node` has not answered; 0 where none waits for it."""

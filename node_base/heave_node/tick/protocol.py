@@ -9,7 +9,7 @@ from heave_node.cdr.packer import Packer
 from heave_node.cdr.unpacker import Unpacker
 
 _START, _START_FIELDS = "heave_msgs/msg/TickStart", ("epoch", "tick", "flush", "stamp", "published")
-_DONE, _DONE_FIELDS = "heave_msgs/msg/TickDone", ("epoch", "tick", "published")
+_DONE, _DONE_FIELDS = "heave_msgs/msg/TickDone", ("epoch", "tick", "lost", "published")
 _start_packer, _start_unpacker = Packer(_START, _START_FIELDS), Unpacker(_START, _START_FIELDS)
 _done_packer, _done_unpacker = Packer(_DONE, _DONE_FIELDS), Unpacker(_DONE, _DONE_FIELDS)
 
@@ -48,11 +48,13 @@ class TickDone(NamedTuple):
     Attributes
     ----------
     epoch, tick : numbers of run and tick
+    lost : messages of the run that never came to the node, at the end of one in real time
     published : messages sent so far, per output of the node
     """
 
     epoch: int = 0
     tick: int = 0
+    lost: int = 0
     published: Sequence[int] = ()
 
     def to_bytes(self) -> bytes:
@@ -62,5 +64,5 @@ class TickDone(NamedTuple):
     @classmethod
     def of(cls, data: bytes) -> TickDone:
         """Return what the message `data` says. Raises LayoutError where it is no such message."""
-        epoch, tick, *published = _done_unpacker.unpack(data)
-        return cls(epoch, tick, published)
+        epoch, tick, lost, *published = _done_unpacker.unpack(data)
+        return cls(epoch, tick, lost, published)

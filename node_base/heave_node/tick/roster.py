@@ -22,6 +22,7 @@ class Participant:
     answered : last tick that it has answered
     published : messages that it has sent so far on each output
     waiting_for : what it lacks, in its own words
+    lost : messages of the run that never came to it, as it says at the end
     identity : of its process
     host : name of its machine
     """
@@ -34,6 +35,7 @@ class Participant:
     answered: int = 0
     published: Sequence[int] = ()
     waiting_for: str = ""
+    lost: int = 0
     identity: str = ""
     host: str = ""
 
@@ -150,6 +152,12 @@ class Roster:
         """Return the participants that have not answered `tick`; without a `flush`, those that may lag have time."""
         waited_for = [p for p in self._present if p.lag != NOT_WAITED_FOR]
         return [p for p in waited_for if p.answered < tick - (0 if flush else p.lag)]
+
+    def lost_words(self, own: int) -> str:
+        """Return which messages never came to whom, in words, with the clock master's `own`; "" for none."""
+        lost = {self.expected[0]: own, **{p.name: p.lost for p in self._present if p.lost}}
+        told = ", ".join(f"{count} to {name}" for name, count in lost.items() if count)
+        return f"messages of the run were lost: {told}" if told else ""
 
     def answered_by_all(self) -> int:
         """Return the last tick that all have answered; those that may lag do not count."""

@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NODE",
         help="do not start NODE: a program of yours takes part in each tick under its name (docs/contract.md), in "
-        "lockstep too",
+        "lockstep too; cable_sim among them: ship_clock then leads the ticks",
     )
     parser.add_argument(
         "--without",
@@ -178,8 +178,9 @@ def execute(options: argparse.Namespace) -> None:
             "folder": str(folder.path),
         },
     )
-    if outcome.strangers:
-        raise CommandError("; ".join(outcome.strangers))
+    unsound = [*outcome.strangers, *outcome.lost]
+    if unsound:
+        raise CommandError("; ".join(unsound))
     if result.verdict.failures:
         raise VerdictError(result.verdict.failures)
 

@@ -1,0 +1,69 @@
+"""What the launch file of the loop does that is not launch's: read its arguments, prepare the run's folder."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from pathlib import Path
+
+from heave_node.files.bounded_yaml import YamlError, parse_yaml
+from heave_node.parameters import ParameterError
+from heave_node.scenario import WILDCARD
+
+from heave_bringup.run.run import RunFolder, new_run_folder, nodes_to_start, store_scenario
+from heave_bringup.scenarios import load_scenario
+from heave_bringup.settings import Setting
+
+ARGUMENTS = {
+    "scenario": ("b2_calm_300", "Shipped scenario or parameter file."),
+    "folder": ("", "Folder for the bag; empty: runs/SCENARIO-NNN."),
+    "pacing": ("", "lockstep or realtime; empty: as in the scenario."),
+    "duration": ("", "Simulated seconds; empty: as in the scenario."),
+    "seed": ("", "Seed of all random numbers; empty: as in the scenario."),
+    "set": ("", "Changes of parameters, NODE.PARAM=VALUE, separated by spaces."),
+    "external": ("", "Nodes not to start, separated by commas: hardware or other programs take their places."),
+    "namespace": ("", "Put the nodes and topics of the run, its clock too, under this name."),
+}
+"""Default and meaning of each argument."""
+
+
+def settings_of(arguments: Mapping[str, str]) -> list[Setting | str]:
+    """Return the changes of the scenario that the `arguments` of a launch ask for, by name; empty ones ask for none.
+
+    Raises ParameterError for a value that cannot be read.
+    """
+    found: list[Setting | str] = []
+    for name in ("pacing", "duration", "seed"):
+        text = arguments.get(name, "")
+        if text:
+            found.append(Setting(WILDCARD, name, _value(f"{name}:={text}", text), f"{name}:={text}"))
+    external = [node.strip() for node in arguments.get("external", "").split(",") if node.strip()]
+    if external:
+        found.append(Setting(WILDCARD, "external", external, f"external:={arguments['external']}"))
+    try:
+        found += shlex.split(arguments.get("set", ""))
+    except ValueError as error:
+        raise ParameterError(f"set:={arguments['set']}: {error}") from None
+    return found
+
+
+def _value(source: str, text: str) -> object:
+    try:
+        return parse_yaml(text)
+    except YamlError as error:
+        raise ParameterError(f"{source}: {error}") from None
+
+
+def prepare(arguments: Mapping[str, str]) -> tuple[RunFolder, list[str]]:
+    """Check the scenario, write the run's parameter file into its folder, and return that and the nodes to start.
+
+    Parameters
+    ----------
+    arguments : of the launch, by name
+
+    Raises ParameterError or CommandError, in one line, for whatever is wrong.
+    """
+    scenario = load_scenario(arguments["scenario"], settings=settings_of(arguments))
+    folder = new_run_folder(scenario.name, Path(arguments["folder"]) if arguments.get("folder") else None)
+    store_scenario(scenario, folder)
+    return folder, nodes_to_start(scenario)

@@ -1,0 +1,65 @@
+"""Where in whose code an error arose: one line for a user, and for whoever wrote a node of their own."""
+
+from __future__ import annotations
+
+import inspect
+import traceback
+from pathlib import Path
+from types import FrameType
+
+SUITE = frozenset(
+    ("heave_node", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "heave_bags", "heave_bringup")
+)
+"""Packages whose ValueError is worded for the user."""
+
+
+class NodeError(Exception):
+    """A node that cannot go on; the message is one line for the user."""
+
+
+def one_line(error: BaseException, of: type | None = None) -> str:
+    """Return `error` as one line: its text alone where it was foreseen; where not, with its type and its place.
+
+    Parameters
+    ----------
+    error : that ended a node
+    of : class of the node; the place is the innermost line in the folder of its file, where it has a part in the error
+    """
+    text = " ".join(str(error).split())
+    if text and _is_foreseen(error):
+        return text
+    named = f"{type(error).__name__}: {text}" if text else type(error).__name__
+    place = _place(error, of)
+    return f"{named} ({place})" if place else named
+
+
+def _frames(error: BaseException) -> list[tuple[FrameType, int]]:
+    return list(traceback.walk_tb(error.__traceback__))
+
+
+def _is_foreseen(error: BaseException) -> bool:
+    """Return whether whoever raised an error worded it for the user."""
+    if isinstance(error, NodeError):
+        return True
+    frames = _frames(error)
+    raised_in = str(frames[-1][0].f_globals.get("__package__") or "") if frames else ""
+    return isinstance(error, ValueError) and (not frames or raised_in.partition(".")[0] in SUITE)
+
+
+def _place(error: BaseException, of: type | None) -> str:
+    """Return file and line of an error; "" where Python does not know."""
+    if isinstance(error, SyntaxError) and error.filename:
+        return f"{Path(error.filename).name}, line {error.lineno}"
+    places = [(Path(frame.f_code.co_filename), line) for frame, line in _frames(error)]
+    home = _folder_of(of)
+    own = [place for place in places if home is not None and home in place[0].resolve().parents]
+    for path, line in reversed(own or places):
+        return f"{path.name}, line {line}"
+    return ""
+
+
+def _folder_of(kind: type | None) -> Path | None:
+    try:
+        return None if kind is None else Path(inspect.getfile(kind)).resolve().parent
+    except (OSError, TypeError):  # typed into a console
+        return None
