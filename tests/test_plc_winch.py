@@ -9,6 +9,8 @@ from types import SimpleNamespace
 import pytest
 from heave_bringup.adapt.device import LiveDevice
 from heave_bringup.adapt.report import health_of
+from heave_bringup.adapt.wiggle import Wiggle
+from heave_bringup.errors import CommandError
 from heave_msgs.msg import WinchCommand
 from heave_node.devices.maps.device_map import device_map_of
 from heave_node.files.bounded_yaml import parse_yaml
@@ -179,6 +181,29 @@ def test_a_map_that_names_what_the_plc_does_not_have_is_told_in_one_line(kind, c
         bench = bench_of(plc.text_of_map().replace(*change))
         bench.command(lambda: words in bench.health.message, brake=True)
         assert bench.health.level is Level.ERROR
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("", ""), ""),
+        (("scale: 10.0, positive: in", "scale: 10.0, positive: out"), "reversed. Check positive"),
+        (("scale: 10.0", "scale: 100.0"), "braked: "),
+    ],
+)
+def test_a_move_of_millimetres_shows_a_wrong_sign_and_stops_at_a_wrong_scale(change, words, plc, bench_of):
+    if plc.kind != "modbus":
+        return
+    bench = bench_of(plc.text_of_map().replace(*change))
+    plc.drum()
+    try:
+        found = "; ".join(
+            verdict.words for verdict in Wiggle(bench.device, time.sleep, 0.02).run() if not verdict.is_good
+        )
+    except CommandError as error:
+        found = str(error)
+    assert words in found if words else found == ""
+    assert plc.drum()["fastest"] < 0.12, "2 d / T is 0.01 m/s, and ten times as much is stopped at once"
 
 
 @pytest.mark.parametrize("kind", ["modbus", "udp"])

@@ -128,8 +128,17 @@ class LiveDevice:
             self._publish(self.adapter.on_samples([sample], time.monotonic()))
 
     def _on_command(self, message: Any) -> None:
+        self.command(WinchOrder(message.payout, message.payout_rate, message.brake, message.sequence))
+
+    def command(self, order: WinchOrder) -> None:
+        """Pass on an `order` of the controller."""
         with self._lock:
-            self.orders.take(WinchOrder(message.payout, message.payout_rate, message.brake, message.sequence))
+            self.orders.take(order)
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the winch says that its brake is on, or a fault is latched."""
+        return bool(self.adapter.newest.get("brake", 0.0)) or bool(self.orders.handshake.fault)
 
     def guard(self) -> None:
         """Look after the winch; called many times a second."""
