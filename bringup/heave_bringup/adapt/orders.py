@@ -67,7 +67,7 @@ class Orders:
         return self._refusal or (self._out.problem if self._out else "")
 
     def take(self, order: WinchOrder) -> None:
-        """Take a command of the controller, and pass it on."""
+        """Take an `order` of the controller, and pass it on."""
         now = time.monotonic()
         self.handshake.take(now, order, self.rate)
         self.sent += 1
@@ -173,7 +173,7 @@ def _message_sender(command: CommandMap, node: Node, name: str) -> Callable[[Val
 
 
 def follow_commands(node: Node, device: DeviceMap, take: Callable[[Any], None]) -> None:
-    """Subscribe to the controller's commands where a `device` is a winch, by what it publishes or is sent."""
+    """Let a `node` of ROS `take` the controller's commands where a `device` is a winch."""
     if device.command is None and WINCH_STATE not in device.outputs:
         return
     topic = topics.WINCH_COMMAND

@@ -101,6 +101,6 @@ class Wiggle:
             if is_too_far(self._payout, start, self._distance):
                 moved = 1e3 * (self._payout - start)
                 raise CommandError(
-                    f"{self._device.device.name}: braked: {moved:+.1f} mm read, {1e3 * self._distance:.1f} mm asked for. "
+                    f"{self._device.device.name}: braked: {moved:+.1f} mm read, {1e3 * self._distance:.1f} mm wanted. "
                     "Check unit and scale, in the quantity and in the command"
                 )

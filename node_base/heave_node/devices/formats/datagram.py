@@ -80,7 +80,7 @@ class Layout:
         return data + self._check_of(data)
 
     def unpack(self, data: bytes) -> dict[str, float]:
-        """Return the numbers in a datagram of the right size, by name."""
+        """Return the numbers in a datagram of the right size, `data`, by name."""
         values, place = {}, 0
         for name, kind in self.fields.items():
             values[name] = unpacked(kind, data[place : place + size_of(kind)], self.byte_order)
@@ -88,7 +88,7 @@ class Layout:
         return values
 
     def is_whole(self, data: bytes) -> bool:
-        """Return whether the check of a datagram of the right size fits."""
+        """Return whether the check of a datagram of the right size, `data`, fits."""
         length = _CHECKS.get(self.check, 0)
         return not length or self._check_of(data[:-length]) == data[-length:]
 
@@ -99,7 +99,10 @@ class Layout:
 
 
 def layout_of(fields: Mapping[str, str], byte_order: str = "big") -> Layout:
-    """Return the layout with `fields`, kinds or `crc` by name. Raises ValueError for what cannot be."""
+    """Return the layout with `fields`, kinds or `crc` by name, in a `byte_order`.
+
+    Raises ValueError for what cannot be.
+    """
     kinds, marks, check = {}, {}, ""
     if byte_order not in ORDERS_OF_BYTES:
         raise ValueError(f"byte_order = {byte_order!r} must be one of {', '.join(ORDERS_OF_BYTES)}")

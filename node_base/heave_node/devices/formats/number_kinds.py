@@ -35,7 +35,7 @@ def size_of(kind: str) -> int:
 
 
 def packed(kind: str, value: float, order: str = "big", name: str = "") -> bytes:
-    """Return a `value` as bytes of a `kind`; a whole number is rounded.
+    """Return a `value` as bytes of a `kind` in an `order`, big or little; a whole number is rounded.
 
     Raises ValueError, with the `name` of the field, where it does not fit.
     """
@@ -50,7 +50,7 @@ def packed(kind: str, value: float, order: str = "big", name: str = "") -> bytes
 
 
 def unpacked(kind: str, data: bytes, order: str = "big") -> float:
-    """Return the number that `data` are as a `kind`."""
+    """Return the number that `data` are as a `kind`, in an `order` of bytes, big or little."""
     return float(struct.unpack(ORDERS_OF_BYTES[order] + KINDS[kind], data)[0])
 
 

@@ -95,7 +95,10 @@ def blocks_of(registers: Iterable[Register]) -> list[Block]:
 
 
 def values_in(block: Block, words: Sequence[int], word_order: str) -> dict[str, float]:
-    """Return the numbers of a `block`, by name, that were read as `words`. Raises ValueError for too few."""
+    """Return the numbers of a `block`, by name, that were read as `words`, in a `word_order`, big or little.
+
+    Raises ValueError for too few.
+    """
     if len(words) < block.count:
         raise ValueError(f"{len(words)} of {block.count} registers of {block.table}:{block.address} came")
     values = {}
@@ -111,7 +114,10 @@ def values_in(block: Block, words: Sequence[int], word_order: str) -> dict[str, 
 
 
 def words_for(block: Block, values: Mapping[str, float], word_order: str) -> list[int]:
-    """Return the words, or bits, of a `block` that hold `values`. Raises ValueError where one does not fit."""
+    """Return the words, or bits, of a `block` that hold `values`, in a `word_order`, big or little.
+
+    Raises ValueError where one does not fit.
+    """
     words = [0] * block.count
     for register in block.registers:
         start = register.address - block.address

@@ -79,7 +79,7 @@ def _moved(time: float, distance: float) -> tuple[float, float]:
 
 
 def is_too_far(payout: float, start: float, distance: float) -> bool:
-    """Return whether a drum that began at `start` [m] is so far from there that its scale must be wrong."""
+    """Return whether a drum at `payout` is too far from its `start` for a move of a `distance` [m]: a scale error."""
     return abs(payout - start) > 3.0 * distance + 0.005
 
 

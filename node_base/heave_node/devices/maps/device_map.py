@@ -110,7 +110,7 @@ class DeviceMap:
         return self.link is not None and self.link.is_polled
 
     def bit_of(self, field_name: str) -> tuple[str, int | None]:
-        """Return what a field is called where it is read, and the bit of it; None: the whole number."""
+        """Return what the field `field_name` is called where it is read, and the bit of it; None: the whole number."""
         has_bits = self.format == DATAGRAM or (self.link is not None and self.link.kind == "modbus")
         return split_bit(field_name) if has_bits else (field_name, None)
 
