@@ -9,7 +9,7 @@ import tty
 import pytest
 from heave_bringup.adapt.links import LinkReader, Sender
 from heave_bringup.errors import CommandError
-from heave_node.devices.maps.command_map import Link
+from heave_node.devices.maps.link import Link
 
 
 class Heard:

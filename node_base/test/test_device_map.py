@@ -68,7 +68,7 @@ REFUSED = [
     ({"heave": {**TOPIC, "valid_values": [1]}}, "valid_values needs valid"),
     ({"heave": {**TOPIC, "acceleration": True}}, "of an acceleration alone no live heave"),
     ({"heave": {**TOPIC, "high_pass": 5}}, "high_pass = 5 must be from 20"),
-    ({"payout": TOPIC, "command": {}}, "either a line, or a topic"),
+    ({"payout": TOPIC, "command": {}}, "either a line, a layout, or a topic"),
     ({"payout": TOPIC, "command": {"line": "{speed}"}}, "{speed} is unknown; known: payout, payout_rate"),
     ({"payout": TOPIC, "command": {"line": "{payout:s}"}}, "command: line: "),
     ({"payout": TOPIC, "command": {"topic": "/c"}}, "topic needs its type"),

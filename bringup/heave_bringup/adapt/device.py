@@ -7,26 +7,27 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from heave_node.devices.formats.sample import Counters, Decoder
+from heave_node.devices.formats.sample import Counters, Decoder, Sample
 from heave_node.devices.live.adapter import WINCH_STATE, Adapter, WinchReading
-from heave_node.devices.live.winch_handshake import WinchHandshake, WinchOrder
+from heave_node.devices.live.winch_handshake import WinchOrder
 from heave_node.devices.maps.device_map import DeviceMap
-from heave_node.devices.maps.field_path import FieldPath
 from heave_node.interface import topics
 from heave_node.interface.messages import SensorMessages, message_type
 from heave_node.interface.sensors import SENSORS
 from heave_node.ros.transport.qos import qos_of
-from heave_node.tick.tick import nanoseconds_of, stamp_of
+from heave_node.tick.tick import nanoseconds_of
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import qos_profile_sensor_data
 
-from heave_bringup.adapt.links import LinkReader, Sender
+from heave_bringup.adapt.links import LinkReader
 from heave_bringup.adapt.messages import boom_tip, installed_type, winch_state
+from heave_bringup.adapt.orders import Orders, follow_commands
+from heave_bringup.adapt.plc.polled import PolledLink
+from heave_bringup.adapt.plc.protocols import exchange_of
 from heave_bringup.errors import CommandError
 
 _SENSOR_OF = {sensor.topic.name: sensor for sensor in SENSORS.values()}
-_DEFAULT_TIMEOUT = 0.5
 
 
 class LiveDevice:
@@ -41,7 +42,7 @@ class LiveDevice:
     ----------
     adapter : what was made of what came
     link : the way to it; None: topics alone
-    sent : commands passed on so far
+    orders : what it is told
 
     Raises CommandError where its link, or the type of one of its topics, cannot be had.
     """
@@ -49,16 +50,11 @@ class LiveDevice:
     def __init__(self, device: DeviceMap, node: Node) -> None:
         self.device = device
         self.adapter = Adapter(device)
-        self.link: LinkReader | None = None
-        self.sent = 0
-        self._commanded = 0.0
+        self.link: LinkReader | PolledLink | None = None
         self._node = node
         self._lock = threading.Lock()
         self._decoder: Decoder | None = None
-        self._timeout = device.command.timeout if device.command else _DEFAULT_TIMEOUT
-        self._handshake = WinchHandshake(self._timeout)
         self._run_time = 0
-        self._rate = float("nan")
         self._publishers: dict[str, Publisher[Any]] = {}
         self._encode = {name: SensorMessages(_SENSOR_OF[name]) for name in device.outputs if name in _SENSOR_OF}
         self._open()
@@ -66,10 +62,14 @@ class LiveDevice:
             topic = topics.TOPIC_BY_NAME[name]
             self._publishers[name] = node.create_publisher(message_type(topic.type), name, qos_of(topic.role))
         self._follow_clock()
-        self._send: Callable[[WinchOrder], None] = self._sender()
+        self.orders = Orders(self.adapter, node, self.link)
+        follow_commands(node, device, self._on_command)
 
     def _open(self) -> None:
         device = self.device
+        if device.link is not None and device.is_polled:
+            self.link = PolledLink(device.link, exchange_of(device), self._on_sample)
+            return
         if device.link is not None and not device.format:
             raise CommandError(f"{device.name}: has a source, but no format of its lines")
         if device.link is not None:
@@ -101,12 +101,9 @@ class LiveDevice:
     def close(self) -> None:
         """Stop the winch, and close the link."""
         with self._lock:
-            if self.device.command is not None and self.sent:
-                self._pass_on(self._handshake.order(time.monotonic())._replace(payout_rate=0.0, brake=True))
+            self.orders.close()
         if self.link is not None:
             self.link.close()
-        if self._out is not None:
-            self._out.close()
 
     @property
     def counters(self) -> Counters | None:
@@ -116,7 +113,7 @@ class LiveDevice:
     @property
     def problem(self) -> str:
         """Why nothing can be read or sent now, in words; "" while all is well."""
-        return (self.link.problem if self.link else "") or (self._out.problem if self._out else "")
+        return (self.link.problem if self.link else "") or self.orders.problem
 
     def _on_bytes(self, data: bytes, is_whole: bool) -> None:
         now = time.monotonic()
@@ -125,6 +122,28 @@ class LiveDevice:
             samples = self._decoder.feed(data)
             samples += self._decoder.end() if is_whole else []
             self._publish(self.adapter.on_samples(samples, now))
+
+    def _on_sample(self, sample: Sample) -> None:
+        with self._lock:
+            self._publish(self.adapter.on_samples([sample], time.monotonic()))
+
+    def _on_command(self, message: Any) -> None:
+        self.command(WinchOrder(message.payout, message.payout_rate, message.brake, message.sequence))
+
+    def command(self, order: WinchOrder) -> None:
+        """Pass on an `order` of the controller."""
+        with self._lock:
+            self.orders.take(order)
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the winch says that its brake is on, or a fault is latched."""
+        return bool(self.adapter.newest.get("brake", 0.0)) or bool(self.orders.handshake.fault)
+
+    def guard(self) -> None:
+        """Look after the winch; called many times a second."""
+        with self._lock:
+            self.orders.guard()
 
     def _on_message(self, topic: str) -> Callable[[Any], None]:
         def take(message: Any) -> None:
@@ -138,9 +157,9 @@ class LiveDevice:
     def _publish(self, made: list[tuple[str, Any]]) -> None:
         for name, reading in made:
             if isinstance(reading, WinchReading):
-                self._rate = reading.payout_rate
-                order = self._handshake.order(time.monotonic())
-                self._publishers[name].publish(winch_state(reading, order, self._handshake))
+                self.orders.rate = reading.payout_rate
+                order = self.orders.handshake.order(time.monotonic())
+                self._publishers[name].publish(winch_state(reading, order, self.orders.handshake))
             else:
                 self._publishers[name].publish(self._encode[name].message(reading))
 
@@ -148,80 +167,7 @@ class LiveDevice:
         with self._lock:
             before, self._run_time = self._run_time, nanoseconds_of(message.clock)
             if self._run_time < before:  # a controller that counts its commands from 1 again
-                self._handshake = WinchHandshake(self._timeout)
+                self.orders.begin_run()
             motion = self.adapter.heave.at(time.monotonic())
         if motion is not None and self._tip is not None:
             self._tip.publish(boom_tip(message.clock, self.device.boom_tip_height, motion))
-
-    # commands
-
-    def _sender(self) -> Callable[[WinchOrder], None]:
-        """Return what sends an order to the winch, and take the controller's commands."""
-        self._out: Sender | None = None
-        command = self.device.command
-        if command is None and WINCH_STATE not in self.device.outputs:
-            return lambda _order: None
-        topic = topics.WINCH_COMMAND
-        self._node.create_subscription(message_type(topic.type), topic.name, self._on_command, qos_of(topic.role))
-        if command is None:
-            return lambda _order: None
-        if command.topic:
-            return self._message_sender()
-        if command.link is None and self.link is None:
-            raise CommandError(f"{self.device.name}: command: say where it goes: to: {{udp: HOST:PORT}}")
-        self._out = Sender(command.link) if command.link is not None else None
-        out = self._out or self.link
-        assert out is not None
-        return lambda order: out.send(command.line_of({**order._asdict(), "brake": int(order.brake)}))
-
-    def _message_sender(self) -> Callable[[WinchOrder], None]:
-        command = self.device.command
-        assert command is not None
-        kind = installed_type(command.type, f"{self.device.name}: command: {command.topic}")
-        publisher = self._node.create_publisher(kind, command.topic, 10)
-        paths = [(FieldPath(order.path), order) for order in command.orders]
-
-        def message_of(order: WinchOrder) -> Any:
-            message = kind()
-            for path, entry in paths:
-                path.put(message, entry.factor * float(getattr(order, entry.quantity)))
-            if hasattr(message, "header"):
-                message.header.stamp = stamp_of(time.time_ns())
-            return message
-
-        def send(order: WinchOrder) -> None:
-            publisher.publish(message_of(order))
-
-        try:
-            message_of(WinchOrder(0.0, 0.0, brake=True, sequence=0))
-        except (LookupError, TypeError, AssertionError) as error:
-            raise CommandError(f"{self.device.name}: command: set: {error}") from None
-        return send
-
-    def _on_command(self, message: Any) -> None:
-        now = time.monotonic()
-        order = WinchOrder(message.payout, message.payout_rate, message.brake, message.sequence)
-        with self._lock:
-            self._handshake.take(now, order, self._rate)
-            self._pass_on(self._handshake.order(now))
-            self.sent += 1
-            self._commanded = now
-
-    def guard(self) -> None:
-        """Tell the winch to stop where commands have ended, again and again; called many times a second."""
-        now = time.monotonic()
-        if self.device.command is None or not self.sent or now - self._commanded < self.device.command.timeout:
-            return
-        with self._lock:
-            self._pass_on(self._handshake.order(now))
-
-    def _pass_on(self, order: WinchOrder) -> None:
-        """Send an order in the drive's own payout; a drum that is to stop is told to stay where it is.
-
-        So nothing is sent to a position loop before the drive has said where it is.
-        """
-        place = self.adapter.newest.get("payout")
-        if place is None:
-            return
-        payout = (place if order.brake else order.payout) + self.adapter.taker.zeros.get("payout", 0.0)
-        self._send(order._replace(payout=payout))

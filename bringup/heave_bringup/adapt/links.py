@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable
 
 import serial
-from heave_node.devices.maps.command_map import Link
+from heave_node.devices.maps.link import Link
 
 from heave_bringup.errors import CommandError
 

@@ -10,6 +10,7 @@ from heave_node.ros.diagnostics import Health, Level
 from rich.table import Table
 
 from heave_bringup.adapt.device import LiveDevice
+from heave_bringup.adapt.plc.polled import PolledLink
 from heave_bringup.output import make_table
 
 
@@ -36,12 +37,17 @@ def figures_of(device: LiveDevice) -> dict[str, float]:
             "malformed": counters.malformed,
             "unknown": sum(counters.unknown.values()),
         }
+        if device.device.layout is not None:
+            figures |= {"lost": counters.lost, "repeated": counters.repeated, "late": counters.late}
+    if isinstance(device.link, PolledLink):
+        link = device.link
+        figures |= {"reads": link.reads, "writes": link.writes, "refusals": link.refusals, "connections": link.opened}
     if device.device.command is not None:
-        figures["commands_sent"] = device.sent
+        figures["commands_sent"] = device.orders.sent
     return figures
 
 
-_WRONG = ("gaps", "bursts", "timeouts", "invalid", "checksum_errors", "half_lines", "malformed")
+_WRONG = ("gaps", "bursts", "timeouts", "invalid", "checksum_errors", "half_lines", "malformed", "lost", "refusals")
 
 
 def health_of(device: LiveDevice, before: Mapping[str, float]) -> Health:
@@ -78,6 +84,10 @@ def stale_words(device: LiveDevice, now: float) -> str:
     age = device.adapter.watch.age(now)
     since = "no reading yet" if math.isnan(age) else f"no reading for {age:.1f} s"
     counters = device.counters
+    if not device.adapter.is_counting and "watchdog" in device.adapter.newest:
+        return f"watchdog has not counted for {age:.1f} s. Check that the PLC's program runs, and the map's watchdog"
+    if isinstance(device.link, PolledLink) and device.link.reads:
+        return f"{since}: what it answers is invalid. Check the PLC"
     if counters is None or not counters.bytes:
         return f"{since}: nothing received. Check power, cable, address and baud rate"
     if counters.samples == 0 and counters.unknown:

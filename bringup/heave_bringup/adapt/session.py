@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
+from heave_node.devices.live.wiggle import Verdict
 from heave_node.devices.maps.device_map import DeviceMap
 from heave_node.interface import topics
 from heave_node.interface.codes import without_figures
@@ -21,6 +22,8 @@ from rclpy.parameter import Parameter
 
 from heave_bringup.adapt.device import LiveDevice
 from heave_bringup.adapt.report import figures_of, health_of
+from heave_bringup.adapt.wiggle import Wiggle
+from heave_bringup.errors import CommandError
 
 GUARD_PERIOD = 0.05
 """Wall time between two looks at the commands [s]."""
@@ -76,6 +79,22 @@ class Session:
                     self._look()
         except KeyboardInterrupt:
             pass  # the way to end it
+        finally:
+            self._spinner.close()
+            self._leave()
+
+    def wiggle(self, distance: float) -> list[Verdict]:
+        """Move the one winch by a `distance` [m] and back; return what was found.
+
+        Raises CommandError where a controller commands it already, and where it cannot be moved.
+        """
+        (device,) = self.devices
+        device.start()
+        try:
+            self._spinner.spin_for(1.0)
+            if self._node.count_publishers(topics.WINCH_COMMAND.name):
+                raise CommandError("--wiggle: a controller is on winch/command: end its run first")
+            return Wiggle(device, self._spinner.spin_for, distance).run()
         finally:
             self._spinner.close()
             self._leave()

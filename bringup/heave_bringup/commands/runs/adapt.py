@@ -15,6 +15,8 @@ from heave_bringup.errors import CommandError
 if TYPE_CHECKING:
     from heave_node.devices.maps.device_map import DeviceMap
 
+    from heave_bringup.adapt.session import Session
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
@@ -22,6 +24,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--list", action="store_true", help="list the shipped maps")
     parser.add_argument("--show", metavar="NAME", help="print a shipped map, to be written into a file of your own")
     parser.add_argument("--check", action="store_true", help="read the maps, say what they do, and open nothing")
+    parser.add_argument(
+        "--wiggle",
+        type=float,
+        metavar="MM",
+        help="move a winch by MM millimetres and back, and judge signs and units",
+    )
     parser.add_argument("--duration", type=float, default=math.inf, metavar="S", help="end after S seconds")
     add_namespace(parser, "the run is in namespace NAME")
     add_network(parser)
@@ -63,13 +71,19 @@ def _serve(options: argparse.Namespace, maps: list[DeviceMap]) -> None:
     """Serve the devices of `maps` until Ctrl-C, and print what came."""
     from heave_bringup.adapt.report import figures_of, stale_words, summary_table
     from heave_bringup.adapt.session import Session
+    from heave_bringup.adapt.wiggle import check_wiggle
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import write_result
 
     if not options.duration > 0.0:
         raise CommandError(f"--duration {options.duration:g}: must be above 0")
     set_up_transport(network=options.network)
+    if options.wiggle is not None:
+        check_wiggle(maps, 1e-3 * options.wiggle)
     session = Session(maps, options.namespace or "")
+    if options.wiggle is not None:
+        _wiggle(options, session)
+        return
     for device in maps:
         sys.stderr.write(f"{device.name}: {_from(device)} to {', '.join(device.outputs)}\n")
     session.run(options.duration)
@@ -78,6 +92,20 @@ def _serve(options: argparse.Namespace, maps: list[DeviceMap]) -> None:
     silent = [device for device in session.devices if not sum(device.adapter.published.values())]
     if silent:
         raise CommandError(f"{silent[0].device.name}: {stale_words(silent[0], time.monotonic())}")
+
+
+def _wiggle(options: argparse.Namespace, session: Session) -> None:
+    """Move the winch of a `session`, print what was found, and raise CommandError where its map is wrong."""
+    from heave_bringup.output import make_table, write_result
+
+    found = session.wiggle(1e-3 * options.wiggle)
+    rows = [[verdict.what, "ok" if verdict.is_good else "WRONG", verdict.words] for verdict in found]
+    titles = ("quantity", "verdict", "found")
+    write_result(options, make_table(titles, rows, texts=titles), [verdict._asdict() for verdict in found])
+    wrong = [verdict.what for verdict in found if not verdict.is_good]
+    if wrong:
+        raise CommandError(f"{session.devices[0].device.name}: {', '.join(wrong)}: not as the map says")
+    sys.stderr.write("The drum must have paid out first, then hauled in: look. If not, both signs are reversed.\n")
 
 
 def _from(device: DeviceMap) -> str:
@@ -90,6 +118,7 @@ COMMAND = Command(
     examples=(
         "heave adapt --list",
         "heave adapt --show psxn > my_mru.yaml",
+        "heave adapt my_winch.yaml --wiggle 20        # out by 20 mm and back: are signs and units right?",
         "heave adapt my_mru.yaml my_load_cell.yaml    # in another terminal: heave run ... --external wave_vessel",
     ),
     add_arguments=add_arguments,

@@ -69,6 +69,7 @@ class Counters:
     malformed : whose content is not as the format has it
     half_lines : that were begun and not ended
     unknown : sentences that no table knows, by name
+    lost, repeated, late : numbered datagrams that never came, came twice, or came after a newer one
     """
 
     bytes: int = 0
@@ -77,6 +78,9 @@ class Counters:
     malformed: int = 0
     half_lines: int = 0
     unknown: dict[str, int] = field(default_factory=dict)
+    lost: int = 0
+    repeated: int = 0
+    late: int = 0
 
     def note_unknown(self, name: str) -> None:
         """Count a sentence `name` that no table knows; of more than 50 names the rest is one."""

@@ -55,6 +55,7 @@ class Adapter:
     heave : the boom tip's motion by the time of arrival, for the simulated plant
     newest : quantities as they came last
     published : readings so far, by topic
+    is_counting : False while the device's watchdog has stopped: nothing that it says is used then
     """
 
     def __init__(self, device: DeviceMap) -> None:
@@ -68,6 +69,8 @@ class Adapter:
         self._time = DeviceTime()
         self._payout = RecentMotion()
         self._beside: dict[str, float] = {}
+        self._count = math.nan
+        self.is_counting = True
 
     def on_samples(self, samples: Iterable[Sample], now: float) -> list[tuple[str, WireReading | WinchReading]]:
         """Return the readings, each with its topic, that `samples` which arrived at `now` [s] make."""
@@ -106,6 +109,10 @@ class Adapter:
         self.newest.update(taken.values)
         for name in taken.invalid:
             self.newest.pop(name, None)
+        has_counted = self._has_counted(taken)
+        self.is_counting = has_counted or not self.watch.is_stale(now)
+        if not self.is_counting:
+            return []
         made: list[tuple[str, WireReading | WinchReading]] = []
         for topic in self.device.outputs:
             reading = self._reading(topic, taken, stamp)
@@ -114,9 +121,16 @@ class Adapter:
             if reading is not None:
                 made.append((topic, reading))
                 self.published[topic] += 1
-        if made:
+        if made and has_counted:
             self.watch.arrived(now)
         return made
+
+    def _has_counted(self, taken: Taken) -> bool:
+        """Return whether the device's watchdog, if its map has one, has counted since the sample before."""
+        if "watchdog" not in self.device.channels:
+            return True
+        before, self._count = self._count, taken.values.get("watchdog", self._count)
+        return self._count != before
 
     def _note_heave(self, now: float, heave: float) -> None:
         if math.isfinite(heave):

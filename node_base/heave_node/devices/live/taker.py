@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from heave_node.devices.formats.sample import Sample
-from heave_node.devices.formats.table import LINE
 from heave_node.devices.live.high_pass import DEFAULT_PERIOD, HighPass
 from heave_node.devices.maps.channel import Channel
 from heave_node.devices.maps.device_map import DeviceMap
@@ -71,7 +70,8 @@ class Taker:
     def __init__(self, device: DeviceMap) -> None:
         self.counters = TakeCounters()
         self._channels = dict(device.channels)
-        self._is_line = device.format == LINE
+        self._has_names = device.has_names
+        self._places = {name: device.bit_of(channel.field) for name, channel in device.channels.items()}
         self._factors = {name: channel.factor(name) for name, channel in self._channels.items()}
         self._filters = {
             name: HighPass(channel.high_pass or DEFAULT_PERIOD)
@@ -90,15 +90,17 @@ class Taker:
     def of_sample(self, sample: Sample, time: float) -> Taken:
         """Return what the map wants of a `sample` of a line or frame, measured at a `time` [s]."""
         taken = Taken(time, status=sample.status)
-        prefix = "" if self._is_line else f"{sample.kind}."
+        prefix = "" if self._has_names else f"{sample.kind}."
         for name, channel in self._channels.items():
-            field_name = channel.field.removeprefix(prefix) if prefix else channel.field
+            place, bit = self._places[name]
+            field_name = place.removeprefix(prefix) if prefix else place
             if prefix and not channel.field.startswith(prefix):
                 continue
             if field_name in sample.invalid or not self._is_valid_sample(sample, channel, prefix):
                 taken.invalid.add(name)
             elif field_name in sample.values:
-                self._put(taken, name, sample.values[field_name])
+                value = sample.values[field_name]
+                self._put(taken, name, value if bit is None else float(int(value) >> bit & 1))
         self.counters.invalid += bool(taken.invalid)
         return taken
 

@@ -86,6 +86,16 @@ class WinchHandshake:
             return self._order._replace(payout_rate=0.0, brake=True)
         return self._order
 
+    @property
+    def is_released(self) -> bool:
+        """Whether the drive may move."""
+        return not self._order.brake and not self.fault
+
+    @property
+    def wants_reset(self) -> bool:
+        """Whether a latched fault has been acknowledged by a brake request: a drive may then reset its own."""
+        return bool(self.fault) and self._is_acknowledged
+
     def trip(self, fault: WinchFault) -> None:
         """Latch a `fault`; the first one stays the named one."""
         self.fault = self.fault or fault

@@ -12,20 +12,25 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from heave_node.devices.formats.datagram import DATAGRAM, DatagramDecoder, Layout
 from heave_node.devices.formats.nmea import NmeaDecoder
 from heave_node.devices.formats.nmea_sentences import UNSIGNED
+from heave_node.devices.formats.number_kinds import split_bit
 from heave_node.devices.formats.pattern import PatternDecoder
+from heave_node.devices.formats.registers import WRITABLE, register_of
 from heave_node.devices.formats.sample import Decoder
 from heave_node.devices.formats.table import FORMATS, LINE
 from heave_node.devices.maps.channel import Channel, MapError, as_kind, read_channel, refuse_unknown
-from heave_node.devices.maps.command_map import CommandMap, Link, read_command, read_link
+from heave_node.devices.maps.command_map import CommandMap, read_command, read_layout
 from heave_node.devices.maps.field_path import FieldPath
+from heave_node.devices.maps.link import Link, read_link
 from heave_node.devices.maps.quantities import NED_WAYS, QUANTITIES, outputs_of
 from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.files.given_files import read_given
 
 CLOCKS = ("receipt", "own")
 FRAMES = ("ENU", "NED")
+_FORMATS = (*FORMATS, LINE, DATAGRAM)
 LONGEST_ARM = 300.0
 """No boom tip is further from its sensor [m]."""
 
@@ -59,6 +64,7 @@ class DeviceMap:
     lever_arm : boom tip from the sensor, x forward, y to port, z up [m]
     link : how the device is reached; None: by the topics of its channels, or not live
     format, pattern, checksum, needs_checksum : how its lines are read: see `formats`, `pattern`, `nmea`
+    layout : of its datagrams; None: it sends something else
     clock : "receipt", or "own": the device's own time is the stamp
     timeout : silence after which the device is stale [s]
     boom_tip : the map's MRU also moves the simulated boom tip
@@ -75,6 +81,7 @@ class DeviceMap:
     pattern: str = ""
     checksum: str = ""
     needs_checksum: bool = True
+    layout: Layout | None = None
     clock: str = "receipt"
     timeout: float = 1.0
     boom_tip: bool = True
@@ -92,10 +99,27 @@ class DeviceMap:
         """Topics that it subscribes to, each with its type."""
         return {channel.topic: channel.type for channel in self.channels.values() if channel.topic}
 
+    @property
+    def has_names(self) -> bool:
+        """Whether its fields are names of the map's own, registers or nodes, not those of sentences."""
+        return self.format in (LINE, DATAGRAM) or self.is_polled
+
+    @property
+    def is_polled(self) -> bool:
+        """Whether it is asked for its values, as a PLC is."""
+        return self.link is not None and self.link.is_polled
+
+    def bit_of(self, field_name: str) -> tuple[str, int | None]:
+        """Return what the field `field_name` is called where it is read, and the bit of it; None: the whole number."""
+        has_bits = self.format == DATAGRAM or (self.link is not None and self.link.kind == "modbus")
+        return split_bit(field_name) if has_bits else (field_name, None)
+
     def decoder(self) -> Decoder:
         """Return a new decoder of its format."""
         if self.format == LINE:
             return PatternDecoder(self.pattern, self.checksum)
+        if self.layout is not None:
+            return DatagramDecoder(self.layout)
         if self.format == "nmea":
             return NmeaDecoder(needs_checksum=self.needs_checksum)
         return FORMATS[self.format].make()
@@ -117,7 +141,7 @@ def device_map_of(name: str, content: Any) -> DeviceMap:
         raise MapError("a mapping must name heave and where it is found")
     own = [known.name for known in fields(DeviceMap) if known.name not in ("name", "channels", "link", "record")]
     of_record = [known.name for known in fields(RecordForm)]
-    refuse_unknown("", content, [*QUANTITIES, "source", "frame", *own, *of_record])
+    refuse_unknown("", content, [*QUANTITIES, "source", "frame", "byte_order", *own, *of_record])
     frame = content.get("frame", "ENU")
     if frame not in FRAMES:
         raise MapError(f"frame = {frame!r} must be one of {', '.join(FRAMES)}")
@@ -127,6 +151,7 @@ def device_map_of(name: str, content: Any) -> DeviceMap:
         if quantity in QUANTITIES
     }
     values = {entry: content[entry] for entry in own if entry in content}
+    values["layout"] = read_layout("", content)
     values["command"] = read_command(values.get("command"))
     values["lever_arm"] = _arm(values.get("lever_arm", (0.0, 0.0, 0.0)))
     plain = {"format": str, "pattern": str, "checksum": str, "clock": str, "boom_tip": bool, "needs_checksum": bool}
@@ -173,18 +198,26 @@ def _check(device: DeviceMap) -> None:
         raise MapError(
             "heave is missing: give its topic and field, or its column; or another of pressure, tension, payout"
         )
-    if device.format and device.format not in (*FORMATS, LINE):
-        raise MapError(f"format = {device.format!r} must be one of {', '.join((*FORMATS, LINE))}")
+    if device.format and device.format not in _FORMATS:
+        raise MapError(f"format = {device.format!r} must be one of {', '.join(_FORMATS)}")
     if bool(device.pattern) != (device.format == LINE):
         raise MapError(f"pattern belongs to format: {LINE}, and {LINE} needs it")
+    if (device.layout is not None) != (device.format == DATAGRAM):
+        raise MapError(f"layout belongs to format: {DATAGRAM}, and {DATAGRAM} needs it")
     _check_live(device)
+    if device.is_polled:
+        _check_polled(device)
+        return
+    command = device.command
+    if command is not None and not (command.line or command.topic or command.layout):
+        raise MapError("command: set alone is for a source by modbus or opcua: add a line, a layout, or a topic")
     if device.format:
         _check_fields(device)
     else:
         for quantity, channel in device.channels.items():
             if not channel.topic and not channel.column:
                 raise MapError(
-                    f"{quantity} needs either a topic or a column, or the map a format: {', '.join((*FORMATS, LINE))}"
+                    f"{quantity} needs either a topic or a column, or the map a format: {', '.join(_FORMATS)}"
                 )
             _check_path(quantity, channel)
 
@@ -193,6 +226,35 @@ def _check_live(device: DeviceMap) -> None:
     wrong = next((name for name, channel in device.channels.items() if channel.acceleration and channel.type), None)
     if wrong is not None:
         raise MapError(f"{wrong}: of an acceleration alone no live {wrong} can be made: give it, or its velocity")
+
+
+def _check_polled(device: DeviceMap) -> None:
+    """Raise MapError for what a PLC that is asked for its values cannot give or take."""
+    assert device.link is not None
+    if device.format:
+        raise MapError(f"format belongs to what is sent unasked: a source by {device.link.kind} needs none")
+    command = device.command
+    if command is not None and (command.line or command.topic or command.layout or command.link):
+        raise MapError(f"command: {device.link.kind} needs set alone, and no to: orders go back to the source")
+    for quantity, channel in device.channels.items():
+        if channel.topic or channel.column:
+            raise MapError(f"{quantity}: has a topic or a column, but the map's source is a PLC")
+        if device.link.kind == "modbus":
+            _check_register(quantity, channel.field)
+            if channel.valid:
+                _check_register(f"{quantity}: valid", channel.valid)
+    if command is not None and device.link.kind == "modbus":
+        for order in command.orders:
+            if _check_register("command: set", order.path) not in WRITABLE:
+                raise MapError(f"command: set: {order.path}: only {' and '.join(WRITABLE)} can be written")
+
+
+def _check_register(where: str, name: str) -> str:
+    """Return the table of the register called `name`."""
+    try:
+        return register_of(name).table
+    except ValueError as error:
+        raise MapError(f"{where}: {error}") from None
 
 
 def _check_path(quantity: str, channel: Channel) -> None:
@@ -209,6 +271,10 @@ def _check_fields(device: DeviceMap) -> None:
             known = sorted(PatternDecoder(device.pattern, device.checksum).fields)
         except ValueError as error:
             raise MapError(str(error)) from None
+    elif device.layout is not None:
+        if device.link is not None and device.link.kind != "udp":
+            raise MapError(f"format: {DATAGRAM} needs a source by udp")
+        known = sorted(device.layout.fields)
     else:
         table = FORMATS[device.format].fields
         known = [f"{sentence}.{name}" for sentence, names in table.items() for name in names]
@@ -218,11 +284,11 @@ def _check_fields(device: DeviceMap) -> None:
                 f"{quantity}: has a {'topic' if channel.topic else 'column'}, but the map has a format of lines"
             )
         for name in filter(None, (channel.field, channel.valid)):
-            refuse_unknown(quantity, {name: None}, known)
+            refuse_unknown(quantity, {device.bit_of(name)[0]: None}, known)
         why = UNSIGNED.get(channel.field)
         if why and not channel.positive:
             raise MapError(f"{quantity}: say positive: up or positive: down, after your device's manual: {why}")
-        if (channel.positive or channel.unit) and device.format != LINE and not why:
+        if (channel.positive or channel.unit) and not device.has_names and not why:
             raise MapError(
                 f"{quantity}: {channel.field} is in SI units and of known sign already: leave unit and positive out"
             )

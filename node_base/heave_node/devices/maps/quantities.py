@@ -77,6 +77,7 @@ QUANTITIES: Mapping[str, Quantity] = {
     "payout_rate": Quantity("speed", 30.0, _OUT),
     "brake": Quantity("number", 1e9),
     "fault": Quantity("number", 1e9),
+    "watchdog": Quantity("number", 1e19),
 }
 """By name; SI units, signs of `sample`."""
 NED_WAYS = {
@@ -92,7 +93,7 @@ OUTPUTS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "mru": ("heave", ("heave_rate", "heave_acceleration", "roll", "pitch", "roll_rate", "pitch_rate")),
     "unit/pressure": ("pressure", ()),
     "winch/load_cell": ("tension", ()),
-    "winch/state": ("payout", ("payout_rate", "tension", "brake", "fault")),
+    "winch/state": ("payout", ("payout_rate", "tension", "brake", "fault", "watchdog")),
 }
 """Topics of the suite: the quantity that makes one be published, and those that it takes besides."""
 

@@ -1,0 +1,1 @@
+"""PLCs that are asked for their values: Modbus/TCP and OPC UA."""

@@ -1,0 +1,69 @@
+"""Numbers as bytes, as drives and PLCs exchange them: whole numbers of 8 to 64 bits, floats of 32 and 64, and bits.
+
+Whole numbers are two's complement, floats IEEE 754; the first byte is the most significant one unless a map says
+`little`. One bit of a whole number is named by its place behind a point: `status.0` is the least significant bit.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import struct
+
+KINDS = {
+    **{"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I", "int64": "q"},
+    **{"uint64": "Q", "float32": "f", "float64": "d"},
+}
+"""Names of kinds, with the letter that `struct` knows them by."""
+ORDERS_OF_BYTES = {"big": ">", "little": "<"}
+_BIT = re.compile(r"(?P<name>.+)\.(?P<bit>\d{1,2})")
+
+
+def split_bit(text: str) -> tuple[str, int | None]:
+    """Return the name in a `text` such as `status.3`, and the bit; None where it names no bit.
+
+    >>> split_bit("status.3"), split_bit("status")
+    (('status', 3), ('status', None))
+    """
+    found = _BIT.fullmatch(text)
+    return (text, None) if found is None else (found["name"], int(found["bit"]))
+
+
+def size_of(kind: str) -> int:
+    """Return the bytes of a `kind`."""
+    return struct.calcsize(">" + KINDS[kind])
+
+
+def packed(kind: str, value: float, order: str = "big", name: str = "") -> bytes:
+    """Return a `value` as bytes of a `kind` in an `order`, big or little; a whole number is rounded.
+
+    Raises ValueError, with the `name` of the field, where it does not fit.
+    """
+    letter = KINDS[kind]
+    where = f"{name}: " if name else ""
+    if not math.isfinite(value):
+        raise ValueError(f"{where}{value} cannot be sent as {kind}")
+    try:
+        return struct.pack(ORDERS_OF_BYTES[order] + letter, value if letter in "fd" else round(value))
+    except (struct.error, OverflowError):
+        raise ValueError(f"{where}{value:.6g} does not fit {kind}: check unit and scale of the map") from None
+
+
+def unpacked(kind: str, data: bytes, order: str = "big") -> float:
+    """Return the number that `data` are as a `kind`, in an `order` of bytes, big or little."""
+    return float(struct.unpack(ORDERS_OF_BYTES[order] + KINDS[kind], data)[0])
+
+
+def wrapped(kind: str, count: int) -> int:
+    """Return a `count` that goes on for ever as it is sent in a whole number of a `kind`: from 0 again."""
+    bits = 8 * size_of(kind) - (not kind.startswith("uint"))
+    return count % (1 << bits)
+
+
+def with_bits(values: dict[str, float], name: str, bit: int | None, value: float) -> None:
+    """Put a `value` into `values` under a `name`; of a `bit` that bit alone is set or cleared."""
+    if bit is None:
+        values[name] = value
+        return
+    held = int(values.get(name, 0))
+    values[name] = float(held | 1 << bit if value else held & ~(1 << bit))

@@ -1,0 +1,118 @@
+"""A move of millimetres that shows whether units and signs of a winch's map are right: out, a rest, and back.
+
+The speed of a move of length d in a time T is (d / T) (1 - cos(2 pi t / T)): it begins and ends at rest, and its
+largest value is 2 d / T. What is compared are places of the drum at rest, so that lag and dead time do not count.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+MOVE_TIME = 4.0
+"""Of one way [s]."""
+REST_TIME = 2.0
+"""At rest before, between and behind the moves, in which the drum comes to rest [s]."""
+_LOOK = 0.5
+"""Of a rest the last part counts [s]."""
+LEAST, LARGEST = 1e-3, 0.1
+"""Lengths of a move [m]."""
+_SHARE = 0.2
+"""A place or speed within this share of the commanded one is right: gain, play and rounding of a drive at rest."""
+DURATION = 2.0 * MOVE_TIME + 3.0 * REST_TIME
+
+
+class Reading(NamedTuple):
+    """What the winch said of itself.
+
+    Attributes
+    ----------
+    time : since the wiggle began [s]
+    payout, payout_rate : [m], [m/s]; NaN: not known
+    """
+
+    time: float
+    payout: float
+    payout_rate: float
+
+
+class Verdict(NamedTuple):
+    """One line of the result.
+
+    Attributes
+    ----------
+    what, is_good, words : what was looked at, whether it is right, and what was found
+    """
+
+    what: str
+    is_good: bool
+    words: str
+
+
+def move_at(time: float, distance: float) -> tuple[float, float]:
+    """Return payout from the start [m] and its rate [m/s] that are commanded.
+
+    Parameters
+    ----------
+    time : since the wiggle began [s]
+    distance : of the move, positive out [m]
+    """
+    since = time - REST_TIME
+    if since <= 0.0:
+        return 0.0, 0.0
+    if since <= MOVE_TIME:
+        return _moved(since, distance)
+    back = since - MOVE_TIME - REST_TIME
+    if back <= 0.0:
+        return distance, 0.0
+    moved, rate = _moved(min(back, MOVE_TIME), distance)
+    return distance - moved, -rate
+
+
+def _moved(time: float, distance: float) -> tuple[float, float]:
+    phase = 2.0 * math.pi * time / MOVE_TIME
+    rate = distance / MOVE_TIME * (1.0 - math.cos(phase))
+    return distance * (time / MOVE_TIME - math.sin(phase) / (2.0 * math.pi)), rate
+
+
+def is_too_far(payout: float, start: float, distance: float) -> bool:
+    """Return whether a drum at `payout` is too far from its `start` for a move of a `distance` [m]: a scale error."""
+    return abs(payout - start) > 3.0 * distance + 0.005
+
+
+def judge(readings: Sequence[Reading], distance: float) -> list[Verdict]:
+    """Return what the `readings` of a whole wiggle of a `distance` [m] show."""
+    first = _place(readings, REST_TIME)
+    middle = _place(readings, 2.0 * REST_TIME + MOVE_TIME)
+    last = _place(readings, DURATION)
+    if not all(map(math.isfinite, (first, middle, last))):
+        return [Verdict("payout", False, "the winch did not say where it is in each rest: check the link")]
+    out, back = middle - first, last - middle
+    verdicts = [_compare("payout, out", out, distance), _compare("payout, back", back, -distance)]
+    turning = [found for found in readings if REST_TIME < found.time <= 2.0 * REST_TIME + MOVE_TIME]
+    rates = [found for found in turning if math.isfinite(found.payout_rate)]
+    if len(rates) > 1:
+        steps = pairwise(rates)
+        by_rate = sum(0.5 * (a.payout_rate + b.payout_rate) * (b.time - a.time) for a, b in steps)
+        verdicts.append(_compare("payout rate, out", by_rate, out if verdicts[0].is_good else distance))
+    return verdicts
+
+
+def _place(readings: Sequence[Reading], end: float) -> float:
+    found = [reading.payout for reading in readings if end - _LOOK <= reading.time <= end]
+    return statistics.fmean(found) if found else math.nan
+
+
+def _compare(what: str, found: float, wanted: float) -> Verdict:
+    words = f"{1e3 * wanted:+.1f} mm expected, {1e3 * found:+.1f} mm read"
+    ratio = found / wanted
+    if abs(ratio - 1.0) <= _SHARE:
+        return Verdict(what, True, words)
+    if abs(ratio + 1.0) <= _SHARE:
+        return Verdict(what, False, f"{words}: reversed. Check positive, in the quantity and in the command")
+    if abs(ratio) < _SHARE:
+        return Verdict(what, False, f"{words}: it hardly moved. Check enable, unit and scale of the command")
+    return Verdict(what, False, f"{words}: {ratio:.3g} times. Check unit and scale, in the quantity and in the command")
