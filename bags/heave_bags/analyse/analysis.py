@@ -89,7 +89,7 @@ def extremes(record: RunRecord) -> list[Extreme]:
     add("winch acceleration", signals.payout_acceleration, "m/s²")
     if signals.tension.size and signals.payout_rate.size:
         rate = signals.payout_rate
-        add("winch power T v", Signal(rate.time, signals.tension.at(rate) * rate.value), "W")
+        add("winch power", Signal(rate.time, signals.tension.at(rate) * rate.value), "W")
     return found
 
 
