@@ -432,6 +432,13 @@ SCALED_FLOOR = 1e-2
 """Share of the boom tip's peak density above which a transmissibility is shown: below, it divides noise by noise."""
 
 
+def _decades(pairs: Sequence[tuple[Spectrum, Spectrum]]) -> float:
+    """Return how many decades the densities that are shown span."""
+    shown = [one.density[(one.omega <= SHOWN_OMEGA) & (one.density > 0.0)] for pair in pairs for one in pair]
+    values = np.concatenate(shown) if shown else np.empty(0)
+    return float(np.log10(values.max() / values.min())) if values.size else 1.0
+
+
 def _spectrum_layout(pairs: Sequence[tuple[Spectrum, Spectrum]]) -> dict[str, Any]:
     """Return the layout for transmissibilities of `pairs` (unit, boom tip), scaled to what is shown and moves much."""
     ratios = [transmissibility(unit, boom_tip, SCALED_FLOOR) for unit, boom_tip in pairs]
@@ -443,7 +450,7 @@ def _spectrum_layout(pairs: Sequence[tuple[Spectrum, Spectrum]]) -> dict[str, An
             "title": {"text": "S(ω) [cm² s/rad]"},
             "type": "log",
             "exponentformat": "power",
-            "dtick": 1,
+            "dtick": max(1, math.ceil(_decades(pairs) / 5.0)),
             "domain": [0.54, 1.0],
         },
         "yaxis2": {"title": {"text": "transmissibility [-]"}, "domain": [0.0, 0.46], "range": [0.0, reach]},
