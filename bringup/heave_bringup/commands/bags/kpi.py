@@ -17,9 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bags(parser)
     add_baseline(parser)
     parser.add_argument("--window", type=float, metavar="S", help="also print figures for each S seconds of the run")
-    parser.add_argument(
-        "--table", type=Path, metavar="FILE", help="write the figures to this .csv, .parquet or .xlsx"
-    )
+    parser.add_argument("--table", type=Path, metavar="FILE", help="write the figures to this .csv, .parquet or .xlsx")
 
 
 def execute(options: argparse.Namespace) -> None:
