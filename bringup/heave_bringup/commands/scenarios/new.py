@@ -7,7 +7,7 @@ import math
 import shlex
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from heave_node.catalogue import FROM, KINDS
 from heave_node.parameters import ParameterError
@@ -143,7 +143,7 @@ def _unit(options: argparse.Namespace, model: Scenario) -> dict[str, object]:
     if options.mass is None and options.volume is None:
         return {}
     unit = model.parameters["cable_sim"].unit
-    own = find("unit", options.unit, "--unit").values if options.unit else {}
+    own: Mapping[str, Any] = find("unit", options.unit, "--unit").values if options.unit else {}
     mass, volume = own.get("mass", unit.mass), own.get("volume", unit.volume)
     new = options.volume if options.volume is not None else volume * options.mass / mass
     heavy = options.mass if options.mass is not None else mass
