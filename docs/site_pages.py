@@ -253,9 +253,9 @@ def figures_of_merit_page() -> str:
     lines += ["beside it. Terms: [a run](../explanation/a_run.md#terms-in-the-tables). Formulas are in"]
     lines += ["`heave_node/kpi.py`, each with its source.", ""]
     for group in GROUPS:
-        lines += [f"## {group}", "", "| key | meaning | shown in |", "|---|---|---|"]
+        lines += [f"## {group}", "", "| key | meaning | symbols | shown in |", "|---|---|---|---|"]
         lines += [
-            f"| `{one.key}` | {one.title.replace('|', chr(92) + '|')} | {one.unit} |"
+            f"| `{one.key}` | {one.title} | {one.symbols.replace('|', chr(92) + '|')} | {one.unit} |"
             for one in KPI_DEFINITIONS
             if one.group == group
         ]

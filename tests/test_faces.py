@@ -29,6 +29,13 @@ def test_every_name_of_a_face_is_there_and_is_what_type_checkers_are_told(packag
         _ = module.nothing
 
 
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_face_can_be_listed_before_anything_of_it_is_used(package):
+    program = f"import {package}; print(set({package}.__all__) <= set(dir({package})))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "True\n"
+
+
 def test_importing_the_packages_loads_nothing_heavy():
     program = f"import sys, {', '.join(PACKAGES)}; print([name for name in {HEAVY} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

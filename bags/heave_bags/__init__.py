@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from heave_bags.mcap.reader import Bag
 
 __all__ = ["Bag", "BagError", "BagWriter", "read_run"]
-__getattr__ = lazy_face(
+__getattr__, __dir__ = lazy_face(
     __name__,
     {
         "Bag": "mcap.reader",

@@ -3,14 +3,16 @@
 import math
 import re
 import subprocess
+from dataclasses import replace
 
 import pytest
-from heave_bags.analyse import analysis, kpi_set, report, run_words
+from heave_bags.analyse import analysis, kpi_set, paper, report, run_words
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.report_figures import pack, run_figures, thin
+from heave_bags.errors import BagError
 from heave_bags.signals import Signal
 from heave_node.criteria import Criterion
-from made_up_run import MadeUpRun
+from made_up_run import SCENARIO, MadeUpRun, write_run
 from numpy import arange, array, sin, zeros
 
 from tests import browser
@@ -75,12 +77,12 @@ def test_the_figures_of_merit_stand_in_groups_and_those_nobody_knows_are_left_ou
     assert shown == [group for group in kpi_set.GROUPS if group in shown]
     assert {"Unit", "Tension", "Winch", "Energy"} <= set(shown)
     rows = [definition for definition in kpi_set.KPI_DEFINITIONS if math.isfinite(record.kpis()[definition.key])]
-    table = page[page.index('id="kpis"') : page.index("</table>")]
+    table = page[page.index('id="kpis"') : page.index("What happened")]
     hidden = {"landings", "landings_held", "compensation_losses", "mode_changes"}  # nothing of that happened
     assert table.count("<tr><td>") == len([row for row in rows if row.key not in hidden and not row.is_seldom])
 
 
-def test_the_report_begins_with_what_was_run_the_verdict_and_six_figures(shared_bag):
+def test_the_report_begins_with_what_was_run_the_verdict_and_eight_figures(shared_bag):
     (record,) = analysis.analyse([shared_bag])
     record.wanted = (Criterion("unit_sigma_m", "<=", 0.01),)
     page = report.render([record])
@@ -88,7 +90,8 @@ def test_the_report_begins_with_what_was_run_the_verdict_and_six_figures(shared_
     assert "verdict: FAILED" in head
     assert 'class="verdict bad"' in head
     assert head.count("at most 1 cm") == 2, "in the verdict, and beside the figure in its unit"
-    assert head.count('class="tile"') == 6
+    assert head.count('class="tile"') == 7
+    assert head.count('class="tile missed"') == 1
     assert page.index("<h3>Motion") < page.index("Figures of merit")
 
 
@@ -107,6 +110,55 @@ def test_a_motion_has_one_unit_in_table_extremes_axes_and_under_the_pointer(shar
         for trace in drawn["traces"]:
             if trace.get("yaxis", "y") == "y" and "heave" in drawn["layout"]["yaxis"]["title"]["text"]:
                 assert trace["hovertemplate"].endswith((" cm", "</extra>"))
+
+
+LIFT = SCENARIO.replace(b"{transient:", b"{title: 'Template <T4>', description: 'Lowered by crane 2.', transient:")
+
+
+def test_the_title_and_description_of_the_lift_are_at_the_head(tmp_path):
+    write_run(tmp_path / "run", scenario=b"# A line at its head.\n" + LIFT)
+    (record,) = analysis.analyse([tmp_path / "run"])
+    page = report.render([record])
+    assert "<h1>Template &lt;T4&gt;</h1>" in page
+    assert "Lowered by crane 2.</p>" in page
+    write_run(tmp_path / "plain", scenario=b"# A line at its head.\n" + SCENARIO)
+    (record,) = analysis.analyse([tmp_path / "plain"])
+    assert (record.title, record.description) == ("", "A line at its head.")
+    write_run(tmp_path / "long", scenario=b"# " + b"x" * 10**6 + b"\n" + SCENARIO)
+    (record,) = analysis.analyse([tmp_path / "long"])
+    assert len(record.description) <= 1000, "what a bag brings has a bound"
+
+
+def test_the_industrial_baseline_is_among_the_large_figures(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    record.signals.baseline = replace(record.signals, baseline=None)
+    page = report.render([record])
+    head = page[page.index("<header>") : page.index("</header>")]
+    assert head.count('<div class="tile" ') == 8
+    assert "unit efficiency of an industrial controller, same sea" in head
+
+
+def test_modes_limits_and_alarms_have_a_legend_that_needs_no_pointer(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    record.modes = [Interval(0.0, 9.0, "standby"), Interval(9.0, 30.0, "fade_out"), Interval(30.0, 60.0, "<mode>")]
+    record.limits = [Interval(1.0, 2.0, "brake"), Interval(20.0, 21.0, "speed"), Interval(25.0, 26.0, "torque")]
+    record.alarms = [Interval(20.0, 21.0, "words", 1)]
+    page = report.render([record])
+    legend = re.search(r'<ul class="legend">(.*?)</ul>', page, re.DOTALL).group(1)
+    shown = re.findall(r"</i>([^<]*)</li>", legend)
+    assert shown[:3] == ["mode standby", "mode fade out", "mode &lt;mode&gt;"]
+    assert shown[3:] == ["brake on", "winch at a limit: speed, torque", "alarm, warning", "transient, not counted"]
+    assert "print-color-adjust: exact" in page, "browsers leave backgrounds off paper else"
+    record.modes = [Interval(float(n), n + 1.0, f"mode {n}") for n in range(500)]
+    assert report.render([record]).count("<li><i") < 20
+
+
+def test_figures_have_plain_names_and_their_symbols_beside(shared_bag):
+    for definition in kpi_set.KPI_DEFINITIONS:
+        assert not re.search(r"[()|=/]", definition.title), definition.title
+    page = report.render(analysis.analyse([shared_bag]))
+    assert "smallest tension over static <small>rT = Tmin/Tstatic</small>" in page
+    assert "rT = " not in analysis.table(analysis.analyse([shared_bag]))
 
 
 def test_what_harm_means_is_on_the_page(made_up_bag):
@@ -213,7 +265,7 @@ def test_the_report_fits_a_wide_screen_a_telephone_the_dark_and_paper(made_up_ba
     report.save_report(analysis.analyse([made_up_bag()]), tmp_path / "report.html")
     width = "document.documentElement.scrollWidth"
     page = "getComputedStyle(document.body).backgroundColor"
-    drawn = "document.querySelector('.figure .bg').style.fill"
+    drawn = "document.querySelector('.figure .main-svg').style.background"
     buttons = "document.querySelectorAll('.modebar-btn').length"
     tops = "new Set([...r.getClientRects()].map(b => b.top)).size"
     lines = f"(r => (r.selectNodeContents(e), {tops}))(document.createRange())"
@@ -243,6 +295,13 @@ def test_the_report_fits_a_wide_screen_a_telephone_the_dark_and_paper(made_up_ba
         tab.get("window.dispatchEvent(new Event('beforeprint'))")
         tab.wait(f"{drawn} === 'rgb(255, 255, 255)'")
         assert tab.get(page) == "rgb(255, 255, 255)"
+        paper = (210.0 - 2 * 12.0) / 25.4 * 96.0 / 0.68  # A4 between margins of 12 mm, at the zoom of the style sheet
+        drawn_width = "[...document.querySelectorAll('.figure')].map(f => Number(f.querySelector('svg').clientWidth))"
+        assert all(0.97 * paper < found <= paper for found in tab.get(drawn_width)), "whole, whatever the window was"
+        assert tab.get(named) == 3
+        tab.get("window.dispatchEvent(new Event('afterprint'))")
+        tab("Emulation.setEmulatedMedia", media="")
+        tab.wait(f"{width} <= 420")
         assert tab.complaints == []
 
 
@@ -282,3 +341,33 @@ def test_the_report_prints_to_a_pdf_of_some_pages(made_up_bag, tmp_path):
     command = [browser.CHROMIUM, *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", f"--print-to-pdf={pdf}"]
     subprocess.run([*command, (tmp_path / "report.html").as_uri()], capture_output=True, timeout=120, check=True)
     assert 3 <= pdf.read_bytes().count(b"/Type /Page\n") <= 12
+
+
+@browser.NEEDED
+def test_a_report_becomes_a_pdf_and_a_picture(made_up_bag, tmp_path):
+    report.save_report(analysis.analyse([made_up_bag()]), tmp_path / "report.html")
+    paper.save_pdf(tmp_path / "report.html", tmp_path / "report.pdf")
+    paper.save_picture(tmp_path / "report.html", tmp_path / "report.png", (640, 480))
+    content = (tmp_path / "report.pdf").read_bytes()
+    assert 3 <= content.count(b"/Type /Page\n") <= 12
+    boxes = set(re.findall(rb"/MediaBox \[([^\]]*)\]", content))
+    assert [[round(float(side)) for side in box.split()] for box in boxes] == [[0, 0, 595, 842]], "A4 in points"
+    picture = (tmp_path / "report.png").read_bytes()
+    assert (int.from_bytes(picture[16:20], "big"), int.from_bytes(picture[20:24], "big")) == (640, 480)
+
+
+def test_a_machine_without_a_browser_says_what_to_do(monkeypatch, tmp_path):
+    monkeypatch.setattr(paper, "PLACES", ())
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(BagError, match=r"no Chromium, Chrome or Edge is installed here.*open report\.html"):
+        paper.save_pdf(tmp_path / "report.html", tmp_path / "report.pdf")
+
+
+def test_a_browser_that_writes_nothing_is_named(monkeypatch, tmp_path):
+    (tmp_path / "chromium").write_text("#!/bin/sh\necho no display >&2; exit 1\n")
+    (tmp_path / "chromium").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:/bin:/usr/bin")
+    (tmp_path / "report.pdf").write_text("an older one")
+    with pytest.raises(BagError, match="wrote nothing: no display"):
+        paper.save_pdf(tmp_path / "report.html", tmp_path / "report.pdf")
+    assert not (tmp_path / "report.pdf").exists(), "an older one is not taken for it"

@@ -27,6 +27,16 @@ def test_a_wire_of_494_kn_that_carried_530_kn_failed(tmp_path):
     assert "safety factor of the rope" in page
 
 
+def test_the_factor_in_table_and_verdict_is_that_of_the_largest_load_of_the_whole_run(tmp_path):
+    write_run(tmp_path / "run", HEAVY, scenario=STATED)
+    record = read_run(tmp_path / "run")
+    record.signals.tension.value[:5] = 988_000.0  # in the transient, which other figures leave out
+    factor = record.kpis()["rope_safety_factor"]
+    assert factor == pytest.approx(494.0 / 988.0, rel=1e-3)
+    assert factor == judge(record, moves_winch=False).loads[0].factor
+    assert record.kpis(15.0, 20.0)["rope_safety_factor"] > 0.9, "of a window, that of the window"
+
+
 def test_a_bag_whose_scenario_states_no_strength_has_no_factor(tmp_path):
     write_run(tmp_path / "run", MadeUpRun(duration=30.0))
     (record,) = analysis.analyse([tmp_path / "run"])

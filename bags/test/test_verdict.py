@@ -30,7 +30,13 @@ def test_a_run_that_got_what_was_wanted_says_so_with_its_figures():
     verdict = judge(record(100.0), [Criterion("unit_sigma_m", "<=", 0.02)], moves_winch=True)
     assert (verdict.is_good, verdict.state) == (True, PASSED)
     assert verdict.to_json()["criteria"] == [
-        {"kpi": "unit_sigma_m", "wanted": "<= 0.02", "got": pytest.approx(0.01), "met": True}
+        {
+            "kpi": "unit_sigma_m",
+            "wanted": "<= 0.02",
+            "got": pytest.approx(0.01),
+            "met": True,
+            "words": "Unit heave, standard deviation 1.00 cm (required at most 2 cm): met",
+        }
     ]
     assert "1.00 cm" in verdict.lines()[1], "in the unit of the tables"
     assert "2 cm" in verdict.lines()[1]

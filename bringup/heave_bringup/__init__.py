@@ -23,7 +23,7 @@ __all__ = [
     "make_scenario",
     "shipped_scenarios",
 ]
-__getattr__ = lazy_face(
+__getattr__, __dir__ = lazy_face(
     __name__,
     {
         "ClosedLoop": "closed_loop",

@@ -7,6 +7,7 @@ import json
 import math
 import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from heave_node.parameters import ParameterError
@@ -18,11 +19,46 @@ from rich.text import Text
 
 from heave_bringup.errors import CommandError
 
+LONGEST_WORD = 24
+"""Letters of a word that a table keeps in one line."""
 FILE_WIDTH = 1000
 """Columns of an output that is not a terminal: nothing is wrapped there."""
 
 
-def write_result(options: argparse.Namespace, parts: str | Table | Sequence[str | Table], result: object) -> None:
+@dataclass(frozen=True)
+class FittedTable:
+    """A table that leaves out what a terminal has no room for, and says so.
+
+    Attributes
+    ----------
+    columns, rows, texts : as `make_table` takes them
+    optional : columns that may be left out, the last one first
+    elsewhere : where they are then, in words
+    """
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    texts: Collection[str] = ()
+    optional: Sequence[str] = ()
+    elsewhere: str = ""
+
+    def fitted(self, console: Console) -> list[str | Table]:
+        """Return the table as wide as the `console`, and a line with what is not in it."""
+        unlimited = console.options.update(max_width=FILE_WIDTH)
+        for count in range(len(self.optional), -1, -1):
+            missing = self.optional[count:]
+            kept = [number for number, name in enumerate(self.columns) if name not in missing]
+            rows = [[row[number] for number in kept] for row in self.rows]
+            found = make_table([self.columns[number] for number in kept], rows, texts=self.texts)
+            if Measurement.get(console, unlimited, found).minimum <= console.width:
+                break
+        return [found, f"not shown for want of room: {', '.join(missing)}; {self.elsewhere}"] if missing else [found]
+
+
+Part = str | Table | FittedTable
+
+
+def write_result(options: argparse.Namespace, parts: Part | Sequence[Part], result: object) -> None:
     """Print the result of a command.
 
     Parameters
@@ -37,7 +73,7 @@ def write_result(options: argparse.Namespace, parts: str | Table | Sequence[str 
     if options.json == "-":
         sys.stdout.write(document)
         return
-    print_parts([parts] if isinstance(parts, str | Table) else parts)
+    print_parts([parts] if isinstance(parts, str | Table | FittedTable) else parts)
     if options.json:
         try:
             Path(options.json).write_text(document, encoding="utf-8")
@@ -50,11 +86,12 @@ def warn(lines: Iterable[str]) -> None:
     sys.stderr.write("".join(f"heave: warning: {line}\n" for line in lines))
 
 
-def print_parts(parts: Iterable[str | Table]) -> None:
+def print_parts(parts: Iterable[Part]) -> None:
     """Print `parts`, an empty line between them: text as it is, tables fitted to the terminal, no number shortened."""
     console = Console(file=sys.stdout, width=None if sys.stdout.isatty() else FILE_WIDTH)
     terminal = console.width
-    for number, part in enumerate(parts):
+    pieces = [piece for part in parts for piece in (part.fitted(console) if isinstance(part, FittedTable) else [part])]
+    for number, part in enumerate(pieces):
         if number:
             sys.stdout.write("\n")
         if isinstance(part, str):
@@ -81,7 +118,10 @@ def make_table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, texts: 
     for number, heading in enumerate(columns):
         is_text = heading in (columns[0], *texts)
         needed = max(map(len, heading.split()))
-        if not is_text:
+        if is_text:
+            words = (len(word) for row in cells for word in row[number].plain.split())
+            needed = max(needed, min(max(words, default=0), LONGEST_WORD))
+        else:
             needed = max([needed, *(row[number].cell_len for row in cells)])
         table.add_column(Text(heading), justify="left" if is_text else "right", min_width=needed)
     for row in cells:

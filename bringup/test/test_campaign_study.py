@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import subprocess
 import sys
@@ -16,8 +17,9 @@ import pytest
 from heave_bags.analyse import kpi_set
 from heave_bringup.campaign import executors, picture, runs, study
 from heave_bringup.campaign.campaign_file import read_campaign
+from heave_bringup.campaign.command_line import campaign_of
 from heave_bringup.campaign.plan import Case
-from heave_bringup.campaign.report import case_table, left_out, summarise, summary_table, to_json
+from heave_bringup.campaign.report import case_table, left_out, remarks, summarise, summary_table, to_json
 from heave_bringup.campaign.runs import CaseResult, Task, lost_because, make_tasks, run_task
 from heave_bringup.campaign.table import case_frame
 from heave_bringup.cli import main
@@ -27,6 +29,7 @@ from heave_bringup.progress import time_to_go
 from heave_bringup.scenarios import load_scenario
 from heave_bringup.tables.case_table import read_cases
 from heave_node.parameters import ParameterError
+from rich.console import Console
 
 TEXT = """
 scenario: b2_calm_300
@@ -113,11 +116,65 @@ def test_a_failed_case_is_a_row_and_stops_no_other(campaign, monkeypatch):
     assert frame.set_index("case")["reason"].to_dict()[5] == "compensation ended at 2.00 s"
     summary = summarise(frame)
     assert (summary["cases"], summary["failed"], summary["lost"]) == (8, 1, 1)
-    cells = {column.header.plain: list(column.cells) for column in summary_table(frame).columns}  # type: ignore[union-attr]
-    rows = dict(zip(map(str, cells["value"]), map(str, cells["unit"]), strict=True))
-    assert rows[f"{100.0 * summary['unit_sigma_m_median']:.2f}"] == "cm", "as in the table of cases"
+    shown = {column.header.plain: list(map(str, column.cells)) for column in summary_table(frame).columns}  # type: ignore[union-attr]
+    assert set(shown) == {"all cases", "off", "mpc", "unit"}, "figures over several laws together would mean nothing"
+    of_mpc = summarise(frame[frame["winch_controller.law"] == "mpc"])
+    line = shown["all cases"].index("unit heave, standard deviation: median of the cases")
+    assert (shown["mpc"][line], shown["unit"][line]) == (f"{100.0 * of_mpc['unit_sigma_m_median']:.2f}", "cm")
+    assert shown["all cases"].index("snaps") < line < shown["all cases"].index("largest over uncompensated")
+    assert to_json(campaign, frame)["summary_by_law"]["mpc"] == of_mpc  # type: ignore[index]
     assert to_json(campaign, frame)["cases"][2]["failure"] == "the cable parted"  # type: ignore[index]
-    assert case_table(frame).row_count == 8
+    assert len(case_table(frame).rows) == 8
+    assert remarks(frame) == ["case 3: failed: the cable parted", "case 5: lost: compensation ended at 2.00 s"]
+    many = pandas.concat([frame] * 30, ignore_index=True)
+    assert remarks(many)[-1] == "and 40 cases more, see the columns of --csv FILE"
+
+
+@pytest.mark.parametrize("columns", [60, 80, 100])
+def test_the_table_of_cases_fits_the_terminal_and_its_laws_stay_whole(campaign, monkeypatch, columns):
+    monkeypatch.setattr(executors, "run_task", pretended)
+    table = case_table(study.run_study(campaign, processes=1))
+    console = Console(width=columns, file=io.StringIO())
+    shown, line = table.fitted(console)
+    console.print(shown)
+    lines = console.file.getvalue().splitlines()
+    assert max(map(len, lines)) <= columns
+    assert sum("law=mpc" in text for text in lines) == 4
+    assert "unit cm" in " ".join(lines[:3]) or "unit" in lines[0]
+    assert line.startswith("not shown for want of room: ")
+    assert len(table.fitted(Console(width=1000, file=io.StringIO()))) == 1, "a file has room for all"
+
+
+def test_a_campaign_without_a_file_is_every_combination_of_what_is_varied(monkeypatch):
+    vary = ["winch_controller.law=off,lqg,mpc", "system.unit.added_mass=[1.0, 1.0, 1.0],[2.0, 2.0, 2.0]"]
+    made = campaign_of("b2_calm_300", vary).shortened(duration=200.0, draws=None, seeds=2)
+    cases = list(made.cases())
+    assert len(cases) == 3 * 2 * 2
+    assert {case.settings["winch_controller.law"] for case in cases} == {"off", "lqg", "mpc"}, "off is a law, not False"
+    tasks = make_tasks(made, cases[:2])
+    assert [task.scenario.run.seed for task in tasks] == [1, 2]
+    assert tasks[0].scenario.parameters["cable_sim"].unit.added_mass == (1.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["b2_calm_300", "--vary", "winch_controller.law"], "must be NODE.PARAM=VALUE,VALUE,..."),
+        (["b2_calm_300", "--vary", "law=off"], "--vary law=off: law is not a parameter"),
+        (["b2_calm_300", "--vary", "winch_controller.law=[off"], "is not a list of YAML values"),
+        (["b2_calm_300", "--vary", "winch_controller.lw=off"], "--vary: winch_controller.lw: there is no parameter lw"),
+        (["b2_calm_300", "--vary", "winch_controller.law=sail"], "law = 'sail' is not allowed"),
+        (["b2", "--vary", "winch_controller.law=off"], "b2: no such scenario"),
+        (["b2_calm_300", "--vary", "all.seed=1", "--vary", "all.seed=2"], "--vary all.seed: stands twice"),
+        (["b2_calm_300", "--vary", "winch_controller.law=off", "--seeds", "0"], "--seeds 0: must be at least 1"),
+        (["b9_model_error", "--set", "winch_controller.law"], "--set winch_controller.law: must be NODE.PARAM=VALUE"),
+    ],
+)
+def test_a_wrong_campaign_of_the_command_line_is_one_line_and_status_2(arguments, words, capsys):
+    assert main(["campaign", *arguments]) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
 
 
 def test_a_case_that_raises_says_why(campaign, monkeypatch):
@@ -357,7 +414,7 @@ def test_a_campaign_of_laws_that_has_the_baseline_among_them_shows_it_beside_eac
     for (_, period, seed), k in place.items():
         of_industrial = frame["unit_efficiency"][place["industrial", period, seed]]
         assert frame["baseline_efficiency"][k] == of_industrial
-    assert any(str(column.header).startswith("baseline") for column in case_table(frame).columns)
+    assert any(heading.startswith("baseline") for heading in case_table(frame).columns)
     assert left_out(frame) == []
 
 

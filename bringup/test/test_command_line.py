@@ -47,8 +47,9 @@ from heave_bringup.cli import main
         (["campaign", "b9_model_error", "--processes", "0"], "heave: --processes 0: must be at least 1"),
         (["static", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg"),
         (["identify", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg or"),
-        (["kpi", "no_bag", "--table", "x.foo"], "heave: --table x.foo: must end in .csv or .parquet"),
+        (["kpi", "no_bag", "--table", "x.foo"], "heave: --table x.foo: must end in .csv or .parquet or .xlsx"),
         (["kpi", "no_bag", "--table", "nodir/x.csv"], "heave: --table nodir/x.csv: there is no folder nodir"),
+        (["report", "no_bag", "--output", "x.doc"], "heave: --output x.doc: must end in .html or .htm"),
         (["kpi", "no_bag", "--window", "-3"], "heave: --window -3: must be a number above 0 [s]"),
     ],
 )

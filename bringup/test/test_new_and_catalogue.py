@@ -42,6 +42,44 @@ def test_a_file_with_names_of_the_catalogue_runs(here):
     assert record.column("top_tension").min() > 0.0
 
 
+def test_a_lift_of_ones_own_is_stated_on_the_command_line(here, capsys):
+    lift = ["--mass", "6000", "--volume", "1.2", "--depth", "2000", "--hs", "2.2", "--tp", "9"]
+    assert main(["new", "mine", *lift, "--title", 'Tree "A"']) == 0
+    assert "6000 kg in air, 4770 kg submerged; cable: 2000 m" in capsys.readouterr().out, "6000 - 1025 x 1.2"
+    scenario, model = load_scenario("mine.yaml"), load_scenario("b3_deep_900")
+    plant, controller = scenario.parameters["cable_sim"], scenario.parameters["winch_controller"]
+    assert (plant.unit.mass, plant.unit.volume, plant.length) == (6000.0, 1.2, 2000.0 + plant.boom_tip_height)
+    assert controller.unit == plant.unit
+    assert controller.length == plant.length
+    sea = scenario.parameters["wave_vessel"]
+    assert (sea.significant_wave_height, sea.peak_period) == (2.2, 9.0) == controller_sea(controller)
+    was = model.parameters["cable_sim"].unit
+    scale = 1.2 / was.volume
+    assert plant.unit.added_mass == pytest.approx([scale * value for value in was.added_mass], rel=1e-5)
+    assert plant.unit.drag_area == pytest.approx([scale ** (2 / 3) * value for value in was.drag_area], rel=1e-5)
+    assert scenario.run.title == 'Tree "A"'
+    assert (
+        (here / "mine.yaml").read_text().startswith("# mine: made from b3_deep_900, with mass 6000 kg, volume 1.2 m^3")
+    )
+
+
+def controller_sea(controller) -> tuple[float, float]:
+    return controller.sea.significant_wave_height, controller.sea.peak_period
+
+
+def test_a_unit_of_another_mass_keeps_the_density_of_the_entry_and_no_strength_of_another(here):
+    text = (
+        "/**:\n  ros__parameters:\n    system: {unit: {mass: 9000.0, volume: 1.0, attachment_breaking_force: 1.0e+6}}\n"
+    )
+    (here / "model.yaml").write_text(text)
+    assert main(["new", "mine", "--like", "model.yaml", "--unit", "mas409_load", "--mass", "25200"]) == 0
+    unit = load_scenario("mine.yaml").parameters["cable_sim"].unit
+    (entry,) = [one for one in entries("unit").values() if one.name == "mas409_load"]
+    assert unit.mass == 2.0 * entry.values["mass"]
+    assert unit.volume == pytest.approx(2.0 * entry.values["volume"], rel=1e-5)
+    assert unit.attachment_breaking_force == 0.0
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_entry_of_the_catalogue_is_taken_by_plant_and_belief(kind):
     one_of_each_family = {entry.title: entry for entry in entries(kind).values()}
@@ -89,6 +127,12 @@ def test_the_strength_of_a_wire_is_that_of_plant_and_belief_and_goes_with_the_wi
         ),
         (["new", "x", "--like", "b3_deep_90"], "did you mean b3_deep_900?"),
         (["new", "x", "--length", "-3"], "length"),
+        (["new", "x", "--mass", "600", "--volume", "3"], "heavier than the 3075 kg of water that it displaces"),
+        (["new", "x", "--mass", "-1"], "--mass -1 --volume"),
+        (["new", "x", "--volume", "nan"], "both must be above 0"),
+        (["new", "x", "--hs", "-2"], "significant_wave_height"),
+        (["new", "x", "--depth", "300", "--length", "300"], "either the depth of the unit or the --length"),
+        (["new", "x", "--hs", "2", "--like", "s900_driven"], "s900_driven has no sea to change"),
         (["catalogue", "unit", "thesis_124t"], "did you mean thesis_125t?"),
     ],
 )

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from cable_sim_node.winch.parameters import WinchParameters
 
 __all__ = ["CableSim", "CableSimNodeParameters", "PlantError", "VirtualWinch", "WinchParameters"]
-__getattr__ = lazy_face(
+__getattr__, __dir__ = lazy_face(
     __name__,
     {
         "CableSim": "component",

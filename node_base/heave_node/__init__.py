@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from heave_node.run_parameters import RunParameters
 
 __all__ = ["ParameterError", "PointMotion", "RunParameters", "build_parameters", "describe", "group", "parameter"]
-__getattr__ = lazy_face(
+__getattr__, __dir__ = lazy_face(
     __name__,
     {
         "ParameterError": "parameters",

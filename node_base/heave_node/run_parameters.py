@@ -23,6 +23,10 @@ REALTIME = "realtime"
 class RunParameters:
     """What a run is, and how long its nodes wait for one another."""
 
+    title: str = parameter("", unit="", description="Name of the lift, at the head of the report; empty: the scenario.")
+    description: str = parameter(
+        "", unit="", description="What is lifted, where and why, below the title; empty: first line of the scenario."
+    )
     tick_period: float = parameter(0.05, unit="s", minimum=1e-3, maximum=1.0, description="Period of the control loop.")
     duration: float = parameter(600.0, unit="s", minimum=0.0, maximum=1e6, description="Simulated length of the run.")
     transient: float = parameter(

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from wave_vessel_node.parameters import WaveVesselParameters
 
 __all__ = ["WaveVessel", "WaveVesselParameters"]
-__getattr__ = lazy_face(
+__getattr__, __dir__ = lazy_face(
     __name__,
     {
         "WaveVessel": "component",

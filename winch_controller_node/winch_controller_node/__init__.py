@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from winch_controller_node.node_parameters import WinchControllerParameters
 
 __all__ = ["DesignError", "WinchController", "WinchControllerParameters", "design_controller"]
-__getattr__ = lazy_face(
+__getattr__, __dir__ = lazy_face(
     __name__,
     {
         "DesignError": "model.lqr",

@@ -89,7 +89,7 @@ def extremes(record: RunRecord) -> list[Extreme]:
     add("winch acceleration", signals.payout_acceleration, "m/s²")
     if signals.tension.size and signals.payout_rate.size:
         rate = signals.payout_rate
-        add("winch power T v", Signal(rate.time, signals.tension.at(rate) * rate.value), "W")
+        add("winch power", Signal(rate.time, signals.tension.at(rate) * rate.value), "W")
     return found
 
 
@@ -211,23 +211,50 @@ def kpi_frame(records: Sequence[RunRecord], window: float | None = None) -> pand
     return pandas.DataFrame(rows)
 
 
-TABLE_ENDINGS = (".csv", ".parquet")
+TABLE_ENDINGS = (".csv", ".parquet", ".xlsx")
+MOST_ROWS_XLSX = 1_048_575
+"""Rows of a sheet beside its heading."""
 
 
 def save_frame(frame: pandas.DataFrame, path: Path) -> None:
-    """Write a frame as CSV or Parquet, by the ending of `path`.
+    """Write a frame as CSV, Parquet or a spreadsheet, by the ending of `path`.
 
-    Raises BagError for another ending, without pyarrow, or if the file cannot be written.
+    A text that a spreadsheet would take for a formula gets an apostrophe before it. Raises BagError for another ending,
+    without the package that writes it, for a sheet of too many rows, or if the file cannot be written.
     """
     ending = path.suffix.lower()
     if ending not in TABLE_ENDINGS:
         raise BagError(f"{path}: the table's name must end in {' or '.join(TABLE_ENDINGS)}")
+    has_index = frame.index.name is not None
     try:
-        if ending == ".csv":
-            frame.to_csv(path, index=frame.index.name is not None)
-        else:
+        if ending == ".parquet":
             frame.to_parquet(path)
+        elif ending == ".csv":
+            _without_formulas(frame).to_csv(path, index=has_index, float_format="%.9g")
+        else:
+            _save_sheet(_without_formulas(frame), path, has_index=has_index)
     except ImportError as error:
-        raise BagError(f"{path}: writing Parquet needs the package pyarrow: pip install pyarrow") from error
+        package = {".parquet": "pyarrow", ".xlsx": "xlsxwriter"}[ending]
+        raise BagError(f"{path}: writing {ending} needs the package {package}: pip install {package}") from error
     except OSError as error:
         raise BagError(f"{path}: the table cannot be written: {error.strerror or error}") from error
+
+
+def _save_sheet(frame: pandas.DataFrame, path: Path, *, has_index: bool) -> None:
+    if len(frame) > MOST_ROWS_XLSX:
+        raise BagError(f"{path}: {len(frame)} rows do not fit a sheet of {MOST_ROWS_XLSX}: take .csv or .parquet")
+    import pandas  # noqa: PLC0415 - as above
+
+    as_text = {"options": {"strings_to_formulas": False, "strings_to_urls": False}}
+    with pandas.ExcelWriter(path, engine="xlsxwriter", engine_kwargs=as_text) as writer:
+        frame.to_excel(writer, sheet_name="heave", index=has_index, freeze_panes=(1, int(has_index)))
+
+
+def _without_formulas(frame: pandas.DataFrame) -> pandas.DataFrame:
+    """Return a frame in which no text, heading included, begins as a formula of a spreadsheet does."""
+
+    def plain(value: object) -> object:
+        return f"'{value}" if isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r")) else value
+
+    texts = {name: frame[name].map(plain) for name in frame.columns if frame[name].dtype.kind not in "fiubM"}
+    return frame.assign(**texts).rename(columns=plain) if len(frame.columns) else frame

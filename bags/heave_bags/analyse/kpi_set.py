@@ -288,7 +288,7 @@ class KpiDefinition:
     Attributes
     ----------
     key : its name in JSON, which ends in the SI unit
-    title : its name for people
+    title : its name for people, in words alone
     unit : in which a table shows it
     group : under which heading a report shows it
     formula : its value over a window of a run; NaN where it cannot be known
@@ -297,6 +297,7 @@ class KpiDefinition:
     heading : its name in a table of windows; "" keeps it out of there
     is_seldom : people see it only where it is not 0
     needs : what a run must have for it to be known, in words; "": nothing that people could miss
+    symbols : the formula in the symbols of the field, for those who know them; "": the title says it all
     """
 
     key: str
@@ -310,15 +311,13 @@ class KpiDefinition:
     heading: str = ""
     is_seldom: bool = False
     needs: str = ""
-
-    @property
-    def name(self) -> str:
-        """Its name for people who do not know the formulas."""
-        return PLAIN_NAMES.get(self.key, self.title)
+    symbols: str = ""
 
     def text(self, value: float) -> str:
         """Return the value as a table shows it; a dash for one that could not be computed."""
-        return f"{value * self.scale:.{self.digits}f}" if math.isfinite(value) else "-"
+        if not math.isfinite(value):
+            return "-"
+        return f"{round(value * self.scale, self.digits) + 0.0:.{self.digits}f}"  # + 0.0: no sign before a zero
 
     def bound(self, value: float) -> str:
         """Return a bound, the SI `value`, in the unit of the table, no digit lost, with that unit."""
@@ -329,7 +328,7 @@ def _time_at(limit: WinchLimit, key: str, where: str) -> KpiDefinition:
     """Return the share of time at a `limit` that few winches have or reach, by its `key`; `where` that is, in words."""
     return KpiDefinition(
         key,
-        f"{where}, share of time",
+        f"time {where}",
         "%",
         WINCH,
         lambda w: kpi.percent_true(w.at(limit)),
@@ -352,26 +351,17 @@ UNIT, TENSION, WINCH, ENERGY, WEAR, ESTIMATE, TIMING, LANDING, CHANGES, DRIVEN =
 COUNT_OF_EVENTS = {LANDING: "landings", CHANGES: "mode_changes"}
 """Figures that count the events of a group; people see the group only where there are any."""
 
-PLAIN_NAMES = {
-    "unit_efficiency": "unit efficiency",
-    "worst_minute": f"worst {kpi.WORSE_WINDOW:g} s, unit heave over uncompensated",
-    "outlet_efficiency": "outlet efficiency",
-    "significant_residual_m": "significant residual",
-    "outlet_sigma_m": "outlet residual, standard deviation",
-    "rope_safety_factor": "safety factor of the rope",
-    "attachment_safety_factor": "safety factor of the unit's attachment",
-    "tension_ratio_min": "smallest tension over static",
-    "dynamic_amplification": "largest tension over static",
-    "uncompensated_tension_ratio_min": "smallest tension over static, uncompensated",
-    "uncompensated_dynamic_amplification": "largest tension over static, uncompensated",
-    "power_peak_w": "winch power, peak",
-    "power_mean_abs_w": "winch power, mean magnitude",
-}
-"""Names without formulas and symbols, of figures whose titles have any."""
-
 KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition(
-        "unit_sigma_m", "unit heave, standard deviation", "cm", UNIT, lambda w: w.unit_sigma, 100.0, 2, heading="s(z)"
+        "unit_sigma_m",
+        "unit heave, standard deviation",
+        "cm",
+        UNIT,
+        lambda w: w.unit_sigma,
+        100.0,
+        2,
+        heading="s(z)",
+        symbols="s(z)",
     ),
     KpiDefinition(
         "uncompensated_sigma_m",
@@ -382,55 +372,61 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         100.0,
         2,
         heading="s(z_off)",
+        symbols="s(z_off)",
     ),
     KpiDefinition(
         "unit_efficiency",
-        "unit efficiency 1 - s(z)/s(z_off)",
+        "unit efficiency",
         "%",
         UNIT,
         lambda w: w.unit_efficiency,
         100.0,
         2,
         heading="unit eff.",
+        symbols="1 - s(z)/s(z_off)",
     ),
     KpiDefinition(
         "worst_minute",
-        f"worst {kpi.WORSE_WINDOW:g} s, s(z)/s(z_off)",
+        f"worst {kpi.WORSE_WINDOW:g} s, unit heave over uncompensated",
         "",
         UNIT,
         lambda w: w.worst_minute,
         1.0,
         3,
         needs=f"{kpi.WORSE_WINDOW:g} s after the transient",
+        symbols="largest s(z)/s(z_off)",
     ),
     KpiDefinition(
         "baseline_efficiency",
-        "unit efficiency of law industrial, same sea and seed",
+        "unit efficiency of an industrial controller, same sea",
         "%",
         UNIT,
         lambda w: w.baseline_efficiency,
         100.0,
         2,
         heading="baseline",
+        symbols="law industrial",
     ),
     KpiDefinition(
         "outlet_efficiency",
-        "outlet efficiency 1 - s(z0-p)/s(z0)",
+        "outlet efficiency",
         "%",
         UNIT,
         lambda w: w.outlet_efficiency,
         100.0,
         2,
         heading="outlet eff.",
+        symbols="1 - s(z0-p)/s(z0)",
     ),
     KpiDefinition(
         "significant_residual_m",
-        "significant residual 4 s(z)",
+        "significant residual",
         "cm",
         UNIT,
         lambda w: kpi.significant(w.unit_sigma),
         100.0,
         2,
+        symbols="4 s(z)",
     ),
     KpiDefinition(
         "max_abs_heave_m",
@@ -457,7 +453,16 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     KpiDefinition(
         "boom_tip_sigma_m", "boom-tip heave, standard deviation", "cm", UNIT, lambda w: w.boom_tip_sigma, 100.0, 2
     ),
-    KpiDefinition("outlet_sigma_m", "outlet residual s(z0-p)", "cm", UNIT, lambda w: w.outlet_sigma, 100.0, 2),
+    KpiDefinition(
+        "outlet_sigma_m",
+        "outlet residual, standard deviation",
+        "cm",
+        UNIT,
+        lambda w: w.outlet_sigma,
+        100.0,
+        2,
+        symbols="s(z0-p)",
+    ),
     KpiDefinition(
         "kappa",
         "kappa, ratio to the best possible",
@@ -466,6 +471,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         lambda w: kpi.kappa(w.unit_sigma, w.run.sensor_bound, w.run.actuator_bound),
         1.0,
         2,
+        symbols="s(z) / bound",
     ),
     KpiDefinition(
         "tension_min_n",
@@ -493,11 +499,12 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     ),
     KpiDefinition(
         "rope_safety_factor",
-        "safety factor of the rope, breaking force over largest tension",
+        "safety factor of the rope",
         "",
         TENSION,
         lambda w: w.factors.get(ROPE, NOT_KNOWN),
         digits=2,
+        symbols="breaking force / Tmax",
     ),
     KpiDefinition(
         "winch_pull_factor",
@@ -506,18 +513,34 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         TENSION,
         lambda w: w.factors.get(WINCH_PULL, NOT_KNOWN),
         digits=2,
+        symbols="rated pull / Tmax",
     ),
     KpiDefinition(
         "attachment_safety_factor",
-        "safety factor of the unit's attachment, breaking force over largest load",
+        "safety factor of the unit's attachment",
         "",
         TENSION,
         lambda w: w.factors.get(ATTACHMENT, NOT_KNOWN),
         digits=2,
+        symbols="breaking force / largest load",
     ),
-    KpiDefinition("tension_ratio_min", "rT = Tmin/Tstatic", "", TENSION, lambda w: w.tension_ratios[0]),
-    KpiDefinition("dynamic_amplification", "DAF = Tmax/Tstatic", "", TENSION, lambda w: w.tension_ratios[1]),
-    KpiDefinition("slack_percent", "slack, share of time", "%", TENSION, lambda w: w.slack_percent),
+    KpiDefinition(
+        "tension_ratio_min",
+        "smallest tension over static",
+        "",
+        TENSION,
+        lambda w: w.tension_ratios[0],
+        symbols="rT = Tmin/Tstatic",
+    ),
+    KpiDefinition(
+        "dynamic_amplification",
+        "largest tension over static",
+        "",
+        TENSION,
+        lambda w: w.tension_ratios[1],
+        symbols="DAF = Tmax/Tstatic",
+    ),
+    KpiDefinition("slack_percent", "time with a slack cable", "%", TENSION, lambda w: w.slack_percent),
     KpiDefinition("snaps", "snaps", "", TENSION, lambda w: w.snaps(w.tension, w.peak_tension), digits=0, is_count=True),
     KpiDefinition(
         "uncompensated_rope_safety_factor",
@@ -529,17 +552,19 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     ),
     KpiDefinition(
         "uncompensated_tension_ratio_min",
-        "rT, uncompensated",
+        "smallest tension over static, uncompensated",
         "",
         TENSION,
         lambda w: w.uncompensated_tension_ratios[0],
+        symbols="rT",
     ),
     KpiDefinition(
         "uncompensated_dynamic_amplification",
-        "DAF, uncompensated",
+        "largest tension over static, uncompensated",
         "",
         TENSION,
         lambda w: w.uncompensated_tension_ratios[1],
+        symbols="DAF",
     ),
     KpiDefinition(
         "uncompensated_snaps",
@@ -567,14 +592,14 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     ),
     KpiDefinition(
         "time_at_speed_limit_percent",
-        "at the speed limit, share of time",
+        "time at the speed limit",
         "%",
         WINCH,
         lambda w: kpi.percent_true(w.at_speed_limit),
     ),
     KpiDefinition(
         "time_at_acceleration_limit_percent",
-        "at the acceleration limit, share of time",
+        "time at the acceleration limit",
         "%",
         WINCH,
         lambda w: kpi.percent_true(w.at_acceleration_limit),
@@ -586,7 +611,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     _time_at(WinchLimit.FLOW, "time_at_flow_limit_percent", "at the flow limit"),
     KpiDefinition(
         "time_at_limit_percent",
-        "at any winch limit, share of time",
+        "time at any winch limit",
         "%",
         WINCH,
         lambda w: kpi.percent_true(w.at_any_limit),
@@ -594,7 +619,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     ),
     KpiDefinition(
         "compensating_percent",
-        "compensation in force, share of time",
+        "time with compensation active",
         "%",
         WINCH,
         lambda w: kpi.percent_true(w.of(w.run.compensating).value),
@@ -602,14 +627,25 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     ),
     KpiDefinition(
         "time_above_half_rating_percent",
-        "above half of rated speed or power, share of time",
+        "time above half of rated speed or power",
         "%",
         WINCH,
         lambda w: w.loaded_percent,
         digits=1,
     ),
-    KpiDefinition("power_peak_w", "winch power, peak |Tv|", "kW", ENERGY, lambda w: w.power.peak, 1e-3, 2),
-    KpiDefinition("power_mean_abs_w", "winch power, mean |Tv|", "kW", ENERGY, lambda w: w.power.mean_abs, 1e-3, 2),
+    KpiDefinition(
+        "power_peak_w", "winch power, peak", "kW", ENERGY, lambda w: w.power.peak, 1e-3, 2, symbols="max |T v|"
+    ),
+    KpiDefinition(
+        "power_mean_abs_w",
+        "winch power, mean magnitude",
+        "kW",
+        ENERGY,
+        lambda w: w.power.mean_abs,
+        1e-3,
+        2,
+        symbols="mean |T v|",
+    ),
     KpiDefinition("power_rms_w", "winch power, root mean square", "kW", ENERGY, lambda w: w.power.rms, 1e-3, 2),
     KpiDefinition("energy_wh_per_h", "energy, motoring, per hour", "kWh/h", ENERGY, lambda w: w.power.motoring, 1e-3),
     KpiDefinition(
@@ -636,27 +672,30 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     ),
     KpiDefinition(
         "tension_cycles_per_h",
-        "cycles of the top tension (rainflow), per hour",
+        "cycles of the top tension, per hour",
         "1/h",
         WEAR,
         lambda w: w.load_cycles.per_hour,
         digits=0,
+        symbols="rainflow",
     ),
     KpiDefinition(
         "tension_range_equivalent_n",
-        f"damage-equivalent tension range at 1 Hz, m = {DAMAGE_EXPONENT:g}",
+        "damage-equivalent tension range at 1 Hz",
         "kN",
         WEAR,
         lambda w: w.load_cycles.equivalent_range,
         1e-3,
+        symbols=f"S-N slope m = {DAMAGE_EXPONENT:g}",
     ),
     KpiDefinition(
         "nis_in_band_percent",
-        "NIS inside its 95 % band",
+        "time with a consistent estimator",
         "%",
         ESTIMATE,
         lambda w: kpi.percent_true(w.of(w.run.nis_in_band).value),
         digits=1,
+        symbols="NIS inside its 95 % band",
     ),
     KpiDefinition("real_time_factor", "real-time factor", "", TIMING, lambda w: w.run.real_time_factor, digits=1),
     KpiDefinition("loop_age_p50_s", "loop age, p50", "ms", TIMING, lambda w: w.run.loop_age[0], 1e3, 2),
@@ -854,6 +893,16 @@ def evaluate(run: RunSignals, start: float = -math.inf, end: float = math.inf) -
     return {definition.key: definition.formula(window) for definition in KPI_DEFINITIONS}
 
 
+def evaluate_run(run: RunSignals, start: float, end: float) -> dict[str, float]:
+    """Return every KPI of a `run` that is judged from `start` to `end` [s].
+
+    As `evaluate`, but the safety factors are those of the largest load of the whole run, as in the verdict: a part that
+    is overloaded during the transient is overloaded.
+    """
+    whole = {check.strength.key: check.factor for check in run.load_checks()}
+    return {**evaluate(run, start, end), **whole}
+
+
 def to_json(values: Mapping[str, float]) -> dict[str, float | int | None]:
     """Return the KPIs `values` as JSON takes them: counts as whole numbers, None for what is not known."""
     return {
@@ -885,7 +934,11 @@ def shown(columns: Sequence[Mapping[str, float]]) -> list[KpiDefinition]:
 
 
 def table(
-    columns: Mapping[str, Mapping[str, float]], sources: Mapping[str, Mapping[str, str]] = MappingProxyType({})
+    columns: Mapping[str, Mapping[str, float]],
+    sources: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
+    *,
+    keys: Sequence[str] | None = None,
+    notes: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
     """Return KPIs as a text table; rows without any value are left out.
 
@@ -893,13 +946,15 @@ def table(
     ----------
     columns : KPIs of one or several runs, by name
     sources : where the motions of each run come from; a figure that is not made from the truth says so
+    keys : of the figures in the table, in order; None: of all
+    notes : on figures, by key
     """
     rows = [("", "", *columns)]
-    for definition in shown(list(columns.values())):
+    for definition in shown(list(columns.values())) if keys is None else [DEFINITION_OF[key] for key in keys]:
         cells = [definition.text(values.get(definition.key, math.nan)) for values in columns.values()]
         marks = {source_of(definition.key, of_run) for of_run in sources.values()} - {"", SOURCES[-1]}
-        unit = f"{definition.unit}  {', '.join(sorted(marks))}" if marks else definition.unit
-        rows.append((definition.title, unit, *cells))
+        beside = [definition.unit, ", ".join(sorted(marks)), notes.get(definition.key, "")]
+        rows.append((definition.title, "  ".join(text for text in beside if text), *cells))
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = [
         f"{row[0]:<{widths[0]}}  "

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import html
 import json
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 
-from heave_bags.analyse import analysis, kpi_set, run_warnings, run_words
+from heave_bags.analyse import analysis, headline, kpi_set, run_warnings, run_words
 from heave_bags.analyse.report_figures import (
     RUN_COLOURS,
     Figure,
@@ -24,39 +21,11 @@ from heave_bags.analyse.report_figures import (
     without_nan,
 )
 from heave_bags.analyse.run_record import RunRecord
-from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge, required_words
+from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge
 from heave_bags.errors import BagError
 
 MOST_HAPPENINGS = 60
 """Lines of what happened in a run; the bag has them all."""
-TILES = 6
-OF_A_LANDING = ("touchdown_speed_mps", "touchdown_rebound_m", "landing_to_tension_s")
-USUAL = (
-    *("unit_sigma_m", "uncompensated_sigma_m", "unit_efficiency", "rope_safety_factor", "tension_ratio_min"),
-    *("winch_speed_max_mps",),
-    *("time_at_limit_percent", "outlet_efficiency", "power_peak_w", "boom_tip_sigma_m", "tension_max_n"),
-)
-"""Figures that are shown large, the first that are known: those of a landing, and those of any run."""
-OF_A_LAW = ("unit_efficiency", "outlet_efficiency")
-"""Figures that say nothing where the law is off."""
-TILE_NAMES = {
-    "unit_sigma_m": "unit heave, σ",
-    "uncompensated_sigma_m": "uncompensated, σ",
-    "unit_efficiency": "unit efficiency",
-    "rope_safety_factor": "safety factor of the rope",
-    "tension_ratio_min": "smallest over static tension",
-    "winch_speed_max_mps": "largest winch speed",
-    "time_at_limit_percent": "time at winch limits",
-    "boom_tip_sigma_m": "boom-tip heave, σ",
-}
-
-
-@dataclass(frozen=True)
-class Place:
-    """The place of a figure in the page, by its number among all figures."""
-
-    number: int
-    figure: Figure
 
 
 def save_report(records: Sequence[RunRecord], output: Path, verdicts: Sequence[Verdict] = ()) -> None:
@@ -146,11 +115,7 @@ def render_page(title: str, body: str, figures: Sequence[Figure], footer: str) -
 def place_figure(figure: Figure, figures: list[Figure]) -> str:
     """Return the place of a `figure` in a page, as HTML, and add it to the `figures` that the script draws."""
     figures.append(figure)
-    title, caption = html.escape(figure.title), html.escape(figure.caption)
-    return (
-        f'<section class="plot"><h3>{title}</h3><p class="caption">{caption}</p>'
-        f'<div class="figure" id="figure-{len(figures) - 1}" style="min-height:{figure.height}px"></div></section>'
-    )
+    return _template("figure.html").render(figure=figure, number=len(figures) - 1)
 
 
 def page_content(
@@ -168,9 +133,8 @@ def page_content(
     judged = list(verdicts) or [judge(record, record.wanted, moves_winch=record.moves_winch) for record in records]
     values = [record.kpis() for record in records]
 
-    def places(drawn: Sequence[Figure]) -> list[Place]:
-        figures.extend(drawn)
-        return [Place(len(figures) - len(drawn) + number, figure) for number, figure in enumerate(drawn)]
+    def places(drawn: Sequence[Figure]) -> list[str]:
+        return [place_figure(figure, figures) for figure in drawn]
 
     own = [run_figures(record) for record in records]
     is_only = len(records) == 1
@@ -187,6 +151,7 @@ def page_content(
         )
     ]
     for run in runs[1:]:  # what they have in common is said once
+        run["description"] = run["description"] if run["description"] != runs[0]["description"] else ""
         run["facts"] = {name: text for name, text in run["facts"].items() if text != runs[0]["facts"].get(name)}
     return {
         "title": run_words.title(records),
@@ -201,6 +166,7 @@ def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> di
     happenings = run_words.happenings(record)
     return {
         "name": record.name,
+        "description": record.description,
         "facts": run_words.facts(record),
         "remarks": [*record.remarks(), *run_warnings.warnings(record, values)],
         "verdict": [line.strip() for line in verdict.lines()],
@@ -215,34 +181,24 @@ def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> di
     }
 
 
-def _tiles(record: RunRecord, values: Mapping[str, float]) -> list[dict[str, str]]:
-    """Return the figures of a run that are shown large."""
-    keys = [key for key in (*OF_A_LANDING, *USUAL) if math.isfinite(values[key])]
-    if not record.moves_winch:
-        keys = [key for key in keys if key not in OF_A_LAW]
+def _tiles(record: RunRecord, values: Mapping[str, float]) -> list[dict[str, Any]]:
+    """Return the figures of a run that are shown large, with what bounds them and what they are made from."""
     found = []
-    for key in keys[:TILES]:
+    for key in headline.headline(record, values):
         definition = kpi_set.DEFINITION_OF[key]
+        source = kpi_set.source_of(key, record.sources)
+        notes = [headline.note(record, key), source if source != kpi_set.SOURCES[-1] else ""]
         found.append(
             {
-                "name": TILE_NAMES.get(key, definition.title),
+                "name": definition.title,
                 "value": definition.text(values[key]),
                 "unit": definition.unit,
-                "note": _note(record, key),
-                "source": kpi_set.source_of(key, record.sources),
+                "note": "; ".join(text for text in notes if text),
+                "source": source,
+                "is_missed": headline.is_missed(record, key, values[key]),
             }
         )
     return found
-
-
-def _note(record: RunRecord, key: str) -> str:
-    """Return what stands beside a large figure: what was wanted of it, its limit, and what it is made from."""
-    notes = [f"required {required_words(one)}" for one in record.wanted if one.kpi == key]
-    notes += [f"required at least {one.required:.4g}" for one in record.signals.strengths if one.key == key]
-    if key == "winch_speed_max_mps" and math.isfinite(record.signals.speed_limit):
-        notes.append(f"limit {record.signals.speed_limit:g} m/s")
-    source = kpi_set.source_of(key, record.sources)
-    return "; ".join([*notes, *([source] if source not in ("", kpi_set.SOURCES[-1]) else [])])
 
 
 def _groups(columns: Sequence[Mapping[str, float]], sources: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
@@ -253,6 +209,7 @@ def _groups(columns: Sequence[Mapping[str, float]], sources: Sequence[Mapping[st
         rows = [
             {
                 "title": definition.title,
+                "symbols": definition.symbols,
                 "unit": definition.unit,
                 "cells": [
                     {"text": definition.text(column[definition.key]), "source": kpi_set.source_of(definition.key, of)}

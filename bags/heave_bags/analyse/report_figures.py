@@ -28,7 +28,9 @@ UNIT = "#009e73"
 UNCOMPENSATED = "#999999"
 LIMIT = "#d55e00"
 OTHER = "#cc79a7"
+AT_LIMIT = "#8c564b"
 RUN_COLOURS = ("#009e73", "#0072b2", "#e69f00", "#cc79a7", "#56b4e9", "#d55e00", "#8c564b")
+LEVEL_NAMES = {1: "warning", 2: "error"}
 LEVEL_COLOURS = ("#0072b2", "#e69f00", "#d55e00")
 MODE_COLOURS = {
     "off": "#bbbbbb",
@@ -40,6 +42,11 @@ MODE_COLOURS = {
     "stopped": "#d55e00",
     "emergency_stop": "#d55e00",
 }
+
+TRANSIENT = "rgba(136, 136, 136, 0.2)"
+"""The time that no figure counts."""
+MOST_MODES = 12
+"""Modes or limits that a legend names; a bag may bring any number."""
 
 CM, KN = QUANTITIES["m"][1], QUANTITIES["N"][1]
 """Motions [cm] and forces [kN] as people see them, over their SI units."""
@@ -62,6 +69,7 @@ class Figure:
     traces, layout : of plotly
     is_over_time : its x axis is the time of the run
     height : on the page [pixels]
+    legend : names with the colours that mean them, below the caption: of what has no name beside its trace
     """
 
     title: str
@@ -70,6 +78,7 @@ class Figure:
     layout: dict[str, Any] = field(default_factory=dict)
     is_over_time: bool = True
     height: int = 380
+    legend: list[tuple[str, str]] = field(default_factory=list)
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what the page's script draws: hovering says units, and names stand beside what they name."""
@@ -183,7 +192,7 @@ def _level(height: float, name: str, axis: str = "y") -> list[dict[str, Any]]:
             "y0": height,
             "y1": height,
             "line": {"color": LIMIT, "width": 1.2, "dash": "dash"},
-            "label": {"text": name, "textposition": "end", "font": {"size": 10, "color": LIMIT}},
+            "label": {"text": name, "textposition": "start", "font": {"size": 10, "color": LIMIT}},
         }
     ]
 
@@ -202,8 +211,7 @@ def _transient(record: RunRecord) -> list[dict[str, Any]]:
             "yref": "paper",
             "y0": 0,
             "y1": 1,
-            "fillcolor": "#888888",
-            "opacity": 0.14,
+            "fillcolor": TRANSIENT,
             "line": {"width": 0},
             "layer": "below",
         }
@@ -246,15 +254,29 @@ def ribbon_traces(record: RunRecord) -> list[dict[str, Any]]:
     for mode in dict.fromkeys(interval.name for interval in record.modes):
         part = [interval for interval in record.modes if interval.name == mode]
         traces.append(_ribbon(part, "mode", MODE_COLOURS.get(mode, OTHER), mode))
-    for row, colour in (("brake", OTHER), ("limits", PAYOUT)):
+    for row, colour in (("brake", OTHER), ("limits", AT_LIMIT)):
         acted = [interval for interval in record.limits if (interval.name == "brake") == (row == "brake")]
         if acted:
             traces.append(_ribbon(acted, row, colour, row))
-    for level in (1, 2):
+    for level in LEVEL_NAMES:
         alarms = [interval for interval in record.alarms if interval.level == level]
         if alarms:
             traces.append(_ribbon(alarms, "alarms", LEVEL_COLOURS[level], "alarms"))
     return traces
+
+
+def ribbon_legend(record: RunRecord) -> list[tuple[str, str]]:
+    """Return what the colours of the ribbon of the run `record` mean: modes, brake, winch limits, alarms."""
+    modes = list(dict.fromkeys(mode.name for mode in record.modes))[:MOST_MODES]
+    found = [(f"mode {mode.replace('_', ' ')}", MODE_COLOURS.get(mode, OTHER)) for mode in modes]
+    limits = list(dict.fromkeys(limit.name for limit in record.limits if limit.name != "brake"))[:MOST_MODES]
+    found += [("brake on", OTHER)] if any(limit.name == "brake" for limit in record.limits) else []
+    found += [(f"winch at a limit: {', '.join(limits)}", AT_LIMIT)] if limits else []
+    levels = {alarm.level for alarm in record.alarms}
+    found += [
+        (f"alarm, {name}", LEVEL_COLOURS[level]) for level, name in ((1, "warning"), (2, "error")) if level in levels
+    ]
+    return [*found, *([("transient, not counted", TRANSIENT)] if _transient(record) else [])]
 
 
 def motion_figure(record: RunRecord) -> Figure:
@@ -265,8 +287,7 @@ def motion_figure(record: RunRecord) -> Figure:
     figure = Figure(
         "Motion",
         "Heave about the mean: the sum of boom tip and minus payout is what the cable's top does. "
-        "Above: mode, brake, active winch limits and alarms (a pointer over them tells which). Grey: transient, not "
-        "counted.",
+        "Above: mode of the controller, brake, active winch limits and alarms, in the colours below.",
         layout=_time_layout(record, "heave about the mean [cm]"),
         height=480,
     )
@@ -275,6 +296,7 @@ def motion_figure(record: RunRecord) -> Figure:
         line(_about_mean(minus_payout), "minus payout", PAYOUT),
         line(_about_mean(signals.unit_heave), "unit", UNIT, width=1.8),
     ]
+    figure.legend = ribbon_legend(record)
     if ribbon:
         rows = [row for row in ("alarms", "limits", "brake", "mode") if any(trace["y"][0] == row for trace in ribbon)]
         figure.traces += ribbon
@@ -410,6 +432,13 @@ SCALED_FLOOR = 1e-2
 """Share of the boom tip's peak density above which a transmissibility is shown: below, it divides noise by noise."""
 
 
+def _decades(pairs: Sequence[tuple[Spectrum, Spectrum]]) -> float:
+    """Return how many decades the densities that are shown span."""
+    shown = [one.density[(one.omega <= SHOWN_OMEGA) & (one.density > 0.0)] for pair in pairs for one in pair]
+    values = np.concatenate(shown) if shown else np.empty(0)
+    return float(np.log10(values.max() / values.min())) if values.size else 1.0
+
+
 def _spectrum_layout(pairs: Sequence[tuple[Spectrum, Spectrum]]) -> dict[str, Any]:
     """Return the layout for transmissibilities of `pairs` (unit, boom tip), scaled to what is shown and moves much."""
     ratios = [transmissibility(unit, boom_tip, SCALED_FLOOR) for unit, boom_tip in pairs]
@@ -421,6 +450,7 @@ def _spectrum_layout(pairs: Sequence[tuple[Spectrum, Spectrum]]) -> dict[str, An
             "title": {"text": "S(ω) [cm² s/rad]"},
             "type": "log",
             "exponentformat": "power",
+            "dtick": max(1, math.ceil(_decades(pairs) / 5.0)),
             "domain": [0.54, 1.0],
         },
         "yaxis2": {"title": {"text": "transmissibility [-]"}, "domain": [0.0, 0.46], "range": [0.0, reach]},
@@ -441,12 +471,12 @@ def spectrum_figure(record: RunRecord) -> Figure:
     )
     figure.layout["xaxis"]["anchor"] = "y2"
     colours = {"boom tip": BOOM_TIP, "uncompensated": UNCOMPENSATED, "unit": UNIT}
+    labels = {"unit": "compensated"}
     for name, found in spectra.items():
-        figure.traces.append(_density_line(found, name, colours[name]))
+        figure.traces.append(_density_line(found, labels.get(name, name), colours[name]))
     for name in compared:
         ratio = transmissibility(spectra[name], spectra["boom tip"], SCALED_FLOOR)
-        label = "compensated" if name == "unit" else name
-        figure.traces.append(_spectrum_line(ratio, label, colours[name], axis="y2"))
+        figure.traces.append(_spectrum_line(ratio, labels.get(name, name), colours[name], axis="y2"))
     return figure
 
 
@@ -480,7 +510,7 @@ def innovation_figure(record: RunRecord) -> Figure | None:
         band = 2.0 * row.sigma
         edge = {"axis": axis, "dash": "dot", "width": 1.0}
         figure.traces += [
-            line(Signal(row.time, row.value), row.name, colour, axis=axis, width=1.0),
+            line(Signal(row.time, row.value), row.name.replace("_", " "), colour, axis=axis, width=1.0),
             line(Signal(row.time, band), "2 sigma", "#888888", **edge) | {"showlegend": index == 0},
             line(Signal(row.time, -band), "2 sigma", "#888888", **edge) | {"showlegend": False},
         ]

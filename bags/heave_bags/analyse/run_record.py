@@ -82,6 +82,9 @@ ROOM = 16 << 20
 ROOM_PER_BYTE = 64
 """Bytes of messages that an analysis takes: so many, and so many for each byte of the bag. Runs need a tenth of it."""
 
+LONGEST_TEXT = 1000
+"""Letters of a title or description that a bag may bring."""
+
 SHORTEST_WINDOW = 1.0
 """Figures over less than this after the transient would mean nothing [s]."""
 LONGEST_SIMULATION = 1e8
@@ -134,6 +137,7 @@ class RunRecord:
     timings : histograms of durations in wall time by name, real time only: upper edge [ms] -> count
     is_past_transient : the run went on after its transient; False: the figures are of its start-up
     largest_strain : of the cable in the whole run, as the plant told it [-]; NaN: it did not
+    title, description : of the lift, as the scenario states them; "": it does not
     """
 
     name: str
@@ -156,6 +160,8 @@ class RunRecord:
     timings: dict[str, dict[str, int]] = field(default_factory=dict)
     is_past_transient: bool = True
     largest_strain: float = math.nan
+    title: str = ""
+    description: str = ""
 
     @property
     def moves_winch(self) -> bool:
@@ -170,6 +176,8 @@ class RunRecord:
 
     def kpis(self, start: float | None = None, end: float | None = None) -> dict[str, float]:
         """Return every KPI over the evaluation window, or over start..end [s]."""
+        if start is None and end is None:
+            return kpi_set.evaluate_run(self.signals, self.start, self.end)
         return kpi_set.evaluate(self.signals, self.start if start is None else start, self.end if end is None else end)
 
 
@@ -222,6 +230,7 @@ def read_run(
         if found.resets
     ]
     record.wanted, own = _scenario(bag)
+    record.title, record.description = _title(bag)
     known = record.parameters = {**(parameters or {}), **own}
     _fill(record, fields, known)
     if transient is None:
@@ -458,6 +467,18 @@ def _scenario(bag: Bag) -> tuple[tuple[Criterion, ...], dict[str, dict[str, Any]
         for node in ("cable_sim", "wave_vessel", "virtual_winch", "winch_controller"):
             nodes.setdefault(node, {}).update(values_of_node(sections, f"/{node}"))
     return wanted, nodes
+
+
+def _title(bag: Bag) -> tuple[str, str]:
+    """Return title and description of the lift, as the scenario in the bag states them: its first line is one."""
+    content = bag.attachments.get(SCENARIO_ATTACHMENT, b"")
+    first = content[: 4 * LONGEST_TEXT].decode("utf-8", errors="replace").partition("\n")[0]
+    try:
+        shared = parse_sections(content, SCENARIO_ATTACHMENT).get(WILDCARD, {})
+    except (ParameterError, ValueError):
+        shared = {}
+    title, words = (str(shared.get(name) or "").strip()[:LONGEST_TEXT] for name in ("title", "description"))
+    return title, words or (first.lstrip("# ").strip()[:LONGEST_TEXT] if first.startswith("#") else "")
 
 
 def _wanted(sections: Sections, name: str) -> tuple[Criterion, ...]:

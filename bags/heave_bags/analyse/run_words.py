@@ -152,7 +152,9 @@ def differences(records: Sequence[RunRecord]) -> list[Difference]:
     scenarios = tuple(record.run.get("scenario", "") for record in records)
     own = [Difference("scenario", scenarios)] if len(set(scenarios)) > 1 else []
     others = [
-        Difference((short if len(full) > 1 else min(full)).replace("_", " "), values, UNITS.get(short, ""))
+        Difference(
+            (short if len(full) > 1 else min(full)).replace("_", " ").replace(".", " "), values, UNITS.get(short, "")
+        )
         for (short, values), full in found.items()
     ]
     return own + sorted(others, key=lambda one: (one.name != "law", one.name == "seed", one.name))
@@ -182,8 +184,8 @@ def labels(records: Sequence[RunRecord]) -> list[str]:
 
 
 def title(records: Sequence[RunRecord]) -> str:
-    """Return what a report of the runs `records` is about: the scenario and, of several, what differs."""
-    scenarios = list(dict.fromkeys(record.run.get("scenario") or record.name for record in records))
+    """Return what a report of the runs `records` is about: the lift or its scenario and, of several, what differs."""
+    scenarios = list(dict.fromkeys(record.title or record.run.get("scenario") or record.name for record in records))
     if len(records) == 1:
         return scenarios[0]
     found = [one for one in differences(records) if one.name != "scenario"]

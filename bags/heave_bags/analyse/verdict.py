@@ -50,12 +50,13 @@ class Judged:
     def to_json(self) -> dict[str, object]:
         """Return it as plain data."""
         criterion = self.criterion
-        return {"kpi": criterion.kpi, "wanted": criterion.text, "got": self.value, "met": self.is_met}
+        plain = {"kpi": criterion.kpi, "wanted": criterion.text, "got": self.value, "met": self.is_met}
+        return {**plain, "words": str(self)}
 
     def __str__(self) -> str:
         """Return figure, value and bound in the unit of the tables, and whether it is met."""
         definition = DEFINITION_OF.get(self.criterion.kpi)
-        name = definition.name if definition else self.criterion.kpi
+        name = definition.title if definition else self.criterion.kpi
         state = "met" if self.is_met else "MISSED"
         return f"{name[0].upper()}{name[1:]} {self._got} (required {required_words(self.criterion)}): {state}"
 

@@ -34,7 +34,7 @@ from heave_bags.mcap.files import (
 from heave_bags.mcap.loss import MISSING_FILE, Loss
 from heave_bags.mcap.read.decode import LOG_TIME, TIME, BagTopic, ColumnReader, MessageDecoder
 from heave_bags.mcap.read.definitions import definition
-from heave_bags.mcap.read.folder import find_files
+from heave_bags.mcap.read.folder import bag_of, find_files
 from heave_bags.mcap.read.passes import BagPasses, Progress, no_progress
 from heave_bags.mcap.read.scan import FileContents, RawMessage
 from heave_bags.mcap.read.survey import Survey, copies, in_order_of_files, match_listed, survey_file
@@ -48,11 +48,11 @@ __all__ = ["LOG_TIME", "TIME", "Bag", "BagTopic", "Progress", "RawMessage", "no_
 
 
 class Bag:
-    """A bag to read: a rosbag2 folder or a single MCAP file.
+    """A bag to read: a rosbag2 folder, a single MCAP file, or the folder of a run, which holds its bag.
 
     Attributes
     ----------
-    path : the folder or file
+    path : the folder or file of the bag
     losses : what could not be read in the last pass, and what the recorder says it could not write; empty for a sound
         bag
     notes : what else a reader must know, after the last pass
@@ -61,7 +61,7 @@ class Bag:
     """
 
     def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
+        self.path = bag_of(Path(path))
         self._described = read_information(self.path if self.path.is_dir() else self.path.parent)
         self._found = find_files(self.path, listed_files(self._described))
         self.losses: list[Loss] = []

@@ -100,13 +100,14 @@ class Campaign:
                     number += 1
                     yield Case(number, seed, {**chosen, **draw})
 
-    def shortened(self, *, duration: float | None, draws: int | None) -> Campaign:
-        """Return the campaign with another duration, or with only its first draws.
+    def shortened(self, *, duration: float | None, draws: int | None, seeds: int | None = None) -> Campaign:
+        """Return the campaign with another duration, only its first draws, or another number of seeds.
 
         Parameters
         ----------
         duration : of a case [s]; None leaves what the file says
         draws : number of draws; None leaves what the file says
+        seeds : number of seeds, counted from 1; None leaves what the file says
         """
         fewer = self.draws
         if fewer is not None and draws is not None:
@@ -116,6 +117,7 @@ class Campaign:
             duration=self.duration if duration is None else duration,
             duration_source="" if duration is None else f"--duration {duration:g}",
             draws=fewer,
+            seeds=self.seeds if seeds is None else tuple(range(1, seeds + 1)),
         )
 
 

@@ -22,8 +22,8 @@ from heave_bringup.campaign.table import (
     SEED,
     settings_of,
 )
-from heave_bringup.output import make_table
-from heave_bringup.tables.baseline_law import BASELINE_LAW
+from heave_bringup.output import FittedTable, make_table
+from heave_bringup.tables.baseline_law import BASELINE_LAW, LAW
 from heave_bringup.tables.case_table import CASE, FILES, SCENARIO
 
 SHOWN = {
@@ -31,33 +31,39 @@ SHOWN = {
     "uncompensated_sigma_m": "off",
     "unit_efficiency": "effic.",
     BASELINE_EFFICIENCY: "baseline",
+    "rope_safety_factor": "rope",
+    "time_at_limit_percent": "at limit",
+    "winch_speed_max_mps": "speed",
     "max_abs_heave_m": "max",
     "uncompensated_max_abs_heave_m": "off max",
-    "rope_safety_factor": "rope",
+    "tension_max_n": "Tmax",
+    "tension_min_n": "Tmin",
     "dynamic_amplification": "DAF",
     "uncompensated_dynamic_amplification": "DAF off",
-    "tension_min_n": "Tmin",
-    "tension_max_n": "Tmax",
-    "winch_speed_max_mps": "speed",
-    "time_at_limit_percent": "at limit",
 }
-"""Figures of merit in the table for people, with their headings; all of them are in files."""
+"""Figures of merit in the table for people, with their headings, the weightiest first; all of them are in files."""
+ALWAYS = 3
+"""Of these a table has so many however narrow the terminal."""
 
 SUMMARY = {
     "cases": "cases",
     "failed": "cases that could not be run",
     "lost": "cases in which compensation was lost",
     "met": "cases that met all criteria",
+    "snaps": "snaps",
+    "snaps_uncompensated": "snaps, uncompensated",
     "unit_sigma_m_median": "unit heave, standard deviation: median of the cases",
     "unit_sigma_m_p90": "90th percentile",
     "unit_sigma_m_max": "largest",
     "unit_sigma_m_nominal": "nominal",
     "p90_over_nominal": "90th percentile over nominal",
     "worse": "largest over uncompensated",
-    "snaps": "snaps",
-    "snaps_uncompensated": "snaps, uncompensated",
 }
-"""What the summary shows, by its key in JSON."""
+"""What the summary shows, by its key in JSON: counts, then motion, then ratios."""
+MOST_REMARKS = 20
+"""Cases of which the lines below the table say what went wrong."""
+MOST_GROUPS = 8
+"""Values of a parameter that the summary has a column for."""
 
 SELDOM_KNOWN = (BASELINE_EFFICIENCY, "rope_safety_factor")
 """Those that are left out where no case has a value."""
@@ -76,6 +82,7 @@ def to_json(campaign: Campaign, frame: pandas.DataFrame) -> dict[str, object]:
         "scenario": campaign.scenario,
         "cases": [_case_content(row, settings_of(frame)) for row in frame.to_dict("records")],
         "summary": summarise(frame),
+        "summary_by_law": summaries_by_law(frame),
     }
 
 
@@ -121,14 +128,15 @@ def _against_nominal(frame: pandas.DataFrame, p90: float) -> dict[str, float]:
     return {"unit_sigma_m_nominal": nominal, "p90_over_nominal": p90 / nominal}
 
 
-def case_table(frame: pandas.DataFrame) -> Table:
+def case_table(frame: pandas.DataFrame) -> FittedTable:
     """Return a row for each case of a `frame`: unit and uncompensated motion, tension, use of the winch."""
     keys = [key for key in SHOWN if key not in SELDOM_KNOWN or frame[key].notna().any()]
     headings = [f"{SHOWN[key]} {kpi_set.DEFINITION_OF[key].unit}".strip() for key in keys]
     columns = ["no.", "case", *headings, "remark"]
     settings = settings_of(frame)
     rows = [_cells(row, settings, keys) for row in frame.to_dict("records")]
-    return make_table(columns, rows, texts=["case", "remark"])
+    where = "a wider terminal has room for them, --csv FILE has all figures"
+    return FittedTable(columns, rows, ["case", "remark"], headings[ALWAYS:], where)
 
 
 def _cells(row: dict[object, object], settings: list[str], keys: list[str]) -> list[str]:
@@ -140,11 +148,22 @@ def _cells(row: dict[object, object], settings: list[str], keys: list[str]) -> l
     ).label
     head = [str(row[CASE]), label]
     if row[FAILURE]:
-        return [*head, *[""] * len(keys), f"failed: {row[FAILURE]}"]
+        return [*head, *[""] * len(keys), "failed"]
     values = {key: float(row[key]) for key in keys}  # type: ignore[arg-type]
-    remark = f"lost: {row[REASON]}" if row[LOST] else str(row[MISSED])
+    remark = "lost" if row[LOST] else "missed" if row[MISSED] else ""
     cells = [kpi_set.DEFINITION_OF[key].text(value) for key, value in values.items()]
     return [*head, *cells, remark]
+
+
+def remarks(frame: pandas.DataFrame) -> list[str]:
+    """Return the lines below the table of a `frame` that say why cases failed, were lost or missed a criterion."""
+    found = []
+    for row in frame.to_dict("records"):
+        lost = f"lost: {row[REASON]}" if row[LOST] else row[MISSED]
+        text = f"failed: {row[FAILURE]}" if row[FAILURE] else lost
+        found += [f"case {row[CASE]}: {text}"] if text else []
+    more = f"and {len(found) - MOST_REMARKS} cases more, see the columns of --csv FILE"
+    return [*found[:MOST_REMARKS], *([more] if len(found) > MOST_REMARKS else [])]
 
 
 def left_out(frame: pandas.DataFrame) -> list[str]:
@@ -160,16 +179,33 @@ def left_out(frame: pandas.DataFrame) -> list[str]:
 
 
 def summary_table(frame: pandas.DataFrame) -> Table:
-    """Return what the cases of a `frame` come to together, each in the unit of the table of cases."""
-    found = summarise(frame)
-    sigma = kpi_set.DEFINITION_OF["unit_sigma_m"]
+    """Return what the cases of a `frame` come to together, in the units of the table of cases; by law, where it varies.
+
+    A law is not a case of another: figures over several of them together would mean nothing.
+    """
+    groups = summaries_by_law(frame) or {"value": summarise(frame)}
     rows = []
     for key, words in SUMMARY.items():
-        if key in found:
-            is_sigma = key.startswith(sigma.key)
-            shown = sigma.text(found[key]) if is_sigma else f"{found[key]:.3f}".rstrip("0").rstrip(".")
-            rows.append([words, shown, sigma.unit if is_sigma else ""])
-    return make_table(["all cases", "value", "unit"], rows, texts=["unit"])
+        if any(key in found for found in groups.values()):
+            cells = [_summary_text(key, found[key]) if key in found else "-" for found in groups.values()]
+            rows.append([words, *cells, _SIGMA.unit if key.startswith(_SIGMA.key) else ""])
+    return make_table(["all cases", *groups, "unit"], rows, texts=["unit"])
+
+
+_SIGMA = kpi_set.DEFINITION_OF["unit_sigma_m"]
+
+
+def _summary_text(key: str, value: float) -> str:
+    return _SIGMA.text(value) if key.startswith(_SIGMA.key) else f"{value:.3f}".rstrip("0").rstrip(".")
+
+
+def summaries_by_law(frame: pandas.DataFrame) -> dict[str, dict[str, float]]:
+    """Return what the cases of a `frame` under each law come to, by law; empty where the law does not vary."""
+    if LAW not in settings_of(frame):
+        return {}
+    laws = frame[LAW].astype(str)
+    names = list(dict.fromkeys(laws[~frame[NOMINAL]]))
+    return {name: summarise(frame[laws == name]) for name in names} if 1 < len(names) <= MOST_GROUPS else {}
 
 
 def without_scenario(frame: pandas.DataFrame) -> pandas.DataFrame:

@@ -131,7 +131,7 @@ def run_task(task: Task) -> CaseResult:
         signals = run_signals(record, parameters)
         _add_bounds(signals, record, scenario)
         unknown = _add_baseline(signals, task) if task.has_baseline else ""
-        kpis = kpi_set.evaluate(signals, scenario.run.transient, scenario.run.duration)
+        kpis = kpi_set.evaluate_run(signals, scenario.run.transient, scenario.run.duration)
     except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
         return CaseResult(case, failure=_in_a_line(error))
     share = _compensating(record, scenario)

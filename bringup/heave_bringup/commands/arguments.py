@@ -62,6 +62,13 @@ def add_baseline(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_full(parser: argparse.ArgumentParser) -> None:
+    """Let the user of `parser` see every figure of merit."""
+    parser.add_argument(
+        "--full", action="store_true", help="print every figure of merit, not only those that sum the run up"
+    )
+
+
 def add_network(parser: argparse.ArgumentParser, default: object = False) -> None:
     """Let the user of `parser` open the run to other hosts; `default` where he does not."""
     parser.add_argument(

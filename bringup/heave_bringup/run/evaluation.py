@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from heave_bags.analyse import analysis, run_warnings, run_words
+from heave_bags.analyse import analysis, headline, run_warnings, run_words
 from heave_bags.analyse.report import save_report
 from heave_bags.analyse.verdict import Verdict, judge
 from heave_bags.mcap.reader import Bag
@@ -43,13 +43,15 @@ class Evaluation:
 
     Attributes
     ----------
-    table : of the figures of merit
+    headline : the figures of merit that sum the run up, as a table
+    table : of all figures of merit
     figures : the same for a machine
     losses : of compensation, each in words
     warnings : what a reader of the figures must be warned of
     verdict : by the criteria of the scenario and of the command line
     """
 
+    headline: str
     table: str
     figures: dict[str, object]
     losses: list[str]
@@ -90,4 +92,4 @@ def evaluate(
         "warnings": warnings,
         "verdict": verdict.to_json(),
     }
-    return Evaluation(analysis.table(records), figures, losses, warnings, verdict)
+    return Evaluation(headline.table(records), analysis.table(records), figures, losses, warnings, verdict)

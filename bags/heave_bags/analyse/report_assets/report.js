@@ -49,6 +49,7 @@
   }
 
   const WIDE = 640;
+  const PAPER = 1030;  // A4 between its margins at the zoom of the style sheet: 186 mm, 96 dots an inch, 0.68
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
   const config = { responsive: true, displaylogo: false, toImageButtonOptions: { format: "svg" } };
   // Figures over time keep one right-hand edge: that of the longest name beside a trace.
@@ -67,9 +68,9 @@
 
   // What of a layout depends on the light and on the width: in a wide figure names stand beside the traces.
   function dress(div, figure) {
-    const c = colours(), beside = figure.labels.length > 0 && div.clientWidth >= WIDE;
-    const layout = Object.assign({}, figure.layout, {
-      autosize: true, height: figure.height, hovermode: "x", dragmode: "zoom",
+    const c = colours(), beside = figure.labels.length > 0 && (printing || div.clientWidth >= WIDE);
+    const layout = Object.assign({}, figure.layout, printing ? { width: PAPER } : {}, {
+      autosize: !printing, height: figure.height, hovermode: "x", dragmode: "zoom",
       margin: beside ? { l: 70, r: BESIDE, t: 26, b: 45 } : { l: 50, r: 10, t: 26, b: 45 },
       paper_bgcolor: c.page, plot_bgcolor: c.page, font: { size: beside ? 12 : 11, color: c.ink },
       showlegend: !beside, legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0 },
@@ -92,6 +93,7 @@
     const signals = [], traces = [];
     figure.traces.forEach((trace, index) => {
       const drawn = Object.assign({ type: "scatter" }, trace);
+      if (figure.traces.findIndex((other) => other.name === trace.name) < index) drawn.showlegend = false;
       if (Array.isArray(trace.x)) { traces.push(drawn); return; }
       const signal = { index, x: unpack(trace.x), y: unpack(trace.y) };
       signals.push(signal);
@@ -137,7 +139,7 @@
         layout[name] = Object.assign({}, layout[name], { range: now.range, autorange: now.autorange });
       }
     }
-    Plotly.react(div, div.data, layout, buttons(div));
+    Plotly.react(div, div.data, layout, buttons(div)).then(() => { if (!printing) Plotly.Plots.resize(div); });
   });
   dark.addEventListener("change", dressAll);
   let settling = 0;

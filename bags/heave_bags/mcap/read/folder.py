@@ -43,6 +43,16 @@ def is_bag(path: Path) -> bool:
     return (path / METADATA_NAME).is_file() or (path.is_dir() and any(_is_named_so(file) for file in path.iterdir()))
 
 
+BAG_IN_RUN = "bag"
+"""Folder of the bag in the folder of a run."""
+
+
+def bag_of(path: Path) -> Path:
+    """Return the bag that `path` names: itself, or where it is the folder of a run, the bag in that."""
+    inside = path / BAG_IN_RUN
+    return inside if path.is_dir() and not is_bag(path) and is_bag(inside) else path
+
+
 def find_files(path: Path, listed: Sequence[ListedFile]) -> BagFiles:
     """Return the files of the bag `path`, a folder or a file, whose description has `listed` some.
 

@@ -80,14 +80,14 @@ def _add_log_options(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Write the boom-tip motion as CSV, a scenario that believes it, and say how to run, as `options` say."""
+    from heave_bags.mcap.read.folder import bag_of
     from heave_bags.play.sea_import import import_sea, write_sea
     from heave_bags.play.ship_time import time_words
 
-    from heave_bringup.bag_paths import bag_folders
     from heave_bringup.output import write_result
 
     window = Window(options.begin, options.end, options.bridge)
-    (source,) = bag_folders([options.source])
+    source = bag_of(options.source)
     for option in ("output", "scenario"):
         target: Path | None = getattr(options, option)
         if target is not None and target.resolve() == source.resolve():

@@ -17,14 +17,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bags(parser)
     add_baseline(parser)
     parser.add_argument("--window", type=float, metavar="S", help="also print figures for each S seconds of the run")
-    parser.add_argument("--table", type=Path, metavar="FILE", help="write the figures to a .csv or .parquet file")
+    parser.add_argument("--table", type=Path, metavar="FILE", help="write the figures to this .csv, .parquet or .xlsx")
 
 
 def execute(options: argparse.Namespace) -> None:
     """Print the figures of one bag, or of several side by side, and of windows over time, as `options` say."""
     from heave_bags.analyse import analysis, run_warnings
+    from heave_bags.mcap.read.folder import bag_of
 
-    from heave_bringup.bag_paths import bag_folders
     from heave_bringup.output import check_output, write_result
     from heave_bringup.run.records import read_records
 
@@ -32,7 +32,7 @@ def execute(options: argparse.Namespace) -> None:
     if options.window is not None and not 0.0 < options.window < math.inf:
         raise ParameterError(f"--window {options.window:g}: must be a number above 0 [s]")
     records = read_records(
-        bag_folders(options.bags),
+        [bag_of(bag) for bag in options.bags],
         scenario=options.scenario,
         transient=options.transient,
         has_baseline=options.baseline,

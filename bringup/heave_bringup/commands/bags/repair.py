@@ -19,13 +19,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Save or index, and name the loss, as `options` say."""
+    from heave_bags.mcap.read.folder import bag_of
     from heave_bags.mcap.repair import reindex, repair
 
-    from heave_bringup.bag_paths import bag_folders
     from heave_bringup.output import write_result
     from heave_bringup.progress import ProgressLine
 
-    (source,) = bag_folders([options.bag])
+    source = bag_of(options.bag)
     if options.reindex:
         bag = reindex(source)
         losses = [str(loss) for loss in bag.losses]

@@ -24,9 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Play, or have an adviser answer again, as `options` say."""
-    from heave_bringup.bag_paths import bag_folders
+    from heave_bags.mcap.read.folder import bag_of
 
-    (bag,) = bag_folders([options.bag])
+    bag = bag_of(options.bag)
     if options.adviser:
         _advise_again(bag, options)
     else:

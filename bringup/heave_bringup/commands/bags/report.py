@@ -1,52 +1,102 @@
-"""`heave report`: the HTML report of bags."""
+"""`heave report`: the HTML report of bags, and on request its PDF or a picture of its head."""
 
 from __future__ import annotations
 
 import argparse
+import os
+from collections.abc import Sequence
 from pathlib import Path
 
-from heave_bringup.commands.arguments import add_bags, add_baseline
+from heave_node.parameters import ParameterError
+
+from heave_bringup.commands.arguments import add_bags, add_baseline, add_full
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import VerdictError
+
+REPORT = "report.html"
+"""Name of the report of one run, in the folder of the run."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_bags(parser)
     add_baseline(parser)
-    parser.add_argument("--output", type=Path, metavar="FILE", help="default: report.html beside the first bag")
+    add_full(parser)
+    parser.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE.html",
+        help=f"default: {REPORT} beside the bag; of several bags comparison-NNN.html above their runs",
+    )
+    parser.add_argument(
+        "--pdf", action="store_true", help="also as PDF (A4), beside the HTML file; needs Chromium, Chrome or Edge"
+    )
+    parser.add_argument("--picture", type=Path, metavar="FILE.png", help="also the head of the page as a picture")
 
 
 def execute(options: argparse.Namespace) -> None:
     """Write the report and say where it is, as `options` say."""
-    from heave_bags.analyse import analysis
+    from heave_bags.analyse import analysis, headline
+    from heave_bags.analyse.paper import find_browser, save_pdf, save_picture
     from heave_bags.analyse.report import save_report
     from heave_bags.analyse.verdict import judge
+    from heave_bags.mcap.read.folder import bag_of
 
-    from heave_bringup.bag_paths import bag_folders
-    from heave_bringup.output import write_result
+    from heave_bringup.output import check_output, write_result
     from heave_bringup.run.records import read_records
 
-    bags = bag_folders(options.bags)
-    output = options.output or bags[0].parent / "report.html"
+    bags = [bag_of(bag) for bag in options.bags]
+    check_output("--output", options.output, (".html", ".htm"), makes_folder=True)
+    check_output("--picture", options.picture, (".png",))
+    output = _output(options.output, bags)
+    if options.pdf or options.picture:
+        find_browser()
     records = read_records(bags, scenario=options.scenario, transient=options.transient, has_baseline=options.baseline)
     verdicts = [judge(record, record.wanted, moves_winch=record.moves_winch) for record in records]
     save_report(records, output, verdicts)
+    files = {"report": output.resolve()}
+    if options.pdf:
+        files["pdf"] = output.resolve().with_suffix(".pdf")
+        save_pdf(output, files["pdf"])
+    if options.picture:
+        files["picture"] = options.picture.resolve()
+        save_picture(output, files["picture"])
     told = [f"{record.name}: {line}" for record, one in zip(records, verdicts, strict=True) for line in one.lines()]
-    text = "\n".join([analysis.table(records), "", f"report    {output.resolve()}", "", *told])
+    table = analysis.table(records) if options.full else headline.table(records)
+    places = [f"{name:<9} {path}" for name, path in files.items()]
     runs = [
         {**analysis.to_json(record), "verdict": one.to_json()} for record, one in zip(records, verdicts, strict=True)
     ]
-    write_result(options, text, {"report": str(output.resolve()), "runs": runs})
+    result = {**{name: str(path) for name, path in files.items()}, "runs": runs}
+    write_result(options, "\n".join([table, "", *places, "", *told]), result)
     failures = [f"{record.name}: {one}" for record, of in zip(records, verdicts, strict=True) for one in of.failures]
     if failures:
         raise VerdictError(failures)
 
 
+def _output(given: Path | None, bags: Sequence[Path]) -> Path:
+    """Return the file of the report: the one `given`, or else one that no other report of these `bags` has."""
+    own = [bag.parent / REPORT for bag in bags]
+    if len(bags) == 1:
+        return given or own[0]
+    if given is not None:
+        if given.resolve() in [path.resolve() for path in own]:
+            raise ParameterError(f"--output {given}: is the report of one of the runs; give a comparison another name")
+        return given
+    above = Path(os.path.commonpath([bag.resolve().parent.parent for bag in bags]))
+    number = 1
+    while (path := above / f"comparison-{number:03d}.html").exists():
+        number += 1
+    return path
+
+
 COMMAND = Command(
     name="report",
-    summary="Write the HTML report of one or several bags: one file that opens offline.",
-    examples=("heave report runs/b2_calm_300-001/bag --output report.html",),
+    summary="Write the HTML report of one or several bags: one file that opens offline; on request a PDF too.",
+    examples=(
+        "heave report runs/b2_calm_300-001 --pdf",
+        "heave report runs/b2_calm_300-001 runs/b2_calm_300-002 --output compared.html",
+    ),
     add_arguments=add_arguments,
     execute=execute,
 )

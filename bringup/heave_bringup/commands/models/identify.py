@@ -62,11 +62,10 @@ def _from_bag(path: Path, drag: str) -> Identification:
     """Identify from the motions in a bag, after its transient, with what the winch paid out."""
     import numpy as np
     from heave_bags.analyse.run_record import read_run
+    from heave_bags.mcap.read.folder import bag_of
     from winch_controller_node.identification.cable import identify
 
-    from heave_bringup.bag_paths import bag_folders
-
-    (folder,) = bag_folders([path])
+    folder = bag_of(path)
     record = read_run(folder)
     unit = record.signals.unit_heave.window(record.start, record.end)
     if unit.size < 2:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import shlex
 import sys
 import threading
 from collections.abc import Sequence
@@ -16,7 +17,7 @@ from heave_node.parameters import ParameterError
 from heave_node.run_parameters import LOCKSTEP, REALTIME, RunParameters
 from heave_node.scenario import WILDCARD
 
-from heave_bringup.commands.arguments import add_baseline, add_namespace, add_network, add_scenario
+from heave_bringup.commands.arguments import add_baseline, add_full, add_namespace, add_network, add_scenario
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError, VerdictError
 from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER
@@ -97,6 +98,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="print only alarms, warnings and errors; --json and the exit status give the result",
     )
+    add_full(parser)
     parser.add_argument("--no-report", action="store_true", help="do not write the HTML report")
     add_baseline(parser)
 
@@ -165,7 +167,9 @@ def execute(options: argparse.Namespace) -> None:
         *_told("compensation was lost:", result.losses),
         *_told("warnings:", result.warnings),
     ]
-    text = "\n".join([result.table, "", *told, *places, "", *result.verdict.lines()])
+    more = f"all figures: heave kpi {shlex.quote(str(folder.path))}"
+    table = result.table if options.full else f"{result.headline}\n{more}"
+    text = "\n".join([table, "", *told, *places, "", *result.verdict.lines()])
     if options.quiet:
         warn(result.warnings)
     write_result(
@@ -248,14 +252,14 @@ def _composed(options: argparse.Namespace) -> Composed | None:
 
 def _substitutes(settings: Sequence[str]) -> dict[str, Path]:
     """Return which bag is played in place of which node, from the command's NODE=BAG texts."""
-    from heave_bringup.bag_paths import bag_folders
+    from heave_bags.mcap.read.folder import bag_of
 
     chosen: dict[str, Path] = {}
     for setting in settings:
         node, _, bag = setting.partition("=")
         if node not in NODE_BY_NAME or not bag:
             raise ParameterError(f"--from-bag {setting}: must be NODE=BAG, NODE one of {', '.join(NODE_BY_NAME)}")
-        (chosen[node],) = bag_folders([Path(bag).resolve()])
+        chosen[node] = bag_of(Path(bag).resolve())
         if not chosen[node].exists():
             raise ParameterError(f"--from-bag {setting}: no such bag: {bag}")
     return chosen

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import math
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from heave_node.catalogue import FROM, KINDS
+from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.command import Command, add_model
 from heave_bringup.errors import CommandError
@@ -15,8 +18,29 @@ from heave_bringup.errors import CommandError
 if TYPE_CHECKING:
     from heave_node.scenario import Sections
 
+    from heave_bringup.scenarios import Scenario
+
 STRENGTHS = {"cable": ("breaking_force", "safety_factor"), "unit": (), "winch": ("rated_pull",)}
 """What another cable or winch does not take over from the model's, whether its entry states it or not."""
+
+
+class Quantity(NamedTuple):
+    """A figure of the lift that the command line takes: its `name` and `unit`, and its help in `words`."""
+
+    name: str
+    unit: str
+    words: str
+
+
+LIFT = {
+    "mass": Quantity("mass", "kg", "of the unit in air; without --volume its volume keeps the density"),
+    "volume": Quantity("volume", "m^3", "that the unit displaces; added mass and drag area keep its shape"),
+    "hs": Quantity("Hs", "m", "significant wave height"),
+    "tp": Quantity("Tp", "s", "peak period"),
+    "length": Quantity("length", "m", "deployed length of the cable"),
+    "depth": Quantity("depth", "m", "depth of the unit: the length of the cable less the height of the boom tip"),
+}
+SEA = {"hs": "system.sea.significant_wave_height", "tp": "system.sea.peak_period"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,7 +49,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_model(parser, "begin with the values of this one")
     for kind in KINDS:
         parser.add_argument(f"--{kind}", metavar="NAME", help=f"a {kind} of the catalogue (heave catalogue {kind})")
-    parser.add_argument("--length", metavar="M", type=float, help="deployed length of the cable")
+    for name, of in LIFT.items():
+        parser.add_argument(f"--{name}", metavar=of.unit.upper(), type=float, help=of.words)
+    parser.add_argument("--title", metavar="TEXT", help="name of the lift, at the head of its reports")
     parser.add_argument("--force", action="store_true", help="write over a file that is there")
 
 
@@ -40,14 +66,27 @@ def execute(options: argparse.Namespace) -> None:
     if path.exists() and not options.force:
         raise CommandError(f"{path}: is there already; --force writes over it")
     model = find_scenario(options.like)
-    load_scenario(options.like, needs_files=False)  # what is wrong with it is said of it, not of what is made of it
-    sections = _changed(sections_for(model, path.parent), options)
-    title = f"{path.stem}: made from {description_of(model).rstrip('.') or model.stem}"
+    known = load_scenario(options.like, needs_files=False)  # what is wrong with it is said of it, not of what follows
+    sections = _with_lift(_changed(sections_for(model, path.parent), options), options, known)
+    changed = _changes(options)
+    origin = f"{model.stem}, {changed}" if changed else description_of(model).rstrip(".") or model.stem
+    title = f"{path.stem}: made from {origin}"
     text = commented_scenario(sections, title=title, path=str(path))
     write_scenario(path, text, needs_files=False)
     how = f"run it: heave run {shlex.quote(str(path))}"
-    words = f"{path}: {sum(map(len, sections.values()))} values, each with its meaning\n{how}"
+    plant = load_scenario(str(path), needs_files=False).parameters["cable_sim"]
+    submerged = plant.unit.mass - plant.water_density * plant.unit.volume
+    unit = f"unit: {plant.unit.mass:g} kg in air, {submerged:.4g} kg submerged; cable: {plant.length:g} m"
+    words = f"{path}: {sum(map(len, sections.values()))} values, each with its meaning\n{unit}\n{how}"
     write_result(options, words, {"file": str(path.resolve()), "like": model.stem})
+
+
+def _changes(options: argparse.Namespace) -> str:
+    """Return in words what the user has named; "" where nothing."""
+    parts = [f"{kind} {getattr(options, kind)}" for kind in KINDS if getattr(options, kind) is not None]
+    values = ((name, of, getattr(options, name)) for name, of in LIFT.items())
+    parts += [f"{of.name} {value:g} {of.unit}" for _, of, value in values if value is not None]
+    return f"with {', '.join(parts)}" if parts else ""
 
 
 def _changed(sections: Sections, options: argparse.Namespace) -> Sections:
@@ -65,8 +104,6 @@ def _changed(sections: Sections, options: argparse.Namespace) -> Sections:
             kept = {key: value for key, value in shared.items() if key not in replaced}
             has_more = any(key.startswith(f"system.{kind}.") for key in kept)
             shared = {f"system.{kind}.{FROM}" if has_more else f"system.{kind}": entry.name, **kept}
-    if options.length is not None:
-        shared["system.length"] = options.length
     ordered = dict(
         sorted(shared.items(), key=lambda item: item[0].startswith("system."))
     )  # a sort keeps the order else
@@ -74,11 +111,85 @@ def _changed(sections: Sections, options: argparse.Namespace) -> Sections:
     return {**first, **{name: values for name, values in sections.items() if name != WILDCARD}}
 
 
+def _with_lift(sections: Sections, options: argparse.Namespace, model: Scenario) -> Sections:
+    """Return `sections` with the lift that the user states: unit, sea, length and title, the rest from the `model`."""
+    from heave_node.scenario import WILDCARD
+
+    found: dict[str, object] = {name: getattr(options, short) for short, name in SEA.items()}
+    found |= _unit(options, model) | {"system.length": _length(options, model)}
+    found = {name: value for name, value in found.items() if value is not None}
+    if not found and not options.title:
+        return sections
+    _refuse_hidden(found, sections, options.like)
+    if (options.hs, options.tp) != (None, None) and model.parameters["wave_vessel"].boom_tip_source != "spectrum":
+        raise ParameterError(f"--hs, --tp: {options.like} has no sea to change; --like another scenario")
+    shared = dict(sections.get(WILDCARD, {}))
+    if any(name.startswith("system.unit.") for name in found):
+        shared = {name: value for name, value in shared.items() if not name.startswith("system.unit.attachment_")}
+        if "system.unit" in shared:
+            shared[f"system.unit.{FROM}"] = shared.pop("system.unit")
+    head = {"title": options.title} if options.title else {}
+    others = {name: values for name, values in sections.items() if name != WILDCARD}
+    return {WILDCARD: {**head, **shared, **found}, **others}
+
+
+def _unit(options: argparse.Namespace, model: Scenario) -> dict[str, object]:
+    """Return the values of a unit of the stated mass and volume, of the shape of the one that the file begins with.
+
+    Of one shape, added mass grows as the volume V, drag area as V^(2/3).
+    """
+    from heave_node.catalogue import find
+
+    if options.mass is None and options.volume is None:
+        return {}
+    unit = model.parameters["cable_sim"].unit
+    own: Mapping[str, Any] = find("unit", options.unit, "--unit").values if options.unit else {}
+    mass, volume = own.get("mass", unit.mass), own.get("volume", unit.volume)
+    new = options.volume if options.volume is not None else volume * options.mass / mass
+    heavy = options.mass if options.mass is not None else mass
+    ratio, density = new / volume if volume > 0.0 else 1.0, model.parameters["cable_sim"].water_density
+    if not 0.0 < new < math.inf or not density * new < heavy < math.inf:
+        raise ParameterError(
+            f"--mass {heavy:g} --volume {new:g}: both must be above 0, and the unit heavier than the "
+            f"{density * max(new, 0.0):.4g} kg of water that it displaces"
+        )
+    added, areas = own.get("added_mass", unit.added_mass), own.get("drag_area", unit.drag_area)
+    return {
+        "system.unit.mass": heavy,
+        "system.unit.volume": float(f"{new:.6g}"),
+        "system.unit.added_mass": [float(f"{value * ratio:.6g}") for value in added],
+        "system.unit.drag_area": [float(f"{value * ratio ** (2.0 / 3.0):.6g}") for value in areas],
+    }
+
+
+def _length(options: argparse.Namespace, model: Scenario) -> float | None:
+    """Return the length of the cable that the user states, by itself or by the depth of the unit."""
+    if options.depth is None:
+        length: float | None = options.length
+        return length
+    if options.length is not None:
+        raise ParameterError("--depth: give either the depth of the unit or the --length of the cable")
+    return float(options.depth) + float(model.parameters["cable_sim"].boom_tip_height)
+
+
+def _refuse_hidden(found: Mapping[str, object], sections: Sections, like: str) -> None:
+    """Refuse a value that would not reach a node of `sections`, since that states its own."""
+    from heave_node.scenario import WILDCARD
+    from heave_node.system_parameters import own_name
+
+    for section, values in sections.items():
+        node = section.rpartition("/")[2]
+        hidden = [name for name in found if section != WILDCARD and own_name(node, name) in values]
+        if hidden:
+            raise ParameterError(f"{hidden[0]}: {like} states another for {node}; --like another scenario")
+
+
 COMMAND = Command(
     name="new",
     summary="Write a scenario file of your own, with unit and meaning beside each value.",
     examples=(
         "heave new my_lift",
+        "heave new my_lift --mass 6000 --volume 1.2 --depth 2000 --hs 2.2 --tp 9",
         "heave new my_lift --like unit_1500 --cable wire_28mm_6x36 --length 1500",
     ),
     add_arguments=add_arguments,

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
+from collections.abc import Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.arguments import SAME_SEA, add_workers
+from heave_bringup.commands.arguments import SAME_SEA, add_settings, add_workers
 from heave_bringup.commands.command import Command
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+    from heave_bringup.campaign.plan import Campaign
+    from heave_bringup.output import FittedTable
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,8 +25,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "campaign",
         metavar="CAMPAIGN",
-        help="a shipped campaign, or a file (format: heave_bringup/campaign/campaign_file.py)",
+        help="a shipped campaign, or a file (format: heave_bringup/campaign/campaign_file.py); with --vary a scenario",
     )
+    parser.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="NODE.PARAM=V,V,...",
+        help="run the scenario CAMPAIGN with each of these values, without a file; repeated: every combination",
+    )
+    parser.add_argument("--seeds", type=int, metavar="N", help="run each case with N seeds, instead of the file's")
+    add_settings(parser)
     add_workers(parser)
     parser.add_argument(
         "--baseline",
@@ -63,13 +76,12 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bags.analyse.kpi_set import DEFINITION_OF
 
     from heave_bringup.campaign import picture
-    from heave_bringup.campaign.campaign_file import find_campaign, read_campaign
-    from heave_bringup.campaign.report import case_table, left_out, summary_table, to_json, without_scenario
+    from heave_bringup.campaign.report import case_table, left_out, remarks, summary_table, to_json, without_scenario
     from heave_bringup.campaign.sensitivity import check_enough, influence_table, influences, save_tornado
     from heave_bringup.campaign.study import run_study
     from heave_bringup.output import check_output, write_result
 
-    for option, value in (("--processes", options.processes), ("--draws", options.draws)):
+    for option, value in (("--processes", options.processes), ("--draws", options.draws), ("--seeds", options.seeds)):
         if value is not None and value < 1:
             raise ParameterError(f"{option} {value}: must be at least 1")
     if options.kpi not in DEFINITION_OF:
@@ -78,8 +90,7 @@ def execute(options: argparse.Namespace) -> None:
     check_output("--csv", options.csv, (".csv",))
     check_output("--plot", options.plot, picture.ENDINGS)
     check_output("--tornado", options.tornado, picture.ENDINGS)
-    campaign = read_campaign(find_campaign(options.campaign))
-    campaign = campaign.shortened(duration=options.duration, draws=options.draws)
+    campaign = _campaign(options).shortened(duration=options.duration, draws=options.draws, seeds=options.seeds)
     if options.tornado is not None:
         check_enough(campaign)
     frame = run_study(
@@ -93,7 +104,8 @@ def execute(options: argparse.Namespace) -> None:
         without_scenario(frame).to_csv(options.csv, index=False)
     if options.plot is not None:
         picture.save_picture(frame, options.kpi, options.plot)
-    parts: list[str | Table] = [case_table(frame), *left_out(frame), summary_table(frame)]
+    parts: list[str | Table | FittedTable] = [case_table(frame), *_text(remarks(frame)), *left_out(frame)]
+    parts.append(summary_table(frame))
     result = to_json(campaign, frame)
     if options.tornado is not None:
         found = influences(frame, options.kpi)
@@ -103,10 +115,27 @@ def execute(options: argparse.Namespace) -> None:
     write_result(options, parts, result)
 
 
+def _text(lines: Sequence[str]) -> list[str]:
+    return ["\n".join(lines)] if lines else []
+
+
+def _campaign(options: argparse.Namespace) -> Campaign:
+    """Return the campaign that `options` name, or that they are themselves."""
+    from heave_bringup.campaign.campaign_file import find_campaign, read_campaign
+    from heave_bringup.campaign.command_line import campaign_of, with_settings
+
+    if options.vary:
+        campaign = campaign_of(options.campaign, options.vary)
+    else:
+        campaign = read_campaign(find_campaign(options.campaign))
+    return replace(campaign, common=with_settings(campaign, options.set))
+
+
 COMMAND = Command(
     name="campaign",
     summary="Run many cases of a scenario (seeds, a grid, random draws) without ROS, and print a table.",
     examples=(
+        "heave campaign b2_calm_300 --vary winch_controller.law=off,lqg,mpc --seeds 3",
         "heave campaign b9_model_error --json result.json",
         "heave campaign b9_model_error --output b9.parquet --plot b9.svg",
         "heave campaign b3_robustness --no-baseline --output b3.parquet --tornado b3.svg",

@@ -49,10 +49,11 @@ def execute(options: argparse.Namespace) -> None:
             raise ParameterError("--transient: is for bags: the cases of a table have had theirs left out")
         found = extremes_of_table(options.source, duration)
     else:
-        from heave_bringup.bag_paths import bag_folders
+        from heave_bags.mcap.read.folder import bag_of
+
         from heave_bringup.run.records import read_records
 
-        (record,) = read_records(bag_folders([options.source]), scenario=None, transient=options.transient)
+        (record,) = read_records([bag_of(options.source)], scenario=None, transient=options.transient)
         found = [(f"{record.name}, {(record.end - record.start) / 60.0:.3g} min", expected_of_run(record, duration))]
     parts: list[str | Table] = []
     for name, expected in found:

@@ -1,0 +1,94 @@
+"""`heave export`: the signals of a bag on one time base, as CSV, Parquet or a spreadsheet."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from importlib.util import find_spec
+from pathlib import Path
+
+from heave_node.parameters import ParameterError
+
+from heave_bringup.commands.command import Command
+from heave_bringup.errors import CommandError
+
+ENDINGS = (".csv", ".parquet", ".xlsx")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments to `parser`."""
+    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder, or the folder of a run")
+    for ending in ENDINGS:
+        words = "; needs the package xlsxwriter" if ending == ".xlsx" else ""
+        parser.add_argument(
+            f"--{ending[1:]}", type=Path, metavar=f"FILE{ending}", help=f"write the table to this file{words}"
+        )
+    parser.add_argument(
+        "--topics",
+        nargs="+",
+        default=[],
+        metavar="TOPIC",
+        help="every number of these topics (winch/state), instead of the signals of the run: heave of boom tip, unit "
+        "and uncompensated unit, payout, tension, mode",
+    )
+    parser.add_argument(
+        "--period", type=float, metavar="S", help="of the rows; default: the shortest that a signal was recorded with"
+    )
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Write the tables that `options` name, and say what is in them."""
+    from heave_bags.analyse import time_base
+    from heave_bags.analyse.analysis import save_frame
+    from heave_bags.analyse.run_record import read_run
+    from heave_bags.mcap.loss import remarks
+    from heave_bags.mcap.reader import Bag
+
+    from heave_bringup.output import check_output, warn, write_result
+    from heave_bringup.progress import ProgressLine
+
+    files = {ending: getattr(options, ending[1:]) for ending in ENDINGS}
+    for ending, file in files.items():
+        check_output(f"--{ending[1:]}", file, (ending,))
+    paths = [file for file in files.values() if file is not None]
+    if not paths:
+        raise ParameterError("nothing to write: give --csv FILE.csv, --parquet FILE.parquet or --xlsx FILE.xlsx")
+    if options.xlsx is not None and find_spec("xlsxwriter") is None:
+        raise CommandError(f"--xlsx {options.xlsx}: needs the package xlsxwriter: pip install xlsxwriter")
+    if options.period is not None and not time_base.SHORTEST_PERIOD <= options.period < math.inf:
+        raise ParameterError(f"--period {options.period:g}: must be at least {time_base.SHORTEST_PERIOD:g} [s]")
+    with ProgressLine() as progress:
+        if options.topics:
+            bag = Bag(options.bag)
+            samples = time_base.topic_samples(bag, options.topics, lambda share: progress.show("reading", share))
+            lost = remarks(bag.notes, bag.losses)
+        else:
+            record = read_run(options.bag, progress=lambda share: progress.show("reading", share))
+            samples, lost = time_base.run_samples(record), record.remarks()
+        frame = time_base.on_one_time_base(samples, options.period)
+        progress.show("writing")
+        for path in paths:
+            save_frame(frame, path)
+    warn(lost)
+    step = float(frame.index[1] - frame.index[0]) if len(frame) > 1 else 0.0
+    span = f"{len(frame)} rows every {step:.6g} s, from {frame.index[0]:.6g} s to {frame.index[-1]:.6g} s"
+    lines = [f"{path.resolve()}: {span}" for path in paths]
+    told = {
+        "files": [str(path.resolve()) for path in paths],
+        "rows": len(frame),
+        "columns": list(frame.columns),
+        "remarks": lost,
+    }
+    write_result(options, "\n".join([*lines, *(f"  {name}" for name in frame.columns)]), told)
+
+
+COMMAND = Command(
+    name="export",
+    summary="Write the signals of a bag on one time base, as CSV, Parquet or a spreadsheet.",
+    examples=(
+        "heave export runs/b2_calm_300-001 --csv b2.csv",
+        "heave export runs/b2_calm_300-001 --topics winch/state winch/load_cell --period 0.1 --parquet winch.parquet",
+    ),
+    add_arguments=add_arguments,
+    execute=execute,
+)

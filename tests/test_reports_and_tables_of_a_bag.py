@@ -1,0 +1,113 @@
+"""What `heave report`, `kpi` and `export` write of bags, and that none of it takes the place of something else."""
+
+import json
+import sys
+from pathlib import Path
+
+import pandas
+import pytest
+from heave_bags import Bag
+from heave_bags.analyse import kpi_set
+from heave_bringup.cli import main
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "bags" / "test"))
+
+from made_up_run import MadeUpRun, write_run
+
+from tests import browser
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """Return a folder with the folders of two runs, each with its bag and its report."""
+    folder = tmp_path_factory.mktemp("runs")
+    for name, unit in (("one", 0.05), ("two", 0.2)):
+        write_run(folder / name / "bag", MadeUpRun(unit=unit))
+        (folder / name / "report.html").write_text(f"the report of run {name}")
+    return folder
+
+
+def test_a_bag_is_found_in_the_folder_of_its_run(runs):
+    assert Bag(runs / "one").path == runs / "one" / "bag"
+    assert Bag(runs / "one" / "bag").message_count == Bag(runs / "one").message_count > 0
+
+
+def test_a_comparison_leaves_the_reports_of_its_runs_as_they_are(runs, capsys):
+    for number in (1, 2):
+        assert main(["report", str(runs / "one"), str(runs / "two"), "--json", "-"]) == 0
+        written = Path(json.loads(capsys.readouterr().out)["report"])
+        assert written == runs / f"comparison-{number:03d}.html"
+        assert "unit heave of all runs" in written.read_text().lower()
+    for name in ("one", "two"):
+        assert (runs / name / "report.html").read_text() == f"the report of run {name}"
+    output = str(runs / "two" / "report.html")
+    assert main(["report", str(runs / "one"), str(runs / "two" / "bag"), "--output", output]) == 2
+    assert "is the report of one of the runs" in capsys.readouterr().err
+
+
+def test_a_summary_is_eight_figures_at_most_and_full_has_all(runs, capsys):
+    titles = [definition.title for definition in kpi_set.KPI_DEFINITIONS]
+
+    def shown(*options: str) -> list[str]:
+        assert main(["report", str(runs / "one"), "--output", str(runs / "x.html"), *options]) == 0
+        lines = capsys.readouterr().out.splitlines()
+        return [title for title in titles if any(line.startswith(f"{title}  ") for line in lines)]
+
+    few, all_ = shown(), shown("--full")
+    assert 6 <= len(few) <= 8
+    assert few[:3] == [
+        "unit heave, standard deviation",
+        "uncompensated unit heave, standard deviation",
+        "unit efficiency",
+    ]
+    assert set(few) < set(all_)
+    assert len(all_) > 40
+
+
+def test_a_pdf_without_a_browser_is_refused_in_a_line_before_any_work(runs, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("heave_bags.analyse.paper.PLACES", ())
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert main(["report", str(runs / "one"), "--output", str(tmp_path / "x.html"), "--pdf"]) != 0
+    said = capsys.readouterr().err
+    assert "no Chromium, Chrome or Edge is installed here" in said
+    assert said.count("\n") == 1
+    assert not (tmp_path / "x.html").exists()
+
+
+@browser.NEEDED
+def test_a_report_brings_its_pdf_with_it(runs, tmp_path, capsys):
+    assert main(["report", str(runs / "one"), "--output", str(tmp_path / "x.html"), "--pdf", "--json", "-"]) == 0
+    pdf = Path(json.loads(capsys.readouterr().out)["pdf"])
+    assert pdf == tmp_path / "x.pdf"
+    assert pdf.read_bytes().startswith(b"%PDF-")
+
+
+def test_an_export_is_one_table_of_signals_in_each_form(runs, tmp_path, capsys):
+    files = ["--csv", str(tmp_path / "x.csv"), "--parquet", str(tmp_path / "x.parquet")]
+    assert main(["export", str(runs / "one"), *files, "--period", "0.1", "--json", "-"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    text, table = pandas.read_csv(tmp_path / "x.csv"), pandas.read_parquet(tmp_path / "x.parquet")
+    assert len(text) == len(table) == result["rows"]
+    assert [*result["columns"]] == list(table.columns) == list(text.columns[1:])
+    assert text["payout_m"].to_numpy() == pytest.approx(table["payout_m"].to_numpy(), rel=1e-8, nan_ok=True)
+    assert main(["export", str(runs / "one"), "--topics", "winch/state", "--csv", str(tmp_path / "w.csv")]) == 0
+    assert "winch/state.payout_rate" in pandas.read_csv(tmp_path / "w.csv").columns
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "words"),
+    [
+        ([], 2, "nothing to write: give --csv FILE.csv"),
+        (["--csv", "x.txt"], 2, "--csv x.txt: must end in .csv"),
+        (["--csv", "no/x.csv"], 2, "there is no folder no"),
+        (["--csv", "x.csv", "--period", "0"], 2, "--period 0: must be at least 0.0001 [s]"),
+        (["--csv", "x.csv", "--period", "nan"], 2, "--period nan: must be"),
+        (["--csv", "x.csv", "--topics", "winch/stat"], 1, "no topic winch/stat; it has"),
+    ],
+)
+def test_a_wrong_export_is_one_line_and_no_file(runs, tmp_path, monkeypatch, capsys, arguments, status, words):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", str(runs / "one"), *arguments]) == status
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert words in said
+    assert list(tmp_path.iterdir()) == []
