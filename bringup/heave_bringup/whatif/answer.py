@@ -12,8 +12,8 @@ from heave_node.kpi import efficiency, significant
 from heave_node.numerics.arrays import Array
 from winch_controller_node.supervision.modes import Mode
 
-from heave_bringup.whatif.disturbance import Disturbance
-from heave_bringup.whatif.replay import Replayed
+from heave_bringup.whatif.signals.disturbance import Disturbance
+from heave_bringup.whatif.twin.replay import Replayed
 
 LOST = (Mode.FADE_OUT.value, Mode.STOPPING.value, Mode.STOPPED.value, Mode.EMERGENCY_STOP.value)
 """Modes of a loop that has given up compensation."""

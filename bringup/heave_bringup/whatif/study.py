@@ -14,16 +14,25 @@ from winch_controller_node.beliefs.corrections import Correction, corrections
 from winch_controller_node.beliefs.quantities import DEPTH_SCALE, ENCODER_SCALE
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-from heave_bringup.whatif.again import Again, observed_again
 from heave_bringup.whatif.answer import MODEL_LEAST, MODEL_MOST, Figures, figures, with_bands
-from heave_bringup.whatif.cable import DAMPING, DELAY, INERTIA, PRIOR, SCALE, CableFit, CableLikelihood, fit_cable
-from heave_bringup.whatif.disturbance import Disturbance, disturbance
-from heave_bringup.whatif.plant import PlantFactors, driven, nominal_line, scaled_line
-from heave_bringup.whatif.record import SensorRecord
-from heave_bringup.whatif.refine import refine
-from heave_bringup.whatif.replay import Asked, Past, Replayed, locked, replay
-from heave_bringup.whatif.tip import HighPass, smoothed_tip
-from heave_bringup.whatif.winch import PastWinch, past_winch, tension_at_ticks, winch_under
+from heave_bringup.whatif.identify.cable import (
+    DAMPING,
+    DELAY,
+    INERTIA,
+    PRIOR,
+    SCALE,
+    CableFit,
+    CableLikelihood,
+    fit_cable,
+)
+from heave_bringup.whatif.identify.refine import refine
+from heave_bringup.whatif.signals.disturbance import Disturbance, disturbance
+from heave_bringup.whatif.signals.record import SensorRecord
+from heave_bringup.whatif.signals.tip import HighPass, smoothed_tip
+from heave_bringup.whatif.twin.again import Again, observed_again
+from heave_bringup.whatif.twin.plant import PlantFactors, driven, nominal_line, scaled_line
+from heave_bringup.whatif.twin.replay import Asked, Past, Replayed, locked, replay
+from heave_bringup.whatif.twin.winch import PastWinch, past_winch, tension_at_ticks, winch_under
 
 STIFFNESS_PRIOR = 0.1
 """Standard deviation of the logarithm of a factor on EA at the same a: by the load cell."""
@@ -262,3 +271,32 @@ def _show_some(show: Show, words: str, done: int, of: int) -> None:
     """Show how far the work is, not at every tick."""
     if done % 200 == 0 or done == of:
         show(words, done / max(of, 1))
+
+
+def recorded(known: Known) -> Figures:
+    """Return the figures of the record itself."""
+    past, record = known.past, known.past.record
+    done = replace(
+        known.off,
+        payout=past.winch.payout,
+        rate=past.winch.rate,
+        unit=past.plant.unit,
+        tension=past.plant.tension,
+        limits_hit=record.limits_hit,
+    )
+    return _figures(known, done)
+
+
+def same_again(known: Known, *, show: Show = quiet) -> tuple[float, float]:
+    """Return the error of payout of the same law again, standard deviation and largest [m], in the window.
+
+    Orders that are those of the record give its readings, and its payout, to the last bit.
+    """
+    record = known.past.record
+    if known.again.is_same:
+        return 0.0, 0.0
+    words, ticks = "the same law again, closed", record.ticks
+    asked = Asked(words, known.nominal, None, record.has_adviser)
+    done = replay(known.past, asked, on_tick=lambda tick: _show_some(show, words, tick, ticks))
+    error = (done.payout - known.past.winch.payout)[known.window]
+    return float(np.std(error)), float(np.abs(error).max())

@@ -19,11 +19,11 @@ from winch_controller_node.adviser.judge import HIGH_PASS, HIGH_PASSES, PRICES
 from winch_controller_node.beliefs.corrections import Correction
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-from heave_bringup.whatif.plant import PlantFactors, nominal_line, scaled_line
-from heave_bringup.whatif.record import SensorRecord
-from heave_bringup.whatif.spectra import Speeds, noise_power, tapered_transform, unit_over_top
-from heave_bringup.whatif.tip import HighPass, smooth_spectrum
-from heave_bringup.whatif.winch import PastWinch
+from heave_bringup.whatif.signals.record import SensorRecord
+from heave_bringup.whatif.signals.spectra import Speeds, noise_power, tapered_transform, unit_over_top
+from heave_bringup.whatif.signals.tip import HighPass, smooth_spectrum
+from heave_bringup.whatif.twin.plant import PlantFactors, nominal_line, scaled_line
+from heave_bringup.whatif.twin.winch import PastWinch
 
 INERTIA, DAMPING, SCALE, DELAY = "cable.inertia_factor", "cable.damping_factor", "mru.scale", "mru.delay"
 

@@ -11,7 +11,7 @@ from heave_node.numerics.arrays import Array
 from winch_controller_node.design.design import believed_cable, believed_plant
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-from heave_bringup.whatif.tip import Tip
+from heave_bringup.whatif.signals.tip import Tip
 
 SEGMENTS, SUBSTEPS = 12, 4
 """Elements along the cable, and steps in a tick: 0.4 mm of a motion of 0.6 m (sigma) from a mesh refined threefold."""

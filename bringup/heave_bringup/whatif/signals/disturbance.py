@@ -8,11 +8,14 @@ from typing import NamedTuple
 import numpy as np
 from heave_node.numerics.arrays import Array
 
-from heave_bringup.whatif.record import SensorRecord
-from heave_bringup.whatif.tip import QUIET, smooth_spectrum
+from heave_bringup.whatif.signals.record import SensorRecord
+from heave_bringup.whatif.signals.tip import QUIET, smooth_spectrum, smoothed_count
 
 WAVES = (0.2, 4.0)
 """Angular frequencies of the motion that waves, and the unit on its cable, bring about [rad/s]."""
+
+CHANCE = 1.6
+"""Standard deviations of a smoothed spectrum of noise up to which it is noise."""
 
 LEAST_QUIET = 20
 """Fewer quiet frequencies than this do not tell the noise; it is then taken from the parameters."""
@@ -61,11 +64,13 @@ def disturbance(record: SensorRecord, unit: Array, depth_scale: float, stated_no
     quiet = power[omega > QUIET]
     told = float(np.median(quiet)) / math.log(2.0) if quiet.size >= LEAST_QUIET else count * stated_noise**2
     smooth = smooth_spectrum(power, omega)
-    kept = np.clip(1.0 - told / np.maximum(smooth, 1e-300), 0.0, 1.0)
+    # what chance alone may raise over the noise is none
+    chance = told * (1.0 + CHANCE / math.sqrt(smoothed_count(omega)))
+    kept = np.where(omega <= WAVES[1], np.clip(1.0 - chance / np.maximum(smooth, 1e-300), 0.0, 1.0), 0.0)
     kept[0] = 0.0
     inside = (omega >= WAVES[0]) & (omega <= WAVES[1])
     motion = np.fft.irfft(kept * transform, count)
-    waves = np.maximum(smooth - told, 0.0)[inside]
+    waves = (kept * smooth)[inside]
     return Disturbance(
         heave=np.interp(record.time, grid, motion),
         waves=math.sqrt(2.0 * float(np.sum(waves)) / count**2),

@@ -13,7 +13,7 @@ import numpy as np
 from heave_node.numerics.arrays import Array, ComplexArray
 from winch_controller_node.beliefs.corrections import Correction
 
-from heave_bringup.whatif.record import SensorRecord, at_ticks
+from heave_bringup.whatif.signals.record import SensorRecord, at_ticks
 
 QUIET = 5.0
 """Angular frequency above which no vessel moves a boom tip: what is read there is noise [rad/s]."""
@@ -100,9 +100,13 @@ def smoothed_tip(record: SensorRecord, correction: Correction, high_pass: HighPa
 
 def smooth_spectrum(power: Array, omega: Array) -> Array:
     """Return a spectrum, `power` at evenly spaced angular frequencies `omega` [rad/s], as its moving mean."""
-    half = max(1, round(2.0 * math.pi * SMOOTHED / (omega[1] - omega[0])))
-    about = np.ones(2 * half + 1)
+    about = np.ones(smoothed_count(omega))
     return np.asarray(np.convolve(power, about, "same") / np.convolve(np.ones_like(power), about, "same"))
+
+
+def smoothed_count(omega: Array) -> int:
+    """Return how many of the angular frequencies `omega` [rad/s] are averaged in a smoothed spectrum."""
+    return 2 * max(1, round(2.0 * math.pi * SMOOTHED / (omega[1] - omega[0]))) + 1
 
 
 def _noise(transform: ComplexArray, omega: Array) -> float:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from heave_node.interface.codes import MruStatus
 from heave_node.numerics.arrays import Array
-from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.interface.readings import Measurements, WinchOrder
 
 
@@ -24,7 +23,7 @@ class SensorRecord:
     orders : that it gave to the winch in each, (n,); None: none is known
     set_points : mean payout that it worked about in each, (n,) [m]; NaN: not known
     modes : of the controller in each, (n,); "": not known
-    beliefs : the answers of the adviser, in their order; `None` in place of them: there was no adviser
+    has_adviser : the controller had one
     """
 
     tick_period: float
@@ -33,7 +32,7 @@ class SensorRecord:
     orders: tuple[WinchOrder | None, ...]
     set_points: Array
     modes: tuple[str, ...]
-    beliefs: tuple[Beliefs, ...] | None = field(default=())
+    has_adviser: bool = True
 
     @property
     def ticks(self) -> int:
@@ -87,7 +86,7 @@ class SensorRecord:
             self.orders[:count],
             self.set_points[:count],
             self.modes[:count],
-            self.beliefs,
+            self.has_adviser,
         )
 
 

@@ -15,12 +15,12 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-from heave_bringup.whatif.cable import BAND, BEGINS, DAMPING, INDEPENDENT, INERTIA, SCALE, CableFit
-from heave_bringup.whatif.plant import PlantFactors, driven, nominal_line, scaled_line
-from heave_bringup.whatif.record import SensorRecord
-from heave_bringup.whatif.spectra import noise_power, tapered_transform
-from heave_bringup.whatif.tip import Tip
-from heave_bringup.whatif.winch import PastWinch
+from heave_bringup.whatif.identify.cable import BAND, BEGINS, DAMPING, INDEPENDENT, INERTIA, SCALE, CableFit
+from heave_bringup.whatif.signals.record import SensorRecord
+from heave_bringup.whatif.signals.spectra import noise_power, tapered_transform
+from heave_bringup.whatif.signals.tip import Tip
+from heave_bringup.whatif.twin.plant import PlantFactors, driven, nominal_line, scaled_line
+from heave_bringup.whatif.twin.winch import PastWinch
 
 FITTED = (INERTIA, DAMPING, SCALE)
 STEPS = np.array([0.003, 0.05, 0.003])

@@ -11,7 +11,7 @@ from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.component import WinchController
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-from heave_bringup.whatif.record import SensorRecord
+from heave_bringup.whatif.signals.record import SensorRecord
 
 REPRODUCED = 1e-9
 """Orders that differ by less are the same [m/s]."""
@@ -53,7 +53,7 @@ def observed_again(
     dt = record.tick_period
     controller = WinchController(parameters, tick_period=dt)
     controller.skip_programme((record.first - 1) * dt)
-    adviser = Adviser(parameters, tick_period=dt) if record.beliefs is not None else None
+    adviser = Adviser(parameters, tick_period=dt) if record.has_adviser else None
     beliefs, parted, mode, was = Beliefs(asked=-1), math.inf, "", ""
     for index, given in enumerate(record.measurements):
         outputs = controller.step(record.first + index, given)

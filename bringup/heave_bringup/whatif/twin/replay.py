@@ -21,10 +21,10 @@ from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements, Outputs, ScalarReading, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-from heave_bringup.whatif.plant import PlantMotion, TwinPlant, driven
-from heave_bringup.whatif.record import SensorRecord
-from heave_bringup.whatif.tip import Tip
-from heave_bringup.whatif.winch import PastWinch, TwinWinch
+from heave_bringup.whatif.signals.record import SensorRecord
+from heave_bringup.whatif.signals.tip import Tip
+from heave_bringup.whatif.twin.plant import PlantMotion, TwinPlant, driven
+from heave_bringup.whatif.twin.winch import PastWinch, TwinWinch
 
 
 @dataclass(frozen=True)

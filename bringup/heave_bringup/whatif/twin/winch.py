@@ -16,7 +16,7 @@ from winch_controller_node.interface.readings import WinchOrder
 from winch_controller_node.model.drum_kernel import NO_POWER_LIMIT
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-from heave_bringup.whatif.record import SensorRecord
+from heave_bringup.whatif.signals.record import SensorRecord
 
 SLOW = 1.0
 """Time over which the encoder's difference from the model of the winch is averaged [s]."""
