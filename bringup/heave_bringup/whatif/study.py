@@ -13,6 +13,7 @@ from winch_controller_node.beliefs.beliefs import Beliefs, parameters_under
 from winch_controller_node.beliefs.corrections import Correction, corrections
 from winch_controller_node.beliefs.quantities import DEPTH_SCALE, ENCODER_SCALE
 from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.whatif.answer import MODEL_LEAST, MODEL_MOST, Figures, figures, with_bands
 from heave_bringup.whatif.identify.cable import (
@@ -33,6 +34,9 @@ from heave_bringup.whatif.twin.again import Again, observed_again
 from heave_bringup.whatif.twin.plant import PlantFactors, driven, nominal_line, scaled_line
 from heave_bringup.whatif.twin.replay import Asked, Past, Replayed, locked, replay
 from heave_bringup.whatif.twin.winch import PastWinch, past_winch, tension_at_ticks, winch_under
+
+OFF = Mode.OFF.value
+"""Law with which the winch is locked."""
 
 STIFFNESS_PRIOR = 0.1
 """Standard deviation of the logarithm of a factor on EA at the same a: by the load cell."""
@@ -230,12 +234,15 @@ def answer(known: Known, asked: Asked, others: Sequence[Known] = (), *, show: Sh
         known.model * float(np.std((known.off.unit - known.past.plant.unit)[known.window])),
     )
     found = with_bands(base, [one for _, one in draws], added=added, model=known.model, uncompensated=(off, spread))
+    if asked.controller.law == OFF:
+        # it is the reference of the efficiency
+        found = replace(found, bands={**found.bands, "unit_efficiency": (0.0, 0.0)})
     lost = [one for _, one in results if math.isfinite(one.lost_at)]
     return Answer(asked, found, done, len(lost) / count, lost[0].cause if lost else "")
 
 
 def _done(known: Known, asked: Asked, on_tick: Callable[[int], None]) -> Replayed:
-    if asked.controller.law == "off":
+    if asked.controller.law == OFF:
         return known.off
     return replay(known.past, asked, on_tick=on_tick)
 

@@ -22,7 +22,7 @@ SMOOTHED = 0.01
 """Half the width over which a spectrum is smoothed [Hz]."""
 
 SLOWEST = 0.12
-"""Angular frequency below which no heave is taken from an MRU: a swell of 52 s [rad/s]."""
+"""Angular frequency below which no heave is taken from an MRU with a high-pass: a swell of 52 s [rad/s]."""
 
 
 class Tip(NamedTuple):
@@ -75,8 +75,7 @@ def smoothed_tip(record: SensorRecord, correction: Correction, high_pass: HighPa
     rates = at_ticks(record, time, rate) / correction.scale if has_rate else np.zeros_like(heaves)
     count, dt = len(heaves), record.tick_period
     padding = min(count // 2, round(60.0 / dt))
-    X = np.fft.rfft(_padded(heaves - heaves.mean(), padding))
-    V = np.fft.rfft(_padded(rates, padding, -1.0))
+    X, V = (np.fft.rfft(one) for one in _padded(heaves - heaves.mean(), rates, padding, dt))
     omega = 2.0 * math.pi * np.fft.rfftfreq(count + 2 * padding, dt)
     response = high_pass.response(omega)
     weight_x = np.abs(response) ** 2 / _noise(X, omega)
@@ -86,7 +85,7 @@ def smoothed_tip(record: SensorRecord, correction: Correction, high_pass: HighPa
     total = np.maximum(weight_x + weight_v, 1e-300)
     both = gain * (weight_x * X + weight_v * by_rate) / total
     signal = np.maximum(smooth_spectrum(np.abs(both) ** 2, omega) - 1.0 / total, 0.0)
-    kept = signal / (signal + 1.0 / total) * _fade(omega)
+    kept = signal / (signal + 1.0 / total) * (_fade(omega) if high_pass.period > 0.0 else 1.0)
     motion = kept * both
     parts = slice(padding, padding + count)
     size = count + 2 * padding
@@ -121,12 +120,16 @@ def _fade(omega: Array) -> Array:
     return np.asarray(share * share * (3.0 - 2.0 * share))
 
 
-def _padded(values: Array, padding: int, sign: float = 1.0) -> Array:
-    """Return `values` with their mirror image at both ends, faded out, so that the ends of a record do not ring.
+def _padded(heave: Array, rate: Array, padding: int, tick_period: float) -> tuple[Array, Array]:
+    """Return a motion and its rate with their mirror image at both ends, faded out: the ends of a record do not ring.
 
-    `sign` is that of the image: a rate turns round in the mirror.
+    A rate turns round in the mirror, and has what the fading itself moves.
     """
-    fade = 0.5 * (1.0 - np.cos(math.pi * np.arange(padding) / max(padding, 1)))
-    before = sign * values[padding:0:-1] * fade
-    after = sign * values[-2 : -padding - 2 : -1] * fade[::-1]
-    return np.concatenate([before, values, after])
+    turn = math.pi * np.arange(padding) / max(padding, 1)
+    fade, slope = 0.5 * (1.0 - np.cos(turn)), 0.5 * math.pi / max(padding, 1) / tick_period * np.sin(turn)
+    first, last = slice(padding, 0, -1), slice(-2, -padding - 2, -1)
+    before = heave[first] * fade, -rate[first] * fade + heave[first] * slope
+    after = heave[last] * fade[::-1], -rate[last] * fade[::-1] - heave[last] * slope[::-1]
+    parts = zip(before, (heave, rate), after, strict=True)
+    padded, of_rate = (np.concatenate(part) for part in parts)
+    return padded, of_rate
