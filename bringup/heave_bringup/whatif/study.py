@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -224,7 +225,8 @@ def answer(known: Known, asked: Asked, others: Sequence[Known] = (), *, show: Sh
     count = 1 + len(others)
     results = []
     for number, one in enumerate((known, *others)):
-        done = _done(one, asked, lambda tick, n=number: _show_some(show, asked.name, n * ticks + tick, count * ticks))
+        on_tick = partial(_show_of, show, asked.name, number * ticks, count * ticks)
+        done = _done(one, asked, on_tick)
         results.append((done, _figures(one, done)))
     (done, base), *draws = results
     added = float(np.std((done.unit + done.set_point - known.past.plant.unit - known.set_point)[known.window]))
@@ -272,6 +274,11 @@ def _slow(payout: Array, tick_period: float) -> Array:
     half = max(1, round(30.0 / tick_period))
     about = np.ones(2 * half + 1)
     return np.asarray(np.convolve(payout, about, "same") / np.convolve(np.ones_like(payout), about, "same"))
+
+
+def _show_of(show: Show, words: str, before: int, of: int, done: int) -> None:
+    """Show how far a part of the work is, `before` which so much was done."""
+    _show_some(show, words, before + done, of)
 
 
 def _show_some(show: Show, words: str, done: int, of: int) -> None:

@@ -58,7 +58,7 @@ def disturbance(record: SensorRecord, unit: Array, depth_scale: float, stated_no
     grid = times[0] + period * np.arange(count)
     gap = -np.interp(grid, times, depths) - np.interp(grid, record.time, unit)
     gap = gap - gap.mean()
-    omega = 2.0 * math.pi * np.fft.rfftfreq(count, period)
+    omega = np.asarray(2.0 * math.pi * np.fft.rfftfreq(count, period), dtype=np.float64)
     transform = np.fft.rfft(gap)
     power = np.abs(transform) ** 2
     quiet = power[omega > QUIET]

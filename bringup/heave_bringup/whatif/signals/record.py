@@ -8,7 +8,11 @@ from functools import cached_property
 import numpy as np
 from heave_node.interface.codes import MruStatus
 from heave_node.numerics.arrays import Array
+from numpy.typing import NDArray
 from winch_controller_node.interface.readings import Measurements, WinchOrder
+
+Flags = NDArray[np.int64]
+"""Sums of flags, one a tick."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,7 @@ class SensorRecord:
     @cached_property
     def time(self) -> Array:
         """Time of each tick [s]."""
-        return (self.first + np.arange(self.ticks)) * self.tick_period
+        return np.asarray((self.first + np.arange(self.ticks)) * self.tick_period, dtype=np.float64)
 
     @cached_property
     def encoder(self) -> Array:
@@ -56,7 +60,7 @@ class SensorRecord:
         return bridged(np.array(read))
 
     @cached_property
-    def limits_hit(self) -> Array:
+    def limits_hit(self) -> Flags:
         """Limits of the winch that acted before each tick, sums of WinchLimit; 0 where it is not known."""
         return np.array([0 if one.winch is None else one.winch.limits_hit for one in self.measurements])
 

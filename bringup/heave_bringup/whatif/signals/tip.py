@@ -76,7 +76,7 @@ def smoothed_tip(record: SensorRecord, correction: Correction, high_pass: HighPa
     count, dt = len(heaves), record.tick_period
     padding = min(count // 2, round(60.0 / dt))
     X, V = (np.fft.rfft(one) for one in _padded(heaves - heaves.mean(), rates, padding, dt))
-    omega = 2.0 * math.pi * np.fft.rfftfreq(count + 2 * padding, dt)
+    omega = np.asarray(2.0 * math.pi * np.fft.rfftfreq(count + 2 * padding, dt), dtype=np.float64)
     response = high_pass.response(omega)
     weight_x = np.abs(response) ** 2 / _noise(X, omega)
     weight_v = np.abs(response * omega) ** 2 / _noise(V, omega) if has_rate else np.zeros_like(omega)
@@ -105,7 +105,7 @@ def smooth_spectrum(power: Array, omega: Array) -> Array:
 
 def smoothed_count(omega: Array) -> int:
     """Return how many of the angular frequencies `omega` [rad/s] are averaged in a smoothed spectrum."""
-    return 2 * max(1, round(2.0 * math.pi * SMOOTHED / (omega[1] - omega[0]))) + 1
+    return 2 * max(1, round(2.0 * math.pi * SMOOTHED / float(omega[1] - omega[0]))) + 1
 
 
 def _noise(transform: ComplexArray, omega: Array) -> float:

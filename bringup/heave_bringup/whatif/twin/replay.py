@@ -21,7 +21,7 @@ from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements, Outputs, ScalarReading, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-from heave_bringup.whatif.signals.record import SensorRecord
+from heave_bringup.whatif.signals.record import Flags, SensorRecord
 from heave_bringup.whatif.signals.tip import Tip
 from heave_bringup.whatif.twin.plant import PlantMotion, TwinPlant, driven
 from heave_bringup.whatif.twin.winch import PastWinch, TwinWinch
@@ -77,7 +77,7 @@ class Replayed:
     authority: Array
     modes: tuple[str, ...]
     alarms: tuple[tuple[float, str], ...]
-    limits_hit: Array
+    limits_hit: Flags
     order_error: Array
 
 
