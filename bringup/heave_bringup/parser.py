@@ -7,7 +7,7 @@ import difflib
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
-from heave_bringup.commands.bags import export, import_sea, kpi, record, repair, replay, report
+from heave_bringup.commands.bags import export, import_sea, kpi, record, repair, replay, report, whatif
 from heave_bringup.commands.command import Command
 from heave_bringup.commands.models import design, identify, modes, static
 from heave_bringup.commands.runs import adapt, check, operate, panel, run, view
@@ -19,7 +19,8 @@ from heave_bringup.errors import ExitStatus
 COMMANDS: tuple[Command, ...] = (
     *(run.COMMAND, operate.COMMAND, panel.COMMAND, view.COMMAND, check.COMMAND, adapt.COMMAND),
     *(list_scenarios.COMMAND, new.COMMAND, catalogue.COMMAND, params.COMMAND),
-    *(report.COMMAND, kpi.COMMAND, export.COMMAND, record.COMMAND, replay.COMMAND, import_sea.COMMAND, repair.COMMAND),
+    *(report.COMMAND, kpi.COMMAND, whatif.COMMAND, export.COMMAND),
+    *(record.COMMAND, replay.COMMAND, import_sea.COMMAND, repair.COMMAND),
     *(design.COMMAND, identify.COMMAND, static.COMMAND, modes.COMMAND),
     *(campaign.COMMAND, operability.COMMAND, sizing.COMMAND, extremes.COMMAND, benchmark.COMMAND, bench.COMMAND),
 )

@@ -112,7 +112,9 @@ def simulate_axial(
 
     motion = np.column_stack((top, top_velocity, length + feed, feed_rate))
     answer = np.empty((len(heave), ANSWER_COLUMNS))
-    failed = integrate(_arrays(line, segments, allow_slack), motion, sample_period / substeps, substeps, answer)
+    failed = integrate(
+        axial_arrays(line, segments, allow_slack=allow_slack), motion, sample_period / substeps, substeps, answer
+    )
     if failed >= 0:
         raise AxialError(
             f"the axial cable has no solution at {fine[failed]:.3f} s: check the motion at that time or use "
@@ -128,7 +130,8 @@ def simulate_axial(
     )
 
 
-def _arrays(line: AxialLine, segments: int, allow_slack: bool) -> AxialArrays:
+def axial_arrays(line: AxialLine, segments: int, *, allow_slack: bool = True) -> AxialArrays:
+    """Return a `line` of so many `segments` as the kernels take it; as a linear material where slack is not allowed."""
     nodes, elements = allocate_nodes(segments)
     return AxialArrays(
         sections=line.section_table(),

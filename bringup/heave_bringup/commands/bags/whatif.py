@@ -1,0 +1,104 @@
+"""`heave whatif`: what another law, gain or winch would have done in the sea of a bag."""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from heave_bringup.commands.arguments import add_settings
+from heave_bringup.commands.command import Command
+from heave_bringup.errors import CommandError
+
+if TYPE_CHECKING:
+    from heave_bringup.progress import ProgressLine
+    from heave_bringup.whatif.words import Result
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments to `parser`."""
+    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder, or the folder of a run")
+    parser.add_argument("--law", default="", help="the law that is asked for (default: that of the record)")
+    parser.add_argument("--compare", default="", metavar="LAW,LAW", help="further laws: off,industrial,lqg,mpc")
+    add_settings(parser)
+    parser.add_argument(
+        "--know", action="append", default=[], metavar="NAME=VALUE+-SPREAD", help="cable.axial_stiffness=1.42e7+-2%%"
+    )
+    parser.add_argument("--scenario", metavar="SCENARIO", help="of the run, for a bag that carries none")
+    parser.add_argument("--transient", type=float, metavar="S", help="initial time that is left out (the scenario's)")
+    parser.add_argument("--end", type=float, metavar="S", help="time at which the record is cut off")
+    parser.add_argument("--draws", type=int, default=4, metavar="N", help="plants that are tried for the bands (4)")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the draws (1)")
+    parser.add_argument(
+        "--output", type=Path, metavar="FILE", help="page to write (default: whatif.html beside the bag)"
+    )
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Answer and write the page, as `options` say."""
+    from heave_bags.mcap.reader import Bag
+
+    from heave_bringup.bag_paths import bag_folders
+    from heave_bringup.output import check_output, make_table, warn, write_result
+    from heave_bringup.progress import ProgressLine
+    from heave_bringup.whatif.fitness import warnings
+    from heave_bringup.whatif.page import render
+    from heave_bringup.whatif.words import causes, check_line, headings, identified_rows, rows, told_line
+    from heave_bringup.whatif.words import to_json as json_of
+
+    check_output("--output", options.output, (".html",))
+    if not 0 <= options.draws <= 100:
+        raise CommandError(f"--draws {options.draws}: must be from 0 to 100")
+    (folder,) = bag_folders([options.bag])
+    with tempfile.TemporaryDirectory(prefix="heave-") as scratch, ProgressLine() as progress:
+        result = _result(Bag(folder), options, Path(scratch), progress)
+    page = options.output or folder.parent / "whatif.html"
+    try:
+        page.write_text(render(f"{folder.resolve().parent.name}: what would have been", result), encoding="utf-8")
+    except OSError as error:
+        raise CommandError(f"{page}: cannot be written: {error.strerror}") from error
+    table = make_table(headings(), rows(result))
+    values = make_table(["identified", "value", "sigma", "assumed"], identified_rows(result.known))
+    lines = [check_line(result), told_line(result.known), *causes(result.answers)]
+    warn(warnings(result.known, result.answers))
+    ends = f"bands are of 90 %\n\npage      {page.resolve()}"
+    write_result(options, ["\n".join(lines), table, values, ends], {**json_of(result), "page": str(page.resolve())})
+
+
+def _result(bag: object, options: argparse.Namespace, scratch: Path, progress: ProgressLine) -> Result:
+    """Return what the record of a bag answers to what is asked."""
+    from winch_controller_node.beliefs.beliefs import Beliefs
+
+    from heave_bringup.whatif.asked import Wish, asked_of, nominal_of
+    from heave_bringup.whatif.fitness import check_known, check_record
+    from heave_bringup.whatif.identify.prior import parse_known
+    from heave_bringup.whatif.signals.from_bag import read_record, scenario_text, write_text
+    from heave_bringup.whatif.study import answer, drawn, learn, recorded, same_again
+    from heave_bringup.whatif.twin.winch import winch_under
+    from heave_bringup.whatif.words import Result
+
+    scenario = options.scenario or write_text(scratch, scenario_text(bag))  # type: ignore[arg-type]
+    nominal, run = nominal_of(scenario)
+    wish = Wish(scenario, options.law, options.set, [one for one in options.compare.split(",") if one])
+    asked_of(wish, winch_under(Beliefs(-1), nominal), has_adviser=True)
+    told = parse_known(options.know, nominal)
+    record = read_record(bag, nominal, progress=lambda share: progress.show("reading", share))  # type: ignore[arg-type]
+    record = record if options.end is None else record.part(options.end)
+    start = run.transient if options.transient is None else options.transient
+    check_record(record, start, str(options.bag))
+    known = learn(record, nominal, start=start, told=told, show=progress.show)
+    check_known(known, str(options.bag))
+    others = [drawn(known, options.seed, number) for number in range(options.draws)]
+    wanted = asked_of(wish, known.past.winch_parameters, has_adviser=record.has_adviser)
+    answers = [answer(known, one, others, show=progress.show) for one in wanted]
+    return Result(known, recorded(known), answers, same_again(known, show=progress.show))
+
+
+COMMAND = Command(
+    name="whatif",
+    summary="Say what another law, gain or winch would have done in the sea of a bag, from its sensors alone.",
+    examples=("heave whatif runs/b2_calm_300-001/bag --compare off,industrial,lqg,mpc",),
+    add_arguments=add_arguments,
+    execute=execute,
+)

@@ -1,0 +1,123 @@
+"""Whether a record can carry an answer, and what it tells."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from heave_node.interface.codes import WinchLimit
+
+from heave_bringup.errors import CommandError
+from heave_bringup.whatif.identify.cable import BEGINS, DAMPING, INERTIA
+from heave_bringup.whatif.signals.record import SensorRecord
+from heave_bringup.whatif.study import Answer, Known
+
+SHORTEST = 60.0
+"""Shortest time that is judged [s]: half a dozen waves."""
+
+READ_SHARE = 0.5
+"""Share of the record in which a sensor must have read."""
+
+LARGEST_CHI2 = 6.0
+"""Mean square of what is left of the depth over its noise, above which cable and unit are something else."""
+
+DOUBTFUL_CHI2 = 1.5
+"""And above which a report warns."""
+
+SAME_PAYOUT = 1e-3
+"""Error of payout up to which the same law gives the record again [m]."""
+
+LARGEST_WINCH_ERROR = 0.03
+"""Payout that the model of the winch leaves, above which it is another winch [m]."""
+
+
+def check_record(record: SensorRecord, start: float, where: str) -> None:
+    """Refuse a record that cannot carry an answer.
+
+    Parameters
+    ----------
+    record : of the sensors
+    start : of the window that is judged [s]
+    where : the bag, for the message
+
+    Raises CommandError, in one line, for the first reason.
+    """
+    left = float(record.time[-1]) - max(start, float(record.time[0]) + BEGINS)
+    if left < SHORTEST:
+        raise CommandError(
+            f"{where}: {max(left, 0.0):.0f} s are left after its transient of {start:g} s; {SHORTEST:g} s at least are "
+            "needed: record longer, or give --transient"
+        )
+    spans = {"mru": record.mru[:, 0], "depth": record.scalar("depth")[:, 0]}
+    for sensor, times in spans.items():
+        seconds = len(np.unique(np.floor(times)))
+        if seconds < READ_SHARE * record.duration:
+            raise CommandError(f"{where}: {sensor} was read in {seconds} of {record.duration:.0f} s: too little to say")
+    silent = sum(one.winch is None or not math.isfinite(one.winch.encoder_payout) for one in record.measurements)
+    if silent > (1.0 - READ_SHARE) * record.ticks:
+        raise CommandError(
+            f"{where}: the encoder was lost in {silent} of {record.ticks} ticks: the payout is not known"
+        )
+    faults = [
+        float(t) for t, one in zip(record.time, record.measurements, strict=True) if one.winch and one.winch.fault
+    ]
+    if faults:
+        raise CommandError(f"{where}: the winch reported a fault at {faults[0]:.1f} s: give --end {faults[0]:.0f}")
+
+
+def check_known(known: Known, where: str) -> None:
+    """Refuse an answer where the record contradicts what it would stand on; raises CommandError with the reason."""
+    if known.fit.chi2 > LARGEST_CHI2:
+        raise CommandError(
+            f"{where}: cable and unit as assumed do not explain the depth readings (chi2 {known.fit.chi2:.1f}, at most "
+            f"{LARGEST_CHI2:g}): check length, unit and cable, or give --know"
+        )
+    if known.past.winch.error > LARGEST_WINCH_ERROR:
+        raise CommandError(
+            f"{where}: the winch as identified misses the encoder by {100.0 * known.past.winch.error:.1f} cm: it is "
+            "another winch"
+        )
+    if known.past.plant.tension[known.window].min() <= 0.0:
+        raise CommandError(f"{where}: the cable was slack: what came before a snap does not tell what comes after")
+
+
+def told(known: Known) -> list[tuple[str, bool, str]]:
+    """Return what the record tells: of what, whether, and why, in words."""
+    fit, record, window = known.fit, known.past.record, known.window
+    limits = record.limits_hit[window] & int(~WinchLimit.PAYOUT)
+    reached, moved = bool(np.any(limits)), float(np.std(known.past.winch.rate[window])) > 1e-3
+    plant = f"inertia to {100.0 * fit.sigma(INERTIA):.1f} %, chi2 {fit.chi2:.1f}"
+    winch = "it answered orders" if moved else "it stood still"
+    if moved and not known.again.beliefs.values:
+        winch += ", as nominal"
+    return [
+        ("cable and unit", fit.tells(INERTIA), plant),
+        ("damping", fit.tells(DAMPING), f"to {100.0 * fit.sigma(DAMPING):.0f} %"),
+        ("winch", moved, winch),
+        ("winch limits", reached, "they were reached" if reached else "they were never reached"),
+    ]
+
+
+def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
+    """Return what a reader of the answers must know, a line each."""
+    lines = []
+    if known.fit.chi2 > DOUBTFUL_CHI2:
+        lines.append(
+            f"the fit of cable and unit leaves {known.fit.chi2:.1f} times the noise of the depth sensor: the bands "
+            "may be too narrow"
+        )
+    if not known.again.is_same:
+        lines.append(
+            f"the same law parts from the record at {known.again.parted:.1f} s (mode {known.again.mode}, recorded "
+            f"{known.again.was or 'unknown'}): an operator, a late answer, or another version"
+        )
+    is_reached = next(is_told for of, is_told, _ in told(known) if of == "winch limits")
+    for answer in answers:
+        limit = answer.figures.values["time_at_limit_percent"]
+        if limit > 0.0 and not is_reached:
+            lines.append(
+                f"{answer.asked.name}: at the winch's limits for {limit:.1f} % of the time, by limits that are "
+                "assumed: the record never reached them"
+            )
+    return lines

@@ -1,0 +1,1 @@
+"""Cable, unit and MRU by the whole record."""

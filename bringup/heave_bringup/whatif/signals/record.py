@@ -1,0 +1,109 @@
+"""A record as a ship has it: what the controller was given and what it ordered, tick by tick. No truth, no ROS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from heave_node.interface.codes import MruStatus
+from heave_node.numerics.arrays import Array
+from numpy.typing import NDArray
+from winch_controller_node.interface.readings import Measurements, WinchOrder
+
+Flags = NDArray[np.int64]
+"""Sums of flags, one a tick."""
+
+
+@dataclass(frozen=True)
+class SensorRecord:
+    """A record of n ticks in a row.
+
+    Attributes
+    ----------
+    tick_period : [s]
+    first : number of the first tick; tick k is at k tick_period
+    measurements : delivered to the controller in each tick, (n,)
+    orders : that it gave to the winch in each, (n,); None: none is known
+    set_points : mean payout that it worked about in each, (n,) [m]; NaN: not known
+    modes : of the controller in each, (n,); "": not known
+    has_adviser : the controller had one
+    """
+
+    tick_period: float
+    first: int
+    measurements: tuple[Measurements, ...]
+    orders: tuple[WinchOrder | None, ...]
+    set_points: Array
+    modes: tuple[str, ...]
+    has_adviser: bool = True
+
+    @property
+    def ticks(self) -> int:
+        """Number of ticks."""
+        return len(self.measurements)
+
+    @property
+    def duration(self) -> float:
+        """Length of the record [s]."""
+        return self.ticks * self.tick_period
+
+    @cached_property
+    def time(self) -> Array:
+        """Time of each tick [s]."""
+        return np.asarray((self.first + np.arange(self.ticks)) * self.tick_period, dtype=np.float64)
+
+    @cached_property
+    def encoder(self) -> Array:
+        """Payout that the encoder reads at each tick [m]; gaps are bridged in a straight line."""
+        read = [np.nan if one.winch is None else one.winch.encoder_payout for one in self.measurements]
+        return bridged(np.array(read))
+
+    @cached_property
+    def limits_hit(self) -> Flags:
+        """Limits of the winch that acted before each tick, sums of WinchLimit; 0 where it is not known."""
+        return np.array([0 if one.winch is None else one.winch.limits_hit for one in self.measurements])
+
+    @cached_property
+    def mru(self) -> Array:
+        """Times, heaves and heave rates that the MRU read and stands by, shape (m, 3) [s], [m], [m/s]."""
+        rows = [
+            (one.time, one.heave, one.heave_rate)
+            for of_tick in self.measurements
+            for one in of_tick.mru
+            if one.status == MruStatus.OK and np.isfinite(one.heave)
+        ]
+        return np.array(rows).reshape(-1, 3)
+
+    def scalar(self, sensor: str) -> Array:
+        """Return times and finite values that a `sensor` read, shape (m, 2), in its unit."""
+        rows = [tuple(one) for of_tick in self.measurements for one in of_tick.of(sensor) if np.isfinite(one.value)]
+        return np.array(rows).reshape(-1, 2)
+
+    def part(self, end: float) -> SensorRecord:
+        """Return the record up to a time `end` [s]."""
+        count = int(np.searchsorted(self.time, end))
+        return SensorRecord(
+            self.tick_period,
+            self.first,
+            self.measurements[:count],
+            self.orders[:count],
+            self.set_points[:count],
+            self.modes[:count],
+            self.has_adviser,
+        )
+
+
+def bridged(values: Array) -> Array:
+    """Return `values` with what is not finite bridged in a straight line; unchanged where nothing is finite."""
+    good = np.isfinite(values)
+    if good.all() or not good.any():
+        return values
+    places = np.arange(len(values))
+    return np.interp(places, places[good], values[good])
+
+
+def at_ticks(record: SensorRecord, times: Array, values: Array) -> Array:
+    """Return readings at the ticks of a `record`, in a straight line in between; `times` [s] need no order."""
+    order = np.argsort(times, kind="stable")
+    return np.interp(record.time, times[order], values[order])

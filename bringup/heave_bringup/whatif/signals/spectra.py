@@ -1,0 +1,88 @@
+"""Transforms of readings at their own times, and the transfer function of the cable, exact in space."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from cable_sim_node.vertical.axial_line import AxialLine
+from heave_node.numerics.arrays import Array, ComplexArray
+
+QUIET_BAND = (5.0, 12.0)
+"""Angular frequencies at which nothing moves and what is read is noise [rad/s]."""
+
+RANDOM_DRAG = math.sqrt(8.0 / math.pi)
+"""Linear damping over quadratic drag and the standard deviation of a Gaussian speed (Borgman, The spectral density for
+ocean wave forces, 1965)."""
+
+
+def tapered_transform(times: Array, values: Array, omegas: Array, start: float, end: float) -> ComplexArray:
+    """Return the Fourier transform of readings at their own times under a Hann taper.
+
+    Parameters
+    ----------
+    times, values : (n,) [s], any unit
+    omegas : angular frequencies (k,) [rad/s]
+    start, end : of the taper [s]
+
+    The readings' own spacing is their weight, so that no interpolation bends what is fast.
+    """
+    inside = (times >= start) & (times <= end)
+    t, v = times[inside], values[inside]
+    weight = np.sin(math.pi * (t - start) / (end - start)) ** 2
+    spacing = float(np.median(np.diff(t)))
+    v = v - float(weight @ v) / float(np.sum(weight))
+    # the taper's own power is one, whatever the length of the record
+    scale = spacing / math.sqrt(spacing * float(weight @ weight))
+    return np.asarray(scale * (np.exp(-1j * np.outer(omegas, t)) @ (weight * v)))
+
+
+def noise_power(times: Array, values: Array, start: float, end: float, stated: float) -> float:
+    """Return the power of the white noise in readings in the units of `tapered_transform`.
+
+    `stated` is its standard deviation, taken where the readings are too seldom to tell it.
+    """
+    spacing = float(np.median(np.diff(times)))
+    low, high = QUIET_BAND
+    high = min(high, 0.8 * math.pi / spacing)
+    if high < 1.2 * low:
+        return stated**2 * spacing
+    omegas = np.linspace(low, high, 120)
+    return float(np.mean(np.abs(tapered_transform(times, values, omegas, start, end)) ** 2))
+
+
+class Speeds(NamedTuple):
+    """Standard deviation of the vertical speed of the cable's ends [m/s], by which drag is linearised."""
+
+    unit: float
+    top: float
+
+
+def unit_over_top(line: AxialLine, length: float, omegas: Array, speeds: Speeds) -> ComplexArray:
+    """Return heave of the unit over that of the cable's top end at angular frequencies `omegas` [rad/s].
+
+    Parameters
+    ----------
+    line : cable and unit
+    length : unstretched cable [m]
+    speeds : by which the drag of unit and cable is linearised
+
+    Each piece is a bar: its state (elevation u, tension T) goes up by the matrix [[cos ks, sin ks / (EA k)],
+    [-EA k sin ks, cos ks]], k^2 = (m w^2 - i c w)/EA (Clough and Penzien, Dynamics of Structures, section 17-5).
+    """
+    damping = RANDOM_DRAG * line.unit.drag * speeds.unit
+    u = np.ones(len(omegas), dtype=complex)
+    T = -(omegas**2) * line.unit.inertia + 1j * omegas * damping
+    height = 0.0
+    for piece in line.pieces(length):
+        for body in piece.clumps:
+            T = T + (-(omegas**2) * body.inertia + 1j * omegas * RANDOM_DRAG * body.drag * speeds.unit) * u
+        share = (height + 0.5 * piece.length) / length
+        speed = math.hypot((1.0 - share) * speeds.unit, share * speeds.top)
+        stiffness = piece.axial_stiffness * (1.0 + 1j * omegas * piece.damping_time)
+        k = np.sqrt((piece.mass * omegas**2 - 1j * omegas * RANDOM_DRAG * piece.drag * speed) / stiffness)
+        c, s = np.cos(k * piece.length), np.sin(k * piece.length)
+        u, T = c * u + s / (stiffness * k) * T, -stiffness * k * s * u + c * T
+        height += piece.length
+    return np.asarray(1.0 / u)

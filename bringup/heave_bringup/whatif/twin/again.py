@@ -1,0 +1,71 @@
+"""The same law again: the controller reads the record as it stands, and must give the orders of the record."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from winch_controller_node.adviser.component import Adviser
+from winch_controller_node.beliefs.beliefs import Beliefs
+from winch_controller_node.component import WinchController
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+from heave_bringup.whatif.signals.record import SensorRecord
+
+REPRODUCED = 1e-9
+"""Orders that differ by less are the same [m/s]."""
+
+
+@dataclass(frozen=True)
+class Again:
+    """What the same controller makes of a record.
+
+    Attributes
+    ----------
+    beliefs : of the adviser at the end; nominal where there was none
+    parted : time at which its orders or its mode are first other than those of the record [s]; infinite: never
+    mode, was : mode there, and that of the record
+    """
+
+    beliefs: Beliefs
+    parted: float
+    mode: str = ""
+    was: str = ""
+
+    @property
+    def is_same(self) -> bool:
+        """Return whether every order was given again."""
+        return math.isinf(self.parted)
+
+
+def observed_again(
+    record: SensorRecord, parameters: WinchControllerParameters, on_tick: Callable[[int], None] | None = None
+) -> Again:
+    """Have a controller of the `parameters` in force read a `record` as it stands.
+
+    Parameters
+    ----------
+    record : of the sensors
+    parameters : nominal, of the run
+    on_tick : called with the number of ticks that are done
+    """
+    dt = record.tick_period
+    controller = WinchController(parameters, tick_period=dt)
+    controller.skip_programme((record.first - 1) * dt)
+    adviser = Adviser(parameters, tick_period=dt) if record.has_adviser else None
+    beliefs, parted, mode, was = Beliefs(asked=-1), math.inf, "", ""
+    for index, given in enumerate(record.measurements):
+        outputs = controller.step(record.first + index, given)
+        if outputs.observations is not None and adviser is not None:
+            beliefs = adviser.advise(outputs.observations)
+            controller.take(beliefs)
+        order, ordered = outputs.order, record.orders[index]
+        is_other = ordered is not None and (
+            order.brake != ordered.brake or not abs(order.payout_rate - ordered.payout_rate) <= REPRODUCED
+        )
+        if is_other and math.isinf(parted):
+            parted, mode, was = float(record.time[index]), outputs.mode, record.modes[index]
+        if on_tick is not None:
+            on_tick(index + 1)
+    return Again(beliefs, parted, mode, was)

@@ -1,0 +1,121 @@
+"""The plant of a record: cable and unit as identified, driven by the boom tip of the record and any payout."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from cable_sim_node.vertical.axial_line import AxialLine
+from cable_sim_node.vertical.axial_stepper import AxialInput, AxialStepper
+from heave_node.numerics.arrays import Array
+from winch_controller_node.design.design import believed_cable, believed_plant
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+from heave_bringup.whatif.signals.tip import Tip
+
+SEGMENTS, SUBSTEPS = 12, 4
+"""Elements along the cable, and steps in a tick: 0.4 mm of a motion of 0.6 m (sigma) from a mesh refined threefold."""
+
+
+@dataclass(frozen=True)
+class PlantFactors:
+    """What cable and unit are, over what the parameters say.
+
+    Attributes
+    ----------
+    inertia : on a, the unit's inertia over the cable's stiffness [-]
+    damping : on drag and damping [-]
+    stiffness : on EA [-]; the masses take what a needs besides
+    """
+
+    inertia: float = 1.0
+    damping: float = 1.0
+    stiffness: float = 1.0
+
+
+def nominal_line(parameters: WinchControllerParameters) -> AxialLine:
+    """Return cable and unit as the `parameters` of a controller state them, its own a and factors with them."""
+    believed = parameters.cable_model
+    derived = replace(parameters, cable_model=replace(believed, inertia=0.0, inertia_factor=1.0))
+    a, length = believed_cable(parameters, parameters.length).a, parameters.length
+    factors = PlantFactors(a / believed_cable(derived, length).a, believed.damping_factor)
+    return scaled_line(believed_plant(parameters).line(length), factors)
+
+
+def scaled_line(line: AxialLine, factors: PlantFactors) -> AxialLine:
+    """Return a `line` with `factors` on it."""
+    mass, damping = factors.inertia * factors.stiffness, factors.damping
+    sections = tuple(
+        replace(
+            one,
+            axial_stiffness=one.axial_stiffness * factors.stiffness,
+            mass=one.mass * mass,
+            drag=one.drag * damping,
+        )
+        for one in line.sections
+    )
+    unit = replace(line.unit, inertia=line.unit.inertia * mass, drag=line.unit.drag * damping)
+    return replace(line, sections=sections, unit=unit)
+
+
+class TwinPlant:
+    """Cable and unit under the boom tip of a record.
+
+    Parameters
+    ----------
+    line : cable and unit
+    length : unstretched cable at payout 0 [m]
+    tip : of the record
+    payout, rate : at the first tick [m], [m/s]
+    tick_period : [s]
+    """
+
+    def __init__(
+        self, line: AxialLine, length: float, tip: Tip, payout: float, rate: float, *, tick_period: float
+    ) -> None:
+        self._tip, self._index = tip, 0
+        start = AxialInput(float(tip.heave[0]), float(tip.rate[0]), payout, rate)
+        self._stepper = AxialStepper(line, length, start, segments=SEGMENTS, duration=tick_period, substeps=SUBSTEPS)
+
+    @property
+    def columns(self) -> tuple[float, float, float]:
+        """Heave of the unit [m], its velocity [m/s], and the top tension [N] now."""
+        state = self._stepper.state
+        return state.unit_heave, state.unit_velocity, state.top_tension
+
+    def advance(self, payout: float, rate: float) -> None:
+        """Go to the next tick, where the payout is so much [m] and has a `rate` [m/s]."""
+        self._index += 1
+        tip, at = self._tip, self._index
+        self._stepper.advance(AxialInput(float(tip.heave[at]), float(tip.rate[at]), payout, rate))
+
+
+@dataclass(frozen=True)
+class PlantMotion:
+    """Motion of the plant at each tick.
+
+    Attributes
+    ----------
+    unit, velocity : heave of the unit about its rest at payout 0, positive up, and its rate (n,) [m], [m/s]
+    tension : at the top (n,) [N]
+    """
+
+    unit: Array
+    velocity: Array
+    tension: Array
+
+    @property
+    def acceleration(self) -> Array:
+        """Of the unit over the tick period: differences of the velocity from tick to tick (n,) [m/s]."""
+        return np.gradient(self.velocity)
+
+
+def driven(line: AxialLine, length: float, tip: Tip, payout: Array, rate: Array, *, tick_period: float) -> PlantMotion:
+    """Return the motion of the plant under a given `payout` [m] of a `rate` [m/s] at each tick; else as TwinPlant."""
+    plant = TwinPlant(line, length, tip, float(payout[0]), float(rate[0]), tick_period=tick_period)
+    table = np.empty((len(payout), 3))
+    table[0] = plant.columns
+    for index in range(1, len(payout)):
+        plant.advance(float(payout[index]), float(rate[index]))
+        table[index] = plant.columns
+    return PlantMotion(*table.T.copy())

@@ -1,0 +1,130 @@
+"""The winch of a record: how it answered what it was ordered, and how it or another one would answer other orders."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from cable_sim_node.winch.command_line import WinchCommand
+from cable_sim_node.winch.component import VirtualWinch, WinchState
+from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
+from heave_node.numerics.arrays import Array
+from winch_controller_node.beliefs.beliefs import Beliefs
+from winch_controller_node.beliefs.drum import drum_of
+from winch_controller_node.interface.readings import WinchOrder
+from winch_controller_node.model.drum_kernel import NO_POWER_LIMIT
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+from heave_bringup.whatif.signals.record import SensorRecord
+
+SLOW = 1.0
+"""Time over which the encoder's difference from the model of the winch is averaged [s]."""
+
+
+def winch_under(beliefs: Beliefs, nominal: WinchControllerParameters) -> WinchParameters:
+    """Return the winch that the `nominal` parameters name, with what is believed of it otherwise."""
+    believed = {name: belief.value for name, belief in beliefs.values.items()}
+    drum, winch = drum_of(nominal.winch, believed), nominal.winch
+    speed, acceleration = max(drum.speed_out, drum.speed_in), max(drum.acceleration_out, drum.acceleration_in)
+    return WinchParameters(
+        law=winch.law,
+        time_constant=drum.lag,
+        position_gain=winch.position_gain,
+        position_rate=winch.position_rate,
+        command_delay=max(drum.delay, 0.0),
+        speed_limit=speed,
+        acceleration_limit=acceleration,
+        stop_deceleration=min(acceleration, WinchParameters().stop_deceleration),
+        hauling_speed_share=max(min(drum.speed_in / speed, 1.0), 0.05),
+        hauling_acceleration_share=max(min(drum.acceleration_in / acceleration, 1.0), 0.05),
+        speed_gain=drum.gain,
+        speed_deadband=drum.deadband,
+        creep=drum.creep,
+        payout_minimum=winch.payout_minimum,
+        payout_maximum=winch.payout_maximum,
+        power_limit=drum.power if drum.power < NO_POWER_LIMIT else 0.0,
+        encoder=EncoderParameters(resolution=0.0, backlash=max(drum.backlash, 0.0)),
+    )
+
+
+class TwinWinch:
+    """A winch that takes the orders of a controller.
+
+    Parameters
+    ----------
+    parameters : of the winch
+    tick_period : [s]
+    first : number of the first tick
+    """
+
+    def __init__(self, parameters: WinchParameters, *, tick_period: float, first: int) -> None:
+        self._winch = VirtualWinch(parameters, tick_period=tick_period)
+        self._first = first
+        self.state = self._winch.state
+
+    def step(self, tick: int, order: WinchOrder | None, tension: float = math.nan) -> WinchState:
+        """Take the `order` of a `tick` (None: there was none) and return the state at its end.
+
+        `tension` is that at the drum [N], for a winch with a limit of power; NaN: the last one known.
+        """
+        command = None if order is None else WinchCommand(order.sequence, order.payout, order.payout_rate, order.brake)
+        self.state = self._winch.step(tick, command, tension)
+        return self.state
+
+
+@dataclass(frozen=True)
+class PastWinch:
+    """What the drum did in a record.
+
+    Attributes
+    ----------
+    payout, rate : of the cable at each tick, (n,) [m], [m/s]
+    modelled : payout of the model of the winch under the orders of the record, (n,) [m]
+    modelled_rate : and its rate (n,) [m/s]
+    error : standard deviation of payout about the model's, slow drift taken out [m]
+    """
+
+    payout: Array
+    rate: Array
+    modelled: Array
+    modelled_rate: Array
+    error: float
+
+
+def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale: float = 1.0) -> PastWinch:
+    """Return what the drum did in a `record`: the model of the winch for what is fast, the encoder for what is slow.
+
+    Parameters
+    ----------
+    record : with an encoder, and the orders to the winch
+    parameters : of the winch
+    encoder_scale : reading over payout [-]
+    """
+    dt, read = record.tick_period, record.encoder / encoder_scale
+    twin = TwinWinch(parameters, tick_period=dt, first=record.first)
+    tension = tension_at_ticks(record)
+    modelled, rate = np.zeros(record.ticks), np.zeros(record.ticks)
+    for index in range(record.ticks - 1):
+        state = twin.step(record.first + index, record.orders[index], tension[index])
+        modelled[index + 1], rate[index + 1] = state.payout, state.payout_rate
+    half = max(1, round(0.5 * SLOW / dt))
+    about = np.ones(2 * half + 1)
+    gap = read - modelled
+    slow = np.convolve(gap, about, "same") / np.convolve(np.ones_like(gap), about, "same")
+    return PastWinch(modelled + slow, rate + np.gradient(slow, dt), modelled, rate, float(np.std(gap - slow)))
+
+
+def tension_at_ticks(record: SensorRecord) -> Array:
+    """Return the newest tension that the load cell has read at each tick [N]; NaN: none yet."""
+    newest, found = math.nan, np.full(record.ticks, math.nan)
+    for index, of_tick in enumerate(record.measurements):
+        for one in of_tick.of("load_cell"):
+            newest = one.value if math.isfinite(one.value) else newest
+        found[index] = newest
+    return found
+
+
+def stronger(parameters: WinchParameters, values: dict[str, object]) -> WinchParameters:
+    """Return the winch of `parameters` with other `values`, by name."""
+    return replace(parameters, **values)  # type: ignore[arg-type]

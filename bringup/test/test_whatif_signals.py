@@ -1,0 +1,104 @@
+"""What a record of sensors shows: the boom tip, the unexplained motion, the cable's transfer function."""
+
+import math
+
+import numpy as np
+import pytest
+from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.vertical.axial_line import axial_line
+from cable_sim_node.vertical.linear import heave_transfer_function
+from heave_bringup.whatif.signals.disturbance import disturbance
+from heave_bringup.whatif.signals.record import SensorRecord, bridged
+from heave_bringup.whatif.signals.spectra import Speeds, noise_power, tapered_transform, unit_over_top
+from heave_bringup.whatif.signals.tip import HighPass, smoothed_tip
+from heave_node.interface.sensors import MruReading
+from winch_controller_node.beliefs.corrections import AS_READ, Correction
+from winch_controller_node.interface.readings import Measurements, ScalarReading
+
+TICK, NOISE = 0.05, 0.01
+TIME = TICK * np.arange(1, 4001)
+MOTION = 0.4 * np.sin(0.7 * TIME) + 0.2 * np.sin(1.1 * TIME + 1.0)
+RATE = 0.28 * np.cos(0.7 * TIME) + 0.22 * np.cos(1.1 * TIME + 1.0)
+
+
+def record(heave=MOTION, rate=RATE, depth=None, delay=0.0):
+    """Return a record of an MRU and a depth sensor at each tick, with white noise."""
+    random = np.random.default_rng(3)
+    noise = NOISE * random.standard_normal((3, len(TIME)))
+    depths = np.zeros(len(TIME)) if depth is None else depth
+    given = tuple(
+        Measurements(
+            (MruReading(float(t) + delay, float(z), float(v)),), {"depth": (ScalarReading(float(t), float(d)),)}
+        )
+        for t, z, v, d in zip(TIME, heave + noise[0], rate + noise[1], depths + noise[2], strict=True)
+    )
+    count = len(TIME)
+    return SensorRecord(TICK, 1, given, (None,) * count, np.full(count, math.nan), ("",) * count)
+
+
+def test_the_smoothed_boom_tip_is_as_near_to_the_motion_as_it_says():
+    tip = smoothed_tip(record(), AS_READ, HighPass())
+    inside = slice(800, -800)  # the mirror at the ends is no motion
+    error = float(np.std((tip.heave - MOTION)[inside]))
+    assert error < 0.25 * NOISE
+    assert 0.5 < error / tip.sigma < 2.0
+    assert np.std((tip.rate - RATE)[inside]) < 0.5 * NOISE  # four readings averaged
+
+
+def test_scale_mean_and_delay_of_the_mru_are_taken_back():
+    read = record(1.1 * MOTION + 0.5, 1.1 * RATE, delay=0.2)
+    tip = smoothed_tip(read, Correction(scale=1.1, offset=0.5, delay=0.2), HighPass())
+    assert np.std((tip.heave - MOTION)[800:-800]) < 0.25 * NOISE
+
+
+def test_the_high_pass_of_the_mru_is_taken_back():
+    high_pass = HighPass(30.0, 0.7)
+    motion = np.zeros(len(TIME))
+    rate = np.zeros(len(TIME))
+    # what the filter makes of each sine is known exactly
+    for amplitude, omega, phase in ((0.4, 0.7, 0.0), (0.2, 1.1, 1.0)):
+        turn = high_pass.response(np.array([omega]))[0]
+        read = amplitude * turn * np.exp(1j * (omega * TIME + phase))
+        motion, rate = motion + read.imag, rate + omega * read.real
+    tip = smoothed_tip(record(motion, rate), AS_READ, high_pass)
+    assert np.std((tip.heave - MOTION)[1000:-1000]) < 0.4 * NOISE
+    assert np.std((smoothed_tip(record(motion, rate), AS_READ, HighPass()).heave - MOTION)[1000:-1000]) > 5.0 * NOISE
+
+
+def test_motion_that_the_twin_does_not_explain_is_kept_and_noise_is_not():
+    unknown = 0.05 * np.sin(0.3 * TIME)
+    found = disturbance(record(depth=-(MOTION + unknown)), MOTION, 1.0, NOISE)
+    assert np.std((found.heave - unknown)[400:-400]) < 0.4 * NOISE
+    assert found.noise == pytest.approx(NOISE, rel=0.1)
+    nothing = disturbance(record(depth=-MOTION), MOTION, 1.0, NOISE)
+    assert np.std(nothing.heave) < 0.2 * NOISE
+    assert nothing.chi2 == pytest.approx(1.0, abs=0.4)
+
+
+def test_a_transform_has_the_power_of_white_noise_whatever_its_times():
+    random = np.random.default_rng(5)
+    times = np.sort(random.uniform(0.0, 400.0, 4000))
+    values = 0.3 * random.standard_normal(4000)
+    # the power of white noise is its variance times its spacing
+    assert noise_power(TIME, 0.3 * random.standard_normal(len(TIME)), 0.0, 200.0, 1.0) == pytest.approx(
+        0.09 * TICK, rel=0.25
+    )
+    assert np.isfinite(tapered_transform(times, values, np.array([0.5, 1.0]), 0.0, 400.0)).all()
+
+
+def test_seldom_readings_have_the_noise_that_is_stated():
+    times = np.arange(0.0, 300.0, 1.0)
+    assert noise_power(times, np.zeros(300), 0.0, 300.0, 0.02) == pytest.approx(0.02**2 * 1.0)
+
+
+@pytest.mark.parametrize("length", [300.0, 900.0])
+def test_the_transfer_function_is_that_of_the_closed_form_without_drag(length):
+    line = axial_line(CableSimParameters(length=length))
+    omegas = np.array([0.3, 0.7, 1.3, 2.2])
+    exact = heave_transfer_function(line, length, omegas).unit_heave
+    assert unit_over_top(line, length, omegas, Speeds(0.0, 0.0)) == pytest.approx(exact, rel=1e-9)
+
+
+def test_gaps_are_bridged_in_a_straight_line():
+    assert bridged(np.array([1.0, math.nan, 3.0])).tolist() == [1.0, 2.0, 3.0]
+    assert np.isnan(bridged(np.full(3, math.nan))).all()

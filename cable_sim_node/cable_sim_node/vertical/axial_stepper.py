@@ -1,0 +1,138 @@
+"""The axial cable tick by tick, for a loop that is closed over it: the model of `simulate_axial`."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel, kernel
+
+from cable_sim_node.vertical.axial import AxialError, axial_arrays
+from cable_sim_node.vertical.axial_kernel import begin_step, solve_step, start_steadily, write_answer
+from cable_sim_node.vertical.axial_layout import (
+    ANSWER_COLUMNS,
+    LEAST_TENSION,
+    LENGTH,
+    LENGTH_RATE,
+    TOP,
+    TOP_TENSION,
+    TOP_VELOCITY,
+    UNIT_ELEVATION,
+    UNIT_VELOCITY,
+    AxialArrays,
+)
+from cable_sim_node.vertical.axial_line import AxialLine
+
+
+class AxialInput(NamedTuple):
+    """Motion of the cable's top end at one time.
+
+    Attributes
+    ----------
+    heave, heave_rate : of the boom tip, positive up [m], [m/s]
+    payout, payout_rate : cable let out beyond the length at payout 0, positive lowers [m], [m/s]
+    """
+
+    heave: float
+    heave_rate: float
+    payout: float
+    payout_rate: float
+
+
+class AxialState(NamedTuple):
+    """State of unit and cable at one time.
+
+    Attributes
+    ----------
+    unit_heave : elevation of the unit above its rest at payout 0 with the boom tip at 0, positive up [m]
+    unit_velocity : positive up [m/s]
+    top_tension, least_tension : force on the top end, and the smallest along the cable [N]
+    """
+
+    unit_heave: float
+    unit_velocity: float
+    top_tension: float
+    least_tension: float
+
+
+class AxialStepper:
+    """Cable and unit in vertical motion, advanced from tick to tick.
+
+    Boom tip and payout run as cubics through their values and rates at both ends of an interval. The method is that of
+    `axial_kernel`: slack, quadratic drag and a changing length are in.
+
+    Parameters
+    ----------
+    line : cable and unit
+    length : unstretched length out at payout 0 [m]
+    start : motion of the top end at the start; cable and unit move steadily with it
+    segments : elements along the cable
+    duration : of an interval [s]
+    substeps : steps in an interval
+
+    Raises AxialError where the cable is hauled in to nothing, or a step has no solution.
+    """
+
+    def __init__(
+        self, line: AxialLine, length: float, start: AxialInput, *, segments: int, duration: float, substeps: int
+    ) -> None:
+        self._arrays = axial_arrays(line, segments)
+        self._length, self._duration, self._substeps = length, duration, substeps
+        self._rest = -length - line.static_stretch(length)
+        self._end, self._answer = self._row(start), np.zeros(ANSWER_COLUMNS)
+        _start(self._arrays, self._end, duration / substeps, self._answer)
+
+    def advance(self, end: AxialInput) -> AxialState:
+        """Integrate to the `end` of the next interval and return the state there."""
+        begin, self._end = self._end, self._row(end)
+        if not _advance(self._arrays, begin, self._end, self._duration, self._substeps, self._answer):
+            raise AxialError("the axial cable has no solution: its top end moves too fast")
+        return self.state
+
+    @property
+    def state(self) -> AxialState:
+        """State of now."""
+        heave, velocity, top, least = self._answer[[UNIT_ELEVATION, UNIT_VELOCITY, TOP_TENSION, LEAST_TENSION]].tolist()
+        return AxialState(heave - self._rest, velocity, top, least)
+
+    def _row(self, top: AxialInput) -> Array:
+        row = np.zeros(4)
+        row[[TOP, TOP_VELOCITY, LENGTH, LENGTH_RATE]] = (
+            *(top.heave, top.heave_rate),
+            *(self._length + top.payout, top.payout_rate),
+        )
+        if not (np.all(np.isfinite(row)) and row[LENGTH] > 0.0):
+            raise AxialError(f"the cable cannot have a length of {row[LENGTH]:g} m under a top at {row[TOP]:g} m")
+        return row
+
+
+@kernel
+def _start(line: AxialArrays, motion: Array, h: float, answer: Array) -> None:
+    """Set the steady state and write it to `answer`."""
+    start_steadily(line, motion, h)
+    write_answer(line, motion, h, True, answer)
+
+
+@inner_kernel
+def _between(begin: Array, end: Array, duration: float, share: float, motion: Array) -> None:
+    """Write the top's motion at a `share` of the interval to `motion`: cubic Hermite, and its slope."""
+    s, t = share, 1.0 - share
+    for value, rate in ((TOP, TOP_VELOCITY), (LENGTH, LENGTH_RATE)):
+        a, b, va, vb = begin[value], end[value], begin[rate] * duration, end[rate] * duration
+        motion[value] = a * t * t * (1.0 + 2.0 * s) + b * s * s * (3.0 - 2.0 * s) + va * s * t * t - vb * s * s * t
+        slope = 6.0 * s * t * (b - a) + va * t * (1.0 - 3.0 * s) + vb * s * (3.0 * s - 2.0)
+        motion[rate] = slope / duration
+
+
+@kernel
+def _advance(line: AxialArrays, begin: Array, end: Array, duration: float, substeps: int, answer: Array) -> bool:
+    """Integrate over an interval; return whether every step was solved."""
+    motion, h = np.zeros(4), duration / substeps
+    for step in range(1, substeps + 1):
+        _between(begin, end, duration, step / substeps, motion)
+        begin_step(line, motion)
+        if not solve_step(line, motion, h):
+            return False
+    write_answer(line, motion, h, False, answer)
+    return True

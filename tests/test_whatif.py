@@ -1,0 +1,108 @@
+"""`heave whatif`: only sensors are read, the same law gives it again, what cannot carry an answer is refused."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from heave_bags.mcap.bag_writer import Attachment, BagWriter
+from heave_bags.mcap.reader import Bag
+from heave_bringup.whatif.asked import nominal_of
+from heave_bringup.whatif.signals.from_bag import SELECTION, read_record, scenario_text, write_text
+from heave_bringup.whatif.study import learn, same_again
+from heave_msgs.msg import WinchState
+from rclpy.serialization import deserialize_message, serialize_message
+
+from tests.campaigns.in_process import heave, judge
+from tests.campaigns.whatif import Recording, make_draw, run_draw, scenario_of
+
+TRUE_FIELDS = ("payout", "payout_rate", "payout_acceleration", "tension", "power")
+"""Of winch/state: what only a simulator knows."""
+
+
+def without_truth(bag, folder, *, topics=tuple(SELECTION)):
+    """Write a bag with the `topics` alone, and with no truth in winch/state; return it."""
+    attachments = [Attachment(name, found.media_type, found.data) for name, found in bag.attached.items()]
+    writer = BagWriter(folder, run=bag.run, attachments=attachments)
+    kept = [name for name in bag.topics if name.lstrip("/") in topics or name in topics]
+    for name in kept:
+        writer.add_foreign_topic(bag.topics[name], bag.topics[name].schema)
+    for message in bag.messages(kept):
+        data = message.data
+        if message.topic == "/winch/state":
+            state = deserialize_message(data, WinchState)
+            for field in TRUE_FIELDS:
+                setattr(state, field, math.nan)
+            data = serialize_message(state)
+        writer.write(message.topic, message.log_time, data, publish_time=message.publish_time)
+    writer.close({})
+    return Bag(folder)
+
+
+@pytest.fixture(scope="module")
+def nominal(calm_bag, tmp_path_factory):
+    return nominal_of(write_text(tmp_path_factory.mktemp("scenario"), scenario_text(Bag(calm_bag))))[0]
+
+
+def test_deleting_every_truth_topic_changes_no_digit(calm_bag, nominal, tmp_path):
+    whole = read_record(Bag(calm_bag), nominal)
+    bare = read_record(without_truth(Bag(calm_bag), tmp_path / "bare"), nominal)
+    assert bare.measurements == whole.measurements
+    assert bare.orders == whole.orders
+    assert bare.modes == whole.modes
+    assert np.array_equal(bare.set_points, whole.set_points)
+    assert (bare.first, bare.tick_period, bare.has_adviser) == (whole.first, whole.tick_period, whole.has_adviser)
+    assert whole.ticks == 200
+    assert whole.measurements[100].winch is not None
+
+
+@pytest.mark.parametrize(
+    ("left_out", "words"),
+    [
+        ("unit/pressure", "holds no unit/pressure: the unit's motion is not measured, so nothing can be said of it"),
+        ("mru", "holds no mru: the boom tip's motion is not known"),
+        ("winch/command", "holds no winch/command: what the winch was ordered is not known"),
+    ],
+)
+def test_a_bag_without_a_sensor_is_refused_in_one_line(calm_bag, tmp_path, left_out, words):
+    kept = tuple(topic for topic in SELECTION if topic != left_out)
+    without_truth(Bag(calm_bag), tmp_path / "bag", topics=kept)
+    status, said, complaint = heave(["whatif", str(tmp_path / "bag")])
+    assert status == 1
+    assert words in complaint
+    assert judge(status, said, complaint) == ""
+
+
+@pytest.mark.parametrize(
+    ("options", "status", "words"),
+    [
+        ((), 1, "0 s are left after its transient"),
+        (("--law", "best"), 2, "best: no such law; known:"),
+        (("--set", "cable_sim.length=500"), 2, "cable_sim.length cannot be asked"),
+        (("--set", "system.sea.peak_period=9"), 2, "cannot be asked"),
+        (("--know", "cable.colour=1+-2%"), 2, "must be NAME=VALUE+-SPREAD"),
+        (("--draws", "-1"), 1, "must be from 0 to 100"),
+    ],
+)
+def test_what_cannot_be_answered_is_refused_in_one_line(calm_bag, options, status, words):
+    found, said, complaint = heave(["whatif", str(calm_bag), *options])
+    assert (found, words in complaint) == (status, True), complaint
+    assert judge(found, said, complaint) == ""
+
+
+@pytest.mark.long
+def test_an_answer_is_near_to_what_then_was():
+    # a world as believed: the trial's median error was 0.45 points, 2 points are wanted of 95 %
+    draw = replace(make_draw(0, 1), recorded="off", asked=("mpc",), settings=(), words="as believed")
+    (pair,), _ = run_draw(draw, 0)
+    assert pair.tells
+    assert abs(pair.error) < 0.02
+
+
+@pytest.mark.long
+def test_the_same_law_gives_the_record_again():
+    scenario = scenario_of(make_draw(0, 1), "mpc")
+    _, record = Recording(scenario).record()
+    known = learn(record, scenario.parameters["winch_controller"], start=90.0)
+    assert known.again.is_same
+    assert same_again(known) == (0.0, 0.0)
