@@ -16,8 +16,10 @@ from heave_node.interface import topics
 from heave_node.interface.codes import (
     ALARMS,
     COMMANDS,
+    COMPENSATION_LOST,
     LATE,
     MODE,
+    MODE_CHANGED,
     OPERATOR,
     RESTS_REQUESTED,
     SENSOR,
@@ -46,7 +48,6 @@ from winch_controller_node.advice.watch import AdviserWatch
 from winch_controller_node.component import WinchController
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.wire import WireError, parameters_text
-from winch_controller_node.estimation.sensor_health import remedy
 from winch_controller_node.interface import conversions
 from winch_controller_node.interface.readings import Lateness, Measurements, Outputs, Report
 from winch_controller_node.interface.sensors import INPUTS
@@ -191,12 +192,12 @@ class WinchControllerNode(ParticipantNode):
     def _tell(self, tick: Tick, outputs: Outputs) -> None:
         """Log the alarms of a tick, and keep them with the requests for diagnostics."""
         time = told_at(tick.time)
-        for words in (*outputs.alarms, *self.adviser.step(tick.number)):
-            self.get_logger().warning(f"{time}: {words}")
-            if words.startswith("mode "):  # a part of its own
-                self._changes[time] = words.removeprefix("mode ")
+        for alarm in (*outputs.alarms, *self.adviser.step(tick.number)):
+            self.get_logger().warning(f"{time}: {alarm}")
+            if alarm.code in (MODE_CHANGED, COMPENSATION_LOST):  # a part of its own
+                self._changes[time] = "{mode}: {reason}".format_map(alarm.values)
             else:
-                self._told.setdefault(time, []).append(words)
+                self._told.setdefault(time, []).append(str(alarm))
         if outputs.requests:
             self._asked[time] = ", ".join(outputs.requests)
 
@@ -221,10 +222,8 @@ class WinchControllerNode(ParticipantNode):
             parts.append(Health(ADVISER, level, self.adviser.words, self.adviser.values))
         for sensor in report.sensors:
             values = {"accepted": str(sensor.accepted), "rejected": str(sensor.refused)}
-            text = sensor.reason
-            if sensor.level is SensorLevel.LOST:
-                text = f"{text}: {remedy(sensor.sensor, sensor.reason)}"
-            parts.append(Health(f"{SENSOR} {sensor.sensor}", LEVELS[sensor.level], text or "ok", values))
+            text = str(sensor.alarm) if sensor.alarm else sensor.reason or "ok"
+            parts.append(Health(f"{SENSOR} {sensor.sensor}", LEVELS[sensor.level], text, values))
         preview = self.controller.preview
         if preview.has_come:
             parts.append(Health("preview", Level.WARN if preview.fault else Level.OK, preview.words))

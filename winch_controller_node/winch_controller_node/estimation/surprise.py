@@ -81,8 +81,8 @@ class Surprise:
         name, mean = self.worst
         wait = MEMORY * math.log((mean - 1.0) / (SURPRISING - 1.0))
         return (
-            f"{name} is {math.sqrt(mean):.1f} times as far off as foreseen, {math.sqrt(SURPRISING):.1f} is allowed: "
-            f"compensation waits about {wait:.0f} s while it settles; sensors are compared where it does not"
+            f"innovations of {name} are {math.sqrt(mean):.1f} times their expected size, limit "
+            f"{math.sqrt(SURPRISING):.1f}: about {wait:.0f} s more to settle; the sensors are compared meanwhile"
         )
 
     @property

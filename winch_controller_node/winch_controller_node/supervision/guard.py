@@ -21,7 +21,10 @@ import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from heave_node.interface.alarm import Alarm
+
 from winch_controller_node.estimation.loop_tick import Motion
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.laws.parts.effort import Effort
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
@@ -69,9 +72,6 @@ DEPTH_TIME, DEPTH_RATIO = 6.0, 1.3
 
 MISMATCH_TIME, MISMATCH_RATIO = 8.0, 0.8
 """Depth sensor less estimate, against the uncompensated heave: memory [s] and ratio."""
-
-DISAGREED = "depth sensor and motion reference unit disagree"
-"""Why the estimate is not trusted, in words."""
 
 LEAST_AUTHORITY = 0.5
 """The drum is checked against this share of the boom tip's speed at least."""
@@ -142,7 +142,7 @@ class HarmGuard:
     ----------
     inhibits : compensation is to be off
     trusts_estimate : the depth sensor agrees with the estimate
-    reason : why it inhibits, in words; empty when it does not
+    alarm : why it inhibits; None when it does not
     """
 
     def __init__(self, parameters: GuardParameters, loop: GuardedLoop, *, tick_period: float) -> None:
@@ -151,7 +151,7 @@ class HarmGuard:
         self._dt = tick_period
         self.inhibits = False
         self.trusts_estimate = True
-        self.reason = ""
+        self.alarm: Alarm | None = None
         self._is_unexplained = False
         self._hold_time = parameters.hold_time
         self._hold: float | None = None
@@ -203,6 +203,11 @@ class HarmGuard:
         return self._demand.largest_share(self._loop.limits, self._loop.effort, self._parameters.limit_use)
 
     @property
+    def reason(self) -> str:
+        """Why it inhibits, in words; empty when it does not."""
+        return "" if self.alarm is None else self.alarm.brief
+
+    @property
     def prospect(self) -> str:
         """When compensation is tried again, in words; empty where it is not inhibited."""
         if not self.inhibits:
@@ -210,9 +215,11 @@ class HarmGuard:
         hold = self._hold_time if self._hold is None else self._hold
         if self._off_time < hold:
             # one wording, whether the reason is there in this tick or not: it may come and go
-            return f"tried again once that has been over for {hold:.0f} s, in {hold - self._off_time:.0f} s at best"
+            return (
+                f"next attempt {hold:.0f} s after the cause has gone, in {hold - self._off_time:.0f} s at the earliest"
+            )
         most = self._parameters.demand_ratio
-        return f"tried again once the sea demands at most {most:g} times the winch's limits; now {self.demand:.1f}"
+        return f"next attempt when the sea demands at most {most:g} times the winch's limits; now {self.demand:.1f}"
 
     def take_loop(self, loop: GuardedLoop) -> None:
         """Watch another loop from now on: another design is in force."""
@@ -242,7 +249,7 @@ class HarmGuard:
         if self.inhibits and self._hold is None and self._time - self._began < CAUSE_TIME:
             self._hold = KNOWN_HOLD
         if self.inhibits and self._is_unexplained:
-            self.reason, self._is_unexplained = f"{DISAGREED}: {belief} was wrong", False
+            self.alarm, self._is_unexplained = ALARMS.alarm("DEPTH_MRU_EXPLAINED", part=belief), False
         since = self._time - self._corrected_first.get(belief, -math.inf)
         if since > CORRECTIONS_REST:
             self._corrected_first[belief] = self._time
@@ -253,12 +260,12 @@ class HarmGuard:
         self._mismatch_check.restart()
         self._mismatch = DetrendedHeave(self._dt)
 
-    def inhibit(self, reason: str, hold: float | None = None) -> None:
+    def inhibit(self, reason: Alarm, hold: float | None = None) -> None:
         """Keep compensation off while there is a `reason` that is certain, and for a time after it.
 
         Parameters
         ----------
-        reason : in words
+        reason : why
         hold : time after it [s]; None: the hold time of harm, which becomes longer each time
         """
         self._off_time = 0.0
@@ -280,10 +287,7 @@ class HarmGuard:
         self._update_checks(motions, authority)
         if self._mismatch_check.is_exceeded:
             self.trusts_estimate = False
-            self._disagree(
-                f"{DISAGREED} by {self._mismatch_check.amplitude:.3f} m, and which of them is wrong is not known: no "
-                "compensation until they agree; look at sign and scale of both"
-            )
+            self._disagree(ALARMS.alarm("DEPTH_MRU_DISAGREE", error=self._mismatch_check.amplitude))
         if self.inhibits:
             self._wait(authority)
         elif authority <= 0.0:
@@ -295,7 +299,7 @@ class HarmGuard:
             if not self.inhibits and may_compare:
                 self._compare(motions, authority)
 
-    def _disagree(self, reason: str) -> None:
+    def _disagree(self, reason: Alarm) -> None:
         """Keep compensation off for a disagreement, which is the `reason` until it is known who is wrong."""
         self._off_time = 0.0
         if not self.inhibits:
@@ -402,20 +406,11 @@ class HarmGuard:
         feeds_back_unit = self._loop.feeds_back_unit
         if self._depth_check.is_exceeded:
             self.trusts_estimate = False
-            self._begin_inhibiting(
-                f"compensation is harmful: the depth sensor reads {self._depth_check.amplitude:.3f} m of heave, more "
-                "than without compensation; if it does not move so, depth sensor or motion reference unit is wrong"
-            )
+            self._begin_inhibiting(ALARMS.alarm("UNIT_HEAVE_HIGH", heave=self._depth_check.amplitude))
         elif feeds_back_unit and self._swing_check.is_exceeded:
-            self._begin_inhibiting(
-                f"compensation is harmful: the unit swings by {self._swing_check.amplitude:.3f} m, more than without "
-                "compensation"
-            )
+            self._begin_inhibiting(ALARMS.alarm("UNIT_SWING_HIGH", swing=self._swing_check.amplitude))
         elif feeds_back_unit and self._rate_check.is_exceeded:
-            self._begin_inhibiting(
-                f"compensation is harmful: the drum is {self._rate_check.amplitude:.3f} m/s off its intended speed, an "
-                "error larger than the speed of the boom tip"
-            )
+            self._begin_inhibiting(ALARMS.alarm("DRUM_SPEED_OFF", error=self._rate_check.amplitude))
 
     # over waves
 
@@ -433,22 +428,22 @@ class HarmGuard:
         sigma, free_sigma = self._unit.sigma, self._free_unit.sigma
         least = authority * (1.0 - parameters.harm_ratio)
         if sigma > parameters.floor and sigma > (1.0 - least) * free_sigma:
-            verdict = "is harmful" if sigma > free_sigma else f"gains less than {100.0 * least:.0f} %"
             self._begin_inhibiting(
-                f"compensation {verdict}: heave of the unit {sigma:.3f} m, {free_sigma:.3f} m without compensation "
-                "(standard deviations)"
+                ALARMS.alarm("WORSE_THAN_OFF", sigma=sigma, free=free_sigma)
+                if sigma > free_sigma
+                else ALARMS.alarm("LITTLE_GAIN", sigma=sigma, free=free_sigma, percent=100.0 * least)
             )
         elif self._judged_time > 4.0 * self._hold_time:
             self._hold_time = parameters.hold_time
 
     # while it inhibits
 
-    def _begin_inhibiting(self, reason: str, hold: float | None = None) -> None:
+    def _begin_inhibiting(self, reason: Alarm, hold: float | None = None) -> None:
         self.inhibits, self._began = True, self._time
         self._is_unexplained = False
         self._hold = hold
         self._off_time = 0.0
-        self.reason = reason
+        self.alarm = reason
 
     def _wait(self, authority: float) -> None:
         """Count the time off, and let compensation be tried again."""
@@ -459,7 +454,7 @@ class HarmGuard:
         if self._off_time >= hold and self.demand <= self._parameters.demand_ratio:
             self.inhibits = False
             self.trusts_estimate = True
-            self.reason = ""
+            self.alarm = None
             if self._hold is None:
                 self._hold_time = min(HOLD_GROWTH * self._hold_time, self._parameters.hold_time_limit)
             self._judged_time = 0.0

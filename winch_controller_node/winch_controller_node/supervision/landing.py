@@ -65,10 +65,10 @@ REMEMBERED, LEAST_READINGS = 4096, 4
 
 
 class LandingEvent(Enum):
-    """What has just happened."""
+    """What has just happened, by the code of its alarm."""
 
-    TOUCHDOWN = "touchdown"
-    LIFTED_OFF = "unit suspended"
+    TOUCHDOWN = "TOUCHDOWN"
+    LIFTED_OFF = "UNIT_SUSPENDED"
 
 
 @dataclass(frozen=True, slots=True)

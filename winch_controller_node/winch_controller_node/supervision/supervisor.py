@@ -5,17 +5,20 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from heave_node.interface.alarm import Alarm
+from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, REQUESTED
+
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import LoopTick, free_swing
-from winch_controller_node.estimation.sensor_health import remedy
 from winch_controller_node.estimation.tension import TensionMean
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.supervision.command_timeouts import Advice, CommandTimeouts
 from winch_controller_node.supervision.entry_gates import PEAK_OVER_SIGNIFICANT, EntryGates
 from winch_controller_node.supervision.guard import GuardedLoop, GuardedMotions, HarmGuard
 from winch_controller_node.supervision.landing import LEAST_RATE, HangingLoad, HangingUnit, Landing, LandingEvent
 from winch_controller_node.supervision.mode_machine import ModeMachine
-from winch_controller_node.supervision.modes import Mode, ModeOutput, Situation
+from winch_controller_node.supervision.modes import BRAKED, Mode, ModeOutput, Situation
 from winch_controller_node.supervision.watch.highest_tension import HighestTension
 from winch_controller_node.supervision.watch.load_watch import Episode
 from winch_controller_node.supervision.watch.share_news import ShareNews
@@ -25,6 +28,9 @@ REQUIRED_SENSORS = {
     Mode.MANUAL: ("encoder",),
 }
 """Sensors without which a mode cannot go on; all others need MRU and encoder."""
+
+ENDED = (*BRAKED, Mode.FADE_OUT, Mode.STOPPING)
+"""Modes in which the unit is not held still."""
 
 HANGING_SHARES = (0.7, 1.3)
 """A unit hangs whose cable carries on average a share of its weight between these, and that has not landed."""
@@ -37,15 +43,8 @@ MEAN_ERROR = 0.3
 """What the mean over that time may be off, over the standard deviation of the tension: a swell of 20 s leaves
 sqrt(2)/(w t) = 0.15 of its own, and a group of waves, or a cable that goes slack and snaps, twice that."""
 
-ASK_AGAIN = "then ask for compensation again"
+ASK_AGAIN = "check the cause, then request compensation"
 """Ends the reason of an inhibition that only an operator can end."""
-
-NOT_AS_FORESEEN = (
-    "the boom tip moves otherwise than in the sea that is believed: wait until that is known, or look at the motion "
-    "reference unit"
-)
-NOT_AS_SENT = "the winch does not do what it is sent: wait until it is known what it does, or look at its drive"
-"""Why only a part of the sea is compensated, and what to do."""
 
 TRANSPORT_HOLD = 5.0
 """Time for which compensation stays off after commands were late for long [s]: the transport is not the loop's harm."""
@@ -73,7 +72,7 @@ class WinchSituation(NamedTuple):
     mean_payout : that the winch goes to [m]
     settled_swing : swing of the unit at which a fade-out may end [m]
     share : largest share of the sea that may be compensated with what is known of the winch
-    inhibition : why compensation must be off; empty: it need not
+    inhibition : why compensation must be off; None: it need not
     fault_cause : why the winch has its fault, in words; empty: unknown
     is_contrary : drum or encoder go the other way than it is sent: it is brought to rest until an operator asks for it
     mean_acceleration : with which the winch goes there [m/s^2]
@@ -84,7 +83,7 @@ class WinchSituation(NamedTuple):
     mean_payout: float
     settled_swing: float
     share: float = 1.0
-    inhibition: str = ""
+    inhibition: Alarm | None = None
     fault_cause: str = ""
     is_contrary: bool = False
     mean_acceleration: float = 0.0
@@ -103,7 +102,7 @@ class Decision(NamedTuple):
     unit_stands : on the bottom
     bounds_tension : the highest tension is one that compensation can keep in this sea
     landing : what has just happened to the unit; None: nothing
-    alarms : in words
+    alarms : raised in this tick
     """
 
     mode: ModeOutput
@@ -114,7 +113,7 @@ class Decision(NamedTuple):
     unit_stands: bool
     bounds_tension: bool
     landing: LandingEvent | None
-    alarms: tuple[str, ...]
+    alarms: tuple[Alarm, ...]
 
 
 class Supervisor:
@@ -144,7 +143,7 @@ class Supervisor:
         self._holds_hanging = parameters.tension.hanging
         self._largest_demand = parameters.guard.demand_ratio
         self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
-        self._reason_before = ""
+        self._code_before = ""
         self._fades_by_law = False
         self._share_news = ShareNews(dt)
         self._blind_time = 0.0
@@ -206,7 +205,7 @@ class Supervisor:
                 has_estimate=tick.sensed.has_encoder,
                 winch_fault=winch.fault,
                 fault_cause=winch.fault_cause,
-                harm=f"{self.guard.reason}, {ASK_AGAIN}" if winch.is_contrary else self.guard.reason,
+                harm=f"{self.guard.reason}; {ASK_AGAIN}" if winch.is_contrary else self.guard.reason,
                 prospect="" if winch.is_contrary else self.guard.prospect,
                 awaits_operator=winch.is_contrary,
                 speed=winch.speed,
@@ -218,7 +217,7 @@ class Supervisor:
             )
         )
         if mode.before is not None:
-            alarms += (f"mode {mode.mode.value}: {mode.reason}",)
+            alarms += (mode_alarm(mode),)
             alarms += self._tell_peaks(mode, authority_limit)
         if mode.mode is Mode.COMPENSATING and mode.before is Mode.FADE_OUT:
             self.guard.allow_resumption()
@@ -240,8 +239,8 @@ class Supervisor:
             alarms=alarms,
         )
 
-    def _resume_after_timeout(self, tick: LoopTick, winch: WinchSituation) -> tuple[str, ...]:
-        """Ask for compensation again where only late commands ended it; return what is to be told."""
+    def _resume_after_timeout(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
+        """Ask for compensation again where only late commands ended it; return what is to be reported."""
         wants_compensation = self.modes.wants_compensation
         is_stopped = self.modes.mode is Mode.STOPPED
         is_well = is_stopped and not self._lost(tick) and (self.modes.may_resume or not wants_compensation)
@@ -252,13 +251,10 @@ class Supervisor:
         )
         if advice is Advice.RESUME:
             self.modes.request(Mode.COMPENSATING.value)
-        return (advice.value,) if advice else ()
+        return (advice.alarm,) if advice else ()
 
-    def _judge(self, tick: LoopTick, mean_acceleration: float) -> tuple[str, ...]:
-        """Have the guard judge the tick, with the `mean_acceleration` of the payout [m/s^2].
-
-        Return its reason when the brake is on and no change of mode would tell it.
-        """
+    def _judge(self, tick: LoopTick, mean_acceleration: float) -> tuple[Alarm, ...]:
+        """Have the guard judge the tick, with the `mean_acceleration` of the payout [m/s^2]; return its new alarm."""
         # the estimate is that of a hanging unit
         hangs = not (self.landing.unit_stands or self.landing.is_suspected)
         is_judged = hangs and tick.knows_tip and self.modes.mode is not Mode.CONSTANT_TENSION
@@ -272,24 +268,24 @@ class Supervisor:
             mean_acceleration=mean_acceleration,
         )
         self.guard.update(motions, self.modes.authority if is_judged else 0.0, self.modes.target)
-        reason, before = self.guard.reason, self._reason_before
-        self._reason_before = reason
-        return (reason,) if self.modes.brake and reason and reason != before else ()
+        alarm, before = self.guard.alarm, self._code_before
+        self._code_before = "" if alarm is None else alarm.code
+        return (alarm,) if alarm is not None and alarm.code != before else ()
 
-    def _tell_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[str, ...]:
-        """Return what keeps a part of the sea from being compensated, where it lasts, or that it is over."""
+    def _tell_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
+        """Return what limits authority, where it lasts, or that it is over."""
         known_share = _known_share(tick)
         is_of_sea = known_share <= winch.share
-        words = self._share_news.update(
+        alarm = self._share_news.update(
             min(known_share, winch.share),
-            NOT_AS_FORESEEN if is_of_sea else NOT_AS_SENT,
+            "AUTHORITY_LIMITED_BY_SEA" if is_of_sea else "AUTHORITY_LIMITED_BY_WINCH",
             authority=self.modes.authority,
             factor=self.modes.factor,
             compensates=self.modes.mode is Mode.COMPENSATING,
         )
-        return (words,) if words else ()
+        return (alarm,) if alarm else ()
 
-    def _tell_peaks(self, mode: ModeOutput, authority_limit: float) -> tuple[str, ...]:
+    def _tell_peaks(self, mode: ModeOutput, authority_limit: float) -> tuple[Alarm, ...]:
         """Return that compensation begins in a sea whose peaks are beyond what the winch should be used for.
 
         Parameters
@@ -299,21 +295,21 @@ class Supervisor:
         """
         if mode.mode is not Mode.COMPENSATING or mode.before is not Mode.STANDBY:
             return ()
-        words = self._gates.peaks_in_words(self.guard.demand, self.modes.factor * authority_limit)
-        return (words,) if words else ()
+        alarm = self._gates.peaks_alarm(self.guard.demand, self.modes.factor * authority_limit)
+        return (alarm,) if alarm else ()
 
     def _closed_gates(self, tick: LoopTick, mean_payout: float) -> str:
         """Return why compensation may not begin about a mean payout [m]; empty where it may."""
         wait = self._longest_wait - tick.number * self._dt
         if not tick.knows_sea and wait > 0.0:
-            return f"waves are being looked at, for at most {wait:.0f} s more"
+            return f"measuring the sea, at most {wait:.0f} s more"
         if tick.doubt:
             return tick.doubt
-        if self.highest_tension.words:
-            return self.highest_tension.words
+        if self.highest_tension.alarm:
+            return self.highest_tension.alarm.brief
         return self._gates.for_compensation(mean_payout, self._limits, self.guard.demand, self._largest_demand)
 
-    def _watch_highest_tension(self, tick: LoopTick) -> tuple[str, ...]:
+    def _watch_highest_tension(self, tick: LoopTick) -> tuple[Alarm, ...]:
         """Return that the sea has become too high for the highest tension, where that is new."""
         if math.isinf(self._limits.maximum_tension):
             return ()
@@ -328,7 +324,7 @@ class Supervisor:
         )
         if highest.is_kept or not was_kept or self.modes.mode is not Mode.COMPENSATING:
             return ()
-        return (f"{highest.words}; until then compensation does not give way to it",)
+        return (highest.alarm,) if highest.alarm else ()
 
     def _lost(self, tick: LoopTick) -> str:
         """Return which of the required sensors are lost and why; empty when none."""
@@ -341,8 +337,7 @@ class Supervisor:
     def _why_no_tension(self, tick: LoopTick, payout: float) -> str:
         """Return why constant tension may not be asked for; empty when it may."""
         if "load_cell" in tick.sensed.lost:
-            reason = tick.sensed.lost["load_cell"]
-            return f"the load cell is {reason}: {remedy('load_cell', reason)}"
+            return f"the load cell is lost ({tick.sensed.lost['load_cell']})"
         if self.modes.mode is Mode.CONSTANT_TENSION:
             return ""  # the winch follows already
         if not self._holds_hanging and not self.landing.unit_stands and (hangs := self._may_hang(tick.mean_tension)):
@@ -356,13 +351,13 @@ class Supervisor:
         if least - error < share < most + error:
             return (
                 f"the unit is suspended: the cable carries {100.0 * share:.0f} % of its weight, and constant tension "
-                "would let it drop; land it first, or set tension.hanging"
+                "would drop it; land it first, or set tension.hanging"
             )
         wait = STANDING_TIME - tension.time
         if wait > 0.0:
             return (
-                f"whether the unit is suspended is not known before the tension has been averaged for {wait:.0f} s "
-                "more: ask again then, or set tension.hanging"
+                f"averaging the tension for {wait:.0f} s more, to know whether the unit is suspended: request it again "
+                "then, or set tension.hanging"
             )
         return ""
 
@@ -395,19 +390,19 @@ class Supervisor:
         self._blind_time = self._blind_time + self._dt if is_blind else 0.0
         return is_blind and self._blind_time < BLIND_LIMIT
 
-    def _tell_blind_lowering(self, tick: LoopTick, mode: ModeOutput) -> tuple[str, ...]:
+    def _tell_blind_lowering(self, tick: LoopTick, mode: ModeOutput) -> tuple[Alarm, ...]:
         """Return that the winch lowers without depth readings, and how touchdown is known then, where that is new."""
         is_blind = mode.mode is Mode.COMPENSATING and not tick.sensed.sees_landing and not self.landing.unit_stands
         if not self._blind_lowering.begins(is_blind and self.landing.lowering_rate >= LEAST_RATE):
             return ()
         is_weighed = math.isfinite(tick.sensed.filtered_tension) and "load_cell" not in tick.sensed.lost
-        known = (
-            f"by tension alone, once the cable has carried less than {100.0 * self._touchdown_ratio:.0f} % of the "
-            f"weight on average over {self._load.swing_time:.0f} s"
+        how = (
+            f"by tension alone, below {100.0 * self._touchdown_ratio:.0f} % of the weight on average over "
+            f"{self._load.swing_time:.0f} s"
             if is_weighed
-            else "by nothing, for the load cell is missing too"
+            else "by nothing: the load cell is missing too"
         )
-        return (f"the winch lowers without depth readings: landing is known {known}; lower slowly, or stop",)
+        return (ALARMS.alarm("LOWERING_BLIND", how=how),)
 
     def _watch_landing(self, time: float, tick: LoopTick, mode: ModeOutput) -> LandingEvent | None:
         """Notice touchdown while lowering, and that the unit hangs again after lift-off."""
@@ -419,6 +414,13 @@ class Supervisor:
 def _known_share(tick: LoopTick) -> float:
     """Return the largest share of the sea that may be compensated with what is known of it."""
     return UNKNOWN_SEA_SHARE if tick.is_sea_refuted else 1.0
+
+
+def mode_alarm(mode: ModeOutput) -> Alarm:
+    """Return the alarm of a change of `mode`: compensation that ends unrequested is one, all else an event."""
+    is_lost = mode.before in (Mode.COMPENSATING, Mode.CONSTANT_TENSION) and mode.mode in ENDED
+    code = COMPENSATION_LOST if is_lost and not mode.reason.endswith(REQUESTED) else MODE_CHANGED
+    return ALARMS.alarm(code, mode=mode.mode.value, reason=mode.reason)
 
 
 def hanging_load(design: ControllerDesign) -> HangingLoad:
