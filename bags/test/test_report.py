@@ -150,7 +150,7 @@ def test_what_happened_is_told_in_words_and_in_order(shared_bag):
     texts = [one.text for one in run_words.happenings(record)]
     assert "operator: factor 0.8" in texts
     assert "COMPENSATION_LOST (high): mode stopping: mru frozen" in texts
-    assert run_words.losses(record) == ["t = 20.00 s: compensation lost: mode stopping: mru frozen"]
+    assert run_words.losses(record) == ["t = 20.00 s: COMPENSATION_LOST (high): mode stopping: mru frozen"]
     times = [one.start for one in run_words.happenings(record)]
     assert times == sorted(times)
     assert any(re.fullmatch(r"winch at its speed limit for 2\.\d s", text) for text in texts)

@@ -19,7 +19,6 @@ from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.interface.alarm import Alarm
-from heave_node.interface.alarm import Alarm
 from heave_node.interface.sensors import MRU, STANDARD_WATER, Water, all_to_wire
 from heave_node.numerics.arrays import Array
 from wave_vessel_node.component import WaveVessel, WaveVesselOutputs

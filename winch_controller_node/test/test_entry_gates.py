@@ -124,7 +124,7 @@ def test_compensation_waits_for_waves_and_for_readings_that_can_be_believed():
         _limits=LIMITS,
         guard=SimpleNamespace(demand=0.1),
         _largest_demand=2.0,
-        highest_tension=SimpleNamespace(words=""),
+        highest_tension=SimpleNamespace(alarm=None),
     )
 
     def words(time, *, knows_sea, doubt=""):
