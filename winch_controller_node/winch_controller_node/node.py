@@ -30,7 +30,7 @@ from heave_node.interface.sensors import SENSORS, Water
 from heave_node.interface.topic import Topic
 from heave_node.numerics.linear_model import ModelError
 from heave_node.parameters import ParameterError
-from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import TIMING
 from heave_node.ros.node import NodeError
 from heave_node.ros.participant import ParticipantNode
@@ -49,6 +49,7 @@ from winch_controller_node.component import WinchController
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.wire import WireError, parameters_text
 from winch_controller_node.interface import conversions
+from winch_controller_node.interface.alarms import ALARMS as ALARM_TABLE
 from winch_controller_node.interface.readings import Lateness, Measurements, Outputs, Report
 from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.model.lqr import DesignError
@@ -228,7 +229,7 @@ class WinchControllerNode(ParticipantNode):
         if preview.has_come:
             parts.append(Health("preview", Level.WARN if preview.fault else Level.OK, preview.words))
         if report.solver_status.startswith("not solved"):
-            parts.append(Health("solver", Level.WARN, report.solver_status))
+            parts.append(alarm_health("solver", ALARM_TABLE.alarm("SOLVER_FAILED", status=report.solver_status)))
         told, self._told = {time: "; ".join(words) for time, words in self._told.items()}, {}
         parts.append(Health(ALARMS, Level.WARN, "; ".join(told.values()), told) if told else Health(ALARMS))
         asked, self._asked = self._asked, {}

@@ -145,10 +145,11 @@ READINGS = (
     ),
     AlarmRow(
         "SENSORS_DISAGREE",
-        HIGH,
+        MEDIUM,
         "sensors",
-        "{measurement} is {ratio:.1f} times its expected error off for {time:.0f} s, and no known fault explains it",
-        "Compensation continues on the nominal assumptions",
+        "cause unknown: innovations of {measurement} {ratio:.1f} times their expected size for {time:.0f} s, and no "
+        "known fault explains it",
+        "Compensation continues on the present assumptions",
         "Check all sensors, cable and unit; request standby if the unit moves more than expected",
     ),
 )
@@ -258,6 +259,22 @@ IDENTIFIED = (
         "Install the winch_adviser of the controller's version",
     ),
     AlarmRow("ADVISER_RESTORED", EVENT, "adviser", "answers again"),
+    AlarmRow(
+        "ADVISER_ENDED",
+        HIGH,
+        "adviser",
+        "no more answers: {fault}",
+        "The controller keeps what was identified so far",
+        "Restart winch_adviser",
+    ),
+    AlarmRow(
+        "SOLVER_FAILED",
+        LOW,
+        "loop",
+        "{status}",
+        "The plan of the tick before is used",
+        "Reduce mpc.horizon, or use law lqg, if it repeats",
+    ),
 )
 
 LOAD = (
