@@ -45,7 +45,7 @@ from heave_bags.record.topic_watch import TopicWatch
 LOOK_PERIOD = 0.1
 """Wall time between two looks for new topics before the run starts [s]."""
 LOOK_PERIOD_IN_RUN = 1.0
-"""The same during the run, where a look costs time that messages need [s]."""
+"""Wall time between two looks for new topics during the run, where a look costs time that messages need [s]."""
 REST = 0.01
 """Wall time that messages wait in a lockstep run, to be taken together [s]: a few of the ticks that the recorder may
 be behind.

@@ -60,7 +60,7 @@ SUMMARY = {
 """What the summary shows, by its key in JSON."""
 
 SELDOM_KNOWN = (BASELINE_EFFICIENCY, "rope_safety_factor")
-"""Those that are left out where no case has a value."""
+"""Columns that are omitted where no case has a value."""
 
 
 def to_json(campaign: Campaign, frame: pandas.DataFrame) -> dict[str, object]:

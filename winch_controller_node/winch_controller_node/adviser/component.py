@@ -57,7 +57,7 @@ MISFIT = 1.8
 """Mean squared normalised innovation of a sensor above which hypotheses are tried."""
 
 WORSE, RESTS = 1.3, 60
-"""Where nothing was found they are tried again when it is so many times as large, or after so many seconds."""
+"""Growth of the misfit [-], and time [s], after which hypotheses are tried again where none was accepted."""
 
 UNCERTAIN_GAIN = 0.25
 """Logarithm of a gain over the nominal one from which on it may as well be the encoder's scale."""

@@ -15,7 +15,7 @@ MAXIMUM_AGE = 5.0
 PROOF_TIME = 10.0
 """A preview is used once it has come true for so long [s]."""
 LEAD = 1.0
-"""What was told this long ahead [s] is held against what the motion reference unit then said."""
+"""Lead at which a preview is compared with what the MRU then read [s]."""
 MEMORY = 30.0
 """Time over which error and heave are compared [s]."""
 WORST_SHARE, WORST_NOISE = 0.5, 3.0

@@ -35,7 +35,7 @@ BY_CHANCE = 2e-4
 """Probability of a run of equal readings below which a sensor is frozen: three of one that does not read in steps."""
 
 JUMP_SHOWN = 2.0
-"""A jump that was taken off is shown for so long [s]: diagnostics come once a second."""
+"""Time for which a subtracted jump is shown [s]: diagnostics come once a second."""
 
 AT_ONCE, TRAVEL_KNOWN = 1.5, 10.0
 """A reading that comes later than so many ticks after the last one is judged by all that the drum should have turned

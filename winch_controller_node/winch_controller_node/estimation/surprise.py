@@ -14,17 +14,18 @@ MEMORY = 20.0
 """Memory of the mean of the normalised innovations squared [s]."""
 
 SURPRISING = 2.0
-"""Mean of the normalised innovations squared above which a sensor is not what it is believed to be; 1 where it is."""
+"""Mean of the normalised innovations squared above which a sensor is inconsistent with its model; 1 is consistent."""
 
 QUIET, QUIET_TIME = 0.4, 60.0
-"""Mean of them below which a sensor is quieter than believed, and time for which it is until that is told [s]."""
+"""Mean of the normalised innovations squared below which a sensor is quieter than nominal, and time until that is
+reported [s]."""
 
 UNEXPLAINED_TIME = 90.0
 """Time after which readings that are inconsistent without a pause count as unexplained [s]: the adviser judges a
 minute, accepts an explanation after 10 s more, and a new assumption begins the count again."""
 
 LARGEST = 25.0
-"""What one normalised innovation squared counts at most: a spike is no lasting error."""
+"""Largest weight of one normalised innovation squared: a spike is no lasting error."""
 
 ENCODER_ROW = "payout"
 """Readings of the encoder are not judged: the winch is identified by them."""

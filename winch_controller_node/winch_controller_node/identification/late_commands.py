@@ -20,7 +20,7 @@ SHARE_WINDOW, LARGEST_SHARE = 60.0, 0.1
 """Share of the commands of so many seconds that may be late; half of it ends the alarm."""
 
 CUT_TIME = 0.5
-"""Where no new command has been taken for so long the link is cut, and it is not known how late any command is [s]."""
+"""Time without a new command taken after which the link counts as cut [s]: how late any command is, is then unknown."""
 
 
 class LateCommands:

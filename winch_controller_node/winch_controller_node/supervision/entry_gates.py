@@ -22,11 +22,11 @@ INNOVATION_WEIGHT = 0.02
 """Weight of the newest normalised innovation in its running mean square."""
 
 LEAST_EXCESS = 0.1
-"""What a mean square of innovations that is back where it belongs may still be above 1."""
+"""Excess over 1 of a mean square of innovations that counts as settled."""
 
 UNREAD = 10.0
-"""Of what is not read for so many times its usual interval nothing is held against the estimate: its sensor is lost, or
-has become a witness only."""
+"""Usual intervals without a reading after which a measurement is no longer judged: its sensor is lost, or serves as a
+cross-check only."""
 
 ENCODER_ROW = "payout"
 """Readings of the encoder are never far off for long: the winch is identified by them."""

@@ -53,13 +53,13 @@ CAUSE_TIME, KNOWN_HOLD = 20.0, 5.0
 """Harm whose cause is known and corrected within the first time [s] keeps compensation off for the second [s] only."""
 
 RESTART = 0.1
-"""A swing that waves have left is excused again once so little of the last one is excused still."""
+"""Rest of the last allowance at which a swing that waves have left is allowed again."""
 
 BEYOND = 0.02
 """A sea is beyond the winch's limits where so much of the largest speed is missing."""
 
 OUT_OF_REACH = 2.0
-"""Error of the drum's speed that its limits excuse, over that of a drum that follows what is intended within them."""
+"""Allowed error of the drum's speed at its limits, over that of a drum that follows the intended speed within them."""
 
 SWING_WORK = 2.0
 """Speed of the drum that stops a swinging unit, over the speed of the unit."""

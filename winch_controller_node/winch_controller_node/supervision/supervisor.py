@@ -40,7 +40,7 @@ STANDING_TIME = 30.0
 it holds a wave and a half of the longest swell, of 20 s."""
 
 MEAN_ERROR = 0.3
-"""What the mean over that time may be off, over the standard deviation of the tension: a swell of 20 s leaves
+"""Error of the mean over that time, over the standard deviation of the tension: a swell of 20 s leaves
 sqrt(2)/(w t) = 0.15 of its own, and a group of waves, or a cable that goes slack and snaps, twice that."""
 
 ASK_AGAIN = "check the cause, then request compensation"

@@ -27,7 +27,7 @@ from heave_node.files.given_files import read_given
 CLOCKS = ("receipt", "own")
 FRAMES = ("ENU", "NED")
 LONGEST_ARM = 300.0
-"""No boom tip is further from its sensor [m]."""
+"""Largest lever arm from a sensor to the boom tip [m]."""
 
 
 @dataclass(frozen=True)

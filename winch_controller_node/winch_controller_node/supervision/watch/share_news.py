@@ -7,8 +7,8 @@ from heave_node.interface.alarm import Alarm
 from winch_controller_node.interface.alarms import ALARMS
 
 HELD_TIME, TOLD_AGAIN = 5.0, 60.0
-"""What holds a part of the sea back is told when it has lasted so long [s], and again when so much later; that it is
-over, when that has lasted as long.
+"""Limited authority is reported once it has lasted for the first time [s], and again after the second; its end, once
+that has lasted for the first time.
 """
 
 
