@@ -32,6 +32,7 @@ PAGES = {
     "CHANGELOG.md": "reference/changelog.md",
     "docs/parameters.md": "reference/parameters.md",
     "docs/modes.md": "reference/modes.md",
+    "docs/alarms.md": "reference/alarms.md",
     "docs/contract.md": "reference/contract.md",
     "bags/README.md": "reference/bags.md",
     "bringup/README.md": "packages/bringup.md",

@@ -126,7 +126,7 @@ def test_the_winch_stops_within_its_limits_and_brakes_when_its_controller_is_kil
             run.kill()
     assert run.returncode == 1
     assert "winch_controller was killed by SIGKILL" in err.strip().splitlines()[-1]
-    assert "virtual_winch: drive: stopped by itself: command timeout" in err, "told on the terminal as it happens"
+    assert "virtual_winch: drive: WINCH_COMMAND_TIMEOUT (high)" in err, "told on the terminal as it happens"
     names = ["payout_rate", "payout_acceleration", "fault", "brake"]
     winch = Bag(folder / "bag").columns({"/winch/state": names})["/winch/state"]
     assert winch["fault"][-1] == 1, "FAULT_COMMAND_TIMEOUT"

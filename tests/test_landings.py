@@ -7,6 +7,7 @@ import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 
+from tests.campaigns.draws.findings import is_suspicion
 from tests.campaigns.landings import Draw, draw, figures, scenario
 
 SOFT = Draw(1, stiffness=4.0e7 / 1500.0, mass=12e3, length=1500.0, speed=0.3, wave_height=1.0, peak_period=9.0)
@@ -36,9 +37,10 @@ def test_a_landing_is_known_by_tension_where_encoder_and_depth_sensor_contradict
     """
     settings = ["all.seed=1741", "virtual_winch.drum_radius_error=0.04", "all.duration=320"]
     record = ClosedLoop(loop_parameters(load_scenario("b7_landing", settings=settings))).run()
-    assert any("encoder suspect: it reads 0.96 times the payout" in words for _, words in record.alarms)
-    assert not any("depth suspect" in words for _, words in record.alarms)
+    (found,) = [alarm for _, alarm in record.alarms if alarm.code == "ENCODER_SCALE_ERROR"]
+    assert found.values["value"] == pytest.approx(0.96, abs=0.005)
+    assert not any(alarm.row.part == "depth" and is_suspicion(alarm) for _, alarm in record.alarms)
     time, force = record.column("time"), record.column("touchdown_force")
-    (told,) = (when for when, words in record.alarms if words == "touchdown")
+    (told,) = (when for when, alarm in record.alarms if alarm.code == "TOUCHDOWN")
     assert told - time[np.argmax(force > 0.0)] < 15.0
     assert record.modes[-1] == "constant_tension"

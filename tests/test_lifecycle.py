@@ -76,7 +76,7 @@ def test_an_inactive_controller_gives_no_command_and_begins_again_from_standby(t
         finally:
             run.kill()
     assert operator.stdout.strip() == "the controller is inactive: activate it first"
-    assert "virtual_winch: drive: stopped by itself: command timeout" in err
+    assert "virtual_winch: drive: WINCH_COMMAND_TIMEOUT (high)" in err
     bag = Bag(folder / "bag")
     names = ["payout_rate", "payout_acceleration", "fault", "brake"]
     columns = bag.columns(

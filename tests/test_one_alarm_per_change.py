@@ -7,20 +7,20 @@ import pytest
 from cable_sim_node.winch.choice import make_drive
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_node.interface.alarm import alarms_in
+
+from tests.campaigns.draws.findings import blamed_by
 
 CHANGED, DURATION = 120.0, 300.0
 """When the winch changes, and end of the run [s]."""
 
 GAIN_TOLD = (
-    re.compile(r"winch model updated: gain by the encoder ([\d.]+) \(was [\d.]+\)"),
-    re.compile(r"encoder suspect: it reads ([\d.]+) times the payout; .*"),
+    re.compile(r"WINCH_MODEL_UPDATED \(event\): gain by the encoder ([\d.]+) \(was [\d.]+\)\..*"),
+    re.compile(r"ENCODER_SCALE_ERROR \(medium\): reads ([\d.]+) times.*"),
 )
 """Of what was sent and what was read, neither tells a gain of the winch from one of its encoder."""
 
-NAMING = ("model updated", "suspect", "as assumed again")
-"""Words of an alarm that says what a part is believed to be."""
-
-DELAY_TOLD = (re.compile(r"winch model updated: command delay ([\d.]+) s \(was [\d.]+\)"),)
+DELAY_TOLD = (re.compile(r"WINCH_MODEL_UPDATED \(event\): command delay ([\d.]+) s \(was [\d.]+\)\..*"),)
 
 
 def alarms_of(**changes):
@@ -46,7 +46,13 @@ def alarms_of(**changes):
 
 def parts_told(alarms):
     """Return the `alarms` that say what a part is believed to be."""
-    return [(time, words) for time, words in alarms if any(word in words for word in NAMING)]
+    return [(time, str(alarm)) for time, alarm in alarms if names_a_part(alarm)]
+
+
+def names_a_part(alarm):
+    """Tell whether an `alarm` says what a part is like."""
+    (read,) = alarms_in(str(alarm))
+    return alarm.code.endswith(("_MODEL_UPDATED", "_NOMINAL")) or bool(blamed_by(read, noise=False))
 
 
 def assert_told_once(alarms, forms, value):
@@ -69,19 +75,19 @@ def test_a_change_of_the_gain_is_told_of_the_encoder_or_the_winch(gain):
     assert_told_once([first], GAIN_TOLD, gain)
     values = [form.fullmatch(words) for _, words in later for form in GAIN_TOLD]
     assert all(float(found.group(1)) == pytest.approx(gain, rel=0.07) for found in values if found is not None)
-    assert all(words.startswith(("encoder", "winch model updated: gain by")) for _, words in later)
-    assert not any("later than modelled" in words for _, words in alarms)
+    assert all(words.startswith(("ENCODER", "WINCH_MODEL_UPDATED (event): gain by")) for _, words in later)
+    assert not any(alarm.code.startswith("COMMANDS_") for _, alarm in alarms)
 
 
 @pytest.mark.slow
 def test_a_change_of_the_delay_is_one_alarm_that_names_it():
     alarms = alarms_of(command_delay=0.3)
     assert_told_once(alarms, DELAY_TOLD, 0.3)
-    assert any("later than modelled" in words for _, words in alarms)
+    assert "COMMANDS_LATE" in {alarm.code for _, alarm in alarms}
 
 
 @pytest.mark.slow
 def test_a_winch_that_stays_as_it_is_gives_none():
     alarms = alarms_of()
     assert not parts_told(alarms)
-    assert not [words for _, words in alarms if "winch" in words]
+    assert "winch" not in {alarm.row.part for _, alarm in alarms}

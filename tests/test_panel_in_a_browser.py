@@ -74,11 +74,12 @@ def test_two_viewers_operate_a_run_in_turns_and_a_dead_panel_is_seen_at_once_and
         first.click("inject")
         first.wait_for("magnitude")
         first.click("yes, do it")  # mru, freeze
-        first.wait_for("sensor mru: frozen", 60.0)
+        first.wait_for("MRU FROZEN", 60.0)
+        first.wait_for("Action: Restart the sensor")
         first.click("clear faults")
         first.wait_for("(over)", 60.0)
-        first.click("seen")
-        first.wait("!document.body.innerText.includes('sensor mru: frozen (over)')")
+        first.click("acknowledge")
+        first.wait("!document.body.innerText.includes('MRU FROZEN (over)')")
 
         second.click("ask for it")
         first.wait_for("Viewer 2 asks for the command.")

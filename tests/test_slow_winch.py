@@ -5,6 +5,7 @@ import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 
+from tests.campaigns.draws.findings import is_suspicion
 from tests.campaigns.promise import worst_window
 
 
@@ -31,7 +32,7 @@ def test_a_winch_that_is_several_times_off_is_known_within_half_a_minute_and_hol
     """It was told with limits that no winch had, and left half of the motion, or all of it."""
     settings = [f"virtual_winch.{name}={value}", f"winch_controller.law={law}", f"all.seed={seed}", "all.duration=150"]
     record, believed = run(scenario, *settings)
-    begins = next(time for time, words in record.alarms if words.startswith("mode compensating"))
+    begins = next(time for time, words in record.alarms if words.values.get("mode") == "compensating")
     time = record.column("time")
     after = time > begins + 45.0
     unit, off = (record.column(motion)[after] for motion in ("unit", "uncompensated"))
@@ -42,7 +43,7 @@ def test_a_winch_that_is_several_times_off_is_known_within_half_a_minute_and_hol
     assert {q: v for q, v in believed.items() if q != f"winch.{name}" and not q.startswith("sea.")} == {
         q: pytest.approx(v, abs=0.01) for q, v in others.items() if q in believed and q != f"winch.{name}"
     }
-    told = [time for time, words in record.alarms if "updated" in words or "suspect" in words]
+    told = [time for time, alarm in record.alarms if is_suspicion(alarm) or alarm.code.endswith("_MODEL_UPDATED")]
     assert told
     assert told[0] < begins + 30.0
 
@@ -59,7 +60,7 @@ def test_a_winch_that_is_known_to_be_slow_blames_no_encoder(time_constant, seed,
     """Of 1 s, as published winches have, and more."""
     settings = [f"system.winch.time_constant={time_constant}", f"all.seed={seed}", f"all.duration={duration}"]
     record = ClosedLoop(loop_parameters(load_scenario("b3_deep_900", settings=settings))).run()
-    assert [words for _, words in record.alarms] == ["mode compensating: estimate settled"]
+    assert [alarm.values for _, alarm in record.alarms] == [{"mode": "compensating", "reason": "estimate settled"}]
     after = record.column("time") > 60.0
     assert np.std(record.column("unit")[after]) < 0.05 * np.std(record.column("uncompensated")[after])
 
@@ -112,7 +113,7 @@ def test_law_lqg_is_no_worse_than_off_on_a_winch_with_a_sixth_of_the_power_that_
     unit = record.column("unit") + record.column("depth_set_point")
     ratio, _ = worst_window(record.column("time"), unit, record.column("uncompensated"), 60.0)
     assert ratio < 0.95
-    assert not any("fade_out" in words for _, words in record.alarms)
+    assert "fade_out" not in {alarm.values.get("mode") for _, alarm in record.alarms}
 
 
 @pytest.mark.slow
@@ -143,7 +144,7 @@ def test_the_encoder_of_a_winch_at_its_limits_is_not_blamed():
     ratio, at = worst_window(record.column("time"), unit, record.column("uncompensated"), 65.0)
     assert np.isfinite(at)
     assert ratio < 0.2
-    assert not [words for _, words in record.alarms if "suspect" in words]
+    assert not [alarm for _, alarm in record.alarms if is_suspicion(alarm)]
     assert believed["winch.speed_in"] == pytest.approx(0.6, rel=0.05)
 
 

@@ -26,7 +26,7 @@ def test_a_countdown_is_one_alarm_with_its_first_words():
 
 
 def test_what_the_controller_has_told_is_not_joined_where_its_figures_differ():
-    messages = ["winch model updated: speed limit 1.2 m/s", "winch model updated: speed limit 1.1 m/s"]
+    messages = [f"WINCH_MODEL_UPDATED (event): speed limit {limit} m/s" for limit in (1.2, 1.1)]
     found = diagnostic_alarms(fields("winch_controller: alarms", messages))
     assert [alarm.name.split(": ")[-1] for alarm in found] == ["speed limit 1.2 m/s", "speed limit 1.1 m/s"]
 

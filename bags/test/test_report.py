@@ -170,7 +170,7 @@ def test_a_limit_that_was_learnt_is_drawn_from_when_on_it_is_told(shared_bag):
     (record,) = analysis.analyse([shared_bag])
     (figure,) = [one for one in run_figures(record) if one.title.startswith("Winch speed")]
     assert "learnt" not in figure.caption
-    told = "winch_controller: alarms: winch model updated: acceleration limit {} m/s^2 (was 1.500), reached paying out"
+    told = "winch_controller: alarms: WINCH_MODEL_UPDATED (event): acceleration limit paying out {} m/s^2 (was 1.500)."
     record.alarms += [Interval(time, time + 1.0, told.format(limit), 1) for time, limit in ((40.0, 0.6), (20.0, 0.9))]
     (figure,) = [one for one in run_figures(record) if one.title.startswith("Winch speed")]
     assert "dotted: as the controller has learnt them" in figure.caption
@@ -201,8 +201,8 @@ def test_what_happened_is_told_in_words_and_in_order(shared_bag):
     record.requests = [Interval(12.0, 12.0, "factor 0.8")]
     texts = [one.text for one in run_words.happenings(record)]
     assert "operator: factor 0.8" in texts
-    assert "compensation lost: mode stopping: mru frozen" in texts
-    assert run_words.losses(record) == ["t = 20.00 s: compensation lost: mode stopping: mru frozen"]
+    assert "COMPENSATION_LOST (high): mode stopping: mru frozen" in texts
+    assert run_words.losses(record) == ["t = 20.00 s: COMPENSATION_LOST (high): mode stopping: mru frozen"]
     times = [one.start for one in run_words.happenings(record)]
     assert times == sorted(times)
     assert any(re.fullmatch(r"winch at its speed limit for 2\.\d s", text) for text in texts)

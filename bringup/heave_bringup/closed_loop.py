@@ -18,6 +18,7 @@ from cable_sim_node.sensors.suite import SensorReadings
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
+from heave_node.interface.alarm import Alarm
 from heave_node.interface.sensors import MRU, STANDARD_WATER, Water, all_to_wire
 from heave_node.numerics.arrays import Array
 from wave_vessel_node.component import WaveVessel, WaveVesselOutputs
@@ -79,12 +80,12 @@ class LoopRecord:
     Attributes
     ----------
     rows : shape (ticks, len(COLUMNS)), SI units, heave positive up
-    modes : mode at each tick; alarms : time [s] and words
+    modes : mode at each tick; alarms : time [s] and alarm
     """
 
     rows: Array
     modes: list[str] = field(default_factory=list)
-    alarms: list[tuple[float, str]] = field(default_factory=list)
+    alarms: list[tuple[float, Alarm]] = field(default_factory=list)
 
     def column(self, name: str, *, after: float = 0.0) -> Array:
         """Return a column of the record.
@@ -206,7 +207,7 @@ class ClosedLoop:
             for index in range(ticks):
                 outputs, record.rows[index] = self.step()
                 record.modes.append(outputs.mode)
-                record.alarms += [(float(record.rows[index, 0]), words) for words in outputs.alarms]
+                record.alarms += [(float(record.rows[index, 0]), alarm) for alarm in outputs.alarms]
                 if on_tick is not None:
                     on_tick(self.tick - 1, outputs)
         finally:

@@ -28,6 +28,7 @@ from heave_bringup.errors import CommandError
 from heave_bringup.progress import time_to_go
 from heave_bringup.scenarios import load_scenario
 from heave_bringup.tables.case_table import read_cases
+from heave_node.interface.alarm import AlarmRow, Severity
 from heave_node.parameters import ParameterError
 from rich.console import Console
 
@@ -240,9 +241,11 @@ def test_a_process_that_dies_costs_its_own_case_only(campaign, monkeypatch):
 
 
 def record_of(modes: list[str], alarms: list[tuple[float, str]]) -> LoopRecord:
+    """Return a record with `alarms` of times and codes."""
     rows = np.zeros((len(modes), len(COLUMNS)))
     rows[:, 0] = np.arange(len(modes))
-    return LoopRecord(rows, modes, alarms)
+    raised = [(time, AlarmRow(code, Severity.HIGH, "mru", "words").alarm()) for time, code in alarms]
+    return LoopRecord(rows, modes, raised)
 
 
 def test_why_a_case_was_lost_is_when_compensation_ended_and_the_alarm_before():
@@ -252,13 +255,13 @@ def test_why_a_case_was_lost_is_when_compensation_ended_and_the_alarm_before():
     whole = record_of([off, on, on, on, on, on], [])
     assert lost_because(whole, scenario, kpis) == ""
     assert "more than uncompensated" in lost_because(whole, scenario, {**kpis, "unit_sigma_m": 0.3})
-    ended = record_of([off, on, on, on, "fade_out", on], [(1.0, "begins"), (4.0, "MRU is  frozen"), (5.0, "begins")])
+    ended = record_of([off, on, on, on, "fade_out", on], [(1.0, "FIRST"), (4.0, "MRU_FROZEN"), (5.0, "LATER")])
     assert lost_because(ended, scenario, kpis) == (
-        "compensation ended at 4.00 s (mode fade_out), in force 66.7 % of the time: MRU is frozen"
+        "compensation ended at 4.00 s (mode fade_out), in force 66.7 % of the time: MRU_FROZEN (high): words."
     )
-    never = record_of([off] * 6, [(2.0, "the sea is beyond the winch")])
+    never = record_of([off] * 6, [(2.0, "SEA_ABOVE_WINCH")])
     assert lost_because(never, scenario, kpis) == (
-        "compensation never began (mode standby): the sea is beyond the winch"
+        "compensation never began (mode standby): SEA_ABOVE_WINCH (high): words."
     )
     late = record_of([off, off, off, off, on, on], [])
     assert lost_because(late, scenario, kpis).startswith("compensation began only at 4.00 s")

@@ -83,7 +83,7 @@ def test_a_loss_is_told_with_the_time_of_the_change_and_the_stop_that_follows_is
         diagnosed("stopped: mru stale", 72.05, {"t = 71.90 s": "stopping: mru stale"}, DiagnosticStatus.ERROR),
     ):
         Monitor._on_diagnostics(monitor, message)
-    assert monitor._news == ["t = 61.90 s: compensation lost: mode fade_out: mru stale"]
+    assert monitor._news == ["t = 61.90 s: COMPENSATION_LOST (high): mode fade_out: mru stale"]
     assert monitor.alarms == []
 
 
@@ -92,7 +92,7 @@ def test_a_loss_between_two_diagnostics_is_told_though_compensation_has_come_bac
     Monitor._on_diagnostics(monitor, diagnosed("compensating", 10.0, {}))
     changes = {"t = 10.20 s": "fade_out: mru stale", "t = 10.80 s": "compensating: mru is back"}
     Monitor._on_diagnostics(monitor, diagnosed("compensating: mru is back", 11.0, changes))
-    assert monitor._news == ["t = 10.20 s: compensation lost: mode fade_out: mru stale"]
+    assert monitor._news == ["t = 10.20 s: COMPENSATION_LOST (high): mode fade_out: mru stale"]
 
 
 def test_a_stop_for_another_reason_than_the_loss_is_told_as_well():
@@ -109,20 +109,23 @@ def test_a_stop_for_another_reason_than_the_loss_is_told_as_well():
 
 def test_a_lost_sensor_is_told_once_by_the_controllers_alarms():
     """The part of the sensor says the same, up to a second later."""
-    lost, monitor = "frozen: its readings do not change: start it or its driver again", listener()
+    lost, monitor = "MRU_FROZEN (high): readings do not change. Compensation fades out.", listener()
     sensor = DiagnosticStatus(level=DiagnosticStatus.ERROR, name="winch_controller: sensor mru", message=lost)
-    told = KeyValue(key="t = 9.80 s", value=f"mru lost: {lost}")
+    told = KeyValue(key="t = 9.80 s", value=lost)
     alarms = DiagnosticStatus(level=DiagnosticStatus.WARN, name=ALARMS_PART, message="1", values=[told])
     header = Header(stamp=Time(sec=10))
     Monitor._on_diagnostics(monitor, DiagnosticArray(header=header, status=[sensor, alarms]))
-    assert monitor._news == [f"t = 9.80 s: mru lost: {lost}"]
+    assert monitor._news == [f"t = 9.80 s: {lost}"]
     assert monitor.alarms == [f"t = 10.00 s: winch_controller: sensor mru: {lost}"], "an error of the run it is"
 
 
 def test_a_loss_is_told_once_and_a_request_is_none():
     live = LiveFigures()
     assert live.note_mode(1.0, "compensating", "") == ""
-    assert live.note_mode(2.0, "stopping", "mru frozen") == "t = 2.00 s: compensation lost: mode stopping: mru frozen"
+    assert (
+        live.note_mode(2.0, "stopping", "mru frozen")
+        == "t = 2.00 s: COMPENSATION_LOST (high): mode stopping: mru frozen"
+    )
     assert live.note_mode(3.0, "stopped", "mru frozen") == ""
     live.note_mode(4.0, "compensating", "")
     assert live.note_mode(5.0, "fade_out", "standby requested") == ""

@@ -149,12 +149,13 @@ def test_a_speed_is_asked_for_again_and_again_then_zero_then_told_by_what_the_pa
 def test_a_speed_that_is_limited_is_answered_with_the_limit_in_the_controllers_words():
     link = FakeLink()
     lowering = Lowering(link, 0.5, 1.0)
-    limited = "the operator's speed is limited to 0.30 m/s, 0.50 m/s was asked for"
+    limited = "0.50 m/s requested, limit 0.30 m/s."
+    told = f"CABLE_SLACK (medium): tension 1.0 kN.; OPERATOR_SPEED_LIMITED (low): {limited}"
     answer, tick = None, 0
     while answer is None:
         link.says(5.0 + 0.05 * tick)
         # diagnostics tell it for a second
-        link.situation.note("winch_controller: alarms", 1 if 10 <= tick < 30 else 0, f"cable slack; {limited}")
+        link.situation.note("winch_controller: alarms", 1 if 10 <= tick < 30 else 0, told)
         answer, tick = lowering.poll(), tick + 1
     assert answer == Answer(f"speed +0.5 m/s for 1.0 s: the mean payout moved by +0.00 m; {limited}")
 

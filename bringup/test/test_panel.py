@@ -16,6 +16,7 @@ from heave_bringup.panel.command_post import ASKING_TIME, CommandPost
 from heave_bringup.panel.guard import COOKIE, Guard, is_loopback
 from heave_bringup.panel.history import LENGTH, LINES, History
 from heave_bringup.panel.run_worker import RunWorker
+from heave_node.interface.alarm import Severity
 from hypothesis import given
 from hypothesis import strategies as st
 from rcl_interfaces.msg import ParameterType, ParameterValue
@@ -93,35 +94,64 @@ def test_whatever_viewers_do_at_most_one_of_those_present_is_in_command(steps):
 # alarms
 
 
+FROZEN = Trouble(
+    "winch_controller: sensor mru",
+    "MRU_FROZEN (high): readings do not change. Compensation fades out. Restart the sensor or its driver.",
+    is_error=True,
+)
+KEY = "winch_controller MRU_FROZEN"
+
+
+def test_an_alarm_has_severity_time_text_and_action():
+    alarms = AlarmList()
+    alarms.note(10.0, {FROZEN.part: FROZEN})
+    (alarm,) = alarms.alarms
+    assert (alarm.key, alarm.title, alarm.severity, alarm.since) == (KEY, "MRU FROZEN", Severity.HIGH, 10.0)
+    assert alarm.action == "Restart the sensor or its driver"
+    assert alarm.text == "readings do not change. Compensation fades out."
+
+
 def test_an_alarm_that_has_passed_stays_until_it_is_acknowledged():
-    alarms, frozen = AlarmList(), Trouble("mru", "frozen", is_error=True)
-    alarms.note(10.0, {"mru": frozen})
+    alarms = AlarmList()
+    alarms.note(10.0, {FROZEN.part: FROZEN})
     alarms.note(20.0, {})
     (alarm,) = alarms.alarms
     assert (alarm.since, alarm.is_active, alarm.is_acknowledged) == (10.0, False, False)
-    alarms.acknowledge("mru")
+    alarms.acknowledge(KEY)
     assert alarms.alarms == ()
 
 
 def test_an_acknowledged_alarm_stays_while_it_holds_and_comes_back_unacknowledged():
-    alarms, frozen = AlarmList(), Trouble("mru", "frozen", is_error=True)
-    alarms.note(10.0, {"mru": frozen})
-    alarms.acknowledge("mru")
-    alarms.note(11.0, {"mru": frozen})
+    alarms = AlarmList()
+    alarms.note(10.0, {FROZEN.part: FROZEN})
+    alarms.acknowledge(KEY)
+    alarms.note(11.0, {FROZEN.part: FROZEN})
     assert alarms.alarms[0].is_acknowledged
     alarms.note(12.0, {})
     assert alarms.alarms == ()
-    alarms.note(13.0, {"mru": frozen})
+    alarms.note(13.0, {FROZEN.part: FROZEN})
     assert not alarms.alarms[0].is_acknowledged
 
 
-def test_a_warning_that_becomes_an_error_is_to_be_acknowledged_anew_and_comes_first():
+def test_what_two_parts_report_is_one_alarm_and_an_event_is_none():
+    message = (
+        f"WINCH_MODEL_UPDATED (event): time constant 0.2 s.; {FROZEN.message}; CABLE_SLACK (medium): tension 0.1 kN."
+    )
+    told = Trouble("winch_controller: alarms", message, is_error=False)
+    alarms = AlarmList()
+    alarms.note(10.0, {told.part: told, FROZEN.part: FROZEN})
+    assert [alarm.title for alarm in alarms.alarms] == ["MRU FROZEN", "CABLE SLACK"]
+    alarms.note(11.0, {FROZEN.part: FROZEN})
+    assert [alarm.is_active for alarm in alarms.alarms] == [True, False]
+
+
+def test_a_warning_without_a_code_that_becomes_an_error_is_to_be_acknowledged_again_and_comes_first():
     alarms = AlarmList()
     alarms.note(1.0, {"a": Trouble("a", "slow", is_error=False)})
     alarms.acknowledge("a")
     alarms.note(2.0, {"a": Trouble("a", "slow", is_error=False), "b": Trouble("b", "late", is_error=True)})
     alarms.note(3.0, {"a": Trouble("a", "lost", is_error=True), "b": Trouble("b", "late", is_error=True)})
-    assert [(one.trouble.part, one.is_acknowledged) for one in alarms.alarms] == [("a", False), ("b", False)]
+    assert [(one.key, one.is_acknowledged) for one in alarms.alarms] == [("a", False), ("b", False)]
 
 
 # what is drawn
@@ -136,6 +166,7 @@ def test_the_history_keeps_the_last_minute_and_begins_anew_with_a_run():
     residual = next(number for number, line in enumerate(LINES) if line.name.startswith("residual"))
     points = history.series(residual)
     assert len(points) == LENGTH
+    assert history.span == (points[0][0], points[-1][0]), "the axis of time is that of the data"
     assert points[-1][1] == pytest.approx(10.0)  # 0.5 m of the boom tip less 0.4 m of the winch
     history.note(Situation(RunStatus(1, time=1.0)))
     assert history.series(residual) == [[1.0, None]]

@@ -10,13 +10,14 @@ from heave_node.interface import topics
 from heave_node.interface.messages import SensorMessages
 from heave_node.interface.sensors import SENSORS, all_to_wire
 from heave_node.numerics.constants import LARGEST_STRAIN
-from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.master import ClockMasterNode
 from heave_node.ros.process import run_node
 from heave_node.tick.tick import Tick
 
 from cable_sim_node import conversions
+from cable_sim_node.alarms import ALARMS
 from cable_sim_node.component import CableSim, PlantState
 from cable_sim_node.errors import PlantError
 from cable_sim_node.inputs import NewestMotion
@@ -116,9 +117,9 @@ class CableSimNode(ClockMasterNode):
         """Say what of the inputs is missing and whether the cable is slack."""
         parts = []
         for signal in (self.plant.boom_tip, self.plant.payout):
-            level = Level.WARN if signal.missing_in_a_row else Level.OK
-            text = f"missing for {signal.missing_in_a_row} ticks" if signal.missing_in_a_row else "ok"
-            parts.append(Health(f"input {signal.name}", level, text, {"missing": str(signal.missing)}))
+            part, values = f"input {signal.name}", {"missing": str(signal.missing)}
+            late = ALARMS.alarm("PLANT_INPUT_MISSING", name=signal.name, count=signal.missing_in_a_row)
+            parts.append(alarm_health(part, late, values) if signal.missing_in_a_row else Health(part, values=values))
         return [*parts, self._cable_health()]
 
     def has_urgent_news(self) -> bool:
@@ -131,14 +132,11 @@ class CableSimNode(ClockMasterNode):
         strain = self.plant.largest_strain
         values = {"largest strain": f"{strain:.4f}"}
         if strain > LARGEST_STRAIN:
-            text = (
-                f"the cable was strained by {strain:.1%}, more than {LARGEST_STRAIN:.0%}: it would part, or its "
-                "tension law does not hold; check cable.axial_stiffness, the masses and the snaps of this run"
-            )
-            return Health("cable", Level.ERROR, text, values)
+            overstrained = ALARMS.alarm("CABLE_OVERSTRAINED", percent=100.0 * strain, limit=100.0 * LARGEST_STRAIN)
+            return alarm_health("cable", overstrained, values)
         slack = self.state.slack_segments if self.state is not None else 0
         if slack:
-            return Health("cable", Level.WARN, f"{slack} segments are slack", values)
+            return alarm_health("cable", ALARMS.alarm("CABLE_SEGMENTS_SLACK", count=slack), values)
         return Health("cable", Level.OK, "taut", values)
 
     def _make_plant(self) -> CableSim:

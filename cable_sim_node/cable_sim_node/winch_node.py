@@ -5,13 +5,14 @@ from __future__ import annotations
 import sys
 
 from heave_node.interface import topics
-from heave_node.interface.codes import RELEASE_WORDS, WinchFault, fault_words
-from heave_node.ros.diagnostics import Health, Level
+from heave_node.interface.codes import RELEASE_WORDS, WinchFault
+from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
 from heave_node.tick.tick import Tick
 
+from cable_sim_node.alarms import ALARMS, DRIVE_CODES
 from cable_sim_node.conversions import WINCH_COMMAND, winch_command_of, winch_state_message
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
@@ -99,9 +100,8 @@ class VirtualWinchNode(ParticipantNode):
         values |= {name: f"{value:.6g}" for name, value in self.winch.instruments().items()}
         if state.fault is WinchFault.NONE:
             return [Health("drive", Level.OK, "ok", values)]
-        reason = f"{fault_words(state.fault)}{self._cause}"
-        waits = RELEASE_WORDS[state.release]
-        return [Health("drive", Level.ERROR, f"stopped by itself: {reason}; {waits}", values)]
+        code, given = DRIVE_CODES[state.fault], {"cause": self._cause, "waits": RELEASE_WORDS[state.release]}
+        return [alarm_health("drive", ALARMS.alarm(code, **given), values)]
 
     def _make_winch(self) -> VirtualWinch:
         return VirtualWinch(self.parameters, tick_period=self.run.tick_period, seed=self.run.seed)

@@ -33,10 +33,12 @@ from heave_bringup.campaign.table import FAILURE, NOMINAL
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.output import print_parts
 from heave_bringup.scenarios import load_scenario
+from heave_node.interface.alarm import Alarm, alarms_in
 from heave_node.kpi import WORSE_RATIO, WORSE_WINDOW, window_ratios
 from heave_node.numerics.arrays import Array
 
 from tests.campaigns.commit import commit_line
+from tests.campaigns.draws.findings import blamed_by, changes_in
 
 SCENARIO = "b3_deep_900"
 DURATION = 240.0
@@ -259,7 +261,7 @@ def kept(one: Draw, record: LoopRecord) -> Kept:
     begin = float(time[np.argmax(compensates)]) + TROUBLE if np.any(compensates) else WINDOW
     ratio, at = worst_window(time, unit, off, begin)
     entered = np.array([mode == "fade_out" for mode in record.modes])
-    told = tuple(f"{when:.0f} s: {words}" for when, words in record.alarms if _is_finding(words))
+    told = tuple(f"{when:.0f} s: {alarm}" for when, alarm in record.alarms if _is_finding(alarm))
     return Kept(
         sigma=float(np.std(unit[time > begin])),
         learnt=float(np.std(unit[time > begin - TROUBLE + LEARNING])),
@@ -288,8 +290,11 @@ def worst_window(time: Array, unit: Array, off: Array, begin: float) -> tuple[fl
     return float(ratios[at]), float(starts[at])
 
 
-def _is_finding(words: str) -> bool:
-    return any(mark in words for mark in ("updated", "suspect", "times what is believed", "explains it", "later"))
+def _is_finding(alarm: Alarm) -> bool:
+    """Tell whether an `alarm` says what a part is like, or that commands are late."""
+    (read,) = alarms_in(str(alarm))
+    is_updated = alarm.code in ("WINCH_MODEL_UPDATED", "SEA_MODEL_UPDATED")
+    return is_updated or alarm.code.startswith("COMMANDS_") or bool(blamed_by(read))
 
 
 @dataclass(frozen=True)
@@ -376,12 +381,13 @@ def named_things(settings: Settings) -> dict[str, Named]:
 
 def named_values(words: str) -> list[tuple[str, float]]:
     """Return what an alarm names, with the value that was learnt."""
-    if "winch model updated: " in words:
-        parts = words.split("winch model updated: ")[1]
-        return [(name, float(value)) for name, value in re.findall(r"([a-z][a-z ]*?) (-?[\d.]+)[^,(]*\(was", parts)]
-    if "mru suspect: it reads " in words:
-        return [("mru or drum", float(re.findall(r"it reads (-?[\d.]+) times", words)[0]))]
-    return []
+    found = []
+    for alarm in alarms_in(words):
+        if alarm.code == "WINCH_MODEL_UPDATED":
+            found += changes_in(alarm.text)
+        elif alarm.code == "MRU_SCALE_ERROR":
+            found.append(("mru or drum", float(re.findall(r"reads (-?[\d.]+) times", alarm.text)[0])))
+    return found
 
 
 def is_wrong(words: str, settings: Settings) -> bool:
@@ -391,14 +397,16 @@ def is_wrong(words: str, settings: Settings) -> bool:
     is_filtered = settings.get("wave_vessel.mru.high_pass_period", 0.0) > 0.0
     noises = {row: settings.get(name, sigma) / sigma for row, (name, sigma) in NOISE_ROWS.items()}
     wrongs = {
-        **{f"noise of {row} is": factor < 1.5 for row, factor in noises.items()},
-        "mru suspect": not (is_filtered or is_late or named_values(words)),
-        "depth suspect": True,
-        "encoder suspect": True,
-        "cable suspect": not any(settings.get(name, 1.0) != 1.0 for name in (INERTIA, DAMPING, DRAG)),
+        "mru": not (is_filtered or is_late or named_values(words)),
+        "depth": True,
+        "encoder": True,
+        "cable": not any(settings.get(name, 1.0) != 1.0 for name in (INERTIA, DAMPING, DRAG)),
     }
     is_misnamed = any(things[name].is_wrong(learnt) for name, learnt in named_values(words))
-    return is_misnamed or any(is_wrong for mark, is_wrong in wrongs.items() if mark in words)
+    is_quiet = any(factor < 1.5 for row, factor in noises.items() if f"noise of {row} is" in words)
+    suspects = [part for alarm in alarms_in(words) for part in blamed_by(alarm, noise=False)]
+    is_blameless = any(wrongs.get(part, False) for part in suspects if "WINCH_MODEL_UPDATED" not in words)
+    return is_misnamed or is_quiet or is_blameless
 
 
 def show(one: Draw, found: Kept) -> str:

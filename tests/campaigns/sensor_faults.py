@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import re
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,9 +20,11 @@ from dataclasses import dataclass
 import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_node.interface.alarm import alarms_in
 
 from tests.campaigns.commit import commit_line
-from tests.campaigns.promise import LARGEST, TROUBLE, named_values, worst_window
+from tests.campaigns.draws.findings import blamed_by
+from tests.campaigns.promise import LARGEST, TROUBLE, worst_window
 
 SCENARIOS = ("b2_calm_300", "b3_deep_900", "b4_limit_900_tp10", "b10_real_mru_swell")
 LAWS = ("mpc", "lqg")
@@ -171,8 +172,8 @@ def kept(one: Draw, record: LoopRecord) -> Kept:
         worst_window(time[during], unit[during], off[during], max(first, one.start) + TROUBLE),
         worst_window(time, unit, off, after),
     )
-    named = [culprit for _, words in record.alarms for culprit in culprits(words)]
-    alarms = tuple(f"{when:.1f} s: {words}" for when, words in record.alarms)
+    alarms = tuple(f"{when:.1f} s: {alarm}" for when, alarm in record.alarms)
+    named = [culprit for words in alarms for culprit in culprits(words)]
     return Kept(
         worst=worst,
         at=at,
@@ -185,12 +186,9 @@ def kept(one: Draw, record: LoopRecord) -> Kept:
 
 
 def culprits(words: str) -> list[str]:
-    """Return whom an alarm blames; an error of scale between MRU and drum, and a gain by the encoder, may be its."""
-    found = re.findall(r"(?:^|s: |; )((?:mru|depth|encoder|load_cell|cable)(?: or drum)?) (?:suspect|lost)", words)
-    if "winch model updated: " in words:
-        changes = [name for name, _ in named_values(words)]
-        found.append("winch or encoder" if changes == ["gain by the encoder"] else "winch")
-    return [culprit.replace("mru or drum", "mru or encoder") for culprit in found]
+    """Return whom the line of an alarm blames; a gain by the encoder may be the winch's or the encoder's."""
+    blamed = (blamed_by(alarm, noise=False) for alarm in alarms_in(words))
+    return [" or ".join(parts) for parts in blamed if parts]
 
 
 def show(one: Draw, found: Kept) -> str:

@@ -9,13 +9,14 @@ from heave_node.interface import topics
 from heave_node.interface.codes import MruStatus
 from heave_node.interface.messages import SensorMessages
 from heave_node.interface.sensors import MRU, STANDARD_WATER
-from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
 from heave_node.tick.tick import Tick
 
 from wave_vessel_node import conversions as messages
+from wave_vessel_node.alarms import ALARMS
 from wave_vessel_node.component import WaveVessel, WaveVesselOutputs
 from wave_vessel_node.parameters import WaveVesselParameters
 
@@ -104,9 +105,9 @@ class WaveVesselNode(ParticipantNode):
         silence = self.tick.time - self._last_reading_time
         health = [Health("mru")]
         if silence > _MRU_SILENCE:
-            health = [Health("mru", Level.ERROR, f"no reading for {silence:.1f} s")]
+            health = [alarm_health("mru", ALARMS.alarm("MRU_OUTPUT_STOPPED", time=silence))]
         elif self._last_status != MruStatus.OK:
-            health = [Health("mru", Level.WARN, "settling: the high-pass filter has not settled")]
+            health = [alarm_health("mru", ALARMS.alarm("MRU_OUTPUT_SETTLING"))]
         fit = self.component.vessel_fit
         if fit is not None:
             vessel = fit.vessel
@@ -118,7 +119,8 @@ class WaveVesselNode(ParticipantNode):
             }
             health.append(Health("vessel", Level.OK, "second order, fitted to the RAO", values))
         if self.component.warnings:
-            health.append(Health("files", Level.WARN, "; ".join(self.component.warnings)))
+            repaired = ALARMS.alarm("FILE_REPAIRED", warnings="; ".join(self.component.warnings))
+            health.append(alarm_health("files", repaired))
         return health
 
     def _new_component(self) -> WaveVessel:

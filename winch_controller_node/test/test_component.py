@@ -12,6 +12,7 @@ from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.closed_loop import COLUMNS, ClosedLoop, LoopParameters
 from heave_bringup.closed_loop import loop_parameters as parameters_of
 from heave_bringup.scenarios import load_scenario
+from heave_node.interface.alarm import Severity
 from heave_node.interface.codes import SensorLevel, WinchFault
 from heave_node.interface.faults import FaultParameters
 from heave_node.interface.sensors import MruReading
@@ -19,6 +20,7 @@ from heave_node.parameters import build_parameters
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.adviser.record import Record
 from winch_controller_node.component import WinchController
+from winch_controller_node.interface.alarms import HARMFUL
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -59,9 +61,8 @@ def test_no_move_of_the_programme_begins_while_the_mru_is_lost_and_one_under_way
     controller = {f"programme.{key}": value for key, value in programme.items()}
     sea = mru_fault("gap", 40.0, 20.0)
     record = ClosedLoop(loop_parameters(duration=75.0, sea=sea, **controller)).run()
-    words = [alarm for _, alarm in record.alarms]
     set_point, time = record.column("depth_set_point"), record.column("time")
-    faded = next(begun for begun, alarm in record.alarms if alarm.startswith("mode fade_out"))
+    faded = next(begun for begun, alarm in record.alarms if alarm.values.get("mode") == "fade_out")
     assert 40.0 < faded < 43.0
     lowered = set_point[time > faded][0]
     assert lowered < 3.0
@@ -69,8 +70,10 @@ def test_no_move_of_the_programme_begins_while_the_mru_is_lost_and_one_under_way
     assert np.ptp(set_point[time > faded + 8.0]) < 0.02
     assert set_point[-1] - lowered < 0.8
     assert record.modes[-1] == "compensating"
-    assert sum("the move to a payout of 6.0 m ends near" in alarm for alarm in words) == 1
-    assert sum("programme at 45 s: no move to a payout of 6.0 m" in alarm for alarm in words) == 1
+    (ended,) = [alarm for _, alarm in record.alarms if alarm.code == "MOVE_ENDED"]
+    assert ended.values["target"] == 6.0
+    (rejected,) = [alarm for _, alarm in record.alarms if alarm.code == "PROGRAMME_REJECTED"]
+    assert rejected.values["time"] == 45.0
 
 
 def test_a_move_of_the_programme_that_is_due_before_the_winch_compensates_is_told_to_wait_and_made_then():
@@ -79,12 +82,11 @@ def test_a_move_of_the_programme_that_is_due_before_the_winch_compensates_is_tol
     record = ClosedLoop(
         loop_parameters(duration=70.0, **{f"programme.{key}": value for key, value in programme.items()})
     ).run()
-    words = [alarm for time, alarm in record.alarms if time < 5.0]
-    waits = "waits until the winch compensates"
-    assert words == [
-        f"programme at 2 s: the move to a payout of 3.0 m {waits}; the mode is standby",
-        f"programme at 4 s: the move to a payout of 5.0 m {waits}, in place of that to 3.0 m; the mode is standby",
-    ]
+    first, second = [alarm for time, alarm in record.alarms if time < 5.0]
+    assert first.code == second.code == "PROGRAMME_WAITS"
+    assert first.values == {"time": 2.0, "payout": 3.0, "before": "", "mode": "standby"}
+    assert (second.values["time"], second.values["payout"]) == (4.0, 5.0)
+    assert "3.0 m" in second.values["before"]
     assert record.column("depth_set_point")[-1] == pytest.approx(5.0, abs=0.05)
 
 
@@ -132,13 +134,10 @@ def test_a_frozen_mru_is_named_within_three_samples_and_the_unit_is_damped_witho
     )
     assert first * DT - 40.0 <= 3 * DT + 1e-9
     assert record.modes[-1] == "fade_out"
-    told = [words for _, words in record.alarms]
-    assert "mru lost: frozen: its readings do not change: start it or its driver again" in told
-    (words,) = [words for words in told if words.startswith("mode fade_out")]
-    assert words == (
-        "mode fade_out: mru frozen; compensation goes on by itself once that is good again; "
-        "until then the unit is damped by the depth sensor"
-    )
+    told = {alarm.code: alarm.values for _, alarm in record.alarms}
+    assert "MRU_FROZEN" in told
+    assert told["COMPENSATION_LOST"]["mode"] == "fade_out"
+    assert told["COMPENSATION_LOST"]["reason"].startswith("mru frozen; compensation resumes automatically")
     rates = record.column("payout_rate")
     assert np.max(np.abs(np.diff(rates))) <= 1.5 * DT + 1e-9
 
@@ -154,9 +153,9 @@ def record_with_encoder_fault(kind, start, magnitude, *, duration):
 
 def test_an_encoder_jump_raises_an_alarm_within_three_samples_and_does_not_move_the_unit():
     record = record_with_encoder_fault("jump", 50.0, 0.2, duration=70.0)
-    ((time, words),) = [alarm for alarm in record.alarms if alarm[1].startswith("encoder suspect: jump of ")]
+    ((time, alarm),) = [one for one in record.alarms if one[1].code == "ENCODER_JUMP"]
     assert 0.0 <= time - 50.0 <= 3 * DT
-    assert float(words.split()[4]) == pytest.approx(0.2, abs=0.005)
+    assert alarm.values["jump"] == pytest.approx(0.2, abs=0.005)
     # benchmark B3's 0.5 cm, before as after
     assert record.unit_sigma(45.0) < 0.005
 
@@ -174,7 +173,7 @@ def test_a_load_cell_in_use_is_heard_also_where_the_weight_of_the_unit_is_not_kn
     assert np.count_nonzero(np.isfinite(heard)) > 0.95 * len(heard)
     # chi square of one degree: its mean is 1; refused readings would raise it
     assert np.nanmean(heard[600:]) < 1.5
-    assert not any("load_cell" in words for _, words in record.alarms)
+    assert "load_cell" not in {alarm.row.part for _, alarm in record.alarms}
     assert record.unit_sigma(45.0) < 0.005
 
 
@@ -208,8 +207,8 @@ def test_after_a_hiccup_that_trips_the_watchdog_compensation_is_back_within_a_mi
     assert set(record.modes[round(70.0 / DT) :]) == {"compensating"}
     assert loop.winch.state.fault is WinchFault.NONE
     assert record.unit_sigma(100.0) < 0.005, "as before: the swing that the sudden stop has left is taken out"
-    cause = "winch fault: command timeout: commands were given in time, but the winch has taken none for 0."
-    assert any(cause in words for _, words in record.alarms)
+    (lost,) = [alarm for _, alarm in record.alarms if alarm.code == "COMPENSATION_LOST"]
+    assert lost.values["reason"].startswith("winch fault: command timeout: ")
 
 
 def test_a_latched_fault_is_left_also_where_states_of_the_winch_miss_their_tick():
@@ -309,7 +308,8 @@ def test_an_operator_lowers_the_unit_while_it_is_compensated_and_a_joystick_that
         told += loop.step()[0].alarms
     # 30 % of 2 m/s are the operator's
     assert controller.mean.point.rate == pytest.approx(0.3 * 2.0, abs=0.02)
-    assert len([words for words in told if words.startswith("the operator's speed is limited to 0.60 m/s")]) == 1
+    (limited,) = [alarm for alarm in told if alarm.code == "OPERATOR_SPEED_LIMITED"]
+    assert limited.values["limit"] == pytest.approx(0.6)
 
 
 def test_manual_speed_moves_the_winch_alone_and_stops_before_the_end_of_its_range():
@@ -408,7 +408,7 @@ def test_a_winch_other_than_believed_is_found_out_and_driven_to_its_limits_as_if
     record = loop.run()
     found = loop.controller.parameters.winch
     assert (found.time_constant, found.command_delay) == pytest.approx((0.08, 0.24), abs=0.01)
-    assert any("winch model updated" in words for _, words in record.alarms)
+    assert "WINCH_MODEL_UPDATED" in {alarm.code for _, alarm in record.alarms}
     belief = dataclasses.replace(parameters.controller.winch, time_constant=0.08, command_delay=0.24)
     known = dataclasses.replace(
         parameters, winch=quick, controller=dataclasses.replace(parameters.controller, winch=belief)
@@ -426,15 +426,15 @@ def test_an_identified_winch_that_cannot_be_designed_for_is_an_alarm_and_the_loo
 
     monkeypatch.setattr(loop.adviser, "_designed", refuse)
     outputs = [loop.step()[0] for _ in range(800)]
-    told = [words for tick in outputs for words in tick.alarms if "not used" in words]
-    assert [words.split(";")[0] for words in told] == ["winch differs from what is assumed"]
+    told = [alarm.code for tick in outputs for alarm in tick.alarms]
+    assert told.count("WINCH_NOT_DESIGNABLE") == 1
     assert loop.controller.parameters == loop.controller.nominal
     assert outputs[-1].report.mode == "compensating"
 
 
 def test_a_winch_as_believed_is_left_alone():
     record = ClosedLoop(loop_parameters(duration=60.0)).run()
-    assert not any("winch model updated" in words for _, words in record.alarms)
+    assert "WINCH_MODEL_UPDATED" not in {alarm.code for _, alarm in record.alarms}
 
 
 @pytest.mark.parametrize(("time_constant", "delay"), [(0.15, 0.2), (0.08, 0.25), (0.08, 0.237)])
@@ -469,7 +469,7 @@ def test_a_lost_loop_is_given_up_before_the_unit_swings_and_the_winch_comes_to_r
     """A servo of 0.8 s for one of 0.15 s, that nobody believes in and nobody learns: no feedback is stable with it."""
     parameters = loop_parameters(law=law, duration=120.0, **UNLEARNT)
     record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(time_constant=0.8))).run()
-    assert any("compensation is harmful" in words for _, words in record.alarms)
+    assert {alarm.code for _, alarm in record.alarms} & HARMFUL
     assert record.modes[-1] == "standby"
     # the try itself and what is left of it until it has died away; over the whole of a run that is a few percent
     assert record.unit_sigma(20.0) < 1.4 * record.uncompensated_sigma(20.0)
@@ -482,7 +482,8 @@ def test_a_transport_slower_than_any_loop_bears_is_known_before_the_winch_moves(
     """0.4 s late: the winch says with every state which command it has taken."""
     parameters = loop_parameters(duration=40.0, **{"lag.adaptation": False})
     record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(command_delay=0.6))).run()
-    assert any("0.40 s later than modelled" in words for _, words in record.alarms)
+    late = [alarm.values["delay"] for _, alarm in record.alarms if alarm.code == "COMMANDS_TOO_LATE"]
+    assert late == [pytest.approx(0.4)]
     assert set(record.modes) == {"standby"}
     assert np.all(record.column("payout") == 0.0)
 
@@ -497,8 +498,8 @@ def test_a_motion_reference_unit_of_the_wrong_sign_is_contradicted_by_the_depth_
 
     loop.controller.step = upside_down
     record = loop.run()
-    disagreement = "depth sensor and motion reference unit disagree by "
-    assert any(words.startswith(disagreement) for _, words in record.alarms), "neither is known to be the culprit"
+    codes = {alarm.code for _, alarm in record.alarms}
+    assert "DEPTH_MRU_DISAGREE" in codes, "neither is known to be the culprit"
     # it is never tried again: no less than 100 s were enough for the first hold time of 60 s
     assert record.modes[-1] == "standby"
     assert record.unit_sigma(20.0) < 1.2 * record.uncompensated_sigma(20.0)
@@ -507,7 +508,7 @@ def test_a_motion_reference_unit_of_the_wrong_sign_is_contradicted_by_the_depth_
 def test_the_regulator_of_the_unit_alone_compensates_and_does_no_harm_where_it_takes_the_winch_to_its_limits():
     """Without limits it would leave 12 % here (stationary prediction); its share of the sea is what the winch bears."""
     record = ClosedLoop(loop_parameters(law="lqr", duration=150.0)).run()
-    assert not any("is harmful" in words for _, words in record.alarms)
+    assert not {alarm.code for _, alarm in record.alarms} & HARMFUL
     assert record.unit_sigma(60.0) < 0.5 * record.uncompensated_sigma(60.0)
 
 
@@ -525,7 +526,7 @@ def test_compensation_begins_again_at_once_after_an_emergency_stop_and_takes_out
         rows.append(row)
     modes = [name for name, _ in itertools.groupby(output.report.mode for output in outputs)]
     assert modes == ["standby", "compensating", "emergency_stop", "standby", "compensating"]
-    assert not any("is harmful" in words for output in outputs for words in output.alarms)
+    assert not {alarm.code for output in outputs for alarm in output.alarms} & HARMFUL
     # benchmark B3's 0.5 cm, as before the stop
     assert np.std(np.array(rows)[-300:, 2]) < 0.005
 
@@ -571,8 +572,8 @@ def test_a_controller_that_is_started_anew_compensates_where_the_drum_stands(win
         loop.step()
     loop.controller = WinchController(parameters.controller, tick_period=DT)
     after = [loop.step() for _ in range(1800)]
-    alarms = [words for outputs, _ in after for words in outputs.alarms]
-    assert not any("harmful" in words or "disagree" in words or "suspect" in words for words in alarms)
+    alarms = [alarm for outputs, _ in after for alarm in outputs.alarms if alarm.severity > Severity.EVENT]
+    assert not {alarm.row.part for alarm in alarms} & {"mru", "depth", "encoder", "cable", "sensors", "loop"}
     assert {outputs.mode for outputs, _ in after[-600:]} == {"compensating"}
     rows = np.array([row for _, row in after])
     payout, set_point, unit = (rows[:, COLUMNS.index(name)] for name in ("payout", "depth_set_point", "unit"))
@@ -600,13 +601,13 @@ def test_a_controller_that_is_started_anew_on_the_edge_of_a_batch_begins_another
 def test_an_encoder_that_counts_from_elsewhere_is_none_at_fault(zero):
     """Half a metre was harm at once, 2.65 m and more never compensated at all."""
     record = record_with_encoder_fault("jump", 0.0, zero, duration=70.0)
-    assert [words for _, words in record.alarms] == ["mode compensating: estimate settled"]
+    assert [alarm.values for _, alarm in record.alarms] == [{"mode": "compensating", "reason": "estimate settled"}]
     assert record.unit_sigma(45.0) < 0.005
 
 
 def test_an_encoder_that_reads_no_numbers_from_the_start_is_told_as_such():
     record = record_with_encoder_fault("nan", 0.0, 0.0, duration=5.0)
-    assert any(words.startswith("encoder lost: nan") for _, words in record.alarms)
+    assert "ENCODER_NOT_A_NUMBER" in {alarm.code for _, alarm in record.alarms}
 
 
 def test_one_reading_of_the_encoder_alone_does_not_say_where_the_drum_stands():
@@ -634,7 +635,7 @@ def test_the_thesis_system_is_compensated_and_the_guard_leaves_it_alone():
     Full information would leave 2.96e-4 m of 0.2551 m; what sensors of 10 um leave is below 1 %.
     """
     record = ClosedLoop(thesis_parameters()).run()
-    assert not any("is harmful" in words for _, words in record.alarms)
+    assert not {alarm.code for _, alarm in record.alarms} & HARMFUL
     assert record.unit_sigma(60.0) < 0.01 * record.uncompensated_sigma(60.0)
 
 
@@ -721,7 +722,7 @@ def test_a_touchdown_while_the_mru_is_lost_for_a_moment_is_acted_upon(monkeypatc
     monkeypatch.setattr(controller, "step", without_mru)
     monkeypatch.setattr(controller._supervisor.landing, "_touches_down", lambda *_: True)
     outputs = [loop.step()[0] for _ in range(6)]
-    assert any("touchdown" in outputs_.alarms for outputs_ in outputs)
+    assert "TOUCHDOWN" in {alarm.code for outputs_ in outputs for alarm in outputs_.alarms}
     assert controller.mode.value == "constant_tension"
 
 
@@ -785,8 +786,9 @@ def test_a_hanging_unit_at_constant_tension_travels_no_further_than_its_bound_an
     # the change of tension needs a tenth of the stretch; the average over 5 s is late at the largest speed of 0.3 m/s
     allowed = 1.0 + 0.1 * cable.static_tension / cable.stiffness + 5.0 * 0.3
     assert np.max(np.abs(payout - payout[0])) < allowed + 0.2
-    alarms = [words for tick in outputs for words in tick.alarms if "constant tension has travelled" in words]
-    assert [words.split(" m")[0].split()[-1] for words in alarms] == ["0.5", "1"]
+    alarms = [alarm for tick in outputs for alarm in tick.alarms if alarm.code.startswith("TENSION_TRAVEL")]
+    told = [(alarm.code, alarm.values["travel"]) for alarm in alarms]
+    assert told == [("TENSION_TRAVEL_HALF", 0.5), ("TENSION_TRAVEL_END", 1.0)]
 
 
 def test_a_landed_unit_under_a_brake_is_lifted_off_at_constant_tension():

@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
+from winch_controller_node.interface.alarms import ALARMS
 
 pytest.importorskip("rclpy")
 pytest.importorskip("heave_msgs")
@@ -67,10 +68,10 @@ def test_an_emergency_stop_is_an_error_whoever_asked_for_it():
 
 
 def test_a_lost_sensor_says_what_to_do_and_one_that_is_well_is_ok():
-    lost = SensorState("mru", SensorLevel.LOST, "frozen", 0.2, 10, 3)
+    lost = SensorState("mru", SensorLevel.LOST, "frozen", 0.2, 10, 3, ALARMS.alarm("MRU_FROZEN"))
     well = SensorState("depth", SensorLevel.OK, "", 0.2, 10, 0)
     words = {part.part: part.message for part in parts_of("compensating", sensors=(lost, well)) if part is not None}
-    assert words["sensor mru"] == "frozen: its readings do not change: start it or its driver again"
+    assert words["sensor mru"] == str(ALARMS.alarm("MRU_FROZEN"))
     assert words["sensor depth"] == "ok"
 
 

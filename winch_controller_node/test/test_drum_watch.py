@@ -149,14 +149,14 @@ def test_an_encoder_that_was_wrong_from_the_start_is_set_aside_at_once_and_nothi
     found, reflex = acts([BACK] * 3)
     assert found == [(0, Act.SET_ASIDE)]
     assert reflex.is_unresolved
-    assert reflex.inhibition
+    assert reflex.inhibition.code == "WINCH_OR_ENCODER_REVERSED"
 
 
 def test_one_that_turns_over_later_is_set_aside_after_so_many_looks_and_the_loop_goes_on():
     found, reflex = acts([TRUE] * seconds(BEGINNING) + [BACK] * 5)
     assert found == [(seconds(BEGINNING) + LOOKS - 1, Act.SET_ASIDE)]
     assert not reflex.is_unresolved
-    assert reflex.inhibition == ""
+    assert reflex.inhibition is None
 
 
 def test_a_look_that_is_wrong_once_is_none():

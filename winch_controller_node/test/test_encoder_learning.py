@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_node.interface.alarm import Severity
 
 TICK = 0.05
 END = 125.0
@@ -59,8 +60,8 @@ def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_of_moti
     assert moving[-1] - moving[0] < 3.0
     assert modes_of(record) == ["standby", "compensating", "fade_out", "stopping", "standby"]
     # what was found is told once, and compensation is not tried again by itself
-    assert len([words for _, words in record.alarms if words.startswith("encoder suspect: it goes the other way")]) == 1
-    assert record.alarms[-1][1].startswith("mode standby")
+    assert [alarm.code for _, alarm in record.alarms].count("ENCODER_REVERSED") == 1
+    assert record.alarms[-1][1].values["mode"] == "standby"
 
 
 @pytest.mark.parametrize("who", WHO)
@@ -68,7 +69,7 @@ def test_a_winch_that_goes_the_other_way_is_tried_again_once_an_operator_asks(wh
     """It is no better, and is stopped again; once it is right it would go on."""
     _, modes, alarms = run_of(who)
     assert modes == ["standby", "compensating", "fade_out", "stopping", "standby"]
-    assert len([words for words in alarms if words.startswith("encoder suspect: it goes the other way")]) == 1
+    assert [alarm.code for alarm in alarms].count("ENCODER_REVERSED") == 1
 
 
 def test_what_stands_beside_it_is_that_it_is_not_tried_again_until_an_operator_asks():
@@ -99,7 +100,8 @@ def test_a_winch_that_was_set_right_goes_on_once_an_operator_asks():
     loop.controller.set_mode("compensating")
     found = [loop.step() for _ in range(round(60.0 / TICK))]
     assert found[-1][0].mode == "compensating"
-    assert not [words for outputs, _ in found for words in outputs.alarms if "suspect" in words]
+    blamed = {alarm.row.part for outputs, _ in found for alarm in outputs.alarms if alarm.severity > Severity.EVENT}
+    assert not blamed & {"mru", "depth", "encoder", "cable"}
 
 
 def test_a_storm_blames_no_sensor_and_no_winch():

@@ -17,10 +17,10 @@ def test_a_transport_that_becomes_slower_is_noticed_within_three_ticks_and_told_
     winch.step(0, WinchCommand(1))
     for tick in range(1, 160):
         state = winch.step(tick, WinchCommand(tick + 1, 0.0, 0.1))
-        words = watch.update(tick + 1, state.command_sequence, 0.2)
+        alarm = watch.update(tick + 1, state.command_sequence, 0.2)
         noticed += [tick] if watch.has_begun else []
-        if words:
-            alarms[tick] = words
+        if alarm:
+            alarms[tick] = alarm
     # a command of tick 100 was due at the end of tick 103: nothing can be seen before
     assert noticed == [pytest.approx(105, abs=1)]
     # half of two seconds later most commands of these two seconds were late

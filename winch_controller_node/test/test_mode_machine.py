@@ -65,7 +65,7 @@ def test_a_lost_mru_is_coasted_over_then_faded_then_stopped_then_forgiven():
     assert run(modes, 0.3, lost)[-1].mode is Mode.FADE_OUT
     assert run(modes, 2.0, lost)[-1].mode is Mode.STOPPING
     assert run(modes, 0.1, situation(lost="mru frozen"))[-1].mode is Mode.STOPPED
-    assert modes.reason == "mru frozen; compensation goes on by itself once that is good again"
+    assert modes.reason == "mru frozen; compensation resumes automatically once the sensor is good"
     run(modes, 2.9)
     assert modes.mode is Mode.STOPPED
     run(modes, 2.0)
@@ -76,7 +76,7 @@ def test_a_mode_that_a_lost_sensor_has_ended_for_good_says_that_it_must_be_asked
     modes = machine(resume=False)
     run(modes, 5.0)
     run(modes, 2.0, situation(lost="mru frozen", speed=0.3))
-    assert modes.reason == "mru frozen; ask for a mode again once that is good again"
+    assert modes.reason == "mru frozen; request a mode once the sensor is good"
 
 
 def test_a_short_gap_does_not_end_compensation():

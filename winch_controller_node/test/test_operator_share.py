@@ -70,10 +70,11 @@ def test_a_speed_beyond_the_share_is_told_once_each_time_that_it_is_asked_for_an
         for _ in range(20):
             if speed is not None:
                 operator.ask(speed)
-            told += [(second, words) for words in [operator.limit_news(bounds)] if words]
+            told += [(second, alarm) for alarm in [operator.limit_news(bounds)] if alarm]
             operator.advance(MeanPayout(MoveParameters(), tick_period=DT).point, bounds)
     assert [second for second, _ in told] == [1, 4, 6]
-    assert told[0][1].startswith("the operator's speed is limited to 0.60 m/s, 0.90 m/s was asked for")
+    assert told[0][1].code == "OPERATOR_SPEED_LIMITED"
+    assert told[0][1].values == {"limit": 0.6, "requested": 0.9}
 
 
 def test_the_plan_of_compensation_has_what_the_operator_leaves():

@@ -9,14 +9,13 @@ from hypothesis import strategies as st
 from winch_controller_node.estimation.mru_steps import MruSteps
 from winch_controller_node.estimation.sensor_health import (
     LARGEST_PLAY,
-    REMEDIES,
-    UNKNOWN_STATUS,
+    LOST_STATES,
     DepthJumps,
     EncoderGate,
     SensorGate,
     SensorTiming,
     judge_mru,
-    remedy,
+    lost_alarm,
 )
 from winch_controller_node.estimation.surprise import Surprise
 from winch_controller_node.interface.readings import ScalarReading
@@ -59,20 +58,34 @@ def test_a_fault_raises_the_alarm_within_three_samples_and_is_named(fault, reaso
 @pytest.mark.parametrize("stamp", [0.05, 99.0])
 @pytest.mark.parametrize("value", [math.nan, 7.0])
 @pytest.mark.parametrize("status", ["", "status settling"])
-def test_whatever_a_reading_is_refused_for_has_a_remedy(stamp, value, status):
+def test_whatever_a_reading_is_refused_for_has_an_alarm_with_an_action(stamp, value, status):
     gate = make_gate()
     feed(gate, [7.0] * 2)
     gate.judge(3 * DT, stamp, (value,), status)
-    assert gate.reason in REMEDIES
+    assert gate.reason in LOST_STATES
+    lost = lost_alarm("depth", gate.reason, age=math.nan, limit=math.nan)
+    assert lost.code == f"DEPTH_{LOST_STATES[gate.reason]}"
+    assert lost.row.action
 
 
-def test_a_sensor_that_calls_itself_wrong_is_to_be_looked_at():
-    assert remedy("mru", "status invalid") == remedy("mru", "status 7") == UNKNOWN_STATUS
+@pytest.mark.parametrize("reason", ["status invalid", "status 7"])
+def test_a_sensor_that_reports_a_fault_of_its_own_is_quoted(reason):
+    alarm = lost_alarm("mru", reason, age=math.nan, limit=math.nan)
+    assert (alarm.code, alarm.values) == ("MRU_FAULT", {"status": reason})
+
+
+def test_a_stale_sensor_is_reported_with_its_age_and_what_is_allowed():
+    """No data since 0.1 s; the nominal period is 0.05 s, and three of them may be missing."""
+    gate = make_gate()
+    feed(gate, [7.0, 7.1, *[None] * 8])
+    assert gate.alarm.code == "DEPTH_STALE"
+    limit = HealthParameters().stale_samples * DT
+    assert gate.alarm.values == {"age": pytest.approx(0.5 - 0.1), "limit": pytest.approx(limit)}
 
 
 def test_an_encoder_that_stands_still_may_be_right_and_the_drum_is_to_be_looked_at_first():
-    assert "look whether the drum does" in remedy("encoder", "frozen")
-    assert remedy("mru", "frozen") == REMEDIES["frozen"] != remedy("encoder", "frozen")
+    frozen = {name: lost_alarm(name, "frozen", age=0.0, limit=0.0).row for name in ("encoder", "mru", "depth")}
+    assert frozen["mru"].action == frozen["depth"].action != frozen["encoder"].action
 
 
 def test_one_bad_reading_makes_a_sensor_suspect_and_good_ones_make_it_well_again():

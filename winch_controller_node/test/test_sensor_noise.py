@@ -80,7 +80,7 @@ def run_b3(duration, *settings):
 
 def told_quiet(record):
     """Return time and measurement of each alarm that a sensor is quieter than believed."""
-    return [(time, words.split()[0]) for time, words in record.alarms if "is quieter than believed" in words]
+    return [(time, alarm.values["measurement"]) for time, alarm in record.alarms if alarm.code.endswith("_NOISE_LOW")]
 
 
 def test_sensors_that_are_believed_five_times_noisier_than_they_are_are_told_once_and_compensation_goes_on():
@@ -92,8 +92,9 @@ def test_sensors_that_are_believed_five_times_noisier_than_they_are_are_told_onc
     # a minute more must pass
     assert all(60.0 <= time <= 120.0 for time, _ in told)
     assert record.modes[-1] == "compensating"
-    (words,) = [words for _, words in record.alarms if words.startswith("mru_heave is")]
-    assert "state the noise of sensor mru to have more of it (believed: 0.05, the readings show 0.0" in words
+    (alarm,) = [alarm for _, alarm in record.alarms if alarm.values.get("measurement") == "mru_heave"]
+    assert (alarm.code, alarm.values["sigma"]) == ("MRU_NOISE_LOW", 0.05)
+    assert 0.0 < float(alarm.values["seen"]) < 0.05
 
 
 def test_sensors_as_believed_are_not_told_also_in_a_sea_far_lower_than_believed():
@@ -103,10 +104,10 @@ def test_sensors_as_believed_are_not_told_also_in_a_sea_far_lower_than_believed(
 def test_noise_of_the_depth_that_has_become_known_is_not_told_as_jumps():
     """Ten times the believed noise: before it is known, within 3 s, a reading or two look like jumps."""
     record = run_b3(60.0, "all.seed=104", "cable_sim.sensors.depth.noise=0.2")
-    jumps = [time for time, words in record.alarms if words.startswith("depth suspect: jump of")]
+    jumps = [time for time, alarm in record.alarms if alarm.code in ("DEPTH_JUMP", "DEPTH_SCALE_JUMP")]
     assert len(jumps) <= 2
     assert all(time < 5.0 for time in jumps)
-    assert sum(words.startswith("noise of unit_heave is") for _, words in record.alarms) == 1
+    assert [alarm.code for _, alarm in record.alarms].count("DEPTH_NOISE_HIGH") == 1
 
 
 def test_a_depth_sensor_of_fifteen_times_the_believed_noise_is_no_reason_to_give_compensation_up():

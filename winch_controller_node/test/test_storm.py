@@ -6,6 +6,7 @@ from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario, make_scenario
 from heave_node.kpi import snap_times
+from winch_controller_node.interface.alarms import HARMFUL
 
 DT = 0.05
 SEA = {"significant_wave_height": 6.0, "peak_period": 12.0}
@@ -26,9 +27,9 @@ def test_the_shipped_storm_has_a_highest_tension_that_bounds_what_compensation_d
     assert loop.controller.design.limits.maximum_tension == pytest.approx(2.0 * static)
     assert static == pytest.approx(98.6e3, rel=0.01)
     record = loop.run()
-    told = [words for _, words in record.alarms if words.startswith("tension too high")]
+    told = [alarm for _, alarm in record.alarms if alarm.code == "TENSION_HIGH"]
     assert told
-    assert all("at most 1.5 is allowed" in words for words in told)
+    assert all(alarm.values["limit"] == 1.5 for alarm in told)
     highest, without = (np.max(record.column(name, after=60.0)) for name in ("top_tension", "uncompensated_tension"))
     assert highest < 2.0 * static < without
     assert record.unit_sigma(60.0) < 0.5 * record.uncompensated_sigma(60.0)
@@ -79,5 +80,5 @@ def test_the_lull_behind_the_highest_wave_of_a_storm_is_not_taken_for_a_loop_tha
     It was faded out there, and the unit swung twice as far as one that was never compensated.
     """
     record = ClosedLoop(loop_parameters(load_scenario("b5_storm", settings=["all.seed=7", "all.duration=70"]))).run()
-    assert not any("harmful" in words for _, words in record.alarms)
+    assert not {alarm.code for _, alarm in record.alarms} & HARMFUL
     assert record.modes[-1] == "compensating"

@@ -17,19 +17,23 @@ def after_good_ticks(untaken=0.0, silent=0):
 
 
 @pytest.mark.parametrize(
-    ("lateness", "silent", "untaken", "words"),
+    ("lateness", "silent", "untaken", "culprit", "delay"),
     [
-        (Lateness(0.03, 0.75), 1, 0.6, "this controller was held up, its commands came 0.75 s late"),
-        (Lateness(0.80, 0.10), 1, 0.6, "ticks began 0.80 s late, the machine or the clock master stalled"),
-        (Lateness(0.03, 0.04), 17, 0.0, "the winch itself was silent for 0.80 s"),
-        (Lateness(0.03, 0.04), 1, 0.55, "commands were given in time, but the winch has taken none for 0.55 s"),
-        (Lateness(), 1, 0.0, ""),
+        (Lateness(0.03, 0.75), 1, 0.6, "controller was delayed", "0.75 s"),
+        (Lateness(0.80, 0.10), 1, 0.6, "clock master", "0.80 s"),
+        (Lateness(0.03, 0.04), 17, 0.0, "from the winch", "0.80 s"),
+        (Lateness(0.03, 0.04), 1, 0.55, "winch took none", "0.55 s"),
     ],
-    ids=["controller", "machine", "winch", "transport", "unknown"],
+    ids=["controller", "machine", "winch", "transport"],
 )
-def test_who_was_silent_is_told(lateness, silent, untaken, words):
-    cause = after_good_ticks(untaken, silent if silent > 1 else 0)
-    assert cause.words(lateness) == words
+def test_who_was_silent_is_told_and_for_how_long(lateness, silent, untaken, culprit, delay):
+    words = after_good_ticks(untaken, silent if silent > 1 else 0).words(lateness)
+    assert culprit in words
+    assert delay in words
+
+
+def test_of_an_unknown_cause_nothing_is_said():
+    assert after_good_ticks(0.0, 0).words(Lateness()) == ""
 
 
 def test_a_silence_of_long_ago_is_no_cause():

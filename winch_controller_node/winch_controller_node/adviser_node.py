@@ -7,7 +7,7 @@ import sys
 
 from heave_msgs.msg import Observations as ObservationsMessage
 from heave_node.interface import topics
-from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
 from heave_node.tick.roster import NOT_WAITED_FOR
@@ -19,6 +19,7 @@ from winch_controller_node.advice.answering import Answering
 from winch_controller_node.advice.worker import NICENESS, Answer, Worker, WorkerError
 from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.beliefs.beliefs import latency_ticks
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.node_parameters import WinchAdviserParameters, WinchControllerParameters
 
 REST = 0.01
@@ -120,7 +121,7 @@ class WinchAdviserNode(ParticipantNode):
         """Say how many answers were given, and whether more will come."""
         answered = {"answers": str(self.beliefs.published)}
         if self._fault:
-            return [Health("answers", Level.ERROR, f"no more answers: {self._fault}", answered)]
+            return [alarm_health("answers", ALARMS.alarm("ADVISER_ENDED", fault=self._fault), answered)]
         return [Health("answers", Level.OK, f"{self.beliefs.published} answers", answered)]
 
     def on_exit(self) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from heave_node.interface.alarm import Alarm
+
 from winch_controller_node.beliefs.beliefs import Beliefs, latency_ticks, parameters_under, without_sea
 from winch_controller_node.beliefs.corrections import corrections
 from winch_controller_node.beliefs.quantities import QUANTITIES, restated
-from winch_controller_node.beliefs.words import sentences
+from winch_controller_node.beliefs.words import alarms_of
 from winch_controller_node.design_in_force import DesignInForce
 from winch_controller_node.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -53,8 +55,8 @@ class BeliefsInForce:
         self._pending = beliefs
         return True
 
-    def follow(self, tick: int) -> list[str]:
-        """Put in force before a `tick` what is due; return what is new, in words."""
+    def follow(self, tick: int) -> list[Alarm]:
+        """Put in force before a `tick` what is due; return what is new."""
         self.corrected, self.has_moved_tip = set(), False
         pending = self._pending
         if pending is None or pending.asked + self._latency > tick:
@@ -62,7 +64,7 @@ class BeliefsInForce:
         self._pending = None
         if pending.number != self.beliefs.number:
             self._take(pending, tick)
-        return sentences(pending.findings)
+        return alarms_of(pending.findings)
 
     @property
     def restated(self) -> tuple[tuple[str, float], ...]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from functools import partial
 
+from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchLimit
 from heave_node.interface.preview import HeavePreview
 from heave_node.parameters import describe
@@ -25,6 +26,7 @@ from winch_controller_node.estimation.loop_tick import LoopTick
 from winch_controller_node.estimation.observation import Observer
 from winch_controller_node.estimation.preview_watch import PreviewWatch
 from winch_controller_node.identification.late_commands import LateCommands
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.observations import Observations
 from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
 from winch_controller_node.laws.constant_tension import TRAVEL
@@ -41,7 +43,7 @@ from winch_controller_node.supervision.modes import BRAKED, Mode, ModeError, Mod
 from winch_controller_node.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.supervision.supervisor import Decision, Supervisor, WinchSituation
 from winch_controller_node.supervision.watch.encoder_reflex import Act, EncoderReflex
-from winch_controller_node.supervision.watch.load_watch import Episode, LoadWatch
+from winch_controller_node.supervision.watch.load_watch import Episode, LoadWatch, rope_strength
 from winch_controller_node.supervision.watch.winch_watch import WinchWatch
 
 DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
@@ -90,7 +92,7 @@ class WinchController:
         self._supervisor = Supervisor(design, law)
         self._command = LoopCommand(design, law)
         self._winch = WinchWatch(design)
-        self._load = LoadWatch(parameters.alarms, tick_period=tick_period)
+        self._load = LoadWatch(parameters.alarms, tick_period=tick_period, rope=rope_strength(parameters))
         self._travel_episodes = Episode(tick_period), Episode(tick_period)
         self._programme = Programme(parameters.programme)
         self._operator = OperatorSpeed(parameters.operator, tick_period=tick_period)
@@ -98,7 +100,7 @@ class WinchController:
         self._beliefs = BeliefsInForce(self._in_force, self._estimation, self._winch)
         self._encoder = EncoderReflex(tick_period)
         self._has_lost_encoder = 0
-        self._alarms: list[str] = []
+        self._alarms: list[Alarm] = []
         self._requests: list[str] = []
         self.preview = PreviewWatch(law.preview, tick_period=tick_period)
         self._tick_nanoseconds = round(tick_period * 1e9)
@@ -298,19 +300,24 @@ class WinchController:
             elif self.mode in COMING_TO_REST:
                 # the mean payout has just been stopped: a sensor is lost, or compensation does harm
                 raise ModeError(
-                    f"no move to a payout of {due.payout:.1f} m, for the mode is {self.mode.value}: ask for it again "
-                    "once the winch compensates"
+                    f"no move to a payout of {due.payout:.1f} m in mode {self.mode.value}: request it again once the "
+                    "winch compensates"
                 )
             else:
                 before = f", in place of that to {self.mean.target:.1f} m" if self.mean.has_target else ""
                 self.move_to_payout(due.payout, due.speed)
                 if self.mode in BRAKED:
                     self._alarms.append(
-                        f"programme at {due.time:g} s: the move to a payout of {due.payout:.1f} m waits until the "
-                        f"winch compensates{before}; the mode is {self.mode.value}"
+                        ALARMS.alarm(
+                            "PROGRAMME_WAITS",
+                            time=due.time,
+                            payout=due.payout,
+                            before=before,
+                            mode=self.mode.value,
+                        )
                     )
         except (ModeError, ValueError) as error:
-            self._alarms.append(f"programme at {due.time:g} s: {error}")
+            self._alarms.append(ALARMS.alarm("PROGRAMME_REJECTED", time=due.time, cause=str(error)))
 
     def _present_tension(self) -> float:
         """Return the present mean tension [N].
@@ -324,8 +331,8 @@ class WinchController:
         wait = LEAST_MEAN_TIME - mean.time
         if wait > 0.0:
             raise ModeError(
-                f"the mean tension is not known before {wait:.0f} s more have been averaged with unit and mean payout "
-                "where they are: ask again then, or give the tension to hold"
+                f"averaging the tension for {wait:.0f} s more, with unit and mean payout where they are: request it "
+                "again then, or state the tension to hold"
             )
         return mean.value
 
@@ -430,7 +437,11 @@ class WinchController:
         preview = self.preview.step(loop.number * self._tick_nanoseconds, delivered, boom_tip)
         is_used = preview is not None
         if is_used != self._previews:
-            self._alarms.append("the preview is used" if is_used else f"the preview is not used: {self.preview.fault}")
+            self._alarms.append(
+                ALARMS.alarm("PREVIEW_USED")
+                if is_used
+                else ALARMS.alarm("PREVIEW_REJECTED", fault=self.preview.fault or "none came")
+            )
         self._previews = is_used
         return preview
 
@@ -441,14 +452,9 @@ class WinchController:
         self._alarms += self._load.update(loop.sensed.tension, static_tension, is_at_limit=is_at_limit)
         half, end = self._travel_episodes
         if half.begins(self.mode is Mode.CONSTANT_TENSION and self._command.is_half_travelled):
-            self._alarms.append(
-                f"constant tension has travelled {0.5 * self.parameters.tension.travel:g} m, half of tension.travel: "
-                "look whether the load yields or hangs, or ask for stopped"
-            )
+            self._alarms.append(ALARMS.alarm("TENSION_TRAVEL_HALF", travel=0.5 * self.parameters.tension.travel))
         if end.begins(TRAVEL in command.asked.active):
-            self._alarms.append(
-                f"constant tension has travelled {self.parameters.tension.travel:g} m: the load has yielded or is lost"
-            )
+            self._alarms.append(ALARMS.alarm("TENSION_TRAVEL_END", travel=self.parameters.tension.travel))
 
     def _note_kpi(self, loop: LoopTick) -> None:
         self._kpi.add(
@@ -471,10 +477,7 @@ class WinchController:
             # the winch made the tension until now, or does so from now on
             self._estimation.mean_tension.restart()
         if self.mean.has_target and mode.mode not in OPERATED:
-            self._alarms.append(
-                f"the move to a payout of {self.mean.target:.1f} m ends near {self.mean.point.payout:.1f} m: ask for "
-                "it again once the winch compensates"
-            )
+            self._alarms.append(ALARMS.alarm("MOVE_ENDED", target=self.mean.target, payout=self.mean.point.payout))
         if mode.mode in BRAKED:
             self._estimation.motion.stand()
         elif mode.mode is not Mode.COMPENSATING:
@@ -505,7 +508,7 @@ class WinchController:
             self.modes.lift_off()
             self._hand_over(loop, unit_stood=True)
             self.mean.move_to(self.mean.point.payout - parameters.lift_height)
-        self._alarms.append(landing.value)
+        self._alarms.append(ALARMS.alarm(landing.value))
 
     def _hand_over(self, loop: LoopTick, *, unit_stood: bool) -> None:
         """Make the present depth of the unit the mean and go on from there."""
@@ -596,7 +599,7 @@ class WinchController:
         elif act is Act.SET_ASIDE and ordered is not None:
             self._estimation.set_encoder_aside(ordered.payout, tick - 1)
             self._supervisor.guard.allow_correction("encoder")
-            self._alarms.append(f"encoder suspect: it {self._encoder.words}: set aside while they are compared")
+            self._alarms.append(self._encoder.alarm)
 
     def _follow_length(self) -> None:
         """Follow the gain schedule, where there is one."""

@@ -17,8 +17,10 @@ from heave_node.interface import topics
 from heave_node.interface.codes import (
     ALARMS,
     COMMANDS,
+    COMPENSATION_LOST,
     LATE,
     MODE,
+    MODE_CHANGED,
     OPERATOR,
     RESTS_REQUESTED,
     SENSOR,
@@ -29,7 +31,7 @@ from heave_node.interface.sensors import SENSORS, Water
 from heave_node.interface.topic import Topic
 from heave_node.numerics.linear_model import ModelError
 from heave_node.parameters import ParameterError
-from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import TIMING
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.ports import Input
@@ -46,8 +48,8 @@ from winch_controller_node.advice.watch import AdviserWatch
 from winch_controller_node.component import WinchController
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.wire import WireError, parameters_text
-from winch_controller_node.estimation.sensor_health import remedy
 from winch_controller_node.interface import conversions
+from winch_controller_node.interface.alarms import ALARMS as ALARM_TABLE
 from winch_controller_node.interface.readings import Lateness, Measurements, Outputs, Report
 from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.model.lqr import DesignError
@@ -192,12 +194,12 @@ class WinchControllerNode(ParticipantNode):
     def _tell(self, tick: Tick, outputs: Outputs) -> None:
         """Log the alarms of a tick, and keep them with the requests for diagnostics."""
         time = told_at(tick.time)
-        for words in (*outputs.alarms, *self.adviser.step(tick.number)):
-            self.get_logger().warning(f"{time}: {words}")
-            if words.startswith("mode "):  # a part of its own
-                self._changes[time] = words.removeprefix("mode ")
+        for alarm in (*outputs.alarms, *self.adviser.step(tick.number)):
+            self.get_logger().warning(f"{time}: {alarm}")
+            if alarm.code in (MODE_CHANGED, COMPENSATION_LOST):  # a part of its own
+                self._changes[time] = "{mode}: {reason}".format_map(alarm.values)
             else:
-                self._told.setdefault(time, []).append(words)
+                self._told.setdefault(time, []).append(str(alarm))
         if outputs.requests:
             self._asked[time] = ", ".join(outputs.requests)
 
@@ -222,15 +224,13 @@ class WinchControllerNode(ParticipantNode):
             parts.append(Health(ADVISER, level, self.adviser.words, self.adviser.values))
         for sensor in report.sensors:
             values = {"accepted": str(sensor.accepted), "rejected": str(sensor.refused)}
-            text = sensor.reason
-            if sensor.level is SensorLevel.LOST:
-                text = f"{text}: {remedy(sensor.sensor, sensor.reason)}"
-            parts.append(Health(f"{SENSOR} {sensor.sensor}", LEVELS[sensor.level], text or "ok", values))
+            text = str(sensor.alarm) if sensor.alarm else sensor.reason or "ok"
+            parts.append(Health(f"{SENSOR} {sensor.sensor}", LEVELS[sensor.level], text, values))
         preview = self.controller.preview
         if preview.has_come:
             parts.append(Health("preview", Level.WARN if preview.fault else Level.OK, preview.words))
         if report.solver_status.startswith("not solved"):
-            parts.append(Health("solver", Level.WARN, report.solver_status))
+            parts.append(alarm_health("solver", ALARM_TABLE.alarm("SOLVER_FAILED", status=report.solver_status)))
         told, self._told = {time: "; ".join(words) for time, words in self._told.items()}, {}
         parts.append(Health(ALARMS, Level.WARN, "; ".join(told.values()), told) if told else Health(ALARMS))
         asked, self._asked = self._asked, {}

@@ -10,13 +10,15 @@ from typing import Any
 
 import numpy as np
 from heave_node.interface import topics
+from heave_node.interface.alarm import Severity, alarms_in
 from heave_node.interface.codes import (
     ALARMS,
+    COMPENSATION_LOST,
     MODE,
     OPERATOR,
     REQUESTED,
     SENSOR,
-    WINCH_LEARNT,
+    WINCH_MODEL_UPDATED,
     SensorLevel,
     WinchFault,
     WinchLimit,
@@ -34,6 +36,8 @@ REPEATED = 1.0
 """Time for which a message of /diagnostics holds, until the next [s]."""
 
 HOLDS_TENSION = "constant_tension"
+LOST = f"{COMPENSATION_LOST} ({Severity.HIGH.word})"
+"""Head of the line about compensation that ended unrequested, as the controller's table of alarms has it."""
 COMPENSATES = ("compensating", HOLDS_TENSION)
 """Modes of the controller in which the winch does its work."""
 OFF = "off"
@@ -129,7 +133,7 @@ def is_loss(before: str, mode: str, reason: str) -> bool:
 
 def loss_words(time: float, mode: str, reason: str) -> str:
     """Return the line about a loss of compensation at a `time` [s] into a `mode` for a `reason`."""
-    return f"{told_at(time)}: compensation lost: mode {mode}{f': {reason}' if reason else ''}"
+    return f"{told_at(time)}: {LOST}: mode {mode}{f': {reason}' if reason else ''}"
 
 
 def losses(found: Sequence[Interval]) -> list[Interval]:
@@ -218,7 +222,8 @@ def learnt_limits(alarms: Sequence[Interval], quantity: str) -> list[tuple[float
     """
     found = []
     for alarm in sorted(alarms, key=lambda one: one.start):
-        told = re.findall(rf"\b{quantity} limit ([\d.]+) m/s", alarm.name) if WINCH_LEARNT in alarm.name else []
+        updates = [one.text for one in alarms_in(alarm.name) if one.code == WINCH_MODEL_UPDATED]
+        told = [value for text in updates for value in re.findall(rf"\b{quantity} limit [a-z ]*([\d.]+) m/s", text)]
         found += [(alarm.start, float(value)) for value in told]
     return found
 

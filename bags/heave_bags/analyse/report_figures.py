@@ -52,7 +52,7 @@ CM, KN = QUANTITIES["m"][1], QUANTITIES["N"][1]
 """Motions [cm] and forces [kN] as people see them, over their SI units."""
 
 LABEL_HEIGHT = 18.0
-"""From one name of a trace to the next [pixels]."""
+"""Distance from one name of a trace to the next [pixels]."""
 
 MAXIMUM_SAMPLES = 200_000
 """Longer signals are thinned before they enter the page; their extremes stay."""

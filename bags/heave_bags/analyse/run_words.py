@@ -227,7 +227,7 @@ def _modes(modes: Sequence[Interval]) -> list[Happening]:
     found = [_mode(modes[0], f"begins in mode {modes[0].name}")] if modes else []
     for before, mode in pairwise(modes):
         if events.is_loss(before.name, mode.name, mode.reason):
-            found.append(_mode(mode, f"compensation lost: mode {mode.name}", 2))
+            found.append(_mode(mode, f"{events.LOST}: mode {mode.name}", 2))
         else:
             found.append(_mode(mode, f"mode {mode.name}"))
     return found

@@ -29,7 +29,7 @@ SHAPE_SAMPLE = 500
 LARGEST_SHAPE = 0.4
 """Shapes beyond this, of either sign, are a freak of the sample."""
 FEWEST = 3
-"""Of fewer values nothing is said."""
+"""Fewest values from which a largest one is estimated."""
 SMALL_SAMPLE = 20
 """A fit to fewer values is to be taken with caution."""
 LARGEST_EXTENSION = 20.0

@@ -17,7 +17,7 @@ import rclpy
 from heave_node.interface import topics
 from heave_node.interface.messages import message_type
 from heave_node.parameters import ParameterError
-from heave_node.ros.diagnostics import Health, Level, diagnostic_array
+from heave_node.ros.diagnostics import Health, Level, alarm_health, diagnostic_array
 from heave_node.ros.node import steady_clock
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.spin import spin
@@ -31,6 +31,7 @@ from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.files import COMPLETE
 from heave_bags.mcap.storage import BackgroundStorage, DirectStorage
+from heave_bags.record.alarms import ALARMS
 from heave_bags.record.parameters import RecorderParameters
 from heave_bags.record.provenance import describe_run, scenario_attachment
 from heave_bags.record.recorder_services import RecorderServices
@@ -121,7 +122,8 @@ class LiveRecorder(Node):
         wrong = self.problems()
         problems = [*wrong, *self.watch.unreadable.values()]
         if problems:
-            return Health("recording", Level.ERROR if wrong else Level.WARN, "; ".join(problems), values)
+            code = "RECORDING_FAILED" if wrong else "TOPIC_UNREADABLE"
+            return alarm_health("recording", ALARMS.alarm(code, problem="; ".join(problems)), values)
         return Health("recording", Level.OK, str(self.session.folder or "stopped"), values)
 
     def _publish_diagnostics(self) -> None:

@@ -20,7 +20,7 @@ from heave_node.cdr.definitions import schema_text
 from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.topic import Role, Topic
-from heave_node.ros.diagnostics import Health, Level
+from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.node import expect_no, expect_sender, steady_clock
 from heave_node.ros.participant import HELD_MESSAGES, ParticipantNode
 from heave_node.ros.process import run_node
@@ -34,6 +34,7 @@ from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
 from heave_bags.mcap.files import COMPLETE
 from heave_bags.mcap.storage import BackgroundStorage, DirectStorage, Storage
+from heave_bags.record.alarms import ALARMS
 from heave_bags.record.parameter_survey import ParameterSurvey
 from heave_bags.record.parameters import RecorderParameters
 from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, describe_run, scenario_attachment
@@ -45,7 +46,7 @@ from heave_bags.record.topic_watch import TopicWatch
 LOOK_PERIOD = 0.1
 """Wall time between two looks for new topics before the run starts [s]."""
 LOOK_PERIOD_IN_RUN = 1.0
-"""The same during the run, where a look costs time that messages need [s]."""
+"""Wall time between two looks for new topics during the run, where a look costs time that messages need [s]."""
 REST = 0.01
 """Wall time that messages wait in a lockstep run, to be taken together [s]: a few of the ticks that the recorder may
 be behind.
@@ -340,10 +341,10 @@ class RecorderNode(ParticipantNode):
         state = self.session.state
         values = {"written": str(state.written), "not_written": str(state.unwritten)}
         if state.problems:
-            return [Health("recording", Level.ERROR, state.problems[-1], values)]
+            return [alarm_health("recording", ALARMS.alarm("RECORDING_FAILED", problem=state.problems[-1]), values)]
         unreadable = "; ".join(self.watch.unreadable.values())
         if unreadable:
-            return [Health("recording", Level.WARN, unreadable, values)]
+            return [alarm_health("recording", ALARMS.alarm("TOPIC_UNREADABLE", problem=unreadable), values)]
         return [Health("recording", Level.OK, str(self.session.folder or "stopped"), values)]
 
     # End -----------------------------------------------------------------------------------------------------------

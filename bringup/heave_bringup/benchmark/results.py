@@ -16,7 +16,7 @@ from heave_bringup.benchmark.run import Result
 from heave_bringup.tables.baseline_law import BASELINE_LAW
 
 VERSION = 3
-"""Of the benchmark: cases, interface and figures. It goes up with every change that moves a figure."""
+"""Version of the benchmark: cases, interface and figures. It goes up with every change that moves a figure."""
 DIGITS = 4
 """Figures are rounded to this many significant digits before they are hashed and written."""
 DISTRIBUTIONS = ("numpy", "scipy", "numba")

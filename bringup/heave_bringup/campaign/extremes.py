@@ -16,7 +16,7 @@ from heave_bringup.scenarios import load_scenario
 from heave_bringup.tables.case_table import CASE, read_cases
 
 FEWEST_SEEDS = 3
-"""Of a sea of which anything can be said."""
+"""Fewest seeds of a sea from which its extremes are estimated."""
 
 
 def extremes_of_table(path: Path, duration: float) -> list[tuple[str, list[Expected]]]:

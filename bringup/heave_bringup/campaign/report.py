@@ -66,7 +66,7 @@ MOST_GROUPS = 8
 """Values of a parameter that the summary has a column for."""
 
 SELDOM_KNOWN = (BASELINE_EFFICIENCY, "rope_safety_factor")
-"""Those that are left out where no case has a value."""
+"""Columns that are omitted where no case has a value."""
 
 
 def to_json(campaign: Campaign, frame: pandas.DataFrame) -> dict[str, object]:

@@ -220,5 +220,5 @@ def lost_because(record: LoopRecord, scenario: Scenario, kpis: Mapping[str, floa
         end = int(begun[begun < out[0]][-1]) + 1
         when = float(time[end])
         words = f"compensation ended at {when:.2f} s (mode {record.modes[end]}), {share}"
-    alarms = [text for at, text in record.alarms if at <= when + WITH_THE_END]
-    return f"{words}: {' '.join(alarms[-1].split())}" if alarms else words
+    alarms = [alarm for at, alarm in record.alarms if at <= when + WITH_THE_END]
+    return f"{words}: {alarms[-1]}" if alarms else words

@@ -22,7 +22,7 @@ _MOST_IMPLAUSIBLE = 0.2
 """Share of a record that may hold fill values; more are another unit."""
 
 MOST_STEPS = 2_000_000
-"""Of a record: two centuries of hours."""
+"""Largest number of steps of a record: two centuries of hours."""
 
 
 @dataclass(frozen=True)

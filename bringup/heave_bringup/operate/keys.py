@@ -41,6 +41,7 @@ class Command:
     question : for what is to be typed; "" where nothing is
     is_confirmed : asks before it begins: the winch moves, or stops moving
     check : raises ValueError, in words, for what was typed wrongly; nobody is asked whether that is meant
+    is_of_simulation : acts on what is simulated, or on the clock of a simulation; no part of operating a winch
     """
 
     key: str
@@ -49,6 +50,7 @@ class Command:
     question: str = ""
     is_confirmed: bool = False
     check: Callable[[str], object] = str
+    is_of_simulation: bool = False
 
 
 def number(text: str, least: float = -math.inf, most: float = math.inf) -> float:
@@ -129,10 +131,18 @@ COMMANDS: tuple[Command, ...] = (
     Command("h", "hold", lambda link, _: link.cancel_moves()),
     Command("f", "factor", lambda link, text: link.start(request_factor(number(text, 0.0, 1.0))), "factor, 0 to 1"),
     Command("r", "redesign", lambda link, _: link.start(request_redesign()), is_confirmed=True),
-    Command("i", "inject", _fault, "DEVICE,KIND[,DURATION[,MAGNITUDE]]", is_confirmed=True, check=fault_of),
-    Command("x", "clear faults", _clear),
-    Command("p", "pause", _pause),
-    Command("n", "step", lambda link, _: ClockTask(link, ticks=1)),
+    Command(
+        "i",
+        "inject",
+        _fault,
+        "DEVICE,KIND[,DURATION[,MAGNITUDE]]",
+        is_confirmed=True,
+        check=fault_of,
+        is_of_simulation=True,
+    ),
+    Command("x", "clear faults", _clear, is_of_simulation=True),
+    Command("p", "pause", _pause, is_of_simulation=True),
+    Command("n", "step", lambda link, _: ClockTask(link, ticks=1), is_of_simulation=True),
     Command("w", "snapshot", lambda link, _: link.start(request_snapshot())),
 )
 """All keys but the space bar, the emergency stop whatever is being typed, and q, which leaves the screen."""

@@ -21,7 +21,7 @@ CONTROLLER, MASTER, RECORDER, WINCH = "winch_controller", "cable_sim", "recorder
 ANSWER_TIME = 5.0
 """Wall time in which a service must answer [s]."""
 DESIGN_TIME = 60.0
-"""The same for a design and for a snapshot: both are work [s]."""
+"""Wall time in which a service that designs, or writes a snapshot, must answer [s]."""
 
 NODE_OF_DEVICE = {
     **{name: sensor.topic.publisher for name, sensor in SENSORS.items()},

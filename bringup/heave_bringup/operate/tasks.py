@@ -12,7 +12,8 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from heave_bags.analyse.events import ALARMS_PART
-from heave_node.interface.codes import OPERATOR_LIMITED
+from heave_node.interface.alarm import alarms_in
+from heave_node.interface.codes import OPERATOR_SPEED_LIMITED
 
 from heave_bringup.operate.answer import Answer, refusal
 from heave_bringup.operate.requests import Request, request_fault, request_mode, request_pause, request_step
@@ -309,8 +310,8 @@ class Lowering:
     def _told_limit(self) -> str:
         """Return what the controller tells of a limit of this speed; empty: nothing, or nothing yet."""
         told = self._link.situation.troubles.get(ALARMS_PART)
-        words = [] if told is None else told.message.split("; ")
-        return next((word for word in words if word.startswith(OPERATOR_LIMITED)), "")
+        found = [] if told is None else alarms_in(told.message)
+        return next((one.text for one in found if one.code == OPERATOR_SPEED_LIMITED), "")
 
     def _silence(self, heard: float) -> float:
         """Return for how long nothing new was `heard` of the controller, by wall time [s]."""

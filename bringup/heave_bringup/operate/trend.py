@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Sequence
 
 BARS = "▁▂▃▄▅▆▇█"
-"""From the lowest value to the highest."""
+"""Bars of a trend, from the lowest value to the highest."""
 
 
 def sparkline(values: Sequence[float], low: float, high: float) -> str:

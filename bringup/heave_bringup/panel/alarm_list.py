@@ -2,35 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
+from heave_node.interface.alarm import AlarmRow, Severity, alarms_in
+
 from heave_bringup.operate.situation import Trouble
+from heave_bringup.pages.alarms import TABLES
 
 MOST = 200
 """Alarms that are kept; the oldest that has passed goes first."""
 
+ROWS: dict[str, AlarmRow] = {code: row for table in TABLES.values() for code, row in table.items()}
+"""Every alarm of the suite, by code."""
+
 
 @dataclass(frozen=True)
 class Alarm:
-    """A trouble and what has become of it.
+    """An alarm and what has become of it.
 
     Attributes
     ----------
-    trouble : part, message, error or warning
+    key : node and code, or part of /diagnostics where what it reports has no code
+    title : code as words
+    severity : priority
+    text : what is wrong, and what follows
+    action : what to do; empty where that is not known
     since : simulated time at which it came [s]
     is_active : it still holds
     is_acknowledged : somebody has seen it
     """
 
-    trouble: Trouble
-    since: float
+    key: str
+    title: str
+    severity: Severity
+    text: str
+    action: str = ""
+    since: float = 0.0
     is_active: bool = True
     is_acknowledged: bool = False
 
 
+def alarms_of(trouble: Trouble) -> Iterator[Alarm]:
+    """Return the alarms that a `trouble` reports; events are none. One without a code is as grave as its status."""
+    found = alarms_in(trouble.message)
+    node = trouble.part.partition(":")[0]
+    for one in found:
+        if one.severity > Severity.EVENT:
+            action = ROWS[one.code].action if one.code in ROWS else ""
+            text = one.text.removesuffix(f" {action}.") if action else one.text
+            yield Alarm(f"{node} {one.code}", one.title, one.severity, text, action)
+    if not found:
+        severity = Severity.HIGH if trouble.is_error else Severity.MEDIUM
+        yield Alarm(trouble.part, trouble.part, severity, trouble.message)
+
+
 class AlarmList:
-    """Alarms by part, the newest first."""
+    """Alarms by key."""
 
     def __init__(self) -> None:
         self._alarms: dict[str, Alarm] = {}
@@ -38,32 +66,38 @@ class AlarmList:
     def note(self, time: float, troubles: Mapping[str, Trouble]) -> None:
         """Take what is wrong now, `troubles` by part, at a simulated `time` [s].
 
-        An alarm that comes back, or gets worse, is to be acknowledged anew.
+        An alarm that comes back, or gets worse, is to be acknowledged again. One that several parts report is one.
         """
-        for part, trouble in troubles.items():
-            known = self._alarms.get(part)
-            if known is None or not known.is_active or (trouble.is_error and not known.trouble.is_error):
-                self._alarms.pop(part, None)
-                self._alarms[part] = Alarm(trouble, time)
-            elif known.trouble != trouble:
-                self._alarms[part] = replace(known, trouble=trouble)
-        for part, alarm in list(self._alarms.items()):
-            if part not in troubles:
-                self._alarms[part] = replace(alarm, is_active=False)
+        present: dict[str, Alarm] = {}
+        for alarm in (alarm for trouble in troubles.values() for alarm in alarms_of(trouble)):
+            other = present.get(alarm.key)
+            if other is None or alarm.severity > other.severity:
+                present[alarm.key] = alarm
+        for key, alarm in present.items():
+            known = self._alarms.get(key)
+            if known is None or not known.is_active or alarm.severity > known.severity:
+                self._alarms.pop(key, None)
+                self._alarms[key] = replace(alarm, since=time)
+            else:
+                self._alarms[key] = replace(alarm, since=known.since, is_acknowledged=known.is_acknowledged)
+        for key, alarm in list(self._alarms.items()):
+            if key not in present:
+                self._alarms[key] = replace(alarm, is_active=False)
                 if alarm.is_acknowledged:
-                    del self._alarms[part]
-        for part in [part for part, alarm in self._alarms.items() if not alarm.is_active][:-MOST]:
-            del self._alarms[part]
+                    del self._alarms[key]
+        for key in [key for key, alarm in self._alarms.items() if not alarm.is_active][:-MOST]:
+            del self._alarms[key]
 
-    def acknowledge(self, part: str) -> None:
-        """Take note that somebody has seen the alarm of a `part`; one that has passed leaves the list."""
-        alarm = self._alarms.get(part)
+    def acknowledge(self, key: str) -> None:
+        """Take note that somebody has seen the alarm of a `key`; one that has passed leaves the list."""
+        alarm = self._alarms.get(key)
         if alarm is not None and alarm.is_active:
-            self._alarms[part] = replace(alarm, is_acknowledged=True)
+            self._alarms[key] = replace(alarm, is_acknowledged=True)
         elif alarm is not None:
-            del self._alarms[part]
+            del self._alarms[key]
 
     @property
     def alarms(self) -> tuple[Alarm, ...]:
-        """All of them, the newest first."""
-        return tuple(reversed(self._alarms.values()))
+        """All of them, the gravest first, and of those the newest."""
+        newest_first = list(self._alarms.values())[::-1]
+        return tuple(sorted(newest_first, key=lambda alarm: -alarm.severity))

@@ -74,6 +74,12 @@ class History:
         self._slot = slot
         self._points.append((round(situation.time, 2), *(line.value(situation) for line in LINES)))
 
+    @property
+    def span(self) -> tuple[float, float]:
+        """Times of the first and the last point [s]; 0 without points."""
+        points = tuple(self._points)
+        return (points[0][0], points[-1][0]) if points else (0.0, 0.0)
+
     def series(self, number: int) -> list[list[float | None]]:
         """Return line `number` as pairs of time [s] and value; None breaks a line."""
         return [

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
+from heave_node.interface.alarm import Severity
 from heave_node.interface.faults import FAULTS
 from nicegui import ui
 
 from heave_bringup.operate.keys import COMMANDS, Command, devices_of
 from heave_bringup.operate.situation import Situation, mode_words, run_words
 from heave_bringup.operate.tasks import EmergencyStop
+from heave_bringup.panel.alarm_list import Alarm
 from heave_bringup.panel.command_post import CommandPost
-from heave_bringup.panel.history import HEAVE, LENGTH, LINES, STEP, TENSION, UNIT, WINCH
+from heave_bringup.panel.history import HEAVE, LINES, TENSION, UNIT, WINCH
 from heave_bringup.panel.run_worker import Picture, RunWorker
 
 PERIOD = 0.25
@@ -48,6 +50,7 @@ body { background: #10161c; color: #dde5ec; }
 .heave-use > div { height: 100%; background: #56b4e9; }
 #lost { display: none; position: fixed; inset: 0 0 auto 0; z-index: 9999; background: #b00020; color: #fff;
   padding: .7rem 1rem; font-weight: 600; text-align: center; }
+.heave-alarm { border-top: 1px solid #2e3b47; padding: .25rem 0; }
 .nicegui-content { padding: 0; }
 @media (min-width: 1024px) { .heave-page { grid-template-rows: auto 1fr; } }
 @media (max-width: 560px) { .heave-value { font-size: 1.2rem; } }
@@ -148,12 +151,17 @@ class Page:
             with ui.row().classes("items-center justify-between w-full"):
                 self._command_words = ui.label().classes("text-sm grow")
                 self._take = ui.button("take command", on_click=self._take_or_ask).props("dense outline")
-            with ui.element("div").classes("grid grid-cols-3 gap-2 mt-2 w-full"):
-                for command in COMMANDS:
-                    button = ui.button(command.name, on_click=partial(self._open, command)).props(
-                        f"dense no-caps {'color=warning' if command.key == 's' else 'color=primary'}"
-                    )
-                    self._buttons.append(button)
+            self._build_buttons(command for command in COMMANDS if not command.is_of_simulation)
+        with ui.element("section").classes("heave-box w-full"):
+            ui.label("Simulation").classes("text-sm font-bold")
+            self._build_buttons(command for command in COMMANDS if command.is_of_simulation)
+
+    def _build_buttons(self, commands: Iterable[Command]) -> None:
+        with ui.element("div").classes("grid grid-cols-3 gap-2 mt-2 w-full"):
+            for command in commands:
+                colour = {"s": "warning"}.get(command.key, "secondary" if command.is_of_simulation else "primary")
+                button = ui.button(command.name, on_click=partial(self._open, command))
+                self._buttons.append(button.props(f"dense no-caps color={colour}"))
 
     def _build_alarms(self) -> None:
         with ui.element("section").classes("heave-box w-full"):
@@ -330,16 +338,23 @@ class Page:
             if not picture.alarms:
                 ui.label("none").classes("heave-good text-sm")
             for alarm in picture.alarms[:SHOWN_ALARMS]:
-                with ui.row().classes("items-center no-wrap w-full gap-2"):
-                    style = "heave-bad" if alarm.trouble.is_error else "heave-warn"
-                    past = "" if alarm.is_active else " (over)"
-                    weight = "" if alarm.is_acknowledged else "font-bold"
-                    ui.label(f"{alarm.since:.1f} s: {alarm.trouble}{past}").classes(
-                        f"text-sm grow break-words min-w-0 {style} {weight}"
-                    )
-                    if shown[1] and not alarm.is_acknowledged:
-                        seen = partial(self._worker.acknowledge, alarm.trouble.part)
-                        ui.button("seen", on_click=seen).props("dense flat size=sm")
+                self._show_alarm(alarm, may_acknowledge=shown[1])
+
+    def _show_alarm(self, alarm: Alarm, *, may_acknowledge: bool) -> None:
+        """Show an alarm: severity, time and title, what is wrong, what to do, and whether somebody has seen it."""
+        with ui.row().classes("items-start no-wrap w-full gap-2 heave-alarm"):
+            with ui.column().classes("grow gap-0 min-w-0 text-sm"):
+                style = "heave-bad" if alarm.severity >= Severity.HIGH else "heave-warn"
+                weight = "" if alarm.is_acknowledged else "font-bold"
+                past = "" if alarm.is_active else " (over)"
+                head = f"{alarm.severity.word.upper()} {alarm.since:.1f} s: {alarm.title}{past}"
+                ui.label(head).classes(f"{style} {weight}")
+                ui.label(alarm.text).classes("break-words")
+                if alarm.action:
+                    ui.label(f"Action: {alarm.action}").classes("break-words font-medium")
+            if may_acknowledge and not alarm.is_acknowledged:
+                seen = partial(self._worker.acknowledge, alarm.key)
+                ui.button("acknowledge", on_click=seen).props("dense flat size=sm no-caps")
 
     def _show_log(self, picture: Picture) -> None:
         shown = (picture.log[:SHOWN_LOG], picture.under_way)
@@ -354,10 +369,10 @@ class Page:
                 ui.label(f"{entry.time:.1f} s: {entry.text}").classes("heave-bad" if entry.is_refused else "")
 
     def _show_charts(self, picture: Picture) -> None:
-        end = picture.situation.time
+        first, last = self._worker.history.span
         for chart, (element, numbers) in self._charts.items():
             options = element.options
-            options["xAxis"]["min"], options["xAxis"]["max"] = round(end - LENGTH * STEP, 2), round(end, 2)
+            options["xAxis"]["min"], options["xAxis"]["max"] = first, last
             for place, number in enumerate(numbers):
                 options["series"][place]["data"] = self._worker.history.series(number)
             if chart == WINCH and math.isfinite(picture.limits.speed):

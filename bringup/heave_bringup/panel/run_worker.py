@@ -44,7 +44,7 @@ class Picture:
     ----------
     situation : of the run
     heard_at : monotonic wall time of the last word of the run [s]
-    alarms : the newest first
+    alarms : the gravest first
     under_way : names of what was requested and is not done
     log : answers, the newest first
     limits : of the winch as the controller believes them
@@ -123,9 +123,9 @@ class RunWorker:
 
         self._wanted.put(begun)
 
-    def acknowledge(self, part: str) -> None:
-        """Acknowledge the alarm of a `part`, from any thread."""
-        self._wanted.put(lambda: self._alarms.acknowledge(part))
+    def acknowledge(self, key: str) -> None:
+        """Acknowledge the alarm of a `key`, from any thread."""
+        self._wanted.put(lambda: self._alarms.acknowledge(key))
 
     def let_go(self, viewer: int) -> None:
         """End what needs a `viewer` who is gone, from any thread: a speed ends, a move goes on."""

@@ -39,7 +39,7 @@ from winch_controller_node.parameters.model import (
 from heave_bringup.scenarios import Scenario, load_scenario
 
 LEAST_NOISE = 1e-5
-"""Of a sensor that is said to be perfect, in its own unit: a filter needs some."""
+"""Least noise of a sensor that is stated as perfect, in its own unit: a filter needs some."""
 
 
 def add_bounds(record: RunRecord, bag: Path, given: Scenario | None = None) -> None:

@@ -28,7 +28,7 @@ MOST_READ = 10 * MOST_KEPT
 """Larger ones [bytes] are not even packed to see whether they shrink enough: tables of numbers do so to a third."""
 
 DIGITS = 12
-"""Of a digest, for people."""
+"""Digits of a digest that are shown."""
 
 MOST_IN_FOLDER = 10_000
 """A folder with more files is none that a case read: a bag has one for each split."""

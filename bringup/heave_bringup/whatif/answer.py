@@ -109,7 +109,7 @@ def lost(done: Replayed) -> tuple[float, str]:
         has_begun |= mode == Mode.COMPENSATING.value
         if has_begun and mode in LOST:
             time = done.time[index]
-            near = [words for at, words in done.alarms if abs(at - time) < 1.0]
+            near = [alarm.brief for at, alarm in done.alarms if abs(at - time) < 1.0]
             return float(time), near[0] if near else mode
     return math.inf, ""
 

@@ -169,10 +169,9 @@ BAND_COLUMNS = 18
 DONE, NOT_CONVERGED, TOO_SHORT, BAD_MOTION, GRID_TOO_SHORT = range(5)
 
 SPLIT_AT = 0.7
-"""A node is born when the cable beyond the next grid point exceeds this share of the spacing there..."""
+"""Share of the spacing by which the cable exceeds the next grid point when a node is born."""
 
 MERGE_AT = 0.4
-"""...and is removed when its top segment is shorter than this share.
-
-The gap between the two keeps a heaving winch from doing both in turn.
+"""Share of the spacing below which a top segment loses its node; the gap to SPLIT_AT keeps a heaving winch from doing
+both in turn.
 """

@@ -73,18 +73,19 @@ from cable_sim_node.line.tiles import copy_borders, larger, largest_of, sum_of
 _SMALLEST_SHARE = 2.0**-16
 """A step is halved at most so far before the advance is given up."""
 _STEPS_PER_PERIOD = 180.0
-"""While a segment is slack, steps are at most the heave period of the unit on its cable by this: peak tensions of snaps
-are then good to 1 to 3 %..."""
+"""Steps in a heave period of the unit on its cable, at least, while a segment is slack: peak tensions of snaps are then
+good to 1 to 3 %."""
 _SHORTEST_SLACK_STEP, _LONGEST_SLACK_STEP = 0.001, 0.0125
-"""...but within these [s]: what snaps faster is a cable of a few metres; waves run along soft ones in between."""
+"""Bounds of a step while a segment is slack [s]: what snaps faster is a cable of a few metres; waves run along soft
+ones in between."""
 _SNAPS_LAST = 0.5
 """Share of the heave period for which steps stay as short after a segment was slack."""
 _PATIENCE = 4
 """Steps that must succeed after a refused one before a longer one is tried."""
 _OVERSHOOT = 0.5
-"""A correction is shortened where the residual along it, which was to vanish, turns to more than this share..."""
+"""Share of the residual along a correction, turned to the other sign, above which the correction is shortened."""
 _SMALLEST_PART = 1e-3
-"""...but not below this part of it."""
+"""Smallest part of a correction that is taken."""
 _FAILED, _TAUT, _SLACK, _SLACK_REFUSED = range(4)
 """How a step ended."""
 Motion = tuple[float, float, float, float]

@@ -17,7 +17,7 @@ FOLLOW_POSITION = 1
 STOP = 2
 """Constant deceleration to rest."""
 HOLD = 3
-"""At rest, brake engaged."""
+"""Standstill with the brake engaged."""
 
 LIMIT_SPEED, LIMIT_ACCELERATION = int(WinchLimit.SPEED), int(WinchLimit.ACCELERATION)
 LIMIT_PAYOUT, LIMIT_POWER = int(WinchLimit.PAYOUT), int(WinchLimit.POWER)

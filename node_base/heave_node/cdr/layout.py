@@ -45,10 +45,10 @@ STRUCT_CODES = {
     "f4": "f",
     "f8": "d",
 }
-"""The same types in the words of `struct`."""
+"""Codes of `struct` for the same types."""
 
 LITTLE_ENDIAN = b"\x00\x01\x00\x00"
-"""What a message begins with."""
+"""Encapsulation header at the start of a message."""
 ENCAPSULATION = len(LITTLE_ENDIAN)
 """Bytes before the message proper; alignment counts from their end."""
 

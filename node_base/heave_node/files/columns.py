@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "": "spaces"}
 """Each with its name; "" is any number of spaces."""
 _SAMPLE = 300
-"""So many lines, from the end of the file, show how it is written."""
+"""Lines at the end of a file by which its format is recognised."""
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _POINT_OR_COMMA = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?")
 _TIME = re.compile(

@@ -68,7 +68,7 @@ COMMANDS, LATE = "commands", "late"
 """Part of the controller's diagnostics about its commands, and the value in it that counts those that came late."""
 
 ALARMS = "alarms"
-"""Part of the controller's diagnostics with what it has told since the last ones: its words, by time, as values."""
+"""Part of the controller's diagnostics with the alarms since the last ones, by time, as values: see `alarms_in`."""
 
 MODE = "mode"
 """Part of the controller's diagnostics with its mode and why, and each change since the last ones by time, as values.
@@ -88,11 +88,11 @@ REQUESTED = "requested"
 RESTS_REQUESTED = (f"stop {REQUESTED}", f"standby {REQUESTED}", f"manual {REQUESTED}")
 """Reasons of modes in which compensation rests since somebody asked for that; an emergency stop is none of them."""
 
-WINCH_LEARNT = "winch model updated: "
-"""Begins what the controller tells of a winch that is not as it was believed to be."""
+MODE_CHANGED, COMPENSATION_LOST = "MODE_CHANGED", "COMPENSATION_LOST"
+"""Codes of the controller's alarms about its mode: any change, and compensation that ended unrequested."""
 
-OPERATOR_LIMITED = "the operator's speed is limited to "
-"""Begins what the controller tells of a speed that an operator cannot have."""
+WINCH_MODEL_UPDATED, OPERATOR_SPEED_LIMITED = "WINCH_MODEL_UPDATED", "OPERATOR_SPEED_LIMITED"
+"""Codes of the controller's alarms that other packages look for."""
 
 
 def told_at(time: float) -> str:

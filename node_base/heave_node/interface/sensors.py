@@ -47,7 +47,7 @@ class Water:
 
 
 STANDARD_WATER = Water(SEAWATER_DENSITY, STANDARD_GRAVITY)
-"""For readings that no water has a part in."""
+"""Water for readings that do not depend on it."""
 
 
 class Reading(NamedTuple):

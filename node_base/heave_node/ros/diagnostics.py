@@ -9,9 +9,11 @@ from enum import Enum
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from heave_node.interface.alarm import Alarm, Severity
+
 
 class Level(Enum):
-    """Severity, as in diagnostic_msgs/DiagnosticStatus."""
+    """Level of a status, as in diagnostic_msgs/DiagnosticStatus."""
 
     OK = DiagnosticStatus.OK
     WARN = DiagnosticStatus.WARN
@@ -35,6 +37,22 @@ class Health:
     level: Level = Level.OK
     message: str = "ok"
     values: Mapping[str, str] = field(default_factory=dict)
+
+
+LEVELS = {
+    Severity.EVENT: Level.OK,
+    Severity.LOW: Level.WARN,
+    Severity.MEDIUM: Level.WARN,
+    Severity.HIGH: Level.ERROR,
+    Severity.CRITICAL: Level.ERROR,
+}
+"""Level of a status that is an alarm, by its severity."""
+
+
+def alarm_health(part: str, alarm: Alarm, values: Mapping[str, str] | None = None) -> Health:
+    """Return the health of a `part` that raises an `alarm`, with figures (`values`): its line, code and severity."""
+    told = {"code": alarm.code, "severity": alarm.severity.word, **(values or {})}
+    return Health(part, LEVELS[alarm.severity], str(alarm), told)
 
 
 def diagnostic_array(node: str, stamp: Time, parts: Sequence[Health]) -> DiagnosticArray:

@@ -18,7 +18,8 @@ from std_srvs.srv import SetBool, Trigger
 
 from heave_node.cdr.packer import Packer
 from heave_node.interface import topics
-from heave_node.ros.diagnostics import Health, Level
+from heave_node.interface.node_alarms import NODE_ALARMS
+from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
 from heave_node.ros.silence import Patience
@@ -252,8 +253,10 @@ class ClockMasterNode(HeaveNode):
     def diagnose_inputs(self) -> list[Health]:
         """Add which external node cannot be heard: one that came, or came again, when the run had begun."""
         mismatch = self._mismatch_of_external()
-        found = [Health("external nodes", Level.ERROR, mismatch)] if mismatch else []
-        return [*super().diagnose_inputs(), *found]
+        if not mismatch:
+            return super().diagnose_inputs()
+        unheard = NODE_ALARMS.alarm("EXTERNAL_NODE_UNHEARD", mismatch=mismatch)
+        return [*super().diagnose_inputs(), alarm_health("external nodes", unheard)]
 
     def diagnose_timing(self) -> list[Health]:
         """Add the loop age of every tick, those that missed their deadline too."""
@@ -520,7 +523,7 @@ class ClockMasterNode(HeaveNode):
             self._end(TickStatus.FAILED, f"{text}: gave up after waiting {limit:g} s ({parameter})")
         elif now - self._warned_at > WARNING_PERIOD:
             self._warned_at = now
-            warning = f"waiting for {waited:.0f} s: {text}"
+            warning = str(NODE_ALARMS.alarm("PARTICIPANT_LATE", time=waited, missing=text))
             self.get_logger().warning(warning)
             # before the run begins it is normal that nodes are not there yet
             self.publish_protocol_notice(warning, Level.OK if self.run_state == TickStatus.WAITING else Level.ERROR)

@@ -29,8 +29,9 @@ from rclpy.task import Future
 from heave_node.errors import NodeError, one_line
 from heave_node.interface import topics
 from heave_node.interface.messages import message_type
+from heave_node.interface.node_alarms import NODE_ALARMS
 from heave_node.interface.topic import Topic
-from heave_node.ros.diagnostics import Health, Level, diagnostic_array
+from heave_node.ros.diagnostics import Health, Level, alarm_health, diagnostic_array
 from heave_node.ros.input_timing import InputTiming
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.ports import Input, Output, decoder_of, of_any_machine, stamped
@@ -467,19 +468,18 @@ class HeaveNode(LifecycleNode):
     def diagnose_inputs(self) -> list[Health]:
         """Return what is to be said of the clocks of external nodes, and of messages that were refused."""
         parts = [
-            Health(
-                f"clock of {topic}", Level.ERROR if clock.violation else Level.OK, clock.violation or clock.describe()
+            alarm_health(
+                f"clock of {topic}", NODE_ALARMS.alarm("CLOCK_VIOLATION", topic=topic, violation=clock.violation)
             )
+            if clock.violation
+            else Health(f"clock of {topic}", Level.OK, clock.describe())
             for topic, clock in self.clocks.items()
         ]
         for port in self._inputs:
             if port.early:
-                text = f"{port.early} messages rejected, stamped in the future"
-                parts.append(Health(f"input {port.name}", Level.WARN, text))
+                parts.append(alarm_health(f"input {port.name}", NODE_ALARMS.alarm("INPUT_EARLY", count=port.early)))
             if port.late:
-                parts.append(
-                    Health(f"input {port.name}", Level.WARN, f"{port.late} messages arrived late and were discarded")
-                )
+                parts.append(alarm_health(f"input {port.name}", NODE_ALARMS.alarm("INPUT_LATE", count=port.late)))
         return parts
 
     # Ends ----------------------------------------------------------------------------------------------------------

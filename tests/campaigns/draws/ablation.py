@@ -36,7 +36,7 @@ def _unpriced(*names: str) -> list[Switch]:
 
 
 def _nothing() -> property:
-    return property(_gives(""))
+    return property(_gives(None))
 
 
 LEARNING = {
@@ -77,8 +77,8 @@ CHECKS = {
     "drum check": lambda: [Switch("supervision.guard_checks:DrumCheck.harm", _nothing())],
     "swing check": lambda: [Switch("supervision.guard_checks:UnitCheck.harm_to_swing", _nothing())],
     "depth check": lambda: [Switch("supervision.guard_checks:UnitCheck.harm_by_depth", _nothing())],
-    "mismatch check": lambda: [Switch("supervision.guard_checks:UnitCheck.mismatch", property(_gives(None)))],
-    "waves check": lambda: [Switch("supervision.guard:WaveComparison.harm", _gives(""))],
+    "mismatch check": lambda: [Switch("supervision.guard_checks:UnitCheck.mismatch", _nothing())],
+    "waves check": lambda: [Switch("supervision.guard:WaveComparison.harm", _gives(None))],
     "guard": lambda: [
         switch
         for name in ("drum check", "swing check", "depth check", "mismatch check", "waves check")

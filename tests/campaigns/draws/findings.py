@@ -1,4 +1,4 @@
-"""What a controller has found of its parts, and that it gave an alarm: read from its words, here alone."""
+"""What a controller has found of its parts, and that it gave an alarm: read from the lines of its alarms."""
 
 from __future__ import annotations
 
@@ -6,16 +6,21 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from heave_node.interface.alarm import Alarm as RaisedAlarm
+from heave_node.interface.alarm import ReadAlarm, Severity, alarms_in
+from winch_controller_node.interface.alarms import ALARMS, SENSORS
+
 Alarm = tuple[float, str]
-"""Time [s] and words."""
+"""Time [s] and line."""
 
 WINCH, ENCODER, DRUM = "winch", "encoder", "drum"
-_BLAMED = re.compile(r"(?:^|: |; )(mru or drum|mru|depth|encoder|load_cell|cable) (?:suspect|lost)\b")
-_NOISE = {"mru_heave": "mru", "mru_heave_rate": "mru", "unit_heave": "depth", "payout": ENCODER, "tension": "load_cell"}
-_NO_WARNING = re.compile(
-    r"mode (compensating|standby: (stand|brake)|stopped)|sea model updated|programme|share of the sea|^the preview|"
-    r"as believed again|agrees with all others"
-)
+PARTS = ("mru", "depth", ENCODER, "load_cell", "cable")
+"""Parts that an alarm may blame by itself."""
+LOAD = ("CABLE_SLACK", "TENSION_HIGH", "TENSION_TRAVEL_HALF", "TENSION_TRAVEL_END", "TENSION_LIMIT_LOW")
+"""Alarms of the load of a cable, which is as it should be."""
+NO_BLAME = (*LOAD, "LOWERING_BLIND", *(code for code in ALARMS if code.endswith("_NOT_DESIGNABLE")))
+NO_WARNING = ("AUTHORITY_LIMITED_BY_SEA", "AUTHORITY_LIMITED_BY_WINCH", "PROGRAMME_REJECTED", "PREVIEW_REJECTED")
+"""Alarms above an event that are no trouble of a part."""
 
 
 @dataclass(frozen=True)
@@ -34,20 +39,38 @@ class Finding:
     words: str
 
 
+def changes_in(text: str) -> list[tuple[str, float]]:
+    """Return what the text of an updated model names, with the values that were identified."""
+    return [(name, float(value)) for name, value in re.findall(r"([a-z][a-z ]*?) (-?[\d.]+)[^,(]*\(was", text)]
+
+
+def blamed_by(alarm: ReadAlarm, *, noise: bool = True) -> tuple[str, ...]:
+    """Return the parts of which an `alarm` blames one; empty: none. Whether too much `noise` is blame is a choice."""
+    if alarm.code == "WINCH_MODEL_UPDATED":
+        return (WINCH, ENCODER) if [name for name, _ in changes_in(alarm.text)] == ["gain by the encoder"] else (WINCH,)
+    row = ALARMS[alarm.code]
+    if row.severity is Severity.EVENT or row.part not in PARTS or alarm.code in NO_BLAME:
+        return ()
+    if alarm.code.endswith("_NOISE_HIGH") and not noise:
+        return ()
+    return (row.part,)
+
+
 def findings_of(alarms: Sequence[Alarm]) -> list[Finding]:
     """Return what the `alarms` of a run blame."""
-    found: list[Finding] = []
-    for time, words in alarms:
-        blamed: list[tuple[str, ...]] = []
-        blamed += [("mru", DRUM, ENCODER) if part == "mru or drum" else (part,) for part in _BLAMED.findall(words)]
-        if "winch model updated: " in words:
-            changes = re.findall(r"([a-z][a-z ]*?) -?[\d.]+[^,(]*\(was", words.split("winch model updated: ")[1])
-            blamed.append((WINCH, ENCODER) if changes == ["gain by the encoder"] else (WINCH,))
-        blamed += [(_NOISE.get(name, name),) for name in re.findall(r"noise of (\w+) is", words)]
-        found += [Finding(time, parts, words) for parts in blamed]
-    return found
+    read = [(time, words, one) for time, words in alarms for one in alarms_in(words)]
+    return [Finding(time, parts, words) for time, words, one in read if (parts := blamed_by(one))]
 
 
 def warnings_of(alarms: Sequence[Alarm]) -> list[float]:
-    """Return the times [s] of the `alarms` that tell of trouble; news of modes, moves and seas does not."""
-    return [time for time, words in alarms if not _NO_WARNING.search(words)]
+    """Return the times [s] of the `alarms` that report trouble; events, moves and limited authority do not."""
+    read = [(time, one) for time, words in alarms for one in alarms_in(words)]
+    troubles = [time for time, one in read if one.severity > Severity.EVENT and one.code not in NO_WARNING]
+    return sorted(troubles + [time for time, one in read if one.code == "WINCH_MODEL_UPDATED"])
+
+
+def is_suspicion(alarm: RaisedAlarm) -> bool:
+    """Tell whether a raised `alarm` says that a sensor or the cable is not as assumed, other than a lost sensor."""
+    (read,) = alarms_in(str(alarm))
+    is_lost = alarm.row in SENSORS and not alarm.code.endswith(("_READING_REJECTED", "_EXCLUDED"))
+    return bool(blamed_by(read, noise=False)) and not is_lost and alarm.code != "WINCH_MODEL_UPDATED"

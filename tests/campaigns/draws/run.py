@@ -159,7 +159,7 @@ def judged(case: Case, record: LoopRecord, stiffness: float = math.inf, obstacle
     begin = float(time[np.argmax(compensates)]) if np.any(compensates) else math.nan
     starts, ratios = window_ratios(time, unit, off, begin + TROUBLE, floor=WORSE_FLOOR)
     counts = counted(starts, case.excused)
-    alarms = tuple((float(at), " ".join(words.split())) for at, words in record.alarms)
+    alarms = tuple((float(at), str(alarm)) for at, alarm in record.alarms)
     found = findings_of(alarms)
     right = [f"{one.time:.0f} s: {one.words}" for one in found if set(one.parts) & set(case.parts)]
     wrong = [f"{one.time:.0f} s: {one.words}" for one in found if not set(one.parts) & set(case.parts)]

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 
+from heave_node.interface.alarm import Alarm
+
 from winch_controller_node.beliefs.beliefs import latency_ticks
+from winch_controller_node.interface.alarms import ALARMS
 
 SILENT = 3.0
 """Time after which an answer that has not come is missed [s]: three latencies."""
@@ -12,16 +15,6 @@ QUESTIONS_KEPT = 60
 """Questions whose answers are waited for; an answer to an older one is stale."""
 STEADY = 10
 """Answers in time, one after another, with which a late adviser counts as in time again."""
-
-LATE_ALARM = (
-    "ADVISER LATE: an answer came more than {latency:g} s after its observations and was rejected. The controller "
-    "keeps {active}. Check the load of the machine that runs winch_adviser."
-)
-SILENT_ALARM = (
-    "ADVISER SILENT: no answer for {time:.1f} s. The controller keeps {active}. Check that winch_adviser runs."
-)
-MALFORMED_ALARM = "ADVISER: an answer was rejected ({fault}). The controller keeps {active}. Replace winch_adviser."
-AGAIN = "ADVISER: answers again"
 
 
 class AdviserWatch:
@@ -46,7 +39,7 @@ class AdviserWatch:
         self._number = 0
         self._is_silent = False
         self._silence = 0.0
-        self._alarms: list[str] = []
+        self._alarms: list[Alarm] = []
 
     def asked(self, tick: int) -> None:
         """Note that observations up to a `tick` went out."""
@@ -76,24 +69,25 @@ class AdviserWatch:
         """Note an answer that came too late."""
         self.late += 1
         if self._in_a_row >= STEADY:
-            self._alarms.append(LATE_ALARM.format(latency=self._latency * self._dt, active=self._active))
+            late = ALARMS.alarm("ADVISER_LATE", latency=self._latency * self._dt, active=self._active)
+            self._alarms.append(late)
         self._in_a_row = 0
         self._heard()
 
     def refused(self, fault: str) -> None:
         """Note an answer that made no sense, and why (`fault`)."""
         if not self.malformed:
-            self._alarms.append(MALFORMED_ALARM.format(fault=fault, active=self._active))
+            self._alarms.append(ALARMS.alarm("ADVISER_REJECTED", fault=fault, active=self._active))
         self.malformed += 1
         self._heard()
 
-    def step(self, tick: int) -> list[str]:
+    def step(self, tick: int) -> list[Alarm]:
         """Return the alarms of a `tick`."""
         waited = 0 if self._unanswered is None else tick - self._unanswered
         self._silence = waited * self._dt
         if not self._is_silent and waited > round(SILENT / self._dt):
             self._is_silent = True
-            self._alarms.append(SILENT_ALARM.format(time=self._silence, active=self._active))
+            self._alarms.append(ALARMS.alarm("ADVISER_SILENT", time=self._silence, active=self._active))
         alarms, self._alarms = self._alarms, []
         return alarms
 
@@ -124,4 +118,4 @@ class AdviserWatch:
         self._unanswered = None
         if self._is_silent:
             self._is_silent = False
-            self._alarms.append(AGAIN)
+            self._alarms.append(ALARMS.alarm("ADVISER_RESTORED"))

@@ -35,10 +35,10 @@ PRICES: dict[tuple[int, ...], float] = {
     (HAULING, CREEP): 6.0,
     (FACTOR,): 16.0,
 }
-"""What it costs to free a group [nats]."""
+"""Prior of a group of quantities that differs from nominal [nats]."""
 
 HELD = 3.0
-"""What it costs to move a limit that is believed already [nats]."""
+"""Prior of a further change of a limit that was identified before [nats]."""
 
 FLOOR = 1e-3
 """Least standard deviation of what is left [m]: no drum is known better, and an encoder reads in millimetres."""

@@ -24,10 +24,10 @@ LARGEST_UNEVENNESS, LARGEST_CREEP = 2.0, 0.2
 """Largest factor between the gains of paying out and hauling in [-], and creep beyond the nominal one [m/s]."""
 
 LEAST_POWER = 1.0
-"""Of a winch at all [W]."""
+"""Least power limit of a winch [W]."""
 
 LARGEST_FACTOR = 5.0
-"""Of an encoder, either way."""
+"""Largest factor of an encoder's scale, either way [-]."""
 
 
 def prior_of(winch: WinchModelParameters, largest: float) -> DrumPrior:

@@ -14,7 +14,7 @@ FACTORS = np.concatenate([-np.geomspace(4.0, 0.2, 30), np.geomspace(0.2, 4.0, 90
 """Readings over the truth that are tried first: also the wrong sign [-]."""
 
 ITERATIONS = 8
-"""Of the reweighted least squares that refine a correction."""
+"""Iterations of the reweighted least squares that refine a correction."""
 
 TIE = 0.5
 """Losses that differ by less are as good: the later of two steps is the more exact [nats]."""
@@ -23,7 +23,7 @@ NEAR = (np.linspace(0.9, 1.1, 21), np.linspace(0.992, 1.008, 9))
 """Factors about that of least squares that are tried, and then about the best of them."""
 
 TINY = 1e-12
-"""What has nothing to tell is divided by this."""
+"""Least divisor, for a column without information."""
 
 
 class Fitted(NamedTuple):

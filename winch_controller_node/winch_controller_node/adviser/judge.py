@@ -54,7 +54,7 @@ PRICES = {
     SEA_PERIOD: 3.0,
     SWELL_PERIOD: 3.0,
 }
-"""What it costs to hold a quantity other than nominal [nats]: how seldom that is."""
+"""Prior of a quantity that differs from nominal [nats]: how seldom that is."""
 
 SPREAD, PERIOD_SPREAD = 0.4, 0.3
 """Standard deviation of the logarithm of a scale that is not nominal: one of 2.5 is less likely than one of 1.2; and of
@@ -71,23 +71,23 @@ RADIUS_SPREAD, GAIN, IMPOSSIBLE = 0.03, 12.0, 100.0
 price of another gain, which is then as likely as a scale; and of one that goes the other way."""
 
 EXCLUSION = 18.0
-"""And to leave a sensor out: that explains nothing."""
+"""Prior of excluding a sensor [nats]: an exclusion explains nothing."""
 
 ONSET = 3.0
-"""And to hold that something began within the record: there are some moments at which it may have."""
+"""Prior of an onset within the record [nats]: there are some moments at which it may be."""
 
 ACCEPTED, AGAIN = 48.0, 8.0
 """A hypothesis is accepted that is so many nats better than what is believed: at once, or where it was the best a look
 before as well."""
 
 CLEARLY = 5.0
-"""And so many better than the best with another culprit."""
+"""Lead over the best hypothesis with another culprit that acceptance requires [nats]."""
 
 EXPLAINED, SHARE_LEFT = 4.0, 0.25
 """Largest mean squared normalised innovation of a sensor that is used under what is accepted, or share of before."""
 
 TOLERANCE = {MRU_SCALE: 0.02, ENCODER_SCALE: 0.02, DEPTH_SCALE: 0.02, MRU_OFFSET: 0.03, MRU_DELAY: 0.02}
-"""What is nearer to nominal is nominal."""
+"""Difference from nominal below which a value counts as nominal, in its unit."""
 
 HIGH_PASSES = (100.0, 60.0, 40.0, 30.0, 22.0, 16.0)
 INERTIAS, DAMPINGS = (0.7, 0.85, 1.2, 1.45), (0.25, 4.0)
@@ -120,7 +120,8 @@ SAME = 0.02
 """Values of a model of which the logarithms differ by less are one."""
 
 ENCODER_ROW = "payout"
-"""Not judged here: the winch is identified by it, and it is right where the model of the winch is not."""
+"""Measurement of the encoder, which is not judged here: the winch is identified by it, and it is right where the
+model of the winch is not."""
 
 LARGEST_DELAY = 0.4
 """A delay beyond which a reading cannot be corrected by its slope [s]."""
@@ -499,7 +500,7 @@ START = {
 """Standard deviation of a state at the start of a record, which may begin anywhere, in its unit."""
 
 OTHER = 0.3
-"""And of one that the design in force does not have."""
+"""Standard deviation at the start of a record of a state that the active design does not have, in its unit."""
 
 
 def pass_model(

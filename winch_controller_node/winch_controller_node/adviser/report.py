@@ -9,7 +9,7 @@ from winch_controller_node.beliefs.quantities import QUANTITIES
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 SETTLED, LONGEST = 10.0, 40.0
-"""What changes of the winch is reported when it has rested for so long, and after the second time at the latest [s]."""
+"""A change of the winch is reported once it has been steady for the first time, at the latest after the second [s]."""
 
 RELATIVE = {
     "winch.speed_out": 0.1,
@@ -41,7 +41,7 @@ ABSOLUTE = {
     "mru.offset": 0.05,
     "mru.delay": 0.03,
 }
-"""The same in the unit of the quantity; of what is named nowhere any change is."""
+"""Changes that are worth a report, in the unit of the quantity; of a quantity in neither table any change is."""
 
 
 class Report:

@@ -31,13 +31,13 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 
 SENSORS = ("mru", "encoder")
-"""They tell the sea; what others read tells as much of the cable."""
+"""Sensors by which the sea is judged; readings of the others depend as much on the cable."""
 
 SHORTEST = 2.0 * SETTLING
 """A shorter record [s] does not tell one sea from another."""
 
 LARGEST = 50.0
-"""What one squared innovation counts at most."""
+"""Largest weight of one squared innovation."""
 
 WORTH, FARTHER = 10.0, 60.0
 """Another sea is believed where the record is so many nats likelier, and so many more for each factor of e by which its

@@ -42,7 +42,7 @@ TURNS_WITHIN = 2.0
 """A drum that has not turned for so long says nothing of how it turns: it may be its encoder that stands [s]."""
 
 WORTH = 6.0
-"""What is found must explain the record so much better than what is believed [nats]."""
+"""Least gain in likelihood of a new model of the winch over the present one [nats]."""
 
 EXPLAINED, SHARE_LEFT = 6e-3, 0.25
 """A record of which no more is left is explained [m]; where more is, and no such share of before, nothing is learnt."""
@@ -59,7 +59,7 @@ STEPS = {
 """Least changes that are worth it; of gains and limits relative."""
 
 LIMIT_STEP = 0.03
-"""The same of limits, and by how much they are relaxed where they have not been reached for long, relative."""
+"""Least change of a limit that is worth it, and step by which one not reached for long is relaxed, relative."""
 
 OTHER_DIRECTION = {
     SPEED_OUT: SPEED_IN,

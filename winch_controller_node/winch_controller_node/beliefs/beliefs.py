@@ -26,7 +26,7 @@ from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 LATENCY = 1.0
-"""What is asked at a tick is in force so long after it [s], in lockstep, in campaigns and in real time."""
+"""Time from the observations of a tick until the answer is active [s]: in lockstep, campaigns and real time alike."""
 
 USED = 0.97
 """Share that is used of a limit that was identified."""

@@ -30,7 +30,7 @@ QUANTITY_OF = {
     "backlash": BACKLASH,
     "power": POWER_LIMIT,
 }
-"""What is believed of each field of `Drum`; of its reach nothing else is."""
+"""Quantity of each field of `Drum`."""
 
 
 def drum_of(winch: WinchModelParameters, believed: Mapping[str, float] | None = None) -> Drum:

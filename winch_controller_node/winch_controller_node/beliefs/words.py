@@ -1,14 +1,14 @@
-"""Findings as sentences: what, value against nominal, consequence, action."""
+"""Findings as alarms: what, value against nominal, consequence, action."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 
-from heave_node.interface.codes import WINCH_LEARNT
+from heave_node.interface.alarm import Alarm
 
 from winch_controller_node.beliefs.beliefs import Finding
-from winch_controller_node.beliefs.quantities import QUANTITIES
+from winch_controller_node.interface.alarms import ALARMS
 
 WINCH_LABELS = {
     "winch.time_constant": "time constant",
@@ -32,32 +32,40 @@ SEA_LABELS = {
     "sea.swell.peak_period": "swell, peak period",
 }
 
-SENTENCES = {
-    "mru.scale": "mru suspect: it reads {value:.2f} times the motion; corrected. Check scale and sign, and the drum "
-    "radius",
-    "mru.offset": "mru suspect: its heave has a mean of {value:+.2f} m; corrected. Check its reference and trim",
-    "mru.delay": "mru suspect: its stamps are {value:+.2f} s late; corrected. Check its clock and latency",
-    "mru.high_pass_period": "mru suspect: its heave has a high-pass of {value:.0f} s (assumed: {nominal:.0f} s, 0 is "
-    "none); corrected. State sensors.mru.high_pass_period",
-    "mru.bias_drift": "mru suspect: its heave wanders, as in a turn; tracked. Check its aiding and the ship's turns",
-    "depth.scale": "depth suspect: it reads {value:.2f} times the motion; corrected. Check its scale and unit",
-    "encoder.scale": "encoder suspect: it reads {value:.2f} times the payout; corrected. Check its scale and sign, and "
-    "the drum radius",
-    "cable.inertia_factor": "cable suspect: inertia {value:.2f} times the assumed one; corrected. Check mass of the "
-    "unit, length and stiffness of the cable",
-    "cable.damping_factor": "cable suspect: damping {value:.2g} times the assumed one; corrected. Check drag of the "
-    "unit",
+CODES = {
+    "mru.scale": "MRU_SCALE_ERROR",
+    "mru.offset": "MRU_OFFSET",
+    "mru.delay": "MRU_DELAYED",
+    "mru.high_pass_period": "MRU_HIGH_PASS",
+    "mru.bias_drift": "MRU_DRIFT",
+    "depth.scale": "DEPTH_SCALE_ERROR",
+    "encoder.scale": "ENCODER_SCALE_ERROR",
+    "cable.inertia_factor": "CABLE_INERTIA",
+    "cable.damping_factor": "CABLE_DAMPING",
 }
-"""Of a quantity that differs from nominal."""
+"""Alarm of a quantity that differs from nominal."""
+
+ENDS = {"excluded": "EXCLUDED", "recovered": "RECOVERED", "refused": "NOT_DESIGNABLE", "nominal": "NOMINAL"}
+"""End of the alarm code of any other finding, after the part that it is about."""
 
 
-def sentences(findings: Sequence[Finding]) -> list[str]:
-    """Return the `findings` as sentences; those of the winch, and of the sea, are one each."""
-    told = [_sentence(one) for one in findings if not one.quantity.startswith(("winch.", "sea."))]
-    winch = [_change(WINCH_LABELS[one.quantity], one, 3) for one in findings if one.quantity in WINCH_LABELS]
-    sea = [_change(SEA_LABELS[one.quantity], one, 1) for one in findings if one.quantity in SEA_LABELS]
-    told += [f"{WINCH_LEARNT}{', '.join(winch)}"] if winch else []
-    return told + ([f"sea model updated: {', '.join(sea)}"] if sea else [])
+def alarms_of(findings: Sequence[Finding]) -> list[Alarm]:
+    """Return the `findings` as alarms; all that is new of the winch is one, and so is that of the sea."""
+    models: dict[str, list[str]] = {"winch": [], "sea": []}
+    found = []
+    for one in findings:
+        if one.quantity in WINCH_LABELS:
+            models["winch"].append(_change(WINCH_LABELS[one.quantity], one, 3))
+        elif one.quantity in SEA_LABELS:
+            models["sea"].append(_change(SEA_LABELS[one.quantity], one, 1))
+        else:
+            found.append(_alarm(one))
+    updated = [
+        ALARMS.alarm(f"{part.upper()}_MODEL_UPDATED", changes=", ".join(changes))
+        for part, changes in models.items()
+        if changes
+    ]
+    return found + updated
 
 
 def _change(label: str, finding: Finding, digits: int) -> str:
@@ -70,20 +78,11 @@ def _change(label: str, finding: Finding, digits: int) -> str:
     return f"{label} {value} (was {finding.nominal:.{digits}f})"
 
 
-def _sentence(finding: Finding) -> str:
-    if finding.code == "excluded":
-        return (
-            f"{finding.quantity} suspect: its readings contradict all others; not used. Check sign, scale and mounting"
-        )
-    if finding.code == "recovered":
-        return f"{finding.quantity} agrees with all others again; used"
-    if finding.code == "refused":
-        return (
-            f"{finding.quantity} differs from what is assumed; what was found is not used: no controller can be "
-            "designed for it. Check its parameters"
-        )
-    owner = QUANTITIES[finding.quantity].owner
-    if finding.code == "nominal":
-        return f"{owner} as assumed again"
+def _alarm(finding: Finding) -> Alarm:
+    if finding.code in ENDS:
+        owner = finding.quantity.partition(".")[0]
+        return ALARMS.alarm(f"{owner.upper()}_{ENDS[finding.code]}")
+    row = ALARMS[CODES[finding.quantity]]
     nominal = finding.nominal if math.isfinite(finding.nominal) else 0.0
-    return SENTENCES[finding.quantity].format(value=finding.value, nominal=nominal)
+    values = {"value": finding.value, "nominal": nominal}
+    return row.alarm(**{name: values[name] for name in row.names})

@@ -38,7 +38,7 @@ BOUND_STEP = 0.2
 HIGHEST_FREQUENCY = 4.0
 """End of the spectrum of a record that counts [rad/s]; no vessel moves above it."""
 FILTER_STATES = 8
-"""Of the filter that models a record's spectrum: two peaks and their flanks."""
+"""States of the filter that models a record's spectrum: two peaks and their flanks."""
 
 
 @dataclass(frozen=True)

@@ -34,16 +34,16 @@ STEP = 0.15
 """The noise is changed when the height has changed by this share since the last time."""
 
 SMALLEST, LARGEST = 0.05, 20.0
-"""Range of the height ratio; beyond it the sensor is doubted, not the sea."""
+"""Range of the height ratio; beyond it the fault hypothesis is the sensor's, not the sea's."""
 
 FIRST_WAVES, JUDGED_AGAIN = 2.0, 1.3
 """Waves after which the period is judged for the first time, and by what factor more for the next."""
 
 DOUBT_WAVES = 2.0
-"""Waves that the believed period counts for."""
+"""Weight of the assumed period, in waves."""
 
 REFUTED_WAVES = 0.3
-"""The same where the believed sea is refuted."""
+"""Weight of the assumed period where the assumed sea is refuted, in waves."""
 
 SURPRISE_MEMORY, LARGEST_SURPRISE = 5.0, 30.0
 """Memory of the normalised innovations [s], and what one counts at most."""
@@ -67,7 +67,7 @@ SCATTER = 0.9
 """Three standard deviations of the logarithm of the period that one wave tells, growing seas included."""
 
 LIKELY = SCATTER / 3.0
-"""And one."""
+"""One standard deviation of the logarithm of the period that one wave tells."""
 
 LEAST_HEAVE = 0.03
 """Standard deviation of the boom tip's heave below which its period is not judged [m]: noise has one as well."""

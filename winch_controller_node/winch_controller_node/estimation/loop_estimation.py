@@ -345,7 +345,7 @@ class LoopEstimation:
             innovations=self.estimator.innovations,
             has_encoder=observer.gates["encoder"].state(0.0).accepted > 0,
             lost=observer.lost(),
-            faults=tuple(observer.new_faults()),
+            faults=(*observer.new_faults(), *self.surprise.news()),
         )
 
     @property

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
+from heave_node.interface.alarm import Alarm
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.estimation.tension import NO_MEAN, TensionMean
@@ -51,7 +52,7 @@ class Sensed(NamedTuple):
     has_encoder : a reading of the encoder has been accepted since the start
     innovations : what each reading said against its prediction, by measurement
     lost : why each lost sensor counts as lost, by name
-    faults : sensors that have become worse in this tick, in words
+    faults : alarms of sensors that have become worse in this tick
     """
 
     payout: float | None
@@ -67,7 +68,7 @@ class Sensed(NamedTuple):
     has_encoder: bool
     innovations: Mapping[str, Innovation]
     lost: Mapping[str, str]
-    faults: tuple[str, ...]
+    faults: tuple[Alarm, ...]
 
 
 class CommandShares(NamedTuple):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import SensorLevel, WinchFault
 from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
@@ -13,16 +14,17 @@ from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.mru_steps import MruSteps
 from winch_controller_node.estimation.reading_terms import ReadingTerms, SensorsWatched, tick_of
 from winch_controller_node.estimation.sensor_health import (
+    CONTRADICTS,
     DepthJumps,
     EncoderGate,
     SensorGate,
     SensorTiming,
     judge_mru,
     judge_scalar,
-    remedy,
 )
 from winch_controller_node.estimation.sensor_noise import SensorNoise
 from winch_controller_node.estimation.surprise import Surprise
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Measurements, ScalarReading, SensorState
 from winch_controller_node.interface.sensors import (
     LEVER_ARM_X,
@@ -38,9 +40,6 @@ NEGLIGIBLE = 1e-4
 
 HEAVE_ALONE = "heave alone: it measures no rate"
 """How an MRU is seen that has no fault and states no heave rate."""
-
-CONTRADICTS = "contradicts all others"
-"""How a sensor is seen that is doubted and has no other fault."""
 
 
 class Observed(NamedTuple):
@@ -110,7 +109,7 @@ class Observer:
         self.doubted = ""
         self._unit_heave = 0.0
         self._levels: dict[str, SensorLevel] = {}
-        self._quiet: list[str] = []
+        self._quiet: list[Alarm] = []
         self._attitude: tuple[float, float, float] | None = None
 
     def doubt(self, sensor: str) -> None:
@@ -191,7 +190,7 @@ class Observer:
         surprise : by them and those before: what has been foreseen badly for long is no spike
         """
         self._quiet = [
-            self._told_quiet(name, estimator.measurements[name].sensor, mean)
+            self._quiet_alarm(name, estimator.measurements[name].sensor, mean)
             for name, mean in surprise.newly_quiet().items()
             if name in self._noise and self._noise[name].believed > NEGLIGIBLE
         ]
@@ -208,8 +207,8 @@ class Observer:
         for sensor in sorted(of_sensors - {"encoder"}):
             self.gates[sensor].take_back(is_spike=sensor in spikes)
 
-    def _told_quiet(self, name: str, sensor: str, mean: float) -> str:
-        """Return in words that a measurement is quieter than believed, and what to do.
+    def _quiet_alarm(self, name: str, sensor: str, mean: float) -> Alarm:
+        """Return that a measurement is quieter than its nominal noise.
 
         Parameters
         ----------
@@ -218,11 +217,12 @@ class Observer:
         mean : of its normalised innovations squared
         """
         noise = self._noise[name]
-        seen = "" if noise.seen is None else f", the readings show {noise.seen:.2g}"
-        return (
-            f"{name} is quieter than believed: {math.sqrt(mean):.2f} times as far off as foreseen for a minute. "
-            f"Compensation goes on; state the noise of sensor {sensor} to have more of it "
-            f"(believed: {noise.believed:.2g}{seen}), or look at its scale if it should read more"
+        return ALARMS.alarm(
+            f"{sensor.upper()}_NOISE_LOW",
+            measurement=name,
+            ratio=math.sqrt(mean),
+            sigma=noise.believed,
+            seen="none" if noise.seen is None else f"{noise.seen:.2g}",
         )
 
     def lost(self) -> dict[str, str]:
@@ -230,32 +230,28 @@ class Observer:
         lost = {name: gate.reason for name, gate in self.gates.items() if gate.level is SensorLevel.LOST}
         return {"mru": CONTRADICTS, **lost} if self.doubted == "mru" else lost
 
-    def new_faults(self) -> list[str]:
-        """Return, in words, which sensors have become worse since the last call, or are quieter than believed."""
-        words = []
+    def new_faults(self) -> list[Alarm]:
+        """Return which sensors have become worse since the last call, or have another noise than the nominal one."""
+        found = []
         for name, gate in self.gates.items():
             before, self._levels[name] = self._levels.get(name, SensorLevel.OK), gate.level
             if gate.level > before:
-                words.append(f"{name} {gate.level.name.lower()}: {self._fault_in_words(name, gate)}")
+                found.append(self._fault(name, gate))
         for name, noise in self._noise.items():
             factor = noise.news()
             if factor > 0.0:
-                words.append(f"noise of {name} is {noise.sigma:.3g}, {factor:.1f} times what is believed")
-        return [*words, *self._quiet]
+                code = f"{self._sensors.sensor_of[name].upper()}_NOISE_HIGH"
+                found.append(ALARMS.alarm(code, measurement=name, sigma=noise.sigma, factor=factor))
+        return [*found, *self._quiet]
 
-    def _fault_in_words(self, name: str, gate: SensorGate) -> str:
-        """Return what is wrong with the sensor `name` of a `gate`, and what to do or what is done about it."""
-        jumps = {"encoder": self.encoder.jump, "depth": self._depth_jumps.jump}
-        if gate.reason == "jump" and name == "depth" and self._depth_jumps.is_like_scale:
-            return (
-                f"jump of {self._depth_jumps.jump:+.3f} m, as by another scale or sign: left out until it agrees with "
-                "all others, or an operator asks for a mode; look at both"
-            )
-        if gate.reason == "jump" and name in jumps:
-            return f"jump of {jumps[name]:+.3f} m subtracted"
-        if gate.is_lost:
-            return f"{gate.reason}: {remedy(name, gate.reason)}"
-        return f"{gate.reason}: that reading is left out"
+    def _fault(self, name: str, gate: SensorGate) -> Alarm:
+        """Return what is wrong with the sensor `name` of a `gate`."""
+        if gate.reason == "jump" and name == "depth":
+            code = "DEPTH_SCALE_JUMP" if self._depth_jumps.is_like_scale else "DEPTH_JUMP"
+            return ALARMS.alarm(code, jump=self._depth_jumps.jump)
+        if gate.reason == "jump" and name == "encoder":
+            return ALARMS.alarm("ENCODER_JUMP", jump=self.encoder.jump)
+        return gate.alarm
 
     def states(self, tick: int) -> tuple[SensorState, ...]:
         """Return how each sensor is seen at `tick`."""
@@ -372,4 +368,6 @@ class Observer:
 
 def _as_doubted(state: SensorState) -> SensorState:
     """Return the `state` of a sensor that is doubted."""
-    return state._replace(level=max(state.level, SensorLevel.SUSPECT), reason=state.reason or CONTRADICTS)
+    alarm = state.alarm or ALARMS.alarm(f"{state.sensor.upper()}_EXCLUDED")
+    level, reason = max(state.level, SensorLevel.SUSPECT), state.reason or CONTRADICTS
+    return state._replace(level=level, reason=reason, alarm=alarm)

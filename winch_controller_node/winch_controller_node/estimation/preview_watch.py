@@ -15,7 +15,7 @@ MAXIMUM_AGE = 5.0
 PROOF_TIME = 10.0
 """A preview is used once it has come true for so long [s]."""
 LEAD = 1.0
-"""What was told this long ahead [s] is held against what the motion reference unit then said."""
+"""Lead at which a preview is compared with what the MRU then read [s]."""
 MEMORY = 30.0
 """Time over which error and heave are compared [s]."""
 WORST_SHARE, WORST_NOISE = 0.5, 3.0
@@ -51,7 +51,7 @@ class PreviewWatch:
     def words(self) -> str:
         """How it is with the preview."""
         if self._use is None:
-            return "not used: law mpc uses one where mpc.preview_time is above 0"
+            return "not used: only law mpc with mpc.preview_time above 0 uses one"
         return f"not used: {self.fault}" if self.fault else "used"
 
     def step(self, now: int, delivered: HeavePreview | None, boom_tip: float | None) -> HeavePreview | None:
@@ -88,11 +88,11 @@ class PreviewWatch:
     def _doubt(self, noise: float) -> str:
         """Return why a well-formed preview of a stated `noise` [m] is not to be believed; empty where it is."""
         if self._compared * self._dt < PROOF_TIME:
-            return f"it has to come true for {PROOF_TIME:g} s before it is used"
+            return f"compared with the motion for {PROOF_TIME:g} s before it is used"
         error, heave = math.sqrt(self._error_square), math.sqrt(self._heave_square)
         if error <= max(WORST_SHARE * heave, WORST_NOISE * noise):
             return ""
-        return f"told {LEAD:g} s ahead it was wrong by {error:.2f} m rms, in a heave of {heave:.2f} m rms"
+        return f"error {error:.2f} m rms at {LEAD:g} s ahead, in a heave of {heave:.2f} m rms"
 
 
 def _seen_from(now: int, newest: HeavePreview, use: PreviewUse) -> tuple[HeavePreview | None, str]:
@@ -111,11 +111,11 @@ def _seen_from(now: int, newest: HeavePreview, use: PreviewUse) -> tuple[HeavePr
     if age < 0.0:
         return None, f"its stamp is {-age:.3g} s ahead of the clock"
     if age > MAXIMUM_AGE:
-        return None, f"nothing new has come for more than {MAXIMUM_AGE:g} s"
+        return None, f"no data for more than {MAXIMUM_AGE:g} s"
     seen = newest.seen_from(now)
     if not seen.covers(use.first, use.last):
         told = f"{seen.ahead[0]:.3g} to {seen.ahead[-1]:.3g} s"
-        return seen, f"it tells of {told} ahead; the law asks for {use.first:g} to {use.last:g} s (mpc.preview_time)"
+        return seen, f"it covers {told} ahead; the law needs {use.first:g} to {use.last:g} s (mpc.preview_time)"
     return seen, ""
 
 

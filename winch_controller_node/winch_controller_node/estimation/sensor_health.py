@@ -12,12 +12,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import MruStatus, SensorLevel
 from heave_node.interface.sensors import MruReading
 
 from winch_controller_node.estimation.mru_steps import SIGMAS, MruSteps
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import ScalarReading, SensorState
 from winch_controller_node.parameters.laws import HealthParameters
+
+CONTRADICTS = "contradicts all others"
+"""How a sensor is seen that is excluded and has no other fault."""
 
 BAD_IN_A_ROW = 3
 """So many refused readings in a row make a sensor lost: alarm within 3 samples."""
@@ -30,7 +35,7 @@ BY_CHANCE = 2e-4
 """Probability of a run of equal readings below which a sensor is frozen: three of one that does not read in steps."""
 
 JUMP_SHOWN = 2.0
-"""A jump that was taken off is shown for so long [s]: diagnostics come once a second."""
+"""Time for which a subtracted jump is shown [s]: diagnostics come once a second."""
 
 AT_ONCE, TRAVEL_KNOWN = 1.5, 10.0
 """A reading that comes later than so many ticks after the last one is judged by all that the drum should have turned
@@ -55,31 +60,33 @@ the encoder frozen all the same."""
 KNOWN_UNSEEN = 0.2
 """Share of the way that a drum has gone unseen by which it may be elsewhere than it was sent."""
 
-REMEDIES = {
-    "nan": "it reads no numbers: start it or its driver again",
-    "wrong stamp": "its stamps are ahead of the run's clock, or none: set its clock",
-    "late": "its readings come out of order, or twice: look at its driver and the network",
-    "stale": "no reading comes any more, or each later or more seldom than believed: look at its power, cable, driver "
-    "and clock, or state its `rate` and `latency`",
-    "frozen": "its readings do not change: start it or its driver again",
-    "encoder frozen": "its readings do not change though the winch is sent to turn: look whether the drum does (brake, "
-    "dead zone of the drive), then start the encoder or its driver again",
-    "spike": "its readings are far from what all others foresee: look at its mounting, sign and unit",
-    "jump": "its readings jump again and again: look at its mounting, scale and sign, and its driver",
-    "mru jump": "its heave has gone elsewhere than its heave rate says, and is read again once its mean is as it was: "
-    "look at its mounting, scale and sign, and its driver",
-    "status settling": "it settles by itself: wait",
+LOST_STATES = {
+    "nan": "NOT_A_NUMBER",
+    "wrong stamp": "BAD_STAMP",
+    "late": "OUT_OF_ORDER",
+    "frozen": "FROZEN",
+    "spike": "SPIKES",
+    "jump": "JUMPS",
+    "status settling": "SETTLING",
 }
-"""What to do about a lost sensor, by the reason for which its readings are refused, or sensor and reason where it is
-another for that one; a status of its own has others.
-"""
-
-UNKNOWN_STATUS = "it calls its own readings wrong: look at what it shows, and start it again"
+"""End of the alarm code of a lost sensor, by the reason for which its readings are rejected."""
 
 
-def remedy(sensor: str, reason: str) -> str:
-    """Return what to do, in words, about a `sensor` that is lost for a `reason`."""
-    return REMEDIES.get(f"{sensor} {reason}", REMEDIES.get(reason, UNKNOWN_STATUS))
+def lost_alarm(sensor: str, reason: str, *, age: float, limit: float) -> Alarm:
+    """Return the alarm of a `sensor` that is lost.
+
+    Parameters
+    ----------
+    sensor : name
+    reason : for which its readings are rejected
+    age, limit : age of the newest accepted reading, and the largest that is allowed [s]; of a stale sensor
+    """
+    prefix = sensor.upper()
+    if reason == "stale":
+        return ALARMS.alarm(f"{prefix}_STALE", age=age, limit=limit)
+    if reason in LOST_STATES:
+        return ALARMS.alarm(f"{prefix}_{LOST_STATES[reason]}")
+    return ALARMS.alarm(f"{prefix}_FAULT", status=reason)
 
 
 @dataclass(frozen=True)
@@ -125,16 +132,25 @@ class SensorGate:
         self._newest_stamp = -math.inf
         self._newest_accepted: float | None = None
         self._started: float | None = None
+        self._age, self._largest_age = 0.0, timing.latency + parameters.stale_samples * timing.period
 
     @property
     def is_lost(self) -> bool:
         """Tell whether the sensor is not to be relied on."""
         return self.level is SensorLevel.LOST
 
+    @property
+    def alarm(self) -> Alarm:
+        """What is wrong with the sensor, where it is suspect or lost."""
+        if not self.is_lost:
+            return ALARMS.alarm(f"{self.sensor.upper()}_READING_REJECTED", reason=self.reason)
+        return lost_alarm(self.sensor, self.reason, age=self._age, limit=self._largest_age)
+
     def state(self, now: float) -> SensorState:
         """Return how the sensor is seen at `now` [s]."""
         age = math.inf if self._newest_accepted is None else now - self._newest_accepted
-        return SensorState(self.sensor, self.level, self.reason, age, self._accepted, self._refused)
+        alarm = None if self.level is SensorLevel.OK else self.alarm
+        return SensorState(self.sensor, self.level, self.reason, age, self._accepted, self._refused, alarm)
 
     def judge(self, now: float, time: float, values: Sequence[float], status: str = "") -> bool:
         """Take one reading in and tell whether it may be used.
@@ -183,8 +199,8 @@ class SensorGate:
         if self._started is None:
             self._started = now
         newest = self._started if self._newest_accepted is None else self._newest_accepted
-        allowed = self._timing.latency + self._parameters.stale_samples * self._timing.period + 1e-6
-        if now - newest > allowed and self._bad_in_a_row == 0:
+        self._age = now - newest
+        if self._age > self._largest_age + 1e-6 and self._bad_in_a_row == 0:
             self.level, self.reason = SensorLevel.LOST, "stale"
             self._good_in_a_row = 0
 

@@ -1,30 +1,38 @@
-"""Whether readings are as far off what was foreseen as their noise allows."""
+"""Consistency of the readings: whether they are as far off their prediction as their noise allows."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 
+from heave_node.interface.alarm import Alarm
+
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.model.estimator import Innovation
 
 MEMORY = 20.0
 """Memory of the mean of the normalised innovations squared [s]."""
 
 SURPRISING = 2.0
-"""Mean of the normalised innovations squared above which a sensor is not what it is believed to be; 1 where it is."""
+"""Mean of the normalised innovations squared above which a sensor is inconsistent with its model; 1 is consistent."""
 
 QUIET, QUIET_TIME = 0.4, 60.0
-"""Mean of them below which a sensor is quieter than believed, and time for which it is until that is told [s]."""
+"""Mean of the normalised innovations squared below which a sensor is quieter than nominal, and time until that is
+reported [s]."""
+
+UNEXPLAINED_TIME = 90.0
+"""Time after which readings that are inconsistent without a pause count as unexplained [s]: the adviser judges a
+minute, accepts an explanation after 10 s more, and a new assumption begins the count again."""
 
 LARGEST = 25.0
-"""What one normalised innovation squared counts at most: a spike is no lasting error."""
+"""Largest weight of one normalised innovation squared: a spike is no lasting error."""
 
 ENCODER_ROW = "payout"
 """Readings of the encoder are not judged: the winch is identified by them."""
 
 
 class Surprise:
-    """How far the readings of each sensor are from what was foreseen, over some waves.
+    """How far the readings of each sensor are from their prediction, over some waves.
 
     Parameters
     ----------
@@ -37,6 +45,7 @@ class Surprise:
         self._time = 0.0
         self._quiet_times: dict[str, float] = {}
         self._told_quiet: set[str] = set()
+        self._is_reported = False
 
     def add(self, innovations: Mapping[str, Innovation]) -> None:
         """Take in the innovations of a tick, by measurement."""
@@ -70,14 +79,14 @@ class Surprise:
 
     @property
     def words(self) -> str:
-        """What is read cannot be believed yet, in words; empty where it can."""
+        """Why the readings are not consistent yet, in words; empty where they are."""
         if self._time == 0.0:
             return ""
         name, mean = self.worst
         wait = MEMORY * math.log((mean - 1.0) / (SURPRISING - 1.0))
         return (
-            f"{name} is {math.sqrt(mean):.1f} times as far off as foreseen, {math.sqrt(SURPRISING):.1f} is allowed: "
-            f"compensation waits about {wait:.0f} s while it settles; sensors are compared where it does not"
+            f"innovations of {name} are {math.sqrt(mean):.1f} times their expected size, limit "
+            f"{math.sqrt(SURPRISING):.1f}: about {wait:.0f} s more to settle; the sensors are compared meanwhile"
         )
 
     @property
@@ -85,8 +94,17 @@ class Surprise:
         """Time since which readings have been foreseen badly without a pause [s]."""
         return self._time
 
+    def news(self) -> list[Alarm]:
+        """Return, once each time, that the readings disagree and nothing that is identified explains it."""
+        is_unexplained = self._time >= UNEXPLAINED_TIME
+        is_new, self._is_reported = is_unexplained and not self._is_reported, is_unexplained
+        if not is_new:
+            return []
+        name, mean = self.worst
+        return [ALARMS.alarm("SENSORS_DISAGREE", measurement=name, ratio=math.sqrt(mean), time=self._time)]
+
     def restart(self) -> None:
-        """Begin anew: something else is believed from now on."""
+        """Begin again: something else is assumed from now on."""
         self._means = {}
         self._time = 0.0
         self._quiet_times = {}

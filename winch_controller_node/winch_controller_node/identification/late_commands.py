@@ -6,6 +6,10 @@ import math
 from collections import deque
 from itertools import islice
 
+from heave_node.interface.alarm import Alarm
+
+from winch_controller_node.interface.alarms import ALARMS
+
 LATE_TICKS = 2
 """Ticks in a row with a command overdue after which the delay of the winch is not what it was."""
 
@@ -16,7 +20,7 @@ SHARE_WINDOW, LARGEST_SHARE = 60.0, 0.1
 """Share of the commands of so many seconds that may be late; half of it ends the alarm."""
 
 CUT_TIME = 0.5
-"""Where no new command has been taken for so long the link is cut, and it is not known how late any command is [s]."""
+"""Time without a new command taken after which the link counts as cut [s]: how late any command is, is then unknown."""
 
 
 class LateCommands:
@@ -62,8 +66,8 @@ class LateCommands:
         """Tell whether an alarm holds."""
         return self._is_slow or self._is_ragged
 
-    def update(self, given: int, taken: int, delay: float) -> str:
-        """Return what is wrong in words, once each time; empty when nothing is.
+    def update(self, given: int, taken: int, delay: float) -> Alarm | None:
+        """Return what is wrong, once each time; None when nothing is.
 
         Parameters
         ----------
@@ -92,7 +96,7 @@ class LateCommands:
         self.late += overdue > 0.0
         self.largest = max(self.largest, overdue)
 
-    def _judge(self) -> str:
+    def _judge(self) -> Alarm | None:
         """Return what the statistics say that they did not say before."""
         was_slow, was_ragged = self._is_slow, self._is_ragged
         share = self._late_in_minute / (self._overdue.maxlen or 1)
@@ -100,10 +104,8 @@ class LateCommands:
         overdue = self.overdue if self._in_a_row or was_slow else 0.0
         self._is_slow = overdue > 0.0
         if self._is_slow and not was_slow:
-            return f"winch commands take effect at least {overdue:.2f} s later than modelled"
+            return ALARMS.alarm("COMMANDS_LATE", delay=overdue)
         if self._is_ragged and not (was_ragged or was_slow):
-            return (
-                f"{100.0 * share:.0f} % of the winch commands of the last {SHARE_WINDOW:g} s took effect later than "
-                f"modelled, up to {max(self._overdue):.2f} s: the machine or the network is too slow"
-            )
-        return ""
+            largest = max(self._overdue)
+            return ALARMS.alarm("COMMANDS_OFTEN_LATE", percent=100.0 * share, window=SHARE_WINDOW, largest=largest)
+        return None

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import SensorLevel
 from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MruReading
@@ -111,6 +112,7 @@ class SensorState(NamedTuple):
     reason : why, empty when OK
     age : of the newest accepted reading [s], infinite before the first
     accepted, refused : readings so far
+    alarm : what is wrong, where it is suspect or lost
     """
 
     sensor: str
@@ -119,6 +121,7 @@ class SensorState(NamedTuple):
     age: float
     accepted: int
     refused: int
+    alarm: Alarm | None = None
 
 
 class Report(NamedTuple):
@@ -182,7 +185,7 @@ class Outputs(NamedTuple):
     mode, authority, depth_set_point : see `Report`
     make_report : returns the report of the tick
     kpi : once a second; None else
-    alarms : one line each
+    alarms : raised in this tick
     requests : what an operator has asked for since the last tick, one line each; modes are told by themselves
     observations : for the adviser, once a second; None else
     """
@@ -193,7 +196,7 @@ class Outputs(NamedTuple):
     depth_set_point: float
     make_report: Callable[[], Report]
     kpi: RollingKpi | None = None
-    alarms: tuple[str, ...] = ()
+    alarms: tuple[Alarm, ...] = ()
     requests: tuple[str, ...] = ()
     observations: Observations | None = None
 

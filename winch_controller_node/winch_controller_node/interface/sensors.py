@@ -352,7 +352,7 @@ INPUTS = tuple(name for name in KNOWN_SENSORS if name in SENSORS)
 """Sensors that the controller listens to; the encoder comes with the state of the winch."""
 
 SCALAR_SENSORS = tuple(name for name in INPUTS if name != MRU.name)
-"""Those of which one value counts."""
+"""Sensors that deliver one value."""
 
 
 def sensors_that_see(*seen: str) -> list[str]:

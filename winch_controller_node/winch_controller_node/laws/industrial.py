@@ -27,7 +27,7 @@ from winch_controller_node.laws.parts.loop_state import LoopState
 from winch_controller_node.model.lqr import DesignError
 
 LARGEST_GAIN = 2.0
-"""Of the position loop by the rule [1/s]."""
+"""Largest gain of the position loop by the rule [1/s]."""
 
 
 def rule_gain(delay: float, lag: float) -> float:

@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from heave_node.interface.codes import OPERATOR_LIMITED
+from heave_node.interface.alarm import Alarm
 
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.motion.trajectory import MovePoint, approach_speed
 from winch_controller_node.parameters.laws import OperatorParameters
 
@@ -89,12 +90,9 @@ class OperatorSpeed:
             return (f"speed 0 m/s: the mean payout has moved by {moved:+.2f} m",)
         return ()
 
-    def limit_news(self, bounds: OperatorRange) -> str:
-        """Return in words that more is asked for than `bounds` allow, once until it rests or lapses; else empty."""
+    def limit_news(self, bounds: OperatorRange) -> Alarm | None:
+        """Return that more is requested than `bounds` allow, once until it rests or lapses; else None."""
         if self._is_limit_told or not self.is_asked or abs(self._asked) <= bounds.speed:
-            return ""
+            return None
         self._is_limit_told = True
-        return (
-            f"{OPERATOR_LIMITED}{bounds.speed:.2f} m/s, {abs(self._asked):.2f} m/s was asked for: "
-            "operator.speed_share of the winch's speed limit"
-        )
+        return ALARMS.alarm("OPERATOR_SPEED_LIMITED", requested=abs(self._asked), limit=bounds.speed)

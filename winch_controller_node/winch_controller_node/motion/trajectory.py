@@ -13,9 +13,9 @@ from typing import NamedTuple
 from winch_controller_node.parameters.laws import MoveParameters
 
 ARRIVED_DISTANCE = 0.005
-"""A move has arrived within this distance [m] ..."""
+"""Distance from its target within which a move has arrived [m], once it is slower than ARRIVED_SPEED."""
 ARRIVED_SPEED = 0.002
-"""... and below this speed [m/s]."""
+"""Speed below which a move has arrived [m/s], once it is within ARRIVED_DISTANCE."""
 CRUISING = 0.995
 """Share of its speed from which on a move counts as being at its speed."""
 LONGEST_PLAY = 20_000

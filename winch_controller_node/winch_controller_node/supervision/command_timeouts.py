@@ -9,7 +9,10 @@ from __future__ import annotations
 from collections import deque
 from enum import Enum
 
+from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault
+
+from winch_controller_node.interface.alarms import ALARMS
 
 WAIT = 3.0
 """Time that the winch stands with all sensors and its link well before compensation is tried again [s]."""
@@ -18,10 +21,17 @@ MOST, PERIOD = 3, 600.0
 
 
 class Advice(Enum):
-    """What is to be done, and told, about a command timeout."""
+    """What is to be done about a command timeout."""
 
-    RESUME = "commands reach the winch again after a command timeout: compensation resumes"
-    GIVE_UP = f"more than {MOST} command timeouts of the winch within {PERIOD:g} s: the winch waits for an operator"
+    RESUME = "resume"
+    GIVE_UP = "give up"
+
+    @property
+    def alarm(self) -> Alarm:
+        """What is reported of it."""
+        if self is Advice.RESUME:
+            return ALARMS.alarm("COMMANDS_RESTORED")
+        return ALARMS.alarm("COMMAND_TIMEOUTS", count=MOST, period=PERIOD)
 
 
 class CommandTimeouts:

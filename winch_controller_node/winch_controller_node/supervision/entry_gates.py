@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 
+from heave_node.interface.alarm import Alarm
+
 from winch_controller_node.estimation.loop_tick import LoopTick
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import EntryParameters
 from winch_controller_node.supervision.checks import RunningSigma
@@ -19,11 +22,11 @@ INNOVATION_WEIGHT = 0.02
 """Weight of the newest normalised innovation in its running mean square."""
 
 LEAST_EXCESS = 0.1
-"""What a mean square of innovations that is back where it belongs may still be above 1."""
+"""Excess over 1 of a mean square of innovations that counts as settled."""
 
 UNREAD = 10.0
-"""Of what is not read for so many times its usual interval nothing is held against the estimate: its sensor is lost, or
-has become a witness only."""
+"""Usual intervals without a reading after which a measurement is no longer judged: its sensor is lost, or serves as a
+cross-check only."""
 
 ENCODER_ROW = "payout"
 """Readings of the encoder are never far off for long: the winch is identified by them."""
@@ -80,9 +83,7 @@ class EntryGates:
         """
         reasons = [self._innovations(), self._range(payout, limits)]
         if demand > largest_demand:
-            reasons.append(
-                f"the sea demands {demand:.1f} times the winch's limits; at most {largest_demand:g} is allowed"
-            )
+            reasons.append(f"the sea demands {demand:.1f} times the winch's limits, limit {largest_demand:g}")
         return "; ".join(reason for reason in reasons if reason)
 
     def for_tension(self, payout: float, limits: WinchLimits, demand: float) -> str:
@@ -100,13 +101,12 @@ class EntryGates:
         reasons = [self._range(payout, limits)]
         if peak > most:
             reasons.append(
-                f"peaks of the boom tip take {100 * peak:.0f} % of the winch's limits; at most {100 * most:.0f} % "
-                "is allowed"
+                f"peaks of the boom tip need {100 * peak:.0f} % of the winch's limits, limit {100 * most:.0f} %"
             )
         return "; ".join(reason for reason in reasons if reason)
 
-    def peaks_in_words(self, demand: float, share: float) -> str:
-        """Return how the peaks of the boom tip are above what a winch should be used for; empty where they are not.
+    def peaks_alarm(self, demand: float, share: float) -> Alarm | None:
+        """Return how the peaks of the boom tip are above what a winch should be used for; None where they are not.
 
         Compensation need not wait for a lower sea: it begins with what it can have of this one.
 
@@ -117,12 +117,10 @@ class EntryGates:
         """
         peak, most = PEAK_OVER_SIGNIFICANT * demand, self._parameters.peak_use
         if peak <= most:
-            return ""
-        is_beyond = share * peak > 1.0
-        return (
-            f"peaks of the boom tip take {100 * peak:.0f} % of the winch's limits, above {100 * most:.0f} %: "
-            f"compensation begins with {100 * share:.0f} % of the sea"
-            + ("; what of it is beyond the limits stays in the motion of the unit" if is_beyond else "")
+            return None
+        rest = "; motion beyond the limits stays" if share * peak > 1.0 else ""
+        return ALARMS.alarm(
+            "SEA_ABOVE_WINCH", percent=100.0 * peak, limit=100.0 * most, authority=100.0 * share, rest=rest
         )
 
     def _innovations(self) -> str:
@@ -130,8 +128,8 @@ class EntryGates:
         most = self._parameters.innovation
         far = {name: math.sqrt(value) for name, value in self._mean_squares.items() if value > most**2}
         return "; ".join(
-            f"innovations of {name} are {value:.1f} standard deviations; at most {most:g} is allowed: about "
-            f"{self._settling_time(name):.0f} s if all is as foreseen from now on"
+            f"innovations of {name} are {value:.1f} standard deviations, limit {most:g}: about "
+            f"{self._settling_time(name):.0f} s more to settle"
             for name, value in far.items()
         )
 
@@ -148,6 +146,6 @@ class EntryGates:
         if room >= amplitude:
             return ""
         return (
-            f"a payout of {payout:.1f} m leaves {max(room, 0.0):.1f} m to the end of the range, the sea needs "
+            f"a payout of {payout:.1f} m leaves {max(room, 0.0):.1f} m to the end of the range, and the sea needs "
             f"{amplitude:.1f} m"
         )

@@ -19,6 +19,9 @@ from __future__ import annotations
 
 import math
 
+from heave_node.interface.alarm import Alarm
+
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.parameters.laws import GuardParameters
 from winch_controller_node.supervision.checks import Countdown, RunningSigma
 from winch_controller_node.supervision.guard_checks import (
@@ -30,7 +33,7 @@ from winch_controller_node.supervision.guard_checks import (
     Swings,
     UnitCheck,
 )
-from winch_controller_node.supervision.guard_hold import DISAGREED, HarmHold
+from winch_controller_node.supervision.guard_hold import HarmHold
 from winch_controller_node.supervision.watch.winch_demand import WinchDemand
 
 FULL_SHARE = 0.95
@@ -66,8 +69,8 @@ class WaveComparison:
         self._unit, self._free_unit = (RunningSigma(self._parameters.window, self._dt) for _ in range(2))
         self.time = 0.0
 
-    def harm(self, motions: GuardedMotions, authority: float) -> str:
-        """Take in a tick; return what harm there is, in words; empty: none.
+    def harm(self, motions: GuardedMotions, authority: float) -> Alarm | None:
+        """Take in a tick; return what harm there is; None: there is none.
 
         Of a share of the sea, `authority`, no more can be asked than that share of what the whole has to gain.
         """
@@ -75,16 +78,14 @@ class WaveComparison:
         self._free_unit.add(motions.free_unit.heave)
         self.time += self._dt
         if self.time < 0.5 * self._parameters.window:
-            return ""
+            return None
         sigma, free_sigma = self._unit.sigma, self._free_unit.sigma
         least = authority * (1.0 - self._parameters.harm_ratio)
         if sigma <= self._parameters.floor or sigma <= (1.0 - least) * free_sigma:
-            return ""
-        verdict = "is harmful" if sigma > free_sigma else f"gains less than {100.0 * least:.0f} %"
-        return (
-            f"compensation {verdict}: heave of the unit {sigma:.3f} m, {free_sigma:.3f} m without compensation "
-            "(standard deviations)"
-        )
+            return None
+        if sigma > free_sigma:
+            return ALARMS.alarm("WORSE_THAN_OFF", sigma=sigma, free=free_sigma)
+        return ALARMS.alarm("LITTLE_GAIN", sigma=sigma, free=free_sigma, percent=100.0 * least)
 
 
 class HarmGuard:
@@ -127,9 +128,14 @@ class HarmGuard:
         return self._hold.inhibits
 
     @property
+    def alarm(self) -> Alarm | None:
+        """Why it inhibits; None where it does not."""
+        return self._hold.alarm
+
+    @property
     def reason(self) -> str:
         """Why it inhibits, in words; empty where it does not."""
-        return self._hold.reason
+        return "" if self.alarm is None else self.alarm.brief
 
     @property
     def prospect(self) -> str:
@@ -186,12 +192,12 @@ class HarmGuard:
         self.trusts_estimate = True
         self._unit.forget_mismatch()
 
-    def inhibit(self, reason: str, hold: float | None = None) -> None:
+    def inhibit(self, reason: Alarm, hold: float | None = None) -> None:
         """Keep compensation off while there is a `reason` that is certain, and for a time after it.
 
         Parameters
         ----------
-        reason : in words
+        reason : why
         hold : time after it [s]; None: the hold time of harm, which becomes longer each time
         """
         self._hold.certain(reason, hold)
@@ -231,18 +237,15 @@ class HarmGuard:
         mismatch = self._unit.mismatch
         if mismatch is not None:
             self.trusts_estimate = False
-            self._hold.unexplained(
-                f"{DISAGREED} by {mismatch:.3f} m, and which of them is wrong is not known: no "
-                "compensation until they agree; look at sign and scale of both"
-            )
+            self._hold.unexplained(ALARMS.alarm("DEPTH_MRU_DISAGREE", error=mismatch))
 
-    def _harm_over_seconds(self) -> str:
-        """Return what the checks over seconds have found, in words; empty: nothing."""
+    def _harm_over_seconds(self) -> Alarm | None:
+        """Return what the checks over seconds have found; None: nothing."""
         if harm := self._unit.harm_by_depth:
             self.trusts_estimate = False
             return harm
         if not self._loop.feeds_back_unit:
-            return ""
+            return None
         return self._unit.harm_to_swing or self._drum.harm
 
     def _wait(self, authority: float) -> None:

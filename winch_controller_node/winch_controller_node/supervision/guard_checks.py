@@ -6,7 +6,10 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
+from heave_node.interface.alarm import Alarm
+
 from winch_controller_node.estimation.loop_tick import Motion
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.laws.parts.effort import Effort
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.supervision.checks import AmplitudeCheck, AmplitudeLimit, Countdown, DetrendedHeave
@@ -36,13 +39,13 @@ LARGEST_LEFT_OVER = 2.0
 """Largest swing that compensation may find, over the uncompensated one."""
 
 RESTART = 0.1
-"""A swing that waves have left is excused again once so little of the last one is excused still."""
+"""Rest of the last allowance at which a swing that waves have left is allowed again."""
 
 BEYOND = 0.02
 """A sea is beyond the winch's limits where so much of the largest speed is missing."""
 
 OUT_OF_REACH = 2.0
-"""Error of the drum's speed that its limits excuse, over that of a drum that follows what is intended within them."""
+"""Allowed error of the drum's speed at its limits, over that of a drum that follows the intended speed within them."""
 
 SWING_WORK = 2.0
 """Speed of the drum that stops a swinging unit, over the speed of the unit."""
@@ -183,14 +186,11 @@ class DrumCheck:
         return self._reachable
 
     @property
-    def harm(self) -> str:
-        """What the drum does that is harmful, in words; empty: nothing."""
+    def harm(self) -> Alarm | None:
+        """What the drum does that is harmful; None: nothing."""
         if not self._check.is_exceeded:
-            return ""
-        return (
-            f"compensation is harmful: the drum is {self._check.amplitude:.3f} m/s off its intended speed, an "
-            "error larger than the speed of the boom tip"
-        )
+            return None
+        return ALARMS.alarm("DRUM_SPEED_OFF", error=self._check.amplitude)
 
 
 class UnitCheck:
@@ -278,20 +278,11 @@ class UnitCheck:
         return self._mismatch.amplitude if self._mismatch.is_exceeded else None
 
     @property
-    def harm_to_swing(self) -> str:
-        """What the estimate shows of harm, in words; empty: nothing."""
-        if not self._swing.is_exceeded:
-            return ""
-        return (
-            f"compensation is harmful: the unit swings by {self._swing.amplitude:.3f} m, more than without compensation"
-        )
+    def harm_to_swing(self) -> Alarm | None:
+        """What the estimate shows of harm; None: nothing."""
+        return ALARMS.alarm("UNIT_SWING_HIGH", swing=self._swing.amplitude) if self._swing.is_exceeded else None
 
     @property
-    def harm_by_depth(self) -> str:
-        """What the depth sensor shows of harm, in words; empty: nothing."""
-        if not self._depth.is_exceeded:
-            return ""
-        return (
-            f"compensation is harmful: the depth sensor reads {self._depth.amplitude:.3f} m of heave, more "
-            "than without compensation; if it does not move so, depth sensor or motion reference unit is wrong"
-        )
+    def harm_by_depth(self) -> Alarm | None:
+        """What the depth sensor shows of harm; None: nothing."""
+        return ALARMS.alarm("UNIT_HEAVE_HIGH", heave=self._depth.amplitude) if self._depth.is_exceeded else None

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from heave_node.interface.alarm import Alarm
+
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.parameters.laws import GuardParameters
 
 CAUSE_TIME, KNOWN_HOLD = 20.0, 5.0
@@ -9,9 +12,6 @@ CAUSE_TIME, KNOWN_HOLD = 20.0, 5.0
 
 HOLD_GROWTH = 4.0
 """The hold time grows by this factor each time: what all tries do together stays little."""
-
-DISAGREED = "depth sensor and motion reference unit disagree"
-"""Why the estimate is not trusted, in words."""
 
 
 class HarmHold:
@@ -25,13 +25,14 @@ class HarmHold:
     Attributes
     ----------
     inhibits : compensation is to be off
-    reason : why, in words; empty where it need not
+    alarm : why; None where it need not
     """
 
     def __init__(self, parameters: GuardParameters, tick_period: float) -> None:
         self._parameters = parameters
         self._dt = tick_period
-        self.inhibits, self.reason = False, ""
+        self.inhibits = False
+        self.alarm: Alarm | None = None
         self._is_unexplained = False
         self._hold_time = parameters.hold_time
         self._known_hold: float | None = None
@@ -42,26 +43,26 @@ class HarmHold:
         """Time for which the reason must have been over [s]."""
         return self._hold_time if self._known_hold is None else self._known_hold
 
-    def begin(self, reason: str, hold: float | None = None) -> None:
+    def begin(self, reason: Alarm, hold: float | None = None) -> None:
         """Inhibit for a `reason`; `hold` as for `certain`."""
-        self.inhibits, self.reason = True, reason
+        self.inhibits, self.alarm = True, reason
         self._is_unexplained = False
         self._known_hold = hold
         self._since = self._off_time = 0.0
 
-    def certain(self, reason: str, hold: float | None = None) -> None:
+    def certain(self, reason: Alarm, hold: float | None = None) -> None:
         """Inhibit for a `reason` that lasts in this tick.
 
         Parameters
         ----------
-        reason : in words
+        reason : why
         hold : time after it [s]; None: the hold time of harm, which becomes longer each time
         """
         self._off_time = 0.0
         if not self.inhibits or self._is_unexplained:
             self.begin(reason, hold)
 
-    def unexplained(self, reason: str) -> None:
+    def unexplained(self, reason: Alarm) -> None:
         """Inhibit for a disagreement, which is the `reason` until it is known who is wrong."""
         self._off_time = 0.0
         if not self.inhibits:
@@ -73,7 +74,7 @@ class HarmHold:
         if self.inhibits and self._known_hold is None and self._since < CAUSE_TIME:
             self._known_hold = KNOWN_HOLD
         if self.inhibits and self._is_unexplained:
-            self.reason, self._is_unexplained = f"{DISAGREED}: {belief} was wrong", False
+            self.alarm, self._is_unexplained = ALARMS.alarm("DEPTH_MRU_EXPLAINED", part=belief), False
 
     def is_kept_after(self, judged_time: float) -> None:
         """Forget the harm of before where compensation has done none for long, of a `judged_time` [s]."""
@@ -87,9 +88,9 @@ class HarmHold:
         if self._off_time < self._hold:
             # one wording, whether the reason is there in this tick or not: it may come and go
             left = self._hold - self._off_time
-            return f"tried again once that has been over for {self._hold:.0f} s, in {left:.0f} s at best"
+            return f"next attempt {self._hold:.0f} s after the cause has gone, in {left:.0f} s at the earliest"
         most = self._parameters.demand_ratio
-        return f"tried again once the sea demands at most {most:g} times the winch's limits; now {demand:.1f}"
+        return f"next attempt when the sea demands at most {most:g} times the winch's limits; now {demand:.1f}"
 
     def ends(self, authority: float, demand: float) -> bool:
         """Take in a tick that inhibits; return whether compensation may be tried again from now on.
@@ -105,7 +106,7 @@ class HarmHold:
         self._off_time += self._dt
         if self._off_time < self._hold or demand > self._parameters.demand_ratio:
             return False
-        self.inhibits, self.reason = False, ""
+        self.inhibits, self.alarm = False, None
         if self._known_hold is None:
             self._hold_time = min(HOLD_GROWTH * self._hold_time, self._parameters.hold_time_limit)
         return True

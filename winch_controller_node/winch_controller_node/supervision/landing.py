@@ -30,10 +30,10 @@ from winch_controller_node.parameters.laws import TensionLawParameters
 from winch_controller_node.supervision.modes import Mode, ModeOutput
 
 LOWERED = 0.15
-"""A window is as long as the winch takes to lower by this [m]: some standard deviations of a depth sensor..."""
+"""Distance that the winch lowers within a window [m]: some standard deviations of a depth sensor."""
 
 SHORTEST, LONGEST = 0.6, 8.0
-"""...but at least and at most so long [s]."""
+"""Least and largest length of a window [s]."""
 
 WINDOWS = (1.0, 2.0, 3.0)
 """Windows that are looked at, longer ones for noisier sensors."""
@@ -57,7 +57,7 @@ INNOVATION_ABOVE = 1.0
 """Standard deviations by which the depth sensor reads a landed unit above a hanging one, on average over a window."""
 
 SUSPICION_TIME = 3.0
-"""A suspicion lasts no longer than so many windows: then compensation is judged again."""
+"""Longest time of an unconfirmed touchdown, in windows: then compensation is judged again."""
 
 
 REMEMBERED, LEAST_READINGS = 4096, 4
@@ -65,10 +65,10 @@ REMEMBERED, LEAST_READINGS = 4096, 4
 
 
 class LandingEvent(Enum):
-    """What has just happened."""
+    """What has just happened, by the code of its alarm."""
 
-    TOUCHDOWN = "touchdown"
-    LIFTED_OFF = "unit suspended"
+    TOUCHDOWN = "TOUCHDOWN"
+    LIFTED_OFF = "UNIT_SUSPENDED"
 
 
 @dataclass(frozen=True, slots=True)

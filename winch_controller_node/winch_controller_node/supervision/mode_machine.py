@@ -87,7 +87,7 @@ class ModeMachine:
         """What keeps compensation from beginning now, in words; empty where nothing does."""
         lost = self._situation.lost
         if lost:
-            return f"{lost}; ask again once that is good again"
+            return f"{lost}; request it again once the sensor is good"
         harm = "" if self._situation.awaits_operator else self._situation.harm  # who asks has looked at the cause
         return harm or self._situation.closed_gates
 
@@ -203,10 +203,10 @@ class ModeMachine:
 
     def _after_loss(self) -> str:
         """Return what becomes of a mode that a lost sensor has ended, once that is good again."""
-        until = "; until then the unit is damped by the depth sensor" if self._situation.is_damped_blind else ""
+        until = "; until then the depth sensor damps the unit" if self._situation.is_damped_blind else ""
         if self.wants_compensation and self._memory.may_resume and self._parameters.resume:
-            return f"compensation goes on by itself once that is good again{until}"
-        return "ask for a mode again once that is good again"
+            return f"compensation resumes automatically once the sensor is good{until}"
+        return "request a mode once the sensor is good"
 
     def _refusal(self, name: str, event: Event) -> str:
         """Return why no row of a request can be taken."""

@@ -80,7 +80,7 @@ class Event(str, Enum):
     LIFTED_OFF = "unit suspended"
     WINCH_EMERGENCY_STOP = "emergency stop of the winch"
     WINCH_FAULT = "winch fault"
-    WINCH_SILENT = "winch silent"
+    WINCH_SILENT = "no data from the winch"
     SENSOR_LOST = "sensor lost"
     HARM = "compensation is harmful"
     SENSORS_BACK = "sensors available again"

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from heave_node.interface.alarm import Alarm
+from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, REQUESTED
+
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import LoopTick, free_swing
-from winch_controller_node.estimation.sensor_health import remedy
 from winch_controller_node.estimation.tension import TensionMean
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.supervision.command_timeouts import Advice, CommandTimeouts
 from winch_controller_node.supervision.entry_gates import PEAK_OVER_SIGNIFICANT, EntryGates
@@ -16,7 +19,7 @@ from winch_controller_node.supervision.guard import HarmGuard
 from winch_controller_node.supervision.guard_checks import GuardedLoop, GuardedMotions
 from winch_controller_node.supervision.landing import LEAST_RATE, HangingLoad, HangingUnit, Landing, LandingEvent
 from winch_controller_node.supervision.mode_machine import ModeMachine
-from winch_controller_node.supervision.modes import Mode, ModeOutput, Situation
+from winch_controller_node.supervision.modes import BRAKED, Mode, ModeOutput, Situation
 from winch_controller_node.supervision.watch.highest_tension import HighestTension
 from winch_controller_node.supervision.watch.load_watch import Episode
 from winch_controller_node.supervision.watch.share_news import ShareNews
@@ -27,6 +30,9 @@ REQUIRED_SENSORS = {
 }
 """Sensors without which a mode cannot go on; all others need MRU and encoder."""
 
+ENDED = (*BRAKED, Mode.FADE_OUT, Mode.STOPPING)
+"""Modes in which the unit is not held still."""
+
 HANGING_SHARES = (0.7, 1.3)
 """A unit hangs whose cable carries on average a share of its weight between these, and that has not landed."""
 
@@ -35,18 +41,11 @@ STANDING_TIME = 30.0
 it holds a wave and a half of the longest swell, of 20 s."""
 
 MEAN_ERROR = 0.3
-"""What the mean over that time may be off, over the standard deviation of the tension: a swell of 20 s leaves
+"""Error of the mean over that time, over the standard deviation of the tension: a swell of 20 s leaves
 sqrt(2)/(w t) = 0.15 of its own, and a group of waves, or a cable that goes slack and snaps, twice that."""
 
-ASK_AGAIN = "then ask for compensation again"
+ASK_AGAIN = "check the cause, then request compensation"
 """Ends the reason of an inhibition that only an operator can end."""
-
-NOT_AS_FORESEEN = (
-    "the boom tip moves otherwise than in the sea that is believed: wait until that is known, or look at the motion "
-    "reference unit"
-)
-NOT_AS_SENT = "the winch does not do what it is sent: wait until it is known what it does, or look at its drive"
-"""Why only a part of the sea is compensated, and what to do."""
 
 TRANSPORT_HOLD = 5.0
 """Time for which compensation stays off after commands were late for long [s]: the transport is not the loop's harm."""
@@ -74,7 +73,7 @@ class WinchSituation(NamedTuple):
     mean_payout : that the winch goes to [m]
     settled_swing : swing of the unit at which a fade-out may end [m]
     share : largest share of the sea that may be compensated with what is known of the winch
-    inhibition : why compensation must be off; empty: it need not
+    inhibition : why compensation must be off; None: it need not
     fault_cause : why the winch has its fault, in words; empty: unknown
     is_contrary : drum or encoder go the other way than it is sent: it is brought to rest until an operator asks for it
     mean_acceleration : with which the winch goes there [m/s^2]
@@ -85,7 +84,7 @@ class WinchSituation(NamedTuple):
     mean_payout: float
     settled_swing: float
     share: float = 1.0
-    inhibition: str = ""
+    inhibition: Alarm | None = None
     fault_cause: str = ""
     is_contrary: bool = False
     mean_acceleration: float = 0.0
@@ -104,7 +103,7 @@ class Decision(NamedTuple):
     unit_stands : on the bottom
     bounds_tension : the highest tension is one that compensation can keep in this sea
     landing : what has just happened to the unit; None: nothing
-    alarms : in words
+    alarms : raised in this tick
     """
 
     mode: ModeOutput
@@ -115,7 +114,7 @@ class Decision(NamedTuple):
     unit_stands: bool
     bounds_tension: bool
     landing: LandingEvent | None
-    alarms: tuple[str, ...]
+    alarms: tuple[Alarm, ...]
 
 
 class Supervisor:
@@ -142,7 +141,7 @@ class Supervisor:
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))
         self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
-        self._reason_before = ""
+        self._code_before = ""
         self._fades_by_law = False
         self._share_news = ShareNews(dt)
         self._blind_time = 0.0
@@ -203,7 +202,7 @@ class Supervisor:
         )
         mode = self.modes.step(situation)
         if mode.before is not None:
-            alarms += (f"mode {mode.mode.value}: {mode.reason}",)
+            alarms += (mode_alarm(mode),)
             alarms += self._tell_peaks(mode, authority_limit)
         if mode.mode is Mode.COMPENSATING and mode.before is Mode.FADE_OUT:
             self.guard.allow_resumption()
@@ -233,7 +232,7 @@ class Supervisor:
             winch_fault=winch.fault,
             fault_cause=winch.fault_cause,
             lost=self._lost(tick),
-            harm=f"{self.guard.reason}, {ASK_AGAIN}" if is_contrary else self.guard.reason,
+            harm=f"{self.guard.reason}; {ASK_AGAIN}" if is_contrary else self.guard.reason,
             prospect="" if is_contrary else self.guard.prospect,
             awaits_operator=is_contrary,
             speed=winch.speed,
@@ -241,8 +240,8 @@ class Supervisor:
             tension_refusal=self._why_no_tension(tick, winch.mean_payout),
         )
 
-    def _resume_after_timeout(self, tick: LoopTick, winch: WinchSituation) -> tuple[str, ...]:
-        """Ask for compensation again where only late commands ended it; return what is to be told."""
+    def _resume_after_timeout(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
+        """Ask for compensation again where only late commands ended it; return what is to be reported."""
         wants_compensation = self.modes.wants_compensation
         is_stopped = self.modes.mode is Mode.STOPPED
         is_well = is_stopped and not self._lost(tick) and (self.modes.may_resume or not wants_compensation)
@@ -253,13 +252,10 @@ class Supervisor:
         )
         if advice is Advice.RESUME:
             self.modes.request(Mode.COMPENSATING.value)
-        return (advice.value,) if advice else ()
+        return (advice.alarm,) if advice else ()
 
-    def _judge(self, tick: LoopTick, mean_acceleration: float) -> tuple[str, ...]:
-        """Have the guard judge the tick, with the `mean_acceleration` of the payout [m/s^2].
-
-        Return its reason when the brake is on and no change of mode would tell it.
-        """
+    def _judge(self, tick: LoopTick, mean_acceleration: float) -> tuple[Alarm, ...]:
+        """Have the guard judge the tick, with the `mean_acceleration` of the payout [m/s^2]; return its new alarm."""
         # the estimate is that of a hanging unit
         hangs = not (self.landing.unit_stands or self.landing.is_suspected)
         is_judged = hangs and tick.knows_tip and self.modes.mode is not Mode.CONSTANT_TENSION
@@ -273,24 +269,24 @@ class Supervisor:
             mean_acceleration=mean_acceleration,
         )
         self.guard.update(motions, self.modes.authority if is_judged else 0.0, self.modes.target)
-        reason, before = self.guard.reason, self._reason_before
-        self._reason_before = reason
-        return (reason,) if self.modes.brake and reason and reason != before else ()
+        alarm, before = self.guard.alarm, self._code_before
+        self._code_before = "" if alarm is None else alarm.code
+        return (alarm,) if alarm is not None and alarm.code != before else ()
 
-    def _tell_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[str, ...]:
-        """Return what keeps a part of the sea from being compensated, where it lasts, or that it is over."""
+    def _tell_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
+        """Return what limits authority, where it lasts, or that it is over."""
         known_share = _known_share(tick)
         is_of_sea = known_share <= winch.share
-        words = self._share_news.update(
+        alarm = self._share_news.update(
             min(known_share, winch.share),
-            NOT_AS_FORESEEN if is_of_sea else NOT_AS_SENT,
+            "AUTHORITY_LIMITED_BY_SEA" if is_of_sea else "AUTHORITY_LIMITED_BY_WINCH",
             authority=self.modes.authority,
             factor=self.modes.factor,
             compensates=self.modes.mode is Mode.COMPENSATING,
         )
-        return (words,) if words else ()
+        return (alarm,) if alarm else ()
 
-    def _tell_peaks(self, mode: ModeOutput, authority_limit: float) -> tuple[str, ...]:
+    def _tell_peaks(self, mode: ModeOutput, authority_limit: float) -> tuple[Alarm, ...]:
         """Return that compensation begins in a sea whose peaks are beyond what the winch should be used for.
 
         Parameters
@@ -300,22 +296,22 @@ class Supervisor:
         """
         if mode.mode is not Mode.COMPENSATING or mode.before is not Mode.STANDBY:
             return ()
-        words = self._gates.peaks_in_words(self.guard.demand, self.modes.factor * authority_limit)
-        return (words,) if words else ()
+        alarm = self._gates.peaks_alarm(self.guard.demand, self.modes.factor * authority_limit)
+        return (alarm,) if alarm else ()
 
     def _closed_gates(self, tick: LoopTick, mean_payout: float) -> str:
         """Return why compensation may not begin about a mean payout [m]; empty where it may."""
         wait = LONGEST_WAIT * self._parameters.modes.settling_time - tick.number * self._dt
         if not tick.knows_sea and wait > 0.0:
-            return f"waves are being looked at, for at most {wait:.0f} s more"
+            return f"measuring the sea, at most {wait:.0f} s more"
         if tick.doubt:
             return tick.doubt
-        if self.highest_tension.words:
-            return self.highest_tension.words
+        if self.highest_tension.alarm:
+            return self.highest_tension.alarm.brief
         most = self._parameters.guard.demand_ratio
         return self._gates.for_compensation(mean_payout, self._limits, self.guard.demand, most)
 
-    def _watch_highest_tension(self, tick: LoopTick) -> tuple[str, ...]:
+    def _watch_highest_tension(self, tick: LoopTick) -> tuple[Alarm, ...]:
         """Return that the sea has become too high for the highest tension, where that is new."""
         if math.isinf(self._limits.maximum_tension):
             return ()
@@ -330,7 +326,7 @@ class Supervisor:
         )
         if highest.is_kept or not was_kept or self.modes.mode is not Mode.COMPENSATING:
             return ()
-        return (f"{highest.words}; until then compensation does not give way to it",)
+        return (highest.alarm,) if highest.alarm else ()
 
     def _lost(self, tick: LoopTick) -> str:
         """Return which of the required sensors are lost and why; empty when none."""
@@ -343,8 +339,7 @@ class Supervisor:
     def _why_no_tension(self, tick: LoopTick, payout: float) -> str:
         """Return why constant tension may not be asked for; empty when it may."""
         if "load_cell" in tick.sensed.lost:
-            reason = tick.sensed.lost["load_cell"]
-            return f"the load cell is {reason}: {remedy('load_cell', reason)}"
+            return f"the load cell is lost ({tick.sensed.lost['load_cell']})"
         if self.modes.mode is Mode.CONSTANT_TENSION:
             return ""  # the winch follows already
         may_hang = self._parameters.tension.hanging or self.landing.unit_stands
@@ -359,13 +354,13 @@ class Supervisor:
         if least - error < share < most + error:
             return (
                 f"the unit is suspended: the cable carries {100.0 * share:.0f} % of its weight, and constant tension "
-                "would let it drop; land it first, or set tension.hanging"
+                "would drop it; land it first, or set tension.hanging"
             )
         wait = STANDING_TIME - tension.time
         if wait > 0.0:
             return (
-                f"whether the unit is suspended is not known before the tension has been averaged for {wait:.0f} s "
-                "more: ask again then, or set tension.hanging"
+                f"averaging the tension for {wait:.0f} s more, to know whether the unit is suspended: request it again "
+                "then, or set tension.hanging"
             )
         return ""
 
@@ -398,20 +393,19 @@ class Supervisor:
         self._blind_time = self._blind_time + self._dt if is_blind else 0.0
         return is_blind and self._blind_time < BLIND_LIMIT
 
-    def _tell_blind_lowering(self, tick: LoopTick, mode: ModeOutput) -> tuple[str, ...]:
+    def _tell_blind_lowering(self, tick: LoopTick, mode: ModeOutput) -> tuple[Alarm, ...]:
         """Return that the winch lowers without depth readings, and how touchdown is known then, where that is new."""
         is_blind = mode.mode is Mode.COMPENSATING and not tick.sensed.sees_landing and not self.landing.unit_stands
         if not self._blind_lowering.begins(is_blind and self.landing.lowering_rate >= LEAST_RATE):
             return ()
         is_weighed = math.isfinite(tick.sensed.filtered_tension) and "load_cell" not in tick.sensed.lost
         ratio = self._parameters.tension.touchdown_ratio
-        known = (
-            f"by tension alone, once the cable has carried less than {100.0 * ratio:.0f} % of the "
-            f"weight on average over {self._load.swing_time:.0f} s"
+        how = (
+            f"by tension alone, below {100.0 * ratio:.0f} % of the weight on average over {self._load.swing_time:.0f} s"
             if is_weighed
-            else "by nothing, for the load cell is missing too"
+            else "by nothing: the load cell is missing too"
         )
-        return (f"the winch lowers without depth readings: landing is known {known}; lower slowly, or stop",)
+        return (ALARMS.alarm("LOWERING_BLIND", how=how),)
 
     def _watch_landing(self, time: float, tick: LoopTick, mode: ModeOutput) -> LandingEvent | None:
         """Notice touchdown while lowering, and that the unit hangs again after lift-off."""
@@ -423,6 +417,13 @@ class Supervisor:
 def _known_share(tick: LoopTick) -> float:
     """Return the largest share of the sea that may be compensated with what is known of it."""
     return UNKNOWN_SEA_SHARE if tick.is_sea_refuted else 1.0
+
+
+def mode_alarm(mode: ModeOutput) -> Alarm:
+    """Return the alarm of a change of `mode`: compensation that ends unrequested is one, all else an event."""
+    is_lost = mode.before in (Mode.COMPENSATING, Mode.CONSTANT_TENSION) and mode.mode in ENDED
+    code = COMPENSATION_LOST if is_lost and not mode.reason.endswith(REQUESTED) else MODE_CHANGED
+    return ALARMS.alarm(code, mode=mode.mode.value, reason=mode.reason)
 
 
 def hanging_load(design: ControllerDesign) -> HangingLoad:

@@ -32,9 +32,9 @@ DAMPING = 0.3
 QUIETEST = 1e-3
 """Smallest noise assumed for a sensor [m], [m/s], [m/s^2]."""
 SPIKE = 0.5
-"""A heave so far from its prediction is not taken [m] ..."""
+"""Error of a predicted heave above which a reading is rejected as a spike [m]."""
 INSISTENCE = 10
-"""... unless this many of them follow one another."""
+"""Rejected readings in a row after which the next one is taken."""
 COASTING = 1.0
 """The filter coasts this long without a reading before the winch stops [s]."""
 REPEATED = 3

@@ -15,6 +15,7 @@ import numpy as np
 from cable_sim_node.vertical.axial_line import AxialLine
 from cable_sim_node.winch.component import WinchState
 from cable_sim_node.winch.parameters import WinchParameters
+from heave_node.interface.alarm import Alarm
 from heave_node.numerics.arrays import Array
 from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.component import WinchController
@@ -63,7 +64,7 @@ class Replayed:
     set_point : mean payout that the controller worked about (n,) [m]
     unit, tension : of the twin at each tick (n,) [m], [N]
     authority : share of the sea that was compensated (n,) [-]
-    modes, alarms : of the controller in each tick; and time [s] and words
+    modes, alarms : of the controller in each tick; and time [s] and alarm
     limits_hit : of the winch in each tick, sums of WinchLimit (n,)
     order_error : largest difference of the rate set-point from that of the record so far (n,) [m/s]
     """
@@ -76,7 +77,7 @@ class Replayed:
     tension: Array
     authority: Array
     modes: tuple[str, ...]
-    alarms: tuple[tuple[float, str], ...]
+    alarms: tuple[tuple[float, Alarm], ...]
     limits_hit: Flags
     order_error: Array
 
@@ -223,12 +224,12 @@ def replay(
     loop, ticks = Replay(past, asked), past.record.ticks
     table, errors = np.empty((ticks, COLUMNS)), np.empty(ticks)
     modes: list[str] = []
-    alarms: list[tuple[float, str]] = []
+    alarms: list[tuple[float, Alarm]] = []
     for index in range(ticks):
         outputs, table[index] = loop.step()
         errors[index] = loop.order_error
         modes.append(outputs.mode)
-        alarms += [(float(past.record.time[index]), words) for words in outputs.alarms]
+        alarms += [(float(past.record.time[index]), alarm) for alarm in outputs.alarms]
         if on_tick is not None:
             on_tick(index + 1)
     payout, rate, set_point, unit, tension, authority, limits = table.T.copy()

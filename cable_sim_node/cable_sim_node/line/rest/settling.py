@@ -33,9 +33,9 @@ _LONGEST = 4000.0
 """Time after which a line that has not come to rest is given up [s]."""
 _QUIET = 0.03
 """Largest unbalanced force, over the weight of line and unit, from which Newton's method is tried; a tenth of it after
-each failure..."""
+each failure."""
 _AT_REST = 1e-9
-"""...and that at which the line is at rest."""
+"""Largest unbalanced force, over the weight of line and unit, of a line at rest."""
 _CORRECTIONS = 60
 """Newton's method gets so many."""
 

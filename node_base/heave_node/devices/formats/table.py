@@ -76,5 +76,5 @@ FORMATS: Mapping[str, Format] = {
         EmAttitudeDecoder, {"EM3000": (*_ATTITUDE, "heave")}, "Kongsberg EM Attitude 3000, and 1000", is_text=False
     ),
 }
-"""By name; lines by a pattern of the map's own are `line`."""
+"""Decoders by the name of their format; lines by a pattern of the map's own are `line`."""
 LINE = "line"

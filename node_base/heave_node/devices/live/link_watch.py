@@ -7,7 +7,7 @@ import statistics
 from collections import deque
 
 _USUAL_FROM = 10
-"""So many intervals tell what is usual."""
+"""Intervals from which the usual one is estimated."""
 _GAP, _BURST = 2.5, 0.2
 """An interval above, or below, so many usual ones is a gap, or part of a burst."""
 

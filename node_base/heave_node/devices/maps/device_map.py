@@ -32,7 +32,7 @@ CLOCKS = ("receipt", "own")
 FRAMES = ("ENU", "NED")
 _FORMATS = (*FORMATS, LINE, DATAGRAM)
 LONGEST_ARM = 300.0
-"""No boom tip is further from its sensor [m]."""
+"""Largest lever arm from a sensor to the boom tip [m]."""
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 from rclpy.node import Node
 
+from heave_node.interface.alarm import Alarm
+from heave_node.interface.node_alarms import NODE_ALARMS
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.transport.identity import (
     NAMELESS_SENDER,
@@ -128,7 +130,7 @@ class Strangers:
         self.has_news = False
         if not self._known:
             return []
-        words = "; ".join(_in_words(topic, stranger) for (topic, _, _), stranger in self._known.items())
+        words = "; ".join(str(_alarm(topic, stranger)) for (topic, _, _), stranger in self._known.items())
         values = {f"{topic} of {s.who}": f"{s.refused} refused" for (topic, _, _), s in self._known.items()}
         return [Health(PART, Level.ERROR, words, values)]
 
@@ -139,11 +141,11 @@ class Strangers:
         if key not in self._known:
             self._known[key] = Stranger(self._describe(topic, identity), why=why)
             self.has_news = True
-            self._node.get_logger().error(_in_words(topic, self._known[key]))
+            self._node.get_logger().error(str(_alarm(topic, self._known[key])))
         return self._known[key]
 
 
-def _in_words(topic: str, stranger: Stranger) -> str:
+def _alarm(topic: str, stranger: Stranger) -> Alarm:
     if stranger.why:
-        return f"a message from {stranger.who} on {topic} was rejected: {stranger.why}"
-    return f"{stranger.who} publishes on {topic} but is not part of the run: its messages are ignored"
+        return NODE_ALARMS.alarm("MESSAGE_REJECTED", who=stranger.who, topic=topic, why=stranger.why)
+    return NODE_ALARMS.alarm("UNKNOWN_PUBLISHER", who=stranger.who, topic=topic)

@@ -21,10 +21,10 @@ ORDERED_TIME = 0.8
 """Orders and encoder are compared over this time [s]."""
 
 LEAST_MOTION = 0.004
-"""They are where both have moved so far, 1 sigma [m]."""
+"""Least motion of orders and encoder for a comparison, 1 sigma [m]."""
 
 LEAST_SEEN = 0.8
-"""And so many of the readings have come."""
+"""Least fraction of the encoder readings that a comparison needs."""
 
 SETTLED = 5.0
 """Time constants after which a servo has forgotten how it began."""
@@ -36,13 +36,13 @@ STRAIGHT = 0.15
 """Orders and encoder are compared where no more is left of the readings than this share: a weak drum lags behind."""
 
 REVERSED, NOT_REVERSED = -0.2, 0.5
-"""The encoder goes the other way where it reads so little of what was ordered, and no more where it reads so much."""
+"""Ratio of encoder to orders below which the encoder is reversed, and above which it is no more."""
 
 SUDDEN, NOT_SUDDEN = (0.6, 1.6), (0.75, 1.3)
-"""It reads far less or more than was ordered outside the first, and does no more within the second."""
+"""Ratio of encoder to orders outside which its scale has changed suddenly, and within which it has not."""
 
 TRUE = 0.1
-"""It reads what was ordered where it is off by no more: so does no winch that is weaker or slower than believed."""
+"""Largest error of that ratio of an encoder that reads what was ordered: a weaker or slower winch is further off."""
 
 
 class Ordered(NamedTuple):

@@ -7,6 +7,9 @@ from __future__ import annotations
 
 from enum import Enum
 
+from heave_node.interface.alarm import Alarm
+
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.supervision.watch.drum_watch import Ordered
 
 LOOKED_EVERY = 0.1
@@ -59,19 +62,16 @@ class EncoderReflex:
         self._is_reversed = True
 
     @property
-    def inhibition(self) -> str:
-        """Why compensation must be off until an operator asks for it; empty: it need not."""
+    def inhibition(self) -> Alarm | None:
+        """Why compensation must be off until an operator asks for it; None: it need not."""
         if not self.is_unresolved:
-            return ""
-        what, at = (
-            ("goes the other way than", "sign") if self._is_reversed else ("reads far more or less than", "scale")
-        )
-        return f"the encoder {what} the winch is sent, and which of them is wrong is not known: check the {at} of both"
+            return None
+        return ALARMS.alarm("WINCH_OR_ENCODER_REVERSED" if self._is_reversed else "WINCH_OR_ENCODER_SCALE")
 
     @property
-    def words(self) -> str:
+    def alarm(self) -> Alarm:
         """Why the encoder was set aside."""
-        return "goes the other way than the winch was sent" if self._is_reversed else "reads far more or less than sent"
+        return ALARMS.alarm("ENCODER_REVERSED" if self._is_reversed else "ENCODER_SCALE_STEP")
 
     def restart(self) -> None:
         """Begin anew: an operator asks for the encoder to be tried, or it is believed to be another."""

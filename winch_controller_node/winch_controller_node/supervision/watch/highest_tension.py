@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+from heave_node.interface.alarm import Alarm
+
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.supervision.checks import RunningSigma
 
 PEAK = 2.7
@@ -31,14 +34,15 @@ class HighestTension:
     Attributes
     ----------
     is_kept : the winch gives way to a tension above the highest one, and plans to stay below it
-    words : why it is too low for this sea, and what to do; empty: it is not
+    alarm : that it is too low for this sea; None: it is not
     """
 
     def __init__(self, window: float, *, tick_period: float) -> None:
         self._dt = tick_period
         self._stretch = RunningSigma(window, tick_period)
         self._enough_time = math.inf
-        self.is_kept, self.words = True, ""
+        self.is_kept = True
+        self.alarm: Alarm | None = None
 
     def update(self, stretch: float, ratio: float, *, tension_per_metre: float, peak_use: float, brake: bool) -> None:
         """Take a tick in.
@@ -53,8 +57,9 @@ class HighestTension:
         """
         self._stretch.add(stretch)
         least = self.least_ratio(tension_per_metre, peak_use)
-        self.words = _in_words(least, ratio) if least > ratio else ""
-        if self.words:
+        needed = math.ceil(100.0 * least) / 100.0
+        self.alarm = ALARMS.alarm("TENSION_LIMIT_LOW", needed=needed, limit=ratio) if least > ratio else None
+        if self.alarm:
             self._enough_time = 0.0
         else:
             self._enough_time = math.inf if brake else self._enough_time + self._dt
@@ -64,12 +69,3 @@ class HighestTension:
         """Return the least highest tension over the static one [-], from `tension_per_metre` and `peak_use`."""
         share = max(LEFT, 1.0 - 1.0 / peak_use) if peak_use > 0.0 else LEFT
         return 1.0 + share * PEAK * self._stretch.sigma * tension_per_metre
-
-
-def _in_words(least_ratio: float, ratio: float) -> str:
-    """Return that a highest tension is below what compensation needs, both over the static one, and what to do."""
-    needed = math.ceil(100.0 * least_ratio) / 100.0
-    return (
-        f"compensation needs a tension of {needed:.2f} times the static one in this sea, and more in a higher one; the "
-        f"highest allowed is {ratio:.4g} times: raise limits.maximum_tension_ratio or wait for a lower sea"
-    )

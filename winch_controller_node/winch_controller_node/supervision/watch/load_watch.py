@@ -4,6 +4,12 @@ from __future__ import annotations
 
 import math
 
+from heave_node.interface.alarm import Alarm
+from heave_node.loads.strength import ROPE, Strength, strengths
+from heave_node.parameters import flatten
+
+from winch_controller_node.interface.alarms import ALARMS
+from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import AlarmParameters
 
 QUIET_TIME = 60.0
@@ -11,6 +17,11 @@ QUIET_TIME = 60.0
 
 PUSH = -0.1
 """Share of the static tension below which no cable is slack: it cannot push."""
+
+
+def rope_strength(parameters: WinchControllerParameters) -> Strength | None:
+    """Return what the rope of the `parameters` can bear, with the safety factor required; None: not stated."""
+    return next((one for one in strengths(flatten(parameters), {}) if one.key == ROPE), None)
 
 
 class Episode:
@@ -39,16 +50,18 @@ class LoadWatch:
     ----------
     parameters : thresholds
     tick_period : [s]
+    rope : breaking force and required safety factor; None: not stated
     """
 
-    def __init__(self, parameters: AlarmParameters, *, tick_period: float) -> None:
-        self._parameters = parameters
+    def __init__(self, parameters: AlarmParameters, *, tick_period: float, rope: Strength | None = None) -> None:
+        self._parameters, self._rope = parameters, rope
         self._weight = tick_period / parameters.saturation_time
         self._slack, self._over, self._saturated = (Episode(tick_period) for _ in range(3))
+        self._short, self._overloaded = Episode(tick_period), Episode(tick_period)
         self._share_at_limit = 0.0
 
-    def update(self, tension: float, static_tension: float, *, is_at_limit: bool) -> tuple[str, ...]:
-        """Return what has just become wrong, in words.
+    def update(self, tension: float, static_tension: float, *, is_at_limit: bool) -> tuple[Alarm, ...]:
+        """Return what has just become wrong.
 
         Parameters
         ----------
@@ -59,30 +72,31 @@ class LoadWatch:
         parameters = self._parameters
         self._share_at_limit += self._weight * (float(is_at_limit) - self._share_at_limit)
         share = tension / static_tension if math.isfinite(tension) and static_tension > 0.0 else 1.0
-        words = []
+        found = []
         if self._slack.begins(share < parameters.slack_ratio):
-            words.append(self._slack_words(tension, share))
+            is_pushed = share < PUSH
+            found.append(
+                ALARMS.alarm("LOAD_CELL_NEGATIVE", tension=1e-3 * tension)
+                if is_pushed
+                else ALARMS.alarm("CABLE_SLACK", tension=1e-3 * tension, percent=100.0 * share)
+            )
         if self._over.begins(0.0 < parameters.tension_ratio < share):
-            words.append(
-                f"tension too high: {tension / 1e3:.1f} kN, {share:.2f} times the static one; "
-                f"at most {parameters.tension_ratio:g} is allowed: look whether the unit is held fast; one that swings "
-                "below a braked winch is damped by compensation; else wait for a lower sea, or raise "
-                "alarms.tension_ratio where cable and winch bear more"
-            )
+            limit = parameters.tension_ratio
+            found.append(ALARMS.alarm("TENSION_HIGH", tension=1e-3 * tension, ratio=share, limit=limit))
         if self._saturated.begins(self._share_at_limit > parameters.saturation_share):
-            words.append(
-                f"winch saturated: at its limits for {100.0 * self._share_at_limit:.0f} % of the last "
-                f"{parameters.saturation_time:g} s: the unit moves more than it would below a stronger winch; wait for "
-                "a lower sea, or compensate a smaller factor"
-            )
-        return tuple(words)
+            percent, time = 100.0 * self._share_at_limit, parameters.saturation_time
+            found.append(ALARMS.alarm("WINCH_SATURATED", percent=percent, time=time))
+        return (*found, *self._check_rope(tension))
 
-    @staticmethod
-    def _slack_words(tension: float, share: float) -> str:
-        """Return what a `tension` [N] so far below the static one, a `share` of it, means."""
-        if share < PUSH:
-            return f"load_cell suspect: it reads {tension / 1e3:.1f} kN, and no cable pushes: look at its sign and zero"
-        return (
-            f"cable slack: tension {tension / 1e3:.1f} kN, {100.0 * share:.0f} % of the static one: a snap may follow; "
-            "wait for a lower sea, or lower more slowly"
-        )
+    def _check_rope(self, tension: float) -> list[Alarm]:
+        """Return that a `tension` [N] is more than the rope can bear, or leaves it too small a safety factor."""
+        if self._rope is None:
+            return []
+        check = self._rope.under(tension)
+        given = {"tension": 1e-3 * tension, "factor": check.factor, "capacity": 1e-3 * self._rope.capacity}
+        found = []
+        if self._short.begins(check.is_short):
+            found.append(ALARMS.alarm("ROPE_SAFETY_LOW", **given, required=self._rope.required))
+        if self._overloaded.begins(check.is_overloaded):
+            found.append(ALARMS.alarm("ROPE_OVERLOADED", **given))
+        return found

@@ -1,10 +1,14 @@
-"""News of the share of the sea that is compensated: what holds it back, where that lasts, and that it is over."""
+"""News of the authority of compensation: what limits it, where that lasts, and that it is over."""
 
 from __future__ import annotations
 
+from heave_node.interface.alarm import Alarm
+
+from winch_controller_node.interface.alarms import ALARMS
+
 HELD_TIME, TOLD_AGAIN = 5.0, 60.0
-"""What holds a part of the sea back is told when it has lasted so long [s], and again when so much later; that it is
-over, when that has lasted as long.
+"""Limited authority is reported once it has lasted for the first time [s], and again after the second; its end, once
+that has lasted for the first time.
 """
 
 
@@ -21,13 +25,13 @@ class ShareNews:
         self._held_time = self._free_time = 0.0
         self._is_told = False
 
-    def update(self, share: float, cause: str, *, authority: float, factor: float, compensates: bool) -> str:
-        """Return what is to be told in this tick; empty: nothing.
+    def update(self, share: float, code: str, *, authority: float, factor: float, compensates: bool) -> Alarm | None:
+        """Return what is to be reported in this tick; None: nothing.
 
         Parameters
         ----------
         share : largest share of the sea that may be compensated, 0 to 1
-        cause : why it is no larger, in words
+        code : of the alarm that says why it is no larger
         authority, factor : share that is compensated, and the largest that is asked for: that is all
         compensates : the mode is that of compensation
         """
@@ -35,11 +39,11 @@ class ShareNews:
         self._held_time = self._held_time + self._dt if is_held else min(self._held_time + self._dt, 0.0)
         if self._held_time >= HELD_TIME:
             self._held_time, self._is_told = -TOLD_AGAIN, True
-            return f"only {100.0 * share:.0f} % of the sea is compensated: {cause}"
+            return ALARMS.alarm(code, percent=100.0 * share)
         # whatever ends compensation is told by its mode
         self._is_told = self._is_told and compensates
         self._free_time = self._free_time + self._dt if self._is_told and not is_held else 0.0
         if self._free_time < HELD_TIME or authority < factor:
-            return ""
+            return None
         self._is_told = False
-        return f"{100.0 * authority:.0f} % of the sea is compensated again: what held it back is over"
+        return ALARMS.alarm("AUTHORITY_RESTORED", percent=100.0 * authority)

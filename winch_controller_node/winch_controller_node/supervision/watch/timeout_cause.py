@@ -45,13 +45,13 @@ class TimeoutCause:
     def words(self, lateness: Lateness) -> str:
         """Return the cause in words, with the `lateness` of the ticks; empty where it is not known."""
         causes = {
-            "this controller was held up, its commands came {:.2f} s late": lateness.of_controller,
+            "the controller was delayed, its commands came {:.2f} s late": lateness.of_controller,
             "ticks began {:.2f} s late, the machine or the clock master stalled": lateness.of_clock,
-            "the winch itself was silent for {:.2f} s": self._silence - self._dt,
+            "no data from the winch for {:.2f} s": self._silence - self._dt,
         }
         text, delay = max(causes.items(), key=lambda cause: cause[1])
         if delay > NOTABLE:
             return text.format(delay)
         if self._untaken > NOTABLE:
-            return f"commands were given in time, but the winch has taken none for {self._untaken:.2f} s"
+            return f"commands were sent in time, and the winch took none for {self._untaken:.2f} s"
         return ""

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault, WinchLimit
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.schedule import identifies_winch
 from winch_controller_node.identification.late_commands import CUT_TIME, LateCommands
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.watch.drum_watch import DrumWatch
@@ -36,12 +38,12 @@ class TransportReport(NamedTuple):
 
     Attributes
     ----------
-    alarm : what has just become wrong, in words; empty: nothing
-    inhibition : why compensation must be off; empty: it need not
+    alarm : what has just become wrong; None: nothing
+    inhibition : why compensation must be off; None: it need not
     """
 
-    alarm: str = ""
-    inhibition: str = ""
+    alarm: Alarm | None = None
+    inhibition: Alarm | None = None
 
 
 class WinchWatch:
@@ -138,12 +140,10 @@ class WinchWatch:
         if self.late_commands.has_begun:
             self.drum.restart()
         if self.late_commands.is_cut:
-            return TransportReport(alarm, f"no command reached the winch for {CUT_TIME:g} s")
+            return TransportReport(alarm, ALARMS.alarm("COMMANDS_CUT", time=CUT_TIME))
         lag = winch.command_delay + winch.time_constant
         tolerated = parameters.lag.largest if identifies_winch(parameters) else TOLERATED_SHARE * lag
         overdue = self.late_commands.overdue
         if overdue <= tolerated:
             return TransportReport(alarm)
-        return TransportReport(
-            alarm, f"winch commands take effect {overdue:.2f} s later than modelled: too late for a stable loop"
-        )
+        return TransportReport(alarm, ALARMS.alarm("COMMANDS_TOO_LATE", delay=overdue, limit=tolerated))

@@ -1,0 +1,59 @@
+"""Alarms of the plant and of the virtual winch: code, severity, words."""
+
+from __future__ import annotations
+
+from heave_node.interface.alarm import AlarmRow, Severity, alarm_table
+from heave_node.interface.codes import WinchFault
+
+DRIVE_CODES = {
+    WinchFault.COMMAND_TIMEOUT: "WINCH_COMMAND_TIMEOUT",
+    WinchFault.INVALID_COMMAND: "WINCH_INVALID_COMMAND",
+    WinchFault.DRIVE: "WINCH_DRIVE_FAULT",
+    WinchFault.EMERGENCY_STOP: "WINCH_EMERGENCY_STOP",
+}
+"""Alarm of each fault for which the winch stops by itself."""
+
+_ACTIONS = {
+    WinchFault.COMMAND_TIMEOUT: "Check the controller, the network and the load of the machine",
+    WinchFault.INVALID_COMMAND: "Check the numbers that the controller sends",
+    WinchFault.DRIVE: "Clear the fault at the drive",
+    WinchFault.EMERGENCY_STOP: "Clear the cause, then request a mode",
+}
+
+ALARMS = alarm_table(
+    *(
+        AlarmRow(
+            code,
+            Severity.HIGH,
+            "winch",
+            f"stopped by itself ({fault.name.lower().replace('_', ' ')}{{cause}})",
+            "The brake is on, {waits}",
+            _ACTIONS[fault],
+        )
+        for fault, code in DRIVE_CODES.items()
+    ),
+    AlarmRow(
+        "CABLE_OVERSTRAINED",
+        Severity.CRITICAL,
+        "cable",
+        "strain {percent:.1f} %, limit {limit:.0f} %",
+        "The cable would part, or its tension law does not hold: the run proves nothing from here on",
+        "Check cable.axial_stiffness, the masses and the snaps of this run",
+    ),
+    AlarmRow(
+        "CABLE_SEGMENTS_SLACK",
+        Severity.LOW,
+        "cable",
+        "{count} segments are slack",
+        "A snap load may follow",
+        "Lower more slowly, or wait for a lower sea",
+    ),
+    AlarmRow(
+        "PLANT_INPUT_MISSING",
+        Severity.MEDIUM,
+        "network",
+        "{name} missing for {count} ticks",
+        "The last motion is continued",
+        "Check the node that publishes it",
+    ),
+)

@@ -1,0 +1,162 @@
+"""Alarms: one row of a table for each, with code, severity and words, and what is raised from it. Pure.
+
+A package has one table (`alarm_table`), and raises its alarms by code with their values:
+
+>>> TABLE = alarm_table(
+...     AlarmRow("MRU_STALE", Severity.HIGH, "mru", "no data for {age:.1f} s", "Compensation fades out", "Check power")
+... )
+>>> alarm = TABLE.alarm("MRU_STALE", age=1.25)
+>>> str(alarm)
+'MRU_STALE (high): no data for 1.2 s. Compensation fades out. Check power.'
+>>> alarms_in(str(alarm))[0].severity
+<Severity.HIGH: 3>
+"""
+
+from __future__ import annotations
+
+import enum
+import re
+import string
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+Value = float | str
+
+
+class Severity(enum.IntEnum):
+    """Priority of an alarm: how soon somebody has to act, as IEC 62682 and ISA-18.2 ask for."""
+
+    EVENT = 0
+    """Nothing has to be done: an entry of the log, no alarm."""
+    LOW = 1
+    """Look at it before the next lift."""
+    MEDIUM = 2
+    """Act within minutes: something is missing that a further fault would need."""
+    HIGH = 3
+    """Act at once: compensation ends or is less than requested."""
+    CRITICAL = 4
+    """Act at once: people, unit, cable or winch are in danger."""
+
+    @property
+    def word(self) -> str:
+        """Name as messages carry it."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True)
+class AlarmRow:
+    """A row of a table of alarms.
+
+    Attributes
+    ----------
+    code : stable name in upper case, part first: MRU_STALE
+    severity : priority
+    part : that it is about: mru, winch, cable, adviser
+    state : what is wrong, value with unit against limit; values stand in braces, as in str.format
+    consequence : what follows, or is done by itself; empty where nothing is
+    action : what a person does; empty where nothing has to be done
+    """
+
+    code: str
+    severity: Severity
+    part: str
+    state: str
+    consequence: str = ""
+    action: str = ""
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """Names of the values that the words need."""
+        text = f"{self.state}{self.consequence}{self.action}"
+        return frozenset(name for _, name, _, _ in string.Formatter().parse(text) if name)
+
+    @property
+    def title(self) -> str:
+        """The code as words."""
+        return self.code.replace("_", " ")
+
+    def alarm(self, **values: Value) -> Alarm:
+        """Return the alarm with its `values`; raises ValueError where one is missing or unknown."""
+        if values.keys() != self.names:
+            raise ValueError(f"alarm {self.code} takes the values {sorted(self.names)}; got {sorted(values)}")
+        return Alarm(self, values)
+
+
+@dataclass(frozen=True)
+class Alarm:
+    """An alarm that is raised: its row and its values, by name, in SI units and in those that its words say."""
+
+    row: AlarmRow
+    values: Mapping[str, Value] = field(default_factory=dict)
+
+    @property
+    def code(self) -> str:
+        """Code of the row."""
+        return self.row.code
+
+    @property
+    def severity(self) -> Severity:
+        """Severity of the row."""
+        return self.row.severity
+
+    @property
+    def text(self) -> str:
+        """State, consequence and action: a sentence each."""
+        parts = (self.row.state, self.row.consequence, self.row.action)
+        return " ".join(f"{part.format(**self.values)}." for part in parts if part)
+
+    @property
+    def brief(self) -> str:
+        """What is wrong alone, as the reason of a mode."""
+        return f"{self.row.title}: {self.row.state.format(**self.values)}"
+
+    def __str__(self) -> str:
+        """Return the line of the log, of diagnostics and of a bag, which `alarms_in` reads."""
+        return f"{self.code} ({self.severity.word}): {self.text}"
+
+
+class AlarmTable(dict[str, AlarmRow]):
+    """The alarms of a package, by code."""
+
+    def alarm(self, code: str, **values: Value) -> Alarm:
+        """Return the alarm of a `code` with its `values`; raises KeyError or ValueError where it has no such row."""
+        return self[code].alarm(**values)
+
+
+def alarm_table(*rows: AlarmRow) -> AlarmTable:
+    """Return the table of `rows`; raises ValueError for a code that is there twice or is not in upper case."""
+    table = AlarmTable()
+    for row in rows:
+        if row.code in table or not _CODE.fullmatch(row.code):
+            raise ValueError(f"alarm code {row.code!r}: each code is in capitals, and there once")
+        table[row.code] = row
+    return table
+
+
+class ReadAlarm(NamedTuple):
+    """An alarm as read from a line: code, severity and text."""
+
+    code: str
+    severity: Severity
+    text: str
+
+    @property
+    def title(self) -> str:
+        """The code as words."""
+        return self.code.replace("_", " ")
+
+
+_CODE = re.compile(r"[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
+_HEAD = re.compile(rf"(?:^|(?<=[;:] ))({_CODE.pattern}) \(({'|'.join(one.word for one in Severity)})\): ")
+
+
+def alarms_in(text: str) -> list[ReadAlarm]:
+    """Return the alarms that a `text` reports, one or more lines joined by "; "; none where it has no code."""
+    heads = list(_HEAD.finditer(text))
+    ends = [*(head.start() for head in heads[1:]), len(text)]
+    return [
+        ReadAlarm(head[1], Severity[head[3].upper()], text[head.end() : end].rstrip("; "))
+        for head, end in zip(heads, ends, strict=False)  # a text without a head has one end
+    ]

@@ -1,0 +1,41 @@
+"""Alarms: a row of a table, what is raised from it, and the line by which it is read again."""
+
+import pytest
+from heave_node.interface.alarm import AlarmRow, Severity, alarm_table, alarms_in
+
+STALE = AlarmRow("MRU_STALE", Severity.HIGH, "mru", "no data for {age:.1f} s", "Compensation fades out", "Check power")
+SLACK = AlarmRow("CABLE_SLACK", Severity.MEDIUM, "cable", "tension {tension:.1f} kN")
+TABLE = alarm_table(STALE, SLACK)
+
+
+def test_the_line_of_an_alarm_is_code_severity_state_consequence_and_action():
+    alarm = TABLE.alarm("MRU_STALE", age=1.25)
+    assert str(alarm) == "MRU_STALE (high): no data for 1.2 s. Compensation fades out. Check power."
+    assert (alarm.code, alarm.severity, alarm.values) == ("MRU_STALE", Severity.HIGH, {"age": 1.25})
+    assert alarm.brief == "MRU STALE: no data for 1.2 s"
+    assert str(TABLE.alarm("CABLE_SLACK", tension=8.0)) == "CABLE_SLACK (medium): tension 8.0 kN."
+
+
+def test_alarms_are_read_from_the_lines_of_several():
+    raised = [TABLE.alarm("MRU_STALE", age=1.0), TABLE.alarm("CABLE_SLACK", tension=2.0)]
+    found = alarms_in(f"winch_controller: alarms: {'; '.join(map(str, raised))}")
+    assert [(one.code, one.severity, one.text) for one in found] == [(a.code, a.severity, a.text) for a in raised]
+    assert found[0].title == "MRU STALE"
+
+
+@pytest.mark.parametrize("text", ["", "frozen: its readings do not change", "MRU_STALE: no severity", "x (high): y"])
+def test_a_text_without_a_code_holds_no_alarm(text):
+    assert alarms_in(text) == []
+
+
+def test_a_value_that_is_missing_or_unknown_is_refused():
+    for values in ({}, {"age": 1.0, "limit": 2.0}):
+        with pytest.raises(ValueError, match="MRU_STALE takes the values"):
+            TABLE.alarm("MRU_STALE", **values)
+
+
+def test_a_code_is_in_a_table_once_and_in_capitals():
+    with pytest.raises(ValueError, match="MRU_STALE"):
+        alarm_table(STALE, STALE)
+    with pytest.raises(ValueError, match="stale"):
+        alarm_table(AlarmRow("stale", Severity.LOW, "mru", "x"))
