@@ -59,7 +59,7 @@ STEPS = {
 """Least changes that are worth it; of gains and limits relative."""
 
 LIMIT_STEP = 0.03
-"""Least change of a limit that is worth it, and step by which one that was not reached for long is relaxed, relative."""
+"""Least change of a limit that is worth it, and step by which one not reached for long is relaxed, relative."""
 
 OTHER_DIRECTION = {
     SPEED_OUT: SPEED_IN,
