@@ -49,7 +49,14 @@ def _rows_of(sensor: str) -> list[AlarmRow]:
         lost("FROZEN", *frozen),
         lost("SPIKES", "readings are far from the estimate", "Check mounting, sign and unit"),
         lost("JUMPS", jumps, "Check mounting, scale and sign, and the driver"),
-        lost("SETTLING", "the sensor reports that it is settling", "Wait"),
+        AlarmRow(
+            f"{prefix}_SETTLING",
+            min(severity, MEDIUM),
+            sensor,
+            "the sensor reports that it is settling",
+            "It is not used until it has settled",
+            "Wait",
+        ),
         lost("FAULT", "the sensor reports {status}", "Read its display, then restart it"),
         AlarmRow(
             f"{prefix}_READING_REJECTED",
