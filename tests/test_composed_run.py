@@ -48,4 +48,4 @@ def test_a_tension_above_the_alarm_of_a_shipped_scenario_is_told_with_the_summar
     )
     assert result.returncode in HAS_RUN, result.stderr
     assert "tension too high: " in result.stdout + result.stderr
-    assert "times the static one; at most 1.5 is allowed" in result.stdout + result.stderr
+    assert "times static, limit 1.5" in result.stdout + result.stderr

@@ -52,7 +52,7 @@ def test_two_viewers_operate_a_run_in_turns_and_a_dead_panel_is_seen_at_once_and
         for tab, width in ((first, 1400), (second, 420)):
             tab.size(width, 900)
             tab.open(address)
-            tab.wait_for("nobody is in command; ")
+            tab.wait_for("no viewer is in command; ")
             assert tab.get("document.documentElement.scrollWidth") <= width
         first.wait_for("2 watching")
 
@@ -143,7 +143,7 @@ def test_a_winch_of_one_s_own_is_shown_stopped_and_released_and_no_fault_is_inje
         tab = browser.tab()
         tab.size(1400, 900)
         tab.open(panel_of_a_winch)
-        tab.wait_for("nobody is in command; ")
+        tab.wait_for("no viewer is in command; ")
         tab.click("take command")
         tab.wait_for("mode compensating", 180.0)
         values = "[...document.querySelectorAll('.heave-value')].map(value => value.innerText)"

@@ -4,6 +4,7 @@ import json
 import re
 
 import pytest
+from winch_controller_node.interface.alarms import HARMFUL
 
 from tests.loop_runs import HAS_RUN, heave
 
@@ -28,8 +29,8 @@ def test_a_winch_weaker_than_believed_is_found_out_and_the_unit_held_still(tmp_p
     verdict = json.loads((tmp_path / "kpi.json").read_text())["verdict"]
     assert {entry["kpi"]: entry["met"] for entry in verdict["criteria"]}["unit_efficiency"]
     told = re.findall(
-        r"winch model updated: .*acceleration limit (?:hauling in|paying out) ([\d.]+) m/s\^2 \(was 1\.500\)",
+        r"WINCH_MODEL_UPDATED \(event\): .*acceleration limit (?:hauling in|paying out) ([\d.]+) m/s\^2 \(was 1\.500\)",
         result.stdout + result.stderr,
     )
     assert any(float(value) == pytest.approx(LIMIT, rel=0.1) for value in told), told
-    assert not any("compensation is harmful" in line for line in (result.stdout + result.stderr).splitlines())
+    assert not [code for code in HARMFUL if code in result.stdout + result.stderr]

@@ -71,7 +71,7 @@ def test_the_scenario_that_is_written_plays_the_record_and_believes_its_height_a
     ("arguments", "words"),
     [
         (["--bridge", "60"], "--bridge 60: must be above 0 and at most 10 s"),
-        (["--to", "300", "--scenario", "mine.yaml"], "gives no height and period to believe"),
+        (["--to", "300", "--scenario", "mine.yaml"], "gives no height and period to assume"),
         (["--scenario", "mine.yaml", "--like", "b3"], "b3: no such scenario"),
     ],
 )

@@ -74,7 +74,7 @@ def test_an_emergency_stop_of_a_silent_run_ends_with_a_refusal():
 def test_an_emergency_stop_of_a_paused_run_is_in_force_from_the_next_tick():
     link = FakeLink()
     link.situation.run = RunStatus(PAUSED, tick=100, time=5.0)
-    assert EmergencyStop(link).poll().text.endswith("in force from the next tick, the run is paused")
+    assert EmergencyStop(link).poll().text.endswith("active from the next tick, the run is paused")
 
 
 def test_a_stop_is_done_when_the_winch_has_stopped_and_not_before():

@@ -50,7 +50,7 @@ def test_a_run_at_work_is_told_in_one_line():
 def test_a_run_that_waits_or_has_failed_says_for_what_and_why():
     assert run_words(RunStatus(WAITING, "recorder to join")) == "waiting for recorder to join"
     assert run_words(RunStatus(FAILED, "no room", 3, 0.15)) == "failed at t = 0.15 s (tick 3): no room"
-    assert status_line(Situation()) == "no word from the clock master; no alarm"
+    assert status_line(Situation()) == "no data from the clock master; no alarm"
 
 
 def test_an_alarm_stands_until_its_part_is_well_again():

@@ -189,7 +189,7 @@ class Situation:
 def run_words(run: RunStatus | None) -> str:
     """Say how the `run` goes."""
     if run is None:
-        return "no word from the clock master"
+        return "no data from the clock master"
     if run.state == WAITING:
         return f"waiting for {run.reason or 'the nodes'}"
     where = f"{STATE_WORDS[run.state]} at t = {run.time:.2f} s (tick {run.tick})"
@@ -217,7 +217,7 @@ def status_line(situation: Situation) -> str:
     if figures is not None and math.isfinite(figures.unit_sigma):
         parts.append(f"unit sigma {100.0 * figures.unit_sigma:.2f} cm over {figures.window:.0f} s, as estimated")
     if situation.is_paused and controller is None:
-        parts.append("nodes publish nothing while it is paused: step tells more")
+        parts.append("nodes publish nothing while it is paused: step to see more")
     alarms = [str(alarm) for alarm in situation.alarms]
     parts.append(f"alarms: {', '.join(alarms)}" if alarms else "no alarm")
     return "; ".join(parts)

@@ -222,7 +222,7 @@ class EmergencyStop:
         if self._is_taken and winch is not None and is_fresh and winch.brake and abs(winch.rate) < AT_REST:
             return self._taken(f"the brake is on and the drum at rest, {took:.2f} s later")
         if self._is_taken and situation.is_paused:
-            return self._taken("in force from the next tick, the run is paused")
+            return self._taken("active from the next tick, the run is paused")
         if self._is_given_up(took):
             why = "; ".join(self._refusals) or f"the drum is not known to be at rest after {took:.1f} s"
             return refusal(f"NOT STOPPED: {why}: press the emergency stop of the winch itself")
@@ -386,7 +386,7 @@ class MoveBy:
             depth = self._link.situation.depth
             if not math.isfinite(depth):
                 late = self._link.wall_time - self._began > STATE_TIME
-                return refusal("the controller does not tell the depth of the unit: use depth D") if late else None
+                return refusal("the controller does not report the depth of the unit: use depth D") if late else None
             self._move = self._link.start_move(depth + self._distance, self._speed)
         return self._move.poll()
 

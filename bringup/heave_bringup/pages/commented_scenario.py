@@ -25,10 +25,10 @@ HEAD = """# {title}
 """
 SECTION_WORDS = {
     WILDCARD: "the run, what is wanted of it, and what ship and controller share",
-    "wave_vessel": "sea and vessel, where they differ from what the controller believes",
+    "wave_vessel": "sea and vessel, where they differ from what the controller assumes",
     "cable_sim": "cable, unit, seabed, current, sensors",
     "virtual_winch": "the winch",
-    "winch_controller": "the controller, and where it believes otherwise",
+    "winch_controller": "the controller, and where its assumptions differ",
     "winch_adviser": "the adviser",
     "recorder": "the bag",
 }

@@ -26,7 +26,7 @@ TITLES = {
     "cable_sim": "`cable_sim`: cable, unit, seabed, current, sensors",
     "wave_vessel": "`wave_vessel`: sea, vessel, motion reference unit",
     "virtual_winch": "`virtual_winch`: drum, drive, encoder",
-    "winch_controller": "`winch_controller`: what it believes, and how it works",
+    "winch_controller": "`winch_controller`: what it assumes, and how it works",
     "winch_adviser": "`winch_adviser`: identification, which takes its nominal from the controller",
     "recorder": "`recorder`: the bag",
 }
@@ -38,7 +38,7 @@ same, `heave params winch_controller mpc.` a part of it.
 
 `--set NODE.PARAM=VALUE` changes one for a run, and so does the section of a node in a
 [scenario](../bringup/heave_bringup/scenarios/README.md). A name under *shared* sets the ship and what the controller
-believes of it at once: `--set system.PARAM=VALUE`. Units are SI.
+assumes of it at once: `--set system.PARAM=VALUE`. Units are SI.
 """
 
 

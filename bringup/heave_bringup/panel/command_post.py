@@ -87,7 +87,7 @@ class CommandPost:
         """Say to a `viewer` who is in command."""
         watching = f"{len(self.viewers)} watching"
         if self.commander is None:
-            return f"nobody is in command; {watching}"
+            return f"no viewer is in command; {watching}"
         if self.commander == viewer:
             asks = f"viewer {self.asking} asks for it; " if self.asking is not None else ""
             return f"you are in command; {asks}{watching}"

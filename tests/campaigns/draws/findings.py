@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from heave_node.interface.alarm import Alarm as RaisedAlarm
 from heave_node.interface.alarm import ReadAlarm, Severity, alarms_in
-from winch_controller_node.interface.alarms import ALARMS, SENSORS
+from winch_controller_node.interface.alarms import ALARMS
+from winch_controller_node.interface.sensor_alarms import SENSORS
 
 Alarm = tuple[float, str]
 """Time [s] and line."""

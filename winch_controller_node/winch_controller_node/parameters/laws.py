@@ -252,7 +252,7 @@ class EntryParameters:
         minimum=0.01,
         maximum=10.0,
         description="No constant tension while the peaks of the boom tip use more than this fraction of the limits; "
-        "compensation begins all the same, and says with what share of the sea.",
+        "compensation begins all the same, and reports with what authority.",
     )
 
 
@@ -278,14 +278,14 @@ class OperatorParameters:
         unit="",
         minimum=0.0,
         maximum=1.0,
-        description="Fraction of the winch's speed limit in force available to an operator; compensation has the rest.",
+        description="Fraction of the winch's active speed limit available to an operator; compensation has the rest.",
     )
     acceleration_share: float = parameter(
         0.035,
         unit="",
         minimum=0.001,
         maximum=1.0,
-        description="Fraction of the winch's acceleration limit in force available to an operator; compensation has "
+        description="Fraction of the winch's active acceleration limit available to an operator; compensation has "
         "the rest.",
     )
     timeout: float = parameter(

@@ -152,13 +152,13 @@ def _how_to_run(
     if options.scenario:
         _write_scenario(options, source, estimate, duration)
         return [
-            f"{options.scenario}: {options.like} in this sea, which the controller believes",
+            f"{options.scenario}: {options.like} in this sea, which the controller assumes",
             f"run it: heave run {shlex.quote(str(options.scenario))}",
         ]
     return [
         "run it: heave run SCENARIO --set wave_vessel.boom_tip_source=file --set "
         + shlex.quote(f"wave_vessel.recording_file={options.output.resolve()}"),
-        "the controller still assumes the scenario's sea: --scenario FILE writes one that believes this one",
+        "the controller still assumes the scenario's sea: --scenario FILE writes one that assumes this one",
     ]
 
 
@@ -172,7 +172,7 @@ def _write_scenario(
     from heave_bringup.scenarios import find_scenario, sections_for, write_scenario
 
     if estimate is None or estimate.peak_period is None:
-        raise CommandError(f"{options.scenario}: not written: {source} gives no height and period to believe")
+        raise CommandError(f"{options.scenario}: not written: {source} gives no height and period to assume")
     sections = sections_for(find_scenario(options.like), options.scenario.parent)
     begun = float(sections[WILDCARD].get("transient", 60.0))  # type: ignore[arg-type]
     if duration <= begun:

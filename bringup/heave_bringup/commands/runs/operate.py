@@ -66,12 +66,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     speed.add_argument(
         "--for", dest="seconds", type=_number(0.0), default=2.0, metavar="S", help="simulated time (default: 2)"
     )
-    factor = verb("factor", "change the share of the sea that is compensated", "factor 0.5")
+    factor = verb("factor", "change the authority of compensation, 0 to 1", "factor 0.5")
     factor.add_argument("factor", type=_number(0.0, 1.0), metavar="F", help="0 to 1")
     stop = verb("stop", "fade compensation out, bring the winch to rest and brake; wait until that is done")
     stop.add_argument("--no-wait", action="store_true", help="answer as soon as the stop is taken")
     verb("emergency-stop", "brake at once; wait until the drum is at rest")
-    _add_redesign(verb("redesign", "design the controller anew, without stopping", "redesign --height 2.5 --period 9"))
+    _add_redesign(verb("redesign", "design the controller again, without stopping", "redesign --height 2.5 --period 9"))
     _add_fault(
         verb("fault", "make a simulated device misbehave, or well again", "fault inject mru freeze --duration 10")
     )

@@ -1,0 +1,281 @@
+"""Alarms of sensors and of what is identified: part of the controller's table of alarms."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from heave_node.interface.alarm import AlarmRow, Severity
+
+EVENT, LOW, MEDIUM, HIGH = Severity.EVENT, Severity.LOW, Severity.MEDIUM, Severity.HIGH
+
+
+class Loss(NamedTuple):
+    """What follows from the loss of a sensor: severity and consequence."""
+
+    severity: Severity
+    consequence: str
+
+
+LOSSES = {
+    "mru": Loss(HIGH, "Compensation fades out"),
+    "encoder": Loss(HIGH, "Compensation fades out, and the winch stops"),
+    "depth": Loss(MEDIUM, "Compensation continues without it; touchdown is recognised later"),
+    "load_cell": Loss(MEDIUM, "No tension alarms and no constant tension"),
+    "velocity": Loss(LOW, "Compensation continues without it"),
+    "imu": Loss(LOW, "Compensation continues without it"),
+}
+"""The loss of each sensor, by name."""
+
+
+def _rows_of(sensor: str) -> list[AlarmRow]:
+    """Return the alarms of a `sensor`: why it is lost, and what else may be wrong with it."""
+    prefix, (severity, consequence) = sensor.upper(), LOSSES[sensor]
+
+    def lost(state: str, words: str, action: str) -> AlarmRow:
+        return AlarmRow(f"{prefix}_{state}", severity, sensor, words, consequence, action)
+
+    frozen = ("readings do not change", "Restart the sensor or its driver")
+    jumps = "heave jumps away from what its heave rate says" if sensor == "mru" else "readings jump repeatedly"
+    if sensor == "encoder":
+        frozen = (
+            "readings do not change while the winch is commanded to turn",
+            "Check that the drum turns (brake, dead zone of the drive), then restart the encoder or its driver",
+        )
+    return [
+        lost("STALE", "no data for {age:.2f} s, limit {limit:.2f} s", "Check power, cable, driver, clock"),
+        lost("NOT_A_NUMBER", "readings are not numbers", "Restart the sensor or its driver"),
+        lost("BAD_STAMP", "time stamps are missing or ahead of the clock of the run", "Set the clock of the sensor"),
+        lost("OUT_OF_ORDER", "readings come out of order, or twice", "Check the driver and the network"),
+        lost("FROZEN", *frozen),
+        lost("SPIKES", "readings are far from the estimate", "Check mounting, sign and unit"),
+        lost("JUMPS", jumps, "Check mounting, scale and sign, and the driver"),
+        AlarmRow(
+            f"{prefix}_SETTLING",
+            min(severity, MEDIUM),
+            sensor,
+            "the sensor reports that it is settling",
+            "It is not used until it has settled",
+            "Wait",
+        ),
+        lost("FAULT", "the sensor reports {status}", "Read its display, then restart it"),
+        AlarmRow(
+            f"{prefix}_READING_REJECTED",
+            LOW,
+            sensor,
+            "one reading rejected ({reason})",
+            "Compensation continues",
+            "Check the sensor if it repeats",
+        ),
+        AlarmRow(
+            f"{prefix}_NOISE_HIGH",
+            LOW,
+            sensor,
+            "noise of {measurement} is {sigma:.3g}, {factor:.1f} times nominal",
+            "The estimate relies less on it",
+            "Check the sensor, or state its noise",
+        ),
+        AlarmRow(
+            f"{prefix}_NOISE_LOW",
+            EVENT,
+            sensor,
+            "innovations of {measurement} are {ratio:.2f} times their assumed size (noise {sigma:.2g} assumed, {seen} "
+            "seen)",
+            "Compensation continues, with less benefit from this sensor than possible",
+            "State its noise, or check its scale",
+        ),
+        AlarmRow(
+            f"{prefix}_EXCLUDED",
+            HIGH if severity is HIGH else MEDIUM,
+            sensor,
+            "readings contradict all other sensors",
+            "The sensor is not used",
+            "Check sign, scale and mounting",
+        ),
+        AlarmRow(f"{prefix}_RECOVERED", EVENT, sensor, "the sensor agrees with all others and is used again"),
+    ]
+
+
+SENSORS = tuple(row for sensor in LOSSES for row in _rows_of(sensor))
+
+READINGS = (
+    AlarmRow(
+        "ENCODER_JUMP",
+        LOW,
+        "encoder",
+        "the reading jumped by {jump:+.3f} m",
+        "The jump is subtracted, compensation continues",
+        "Check the encoder if it repeats",
+    ),
+    AlarmRow(
+        "DEPTH_JUMP",
+        LOW,
+        "depth",
+        "the reading jumped by {jump:+.3f} m",
+        "The jump is subtracted, compensation continues",
+        "Check the sensor if it repeats",
+    ),
+    AlarmRow(
+        "DEPTH_SCALE_JUMP",
+        MEDIUM,
+        "depth",
+        "the reading jumped by {jump:+.3f} m, as after a change of scale or sign",
+        "The sensor is not used until it agrees with all others, or a mode is requested",
+        "Check its scale and sign",
+    ),
+    AlarmRow(
+        "ENCODER_REVERSED",
+        HIGH,
+        "encoder",
+        "the encoder turns opposite to the commands",
+        "The encoder is not used while the sensors are compared",
+        "Check the sign of encoder and drive",
+    ),
+    AlarmRow(
+        "ENCODER_SCALE_STEP",
+        HIGH,
+        "encoder",
+        "the encoder reads far more or less than commanded",
+        "The encoder is not used while the sensors are compared",
+        "Check the scale of the encoder, and the drive",
+    ),
+    AlarmRow(
+        "LOAD_CELL_NEGATIVE",
+        MEDIUM,
+        "load_cell",
+        "reading {tension:.1f} kN, and no cable pushes",
+        "Tension alarms cannot be relied on",
+        "Check its sign and zero",
+    ),
+    AlarmRow(
+        "SENSORS_DISAGREE",
+        MEDIUM,
+        "sensors",
+        "cause unknown: innovations of {measurement} {ratio:.1f} times their expected size for {time:.0f} s, and no "
+        "known fault explains it",
+        "Compensation continues on the present assumptions",
+        "Check all sensors, cable and unit; request standby if the unit moves more than expected",
+    ),
+)
+
+IDENTIFIED = (
+    AlarmRow("WINCH_MODEL_UPDATED", EVENT, "winch", "{changes}", "The design uses the new values"),
+    AlarmRow("SEA_MODEL_UPDATED", EVENT, "sea", "{changes}", "The design uses the new values"),
+    AlarmRow(
+        "MRU_SCALE_ERROR",
+        MEDIUM,
+        "mru",
+        "reads {value:.2f} times the motion",
+        "Corrected",
+        "Check scale and sign of the MRU, and the drum radius",
+    ),
+    AlarmRow(
+        "MRU_OFFSET",
+        LOW,
+        "mru",
+        "heave has a mean of {value:+.2f} m",
+        "Corrected",
+        "Check the reference point of the MRU, and the trim",
+    ),
+    AlarmRow(
+        "MRU_DELAYED",
+        MEDIUM,
+        "mru",
+        "time stamps are {value:+.2f} s late",
+        "Corrected",
+        "Check the clock and the latency of the MRU",
+    ),
+    AlarmRow(
+        "MRU_HIGH_PASS",
+        LOW,
+        "mru",
+        "heave has a high-pass of {value:.0f} s (nominal {nominal:.0f} s, 0 is none)",
+        "Corrected",
+        "State sensors.mru.high_pass_period",
+    ),
+    AlarmRow(
+        "MRU_DRIFT",
+        LOW,
+        "mru",
+        "heave drifts, as in a turn",
+        "Tracked",
+        "Check the aiding of the MRU; wait for the turn",
+    ),
+    AlarmRow(
+        "DEPTH_SCALE_ERROR", MEDIUM, "depth", "reads {value:.2f} times the motion", "Corrected", "Check scale and unit"
+    ),
+    AlarmRow(
+        "ENCODER_SCALE_ERROR",
+        MEDIUM,
+        "encoder",
+        "reads {value:.2f} times the payout",
+        "Corrected",
+        "Check scale and sign of the encoder, and the drum radius",
+    ),
+    AlarmRow(
+        "CABLE_INERTIA",
+        MEDIUM,
+        "cable",
+        "inertia is {value:.2f} times nominal",
+        "Corrected",
+        "Check the mass of the unit, and length and stiffness of the cable",
+    ),
+    AlarmRow(
+        "CABLE_DAMPING", LOW, "cable", "damping is {value:.2g} times nominal", "Corrected", "Check the drag of the unit"
+    ),
+    *(
+        AlarmRow(
+            f"{part.upper()}_NOT_DESIGNABLE",
+            MEDIUM,
+            part,
+            "the identified values differ from nominal, and no controller can be designed for them",
+            "The values are not used",
+            "Check the stated parameters",
+        )
+        for part in ("winch", "sea", "mru", "depth", "encoder", "cable")
+    ),
+    *(
+        AlarmRow(f"{part.upper()}_NOMINAL", EVENT, part, "confirmed nominal")
+        for part in ("mru", "depth", "encoder", "cable")
+    ),
+    AlarmRow(
+        "ADVISER_LATE",
+        LOW,
+        "adviser",
+        "an answer came more than {latency:g} s after its observations and was rejected",
+        "The controller keeps {active}",
+        "Check the load of the machine that runs winch_adviser",
+    ),
+    AlarmRow(
+        "ADVISER_SILENT",
+        MEDIUM,
+        "adviser",
+        "no answer for {time:.1f} s",
+        "The controller keeps {active}",
+        "Check that winch_adviser runs",
+    ),
+    AlarmRow(
+        "ADVISER_REJECTED",
+        MEDIUM,
+        "adviser",
+        "an answer was rejected ({fault})",
+        "The controller keeps {active}",
+        "Install the winch_adviser of the controller's version",
+    ),
+    AlarmRow("ADVISER_RESTORED", EVENT, "adviser", "answers again"),
+    AlarmRow(
+        "ADVISER_ENDED",
+        HIGH,
+        "adviser",
+        "no more answers: {fault}",
+        "The controller keeps what was identified so far",
+        "Restart winch_adviser",
+    ),
+    AlarmRow(
+        "SOLVER_FAILED",
+        LOW,
+        "loop",
+        "{status}",
+        "The plan of the tick before is used",
+        "Reduce mpc.horizon, or use law lqg, if it repeats",
+    ),
+)
