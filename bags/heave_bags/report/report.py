@@ -12,17 +12,18 @@ from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 
-from heave_bags.analyse import analysis, headline, kpi_set, run_warnings, run_words
-from heave_bags.analyse.report_figures import (
+from heave_bags.analyse import analysis, kpi_set, run_warnings, run_words
+from heave_bags.analyse.run_record import RunRecord
+from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge
+from heave_bags.errors import BagError
+from heave_bags.report import headline
+from heave_bags.report.report_figures import (
     RUN_COLOURS,
     Figure,
     comparison_figures,
     run_figures,
     without_nan,
 )
-from heave_bags.analyse.run_record import RunRecord
-from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge
-from heave_bags.errors import BagError
 
 MOST_HAPPENINGS = 60
 """Lines of what happened in a run; the bag has them all."""
@@ -59,7 +60,7 @@ def render(records: Sequence[RunRecord], verdicts: Sequence[Verdict] = ()) -> st
 
 
 def _asset(name: str) -> str:
-    return (resources.files("heave_bags.analyse") / "report_assets" / name).read_text(encoding="utf-8")
+    return (resources.files("heave_bags.report") / "report_assets" / name).read_text(encoding="utf-8")
 
 
 def _template(name: str) -> Template:
