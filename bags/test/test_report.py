@@ -88,6 +88,7 @@ def test_the_report_begins_with_what_was_run_the_verdict_and_eight_figures(share
     record.wanted = (Criterion("unit_sigma_m", "<=", 0.01),)
     page = report.render([record])
     head = page[page.index("<header>") : page.index("</header>")]
+    head = head.replace("\N{NO-BREAK SPACE}", " ")
     assert "verdict: FAILED" in head
     assert 'class="verdict bad"' in head
     assert head.count("at most 1 cm") == 2, "in the verdict, and beside the figure in its unit"

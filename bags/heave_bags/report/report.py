@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import re
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
@@ -168,9 +169,9 @@ def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> di
     return {
         "name": record.name,
         "description": record.description,
-        "facts": run_words.facts(record),
+        "facts": {name: unbroken(text) for name, text in run_words.facts(record).items()},
         "remarks": [*record.remarks(), *run_warnings.warnings(record, values)],
-        "verdict": [line.strip() for line in verdict.lines()],
+        "verdict": [unbroken(line.strip()) for line in verdict.lines()],
         "verdict_class": {FAILED: "bad", NO_VERDICT: ""}.get(verdict.state, "good"),
         "tiles": _tiles(record, values),
         "happenings": happenings[:MOST_HAPPENINGS],
@@ -180,6 +181,11 @@ def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> di
             name: value for name, value in {**record.run, **record.outcome}.items() if "publishers." not in name
         },
     }
+
+
+def unbroken(text: str) -> str:
+    """Return `text` in which no line ends between a number and its unit."""
+    return re.sub(r"(?<=\d) (?=%|(?:[a-zA-Z]{1,3}\b))", "\N{NO-BREAK SPACE}", text)
 
 
 def _tiles(record: RunRecord, values: Mapping[str, float]) -> list[dict[str, Any]]:
