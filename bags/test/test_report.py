@@ -163,6 +163,13 @@ def test_figures_have_plain_names_and_their_symbols_beside(shared_bag):
     assert "rT = " not in analysis.table(analysis.analyse([shared_bag]))
 
 
+def test_no_line_ends_between_a_number_and_its_unit():
+    glued = report.unbroken("at most 2 m/s, 1.5 m/s², 95 %, seed 1, figures from 120 s to 200 s, 3 landings")
+    assert glued.replace("\N{NO-BREAK SPACE}", "~") == (
+        "at most 2~m/s, 1.5~m/s², 95~%, seed 1, figures from 120~s to 200~s, 3 landings"
+    )
+
+
 def test_what_harm_means_is_on_the_page(made_up_bag):
     records = analysis.analyse([made_up_bag(run=MadeUpRun(unit=2.0))])
     assert "the unit moved more than it would have with the winch locked" in report.render(records)
