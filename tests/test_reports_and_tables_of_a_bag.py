@@ -65,7 +65,7 @@ def test_a_summary_is_eight_figures_at_most_and_full_has_all(runs, capsys):
 
 
 def test_a_pdf_without_a_browser_is_refused_in_a_line_before_any_work(runs, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("heave_bags.analyse.paper.PLACES", ())
+    monkeypatch.setattr("heave_bags.report.paper.PLACES", ())
     monkeypatch.setenv("PATH", str(tmp_path))
     assert main(["report", str(runs / "one"), "--output", str(tmp_path / "x.html"), "--pdf"]) != 0
     said = capsys.readouterr().err

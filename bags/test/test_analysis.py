@@ -10,11 +10,12 @@ import pandas
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from foreign_bags import HOST_TIME, by_host_clock, by_simulated_clock, write_foreign
-from heave_bags.analyse import analysis, kpi_set, report, run_record
+from heave_bags.analyse import analysis, kpi_set, run_record
 from heave_bags.analyse.fields import on_one_clock
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.reader import Bag
+from heave_bags.report import report
 from heave_node.cdr.definitions import schema_text
 from made_up_run import TYPES, MadeUpRun, tick_messages, write_run
 from rclpy.serialization import serialize_message

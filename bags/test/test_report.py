@@ -6,10 +6,11 @@ import subprocess
 from dataclasses import replace
 
 import pytest
-from heave_bags.analyse import analysis, kpi_set, paper, report, run_words
+from heave_bags.analyse import analysis, kpi_set, run_words
 from heave_bags.analyse.events import Interval
-from heave_bags.analyse.report_figures import pack, run_figures, thin
 from heave_bags.errors import BagError
+from heave_bags.report import paper, report
+from heave_bags.report.report_figures import pack, run_figures, thin
 from heave_bags.signals import Signal
 from heave_node.criteria import Criterion
 from made_up_run import SCENARIO, MadeUpRun, write_run
@@ -87,6 +88,7 @@ def test_the_report_begins_with_what_was_run_the_verdict_and_eight_figures(share
     record.wanted = (Criterion("unit_sigma_m", "<=", 0.01),)
     page = report.render([record])
     head = page[page.index("<header>") : page.index("</header>")]
+    head = head.replace("\N{NO-BREAK SPACE}", " ")
     assert "verdict: FAILED" in head
     assert 'class="verdict bad"' in head
     assert head.count("at most 1 cm") == 2, "in the verdict, and beside the figure in its unit"
@@ -159,6 +161,13 @@ def test_figures_have_plain_names_and_their_symbols_beside(shared_bag):
     page = report.render(analysis.analyse([shared_bag]))
     assert "smallest tension over static <small>rT = Tmin/Tstatic</small>" in page
     assert "rT = " not in analysis.table(analysis.analyse([shared_bag]))
+
+
+def test_no_line_ends_between_a_number_and_its_unit():
+    glued = report.unbroken("at most 2 m/s, 1.5 m/s², 95 %, seed 1, figures from 120 s to 200 s, 3 landings")
+    assert glued.replace("\N{NO-BREAK SPACE}", "~") == (
+        "at most 2~m/s, 1.5~m/s², 95~%, seed 1, figures from 120~s to 200~s, 3 landings"
+    )
 
 
 def test_what_harm_means_is_on_the_page(made_up_bag):

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 from heave_bags.analyse import analysis, kpi_set
-from heave_bags.analyse.report import render
 from heave_bags.analyse.run_record import read_run
 from heave_bags.mcap.bag_writer import BagWriter
+from heave_bags.report.report import render
 from heave_msgs.msg import ControllerState, LoadCell, MruSample, WinchState
 from heave_node.tick.tick import stamp_of
 from rclpy.serialization import serialize_message

@@ -1,9 +1,10 @@
 """What a bag carries of the strength of a lift: from its scenario to figures of merit, verdict and report."""
 
 import pytest
-from heave_bags.analyse import analysis, report
+from heave_bags.analyse import analysis
 from heave_bags.analyse.run_record import read_run
 from heave_bags.analyse.verdict import judge
+from heave_bags.report import report
 from made_up_run import SCENARIO, MadeUpRun, write_run
 
 STATED = SCENARIO.replace(

@@ -16,8 +16,7 @@ import pandas
 import pytest
 from heave_bags.analyse import kpi_set
 from heave_bringup.campaign import executors, picture, runs, study
-from heave_bringup.campaign.campaign_file import read_campaign
-from heave_bringup.campaign.command_line import campaign_of
+from heave_bringup.campaign.campaign_file import campaign_of, read_campaign
 from heave_bringup.campaign.plan import Case
 from heave_bringup.campaign.report import case_table, left_out, remarks, summarise, summary_table, to_json
 from heave_bringup.campaign.runs import CaseResult, Task, lost_because, make_tasks, run_task

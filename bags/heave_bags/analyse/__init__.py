@@ -1,1 +1,1 @@
-"""Analysis: from a bag to signals, KPIs, tables and the report."""
+"""Analysis: from a bag to signals, KPIs, verdict and tables."""

@@ -9,10 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from heave_bags.analyse import analysis, headline, run_warnings, run_words
-from heave_bags.analyse.report import save_report
+from heave_bags.analyse import analysis, run_warnings, run_words
 from heave_bags.analyse.verdict import Verdict, judge
 from heave_bags.mcap.reader import Bag
+from heave_bags.report import headline
+from heave_bags.report.report import save_report
 from heave_msgs.msg import TickStatus
 from heave_node.criteria import Criterion
 

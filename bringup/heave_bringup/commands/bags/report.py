@@ -36,11 +36,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Write the report and say where it is, as `options` say."""
-    from heave_bags.analyse import analysis, headline
-    from heave_bags.analyse.paper import find_browser, save_pdf, save_picture
-    from heave_bags.analyse.report import save_report
+    from heave_bags.analyse import analysis
     from heave_bags.analyse.verdict import judge
     from heave_bags.mcap.read.folder import bag_of
+    from heave_bags.report import headline
+    from heave_bags.report.paper import find_browser, save_pdf, save_picture
+    from heave_bags.report.report import save_report
 
     from heave_bringup.output import check_output, write_result
     from heave_bringup.run.records import read_records

@@ -121,8 +121,7 @@ def _text(lines: Sequence[str]) -> list[str]:
 
 def _campaign(options: argparse.Namespace) -> Campaign:
     """Return the campaign that `options` name, or that they are themselves."""
-    from heave_bringup.campaign.campaign_file import find_campaign, read_campaign
-    from heave_bringup.campaign.command_line import campaign_of, with_settings
+    from heave_bringup.campaign.campaign_file import campaign_of, find_campaign, read_campaign, with_settings
 
     if options.vary:
         campaign = campaign_of(options.campaign, options.vary)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import re
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
@@ -12,17 +13,18 @@ from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 
-from heave_bags.analyse import analysis, headline, kpi_set, run_warnings, run_words
-from heave_bags.analyse.report_figures import (
+from heave_bags.analyse import analysis, kpi_set, run_warnings, run_words
+from heave_bags.analyse.run_record import RunRecord
+from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge
+from heave_bags.errors import BagError
+from heave_bags.report import headline
+from heave_bags.report.report_figures import (
     RUN_COLOURS,
     Figure,
     comparison_figures,
     run_figures,
     without_nan,
 )
-from heave_bags.analyse.run_record import RunRecord
-from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge
-from heave_bags.errors import BagError
 
 MOST_HAPPENINGS = 60
 """Lines of what happened in a run; the bag has them all."""
@@ -59,7 +61,7 @@ def render(records: Sequence[RunRecord], verdicts: Sequence[Verdict] = ()) -> st
 
 
 def _asset(name: str) -> str:
-    return (resources.files("heave_bags.analyse") / "report_assets" / name).read_text(encoding="utf-8")
+    return (resources.files("heave_bags.report") / "report_assets" / name).read_text(encoding="utf-8")
 
 
 def _template(name: str) -> Template:
@@ -167,9 +169,9 @@ def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> di
     return {
         "name": record.name,
         "description": record.description,
-        "facts": run_words.facts(record),
+        "facts": {name: unbroken(text) for name, text in run_words.facts(record).items()},
         "remarks": [*record.remarks(), *run_warnings.warnings(record, values)],
-        "verdict": [line.strip() for line in verdict.lines()],
+        "verdict": [unbroken(line.strip()) for line in verdict.lines()],
         "verdict_class": {FAILED: "bad", NO_VERDICT: ""}.get(verdict.state, "good"),
         "tiles": _tiles(record, values),
         "happenings": happenings[:MOST_HAPPENINGS],
@@ -179,6 +181,11 @@ def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> di
             name: value for name, value in {**record.run, **record.outcome}.items() if "publishers." not in name
         },
     }
+
+
+def unbroken(text: str) -> str:
+    """Return `text` in which no line ends between a number and its unit."""
+    return re.sub(r"(?<=\d) (?=%|(?:[a-zA-Z]{1,3}\b))", "\N{NO-BREAK SPACE}", text)
 
 
 def _tiles(record: RunRecord, values: Mapping[str, float]) -> list[dict[str, Any]]:

@@ -25,7 +25,7 @@ FLAGS = (
 )
 LONGEST = 180.0
 """Wall time after which a browser is given up [s]."""
-PICTURE = (1200, 900)
+PICTURE = (1200, 1080)
 """Window of a picture [pixels]."""
 
 

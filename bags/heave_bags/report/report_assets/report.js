@@ -71,7 +71,7 @@
     const c = colours(), beside = figure.labels.length > 0 && (printing || div.clientWidth >= WIDE);
     const layout = Object.assign({}, figure.layout, printing ? { width: PAPER } : {}, {
       autosize: !printing, height: figure.height, hovermode: "x", dragmode: "zoom",
-      margin: beside ? { l: 70, r: BESIDE, t: 26, b: 45 } : { l: 50, r: 10, t: 26, b: 45 },
+      margin: beside ? { l: 70, r: BESIDE, t: 34, b: 45 } : { l: 50, r: 10, t: 26, b: 45 },
       paper_bgcolor: c.page, plot_bgcolor: c.page, font: { size: beside ? 12 : 11, color: c.ink },
       showlegend: !beside, legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0 },
       annotations: beside ? figure.labels.map((label) => ({
