@@ -11,8 +11,10 @@ import time
 from pathlib import Path
 
 import pytest
+from heave_bags.mcap.reader import Bag
 
 from tests.hosts import Host, drop_link, stop, two_hosts, why_not
+from tests.loop_runs import HAS_RUN, command
 
 UNABLE = why_not()
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(bool(UNABLE), reason=UNABLE)]
@@ -138,3 +140,44 @@ def test_in_real_time_a_run_goes_on_without_a_link_and_with_it_again(hosts, star
     assert f"ended=True ticks={round((seconds + 15.0) / 0.05) + 1}" in out
     missed = int(out.split("missed=")[1].split()[0])
     assert missed >= seconds / 0.05 - 1
+
+
+def test_in_lockstep_a_slow_link_slows_the_run_and_loses_nothing(hosts, started):
+    for host in hosts:
+        host.send_slowly("1mbit")
+    start(hosts, started, duration=20.0)
+    status, out, err = end(started, "cable_sim")
+    assert status == 0, err
+    assert f"ended=True ticks=401 epoch=1 sum={sum(range(1, 401))}" in out, "each message of 400 ticks, once"
+
+
+WINCH = Path(__file__).parents[1] / "examples" / "winch.py"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("seconds", "stops"), [(0.1, False), (1.0, True), (10.0, True)])
+def test_a_winch_on_another_host_stops_where_the_link_is_down_for_longer_than_its_watchdog(
+    hosts, started, tmp_path, seconds, stops
+):
+    options = ["--pacing", "realtime", "--duration", "130", "--network", "--external", "virtual_winch", "--no-report"]
+    for setting in ("winch_controller.modes.settling_time=5", "wave_vessel.ramp=5", "all.transient=30"):
+        options += ["--set", setting]
+    run = hosts[0].start(*command("run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options))
+    started["winch"] = hosts[1].start(sys.executable, str(WINCH), environment=SUBNET)
+    started["run"] = run
+    said = []
+    for line in run.stderr:
+        said.append(line)
+        time_now = re.search(r"(\d+\.\d) s of 130 s.*compensating", line)
+        if time_now and float(time_now[1]) > 40.0:
+            break
+    drop_link(hosts, seconds)
+    _, err = run.communicate(timeout=240.0)
+    assert run.returncode in HAS_RUN, err
+    bag = Bag(tmp_path / "run" / "bag")
+    winch = bag.columns({"/winch/state": ["fault", "brake"]})["/winch/state"]
+    later = winch["time"] > 39.0
+    assert (1 in winch["fault"][later]) == stops, "FAULT_COMMAND_TIMEOUT, after the 0.5 s of its watchdog"
+    assert winch["brake"][later].any() == stops
+    modes = [str(message.mode) for _, message in bag.decoded(["/controller/state"])]
+    assert modes[-1] == "compensating" if seconds < 10.0 else modes[-1] != "stopped", "it goes on by itself"

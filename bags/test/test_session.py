@@ -1,5 +1,6 @@
 """Start, stop, split and snapshots, without ROS."""
 
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 import pytest
@@ -97,8 +98,10 @@ def test_what_was_published_and_not_recorded_is_named_with_its_number():
     assert missing_words({}, {}) == ""
 
 
-def test_the_recorder_of_a_run_ends_in_an_error_that_names_what_is_missing(tmp_path):
+@pytest.mark.parametrize("is_lockstep", [True, False])
+def test_the_recorder_of_a_run_names_what_is_missing_and_fails_where_nothing_may_be(tmp_path, is_lockstep):
     """The recorder's own shell around a session that lacks three messages, without a run."""
+    logged: list[str] = []
     session = RecordingSession(BagWriter, SnapshotRing(0, 0), survive=False)
     session.add_topic("/mru", "std_msgs/msg/Float64", ())
     session.start(tmp_path / "bag")
@@ -106,6 +109,8 @@ def test_the_recorder_of_a_run_ends_in_an_error_that_names_what_is_missing(tmp_p
         session.write("/mru", number + 1, b"\x00\x01\x00\x00" + bytes(8))
     recorder = SimpleNamespace(
         session=session,
+        run=SimpleNamespace(is_lockstep=is_lockstep),
+        get_logger=lambda: SimpleNamespace(error=logged.append),
         parameters=SimpleNamespace(directory=str(tmp_path / "bag")),
         _order=None,
         _expected={"/mru": 10, "/diagnostics": 9},
@@ -115,10 +120,12 @@ def test_the_recorder_of_a_run_ends_in_an_error_that_names_what_is_missing(tmp_p
         _last_log_time=7,
         failure="",
     )
-    recorder._missing = lambda: RecorderNode._missing(recorder)
+    recorder._missing = lambda published: RecorderNode._missing(recorder, published)
     recorder._final_metadata = lambda lost: RecorderNode._final_metadata(recorder, lost)
-    with pytest.raises(NodeError, match="messages were lost: /mru 3 of 10"):
+    words = "messages were lost: /mru 3 of 10"
+    with pytest.raises(NodeError, match=words) if is_lockstep else nullcontext():
         RecorderNode.on_exit(recorder)
+    assert logged == ([] if is_lockstep else [words])
     bag = Bag(tmp_path / "bag")
     assert bag.outcome["lost"] == "/mru 3 of 10"
     assert bag.message_count == 7

@@ -1,4 +1,4 @@
-"""Offsets of hosts' clocks from messages both ways: expected values by hand, from a chosen delay and offset."""
+"""Offsets of hosts' clocks from messages both ways: expected by hand, from a delay and an offset that are chosen."""
 
 import pytest
 from heave_node.ros.transport.host_clocks import HostClocks

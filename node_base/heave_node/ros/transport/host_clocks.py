@@ -1,8 +1,8 @@
 """How far the clocks of other hosts are from this one's, by messages in both directions. Wall time, no ROS.
 
-A message that is sent at s by one clock and arrives at r by another takes r - s, which is its delay and the offset of
-the clocks. In the other direction the offset has the other sign: half the difference of the least of both is the
-offset, half their sum the delay, which bounds the error (RFC 5905, section 8).
+A message that is sent at s by one clock and arrives at r by another takes r - s: its delay and the clocks' offset.
+In the other direction the offset has the other sign: half the difference of the least of both is the offset, half their
+sum the delay, which bounds the error (RFC 5905, section 8).
 """
 
 from __future__ import annotations
