@@ -67,7 +67,7 @@ def check_record(record: SensorRecord, start: float, where: str) -> None:
 
 
 def check_known(known: Known, where: str) -> None:
-    """Refuse an answer where the record contradicts what it would stand on; raises CommandError with the reason."""
+    """Refuse an answer where what is `known` contradicts itself; raises CommandError with the reason, `where` in it."""
     if known.fit.chi2 > LARGEST_CHI2:
         raise CommandError(
             f"{where}: cable and unit as assumed do not explain the depth readings (chi2 {known.fit.chi2:.1f}, at most "
@@ -83,7 +83,7 @@ def check_known(known: Known, where: str) -> None:
 
 
 def told(known: Known) -> list[tuple[str, bool, str]]:
-    """Return what the record tells: of what, whether, and why, in words."""
+    """Return what the record shows by what is `known` of it: of what, whether, and why, in words."""
     fit, record, window = known.fit, known.past.record, known.window
     limits = record.limits_hit[window] & int(~WinchLimit.PAYOUT)
     reached, moved = bool(np.any(limits)), float(np.std(known.past.winch.rate[window])) > 1e-3
@@ -100,7 +100,7 @@ def told(known: Known) -> list[tuple[str, bool, str]]:
 
 
 def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
-    """Return what a reader of the answers must know, a line each."""
+    """Return what a reader of `answers` that stand on what is `known` must be aware of, a line each."""
     lines = []
     if known.fit.chi2 > DOUBTFUL_CHI2:
         lines.append(

@@ -136,7 +136,7 @@ def learn(
 
 
 def believed_high_pass(beliefs: Beliefs, nominal: WinchControllerParameters) -> HighPass:
-    """Return the high-pass that the MRU is believed to have."""
+    """Return the high-pass that the MRU has under `beliefs` about the `nominal` parameters."""
     mru = parameters_under(beliefs, nominal).sensors.mru
     return HighPass(mru.high_pass_period, mru.high_pass_damping)
 
@@ -171,7 +171,15 @@ def _known(
 
 
 def model_error(past: Past, unexplained: Disturbance, off: Replayed, window: slice) -> float:
-    """Return the relative error of the twins in what they add: what they left of a record over what they explained."""
+    """Return the relative error of the twins in what they add: what they left of a record over what they explained.
+
+    Parameters
+    ----------
+    past : the record and its twins
+    unexplained : motion that they left
+    off : the winch locked
+    window : ticks that are judged
+    """
     explained = float(np.std(past.plant.unit[window]))
     by_tip = past.tip.sigma * float(np.std(off.unit[window])) / max(float(np.std(past.tip.heave[window])), 1e-6)
     left = math.sqrt(max(unexplained.waves**2 - by_tip**2, 0.0))
@@ -179,7 +187,7 @@ def model_error(past: Past, unexplained: Disturbance, off: Replayed, window: sli
 
 
 def stiffness_ratio(record: SensorRecord, tension: Array) -> float | None:
-    """Return the factor on the swing of the twin's `tension` [N] that the load cell tells; None: there is none.
+    """Return the factor on the swing of the twin's `tension` [N] by the load cell of a `record`; None: there is none.
 
     The cable's mass and stiffness at the same a: tension is inertia times acceleration, so both go with it.
     """
@@ -250,7 +258,7 @@ def _done(known: Known, asked: Asked, on_tick: Callable[[int], None]) -> Replaye
 
 
 def off_sigma(known: Known) -> float:
-    """Standard deviation of the unit with the winch locked [m]."""
+    """Return the standard deviation of the unit with the winch locked, by what is `known` [m]."""
     motion = known.off.unit + known.off.set_point + known.unexplained.heave
     return math.hypot(float(np.std(motion[known.window])), known.unexplained.left)
 
@@ -288,7 +296,7 @@ def _show_some(show: Show, words: str, done: int, of: int) -> None:
 
 
 def recorded(known: Known) -> Figures:
-    """Return the figures of the record itself."""
+    """Return the figures of the record itself, by what is `known` of it."""
     past, record = known.past, known.past.record
     done = replace(
         known.off,
@@ -303,6 +311,8 @@ def recorded(known: Known) -> Figures:
 
 def same_again(known: Known, *, show: Show = quiet) -> tuple[float, float]:
     """Return the error of payout of the same law again, standard deviation and largest [m], in the window.
+
+    `known` is by the record; `show` is called with what is done, and the share of it.
 
     Orders that are those of the record give its readings, and its payout, to the last bit.
     """
