@@ -81,7 +81,7 @@ def test_a_bag_without_a_sensor_is_refused_in_one_line(calm_bag, tmp_path, left_
         (("--set", "cable_sim.length=500"), 2, "cable_sim.length cannot be asked"),
         (("--set", "system.sea.peak_period=9"), 2, "cannot be asked"),
         (("--know", "cable.colour=1+-2%"), 2, "must be NAME=VALUE+-SPREAD"),
-        (("--draws", "-1"), 1, "must be from 0 to 100"),
+        (("--draws", "-1"), 2, "must be from 0 to 100"),
     ],
 )
 def test_what_cannot_be_answered_is_refused_in_one_line(calm_bag, options, status, words):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from heave_node.interface.codes import WinchLimit
+from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif.identify.cable import BEGINS, DAMPING, INERTIA
@@ -59,6 +60,10 @@ def check_record(record: SensorRecord, start: float, where: str) -> None:
         raise CommandError(
             f"{where}: the encoder was lost in {silent} of {record.ticks} ticks: the payout is not known"
         )
+    held = Mode.CONSTANT_TENSION.value
+    if held in record.modes:
+        time = float(record.time[record.modes.index(held)])
+        raise CommandError(f"{where}: a tension was held from {time:.1f} s on, as in a landing: give --end {time:.0f}")
     faults = [
         float(t) for t, one in zip(record.time, record.measurements, strict=True) if one.winch and one.winch.fault
     ]
