@@ -8,8 +8,9 @@ import pytest
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
 from heave_bags.mcap.reader import Bag
 from heave_bringup.whatif.asked import nominal_of
+from heave_bringup.whatif.known import learn
 from heave_bringup.whatif.signals.from_bag import SELECTION, read_record, scenario_text, write_text
-from heave_bringup.whatif.study import learn, same_again
+from heave_bringup.whatif.study import same_again
 from heave_msgs.msg import WinchState
 from rclpy.serialization import deserialize_message, serialize_message
 

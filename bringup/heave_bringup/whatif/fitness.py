@@ -11,8 +11,9 @@ from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif.identify.cable import BEGINS, DAMPING, INERTIA
+from heave_bringup.whatif.known import Known, winch_moved
 from heave_bringup.whatif.signals.record import SensorRecord
-from heave_bringup.whatif.study import Answer, Known
+from heave_bringup.whatif.study import Answer
 
 SHORTEST = 60.0
 """Shortest time that is judged [s]: half a dozen waves."""
@@ -91,7 +92,7 @@ def told(known: Known) -> list[tuple[str, bool, str]]:
     """Return what the record shows by what is `known` of it: of what, whether, and why, in words."""
     fit, record, window = known.fit, known.past.record, known.window
     limits = record.limits_hit[window] & int(~WinchLimit.PAYOUT)
-    reached, moved = bool(np.any(limits)), float(np.std(known.past.winch.rate[window])) > 1e-3
+    reached, moved = bool(np.any(limits)), winch_moved(known)
     plant = f"inertia to {100.0 * fit.sigma(INERTIA):.1f} %, chi2 {fit.chi2:.1f}"
     winch = "it answered orders" if moved else "it stood still"
     if moved and not known.again.beliefs.values:

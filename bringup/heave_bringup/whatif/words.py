@@ -12,7 +12,8 @@ from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bringup.whatif.answer import KEYS, Figures
 from heave_bringup.whatif.fitness import SAME_PAYOUT, told, warnings
 from heave_bringup.whatif.identify.cable import DELAY
-from heave_bringup.whatif.study import Answer, Known, off_sigma
+from heave_bringup.whatif.known import Known, off_sigma
+from heave_bringup.whatif.study import Answer
 
 BRIEF = ("unit_efficiency", "unit_sigma_m", "significant_residual_m", "tension_max_n", "winch_speed_max_mps")
 """Figures of the table in a terminal, beside time at limits and the chance of a fade-out."""

@@ -81,8 +81,9 @@ def _result(bag: Bag, options: argparse.Namespace, scratch: Path, progress: Prog
     from heave_bringup.whatif.asked import Wish, asked_of, nominal_of
     from heave_bringup.whatif.fitness import check_known, check_record
     from heave_bringup.whatif.identify.prior import parse_known
+    from heave_bringup.whatif.known import drawn, learn
     from heave_bringup.whatif.signals.from_bag import read_record, scenario_text, write_text
-    from heave_bringup.whatif.study import answer, drawn, learn, recorded, same_again
+    from heave_bringup.whatif.study import answer, recorded, same_again
     from heave_bringup.whatif.twin.winch import winch_under
     from heave_bringup.whatif.words import Result
 
