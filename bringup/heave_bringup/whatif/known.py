@@ -235,6 +235,6 @@ def _slow(payout: Array, tick_period: float) -> Array:
 
 
 def show_some(show: Show, words: str, done: int, of: int) -> None:
-    """Show how far the work is, not at every tick."""
+    """Have `show` say how far the work in `words` is, `done` ticks `of` all, not at every tick."""
     if done % 200 == 0 or done == of:
         show(words, done / max(of, 1))
