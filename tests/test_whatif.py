@@ -8,8 +8,9 @@ import pytest
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
 from heave_bags.mcap.reader import Bag
 from heave_bringup.whatif.asked import nominal_of
+from heave_bringup.whatif.known import learn
 from heave_bringup.whatif.signals.from_bag import SELECTION, read_record, scenario_text, write_text
-from heave_bringup.whatif.study import learn, same_again
+from heave_bringup.whatif.study import same_again
 from heave_msgs.msg import WinchState
 from rclpy.serialization import deserialize_message, serialize_message
 
@@ -81,7 +82,7 @@ def test_a_bag_without_a_sensor_is_refused_in_one_line(calm_bag, tmp_path, left_
         (("--set", "cable_sim.length=500"), 2, "cable_sim.length cannot be asked"),
         (("--set", "system.sea.peak_period=9"), 2, "cannot be asked"),
         (("--know", "cable.colour=1+-2%"), 2, "must be NAME=VALUE+-SPREAD"),
-        (("--draws", "-1"), 1, "must be from 0 to 100"),
+        (("--draws", "-1"), 2, "must be from 0 to 100"),
     ],
 )
 def test_what_cannot_be_answered_is_refused_in_one_line(calm_bag, options, status, words):

@@ -24,8 +24,9 @@ from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.errors import CommandError
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.whatif.fitness import check_known, check_record, told, warnings
+from heave_bringup.whatif.known import Known, drawn, learn, off_sigma
 from heave_bringup.whatif.signals.record import SensorRecord
-from heave_bringup.whatif.study import Answer, Known, answer, drawn, learn, off_sigma
+from heave_bringup.whatif.study import Answer, answer
 from heave_bringup.whatif.twin.replay import Asked
 from winch_controller_node.interface.readings import Measurements, Outputs
 

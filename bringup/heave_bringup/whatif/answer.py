@@ -58,7 +58,7 @@ class Figures:
 
 
 def unit_motion(done: Replayed, unexplained: Disturbance) -> Array:
-    """Return the heave of the unit about its mean depth at each tick [m]: of the twin, and what is not explained."""
+    """Return the heave of the unit about its mean depth at each tick [m]: of the twin as `done`, and `unexplained`."""
     return np.asarray(done.unit + done.set_point + unexplained.heave)
 
 
@@ -103,7 +103,7 @@ def figures(
 
 
 def lost(done: Replayed) -> tuple[float, str]:
-    """Return when a loop gave up compensation after it had begun [s], and the alarm with it; infinite: never."""
+    """Return when a loop, as `done`, gave up compensation that had begun [s], and by which alarm; infinite: never."""
     has_begun = False
     for index, mode in enumerate(done.modes):
         has_begun |= mode == Mode.COMPENSATING.value

@@ -7,11 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 from heave_node.interface.codes import WinchLimit
+from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif.identify.cable import BEGINS, DAMPING, INERTIA
+from heave_bringup.whatif.known import Known, winch_moved
 from heave_bringup.whatif.signals.record import SensorRecord
-from heave_bringup.whatif.study import Answer, Known
+from heave_bringup.whatif.study import Answer
 
 SHORTEST = 60.0
 """Shortest time that is judged [s]: half a dozen waves."""
@@ -59,6 +61,10 @@ def check_record(record: SensorRecord, start: float, where: str) -> None:
         raise CommandError(
             f"{where}: the encoder was lost in {silent} of {record.ticks} ticks: the payout is not known"
         )
+    held = Mode.CONSTANT_TENSION.value
+    if held in record.modes:
+        time = float(record.time[record.modes.index(held)])
+        raise CommandError(f"{where}: a tension was held from {time:.1f} s on, as in a landing: give --end {time:.0f}")
     faults = [
         float(t) for t, one in zip(record.time, record.measurements, strict=True) if one.winch and one.winch.fault
     ]
@@ -67,7 +73,7 @@ def check_record(record: SensorRecord, start: float, where: str) -> None:
 
 
 def check_known(known: Known, where: str) -> None:
-    """Refuse an answer where the record contradicts what it would stand on; raises CommandError with the reason."""
+    """Refuse an answer where what is `known` contradicts itself; raises CommandError with the reason, `where` in it."""
     if known.fit.chi2 > LARGEST_CHI2:
         raise CommandError(
             f"{where}: cable and unit as assumed do not explain the depth readings (chi2 {known.fit.chi2:.1f}, at most "
@@ -83,10 +89,10 @@ def check_known(known: Known, where: str) -> None:
 
 
 def told(known: Known) -> list[tuple[str, bool, str]]:
-    """Return what the record tells: of what, whether, and why, in words."""
+    """Return what the record shows by what is `known` of it: of what, whether, and why, in words."""
     fit, record, window = known.fit, known.past.record, known.window
     limits = record.limits_hit[window] & int(~WinchLimit.PAYOUT)
-    reached, moved = bool(np.any(limits)), float(np.std(known.past.winch.rate[window])) > 1e-3
+    reached, moved = bool(np.any(limits)), winch_moved(known)
     plant = f"inertia to {100.0 * fit.sigma(INERTIA):.1f} %, chi2 {fit.chi2:.1f}"
     winch = "it answered orders" if moved else "it stood still"
     if moved and not known.again.beliefs.values:
@@ -100,7 +106,7 @@ def told(known: Known) -> list[tuple[str, bool, str]]:
 
 
 def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
-    """Return what a reader of the answers must know, a line each."""
+    """Return what a reader of `answers` that stand on what is `known` must be aware of, a line each."""
     lines = []
     if known.fit.chi2 > DOUBTFUL_CHI2:
         lines.append(

@@ -12,7 +12,8 @@ from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bringup.whatif.answer import KEYS, Figures
 from heave_bringup.whatif.fitness import SAME_PAYOUT, told, warnings
 from heave_bringup.whatif.identify.cable import DELAY
-from heave_bringup.whatif.study import Answer, Known, off_sigma
+from heave_bringup.whatif.known import Known, off_sigma
+from heave_bringup.whatif.study import Answer
 
 BRIEF = ("unit_efficiency", "unit_sigma_m", "significant_residual_m", "tension_max_n", "winch_speed_max_mps")
 """Figures of the table in a terminal, beside time at limits and the chance of a fade-out."""
@@ -37,7 +38,7 @@ class Result:
 
 
 def banded(key: str, figures: Figures) -> str:
-    """Return a figure of a key with its band, in the unit of tables."""
+    """Return the figure of a `key` among `figures` with its band, in the unit of tables."""
     definition, value = DEFINITION_OF[key], figures.values[key]
     if not math.isfinite(value):
         return "-"
@@ -53,7 +54,7 @@ def headings() -> list[str]:
 
 
 def rows(result: Result) -> list[list[str]]:
-    """Return the rows of the table of answers: the record itself, then what would have been."""
+    """Return the rows of the table of a `result`: the record itself, then what would have been."""
     found = [["recorded", *(banded(key, result.recorded) for key in BRIEF), _limits(result.recorded), "-"]]
     for answer in result.answers:
         cells = [banded(key, answer.figures) for key in BRIEF]
@@ -66,7 +67,7 @@ def _limits(figures: Figures) -> str:
 
 
 def check_line(result: Result) -> str:
-    """Return the line of the check that comes first: the same law again."""
+    """Return the line of the check that comes first in a `result`: the same law again."""
     sigma, largest = result.payout_error
     verdict = "gives the record again" if largest <= SAME_PAYOUT else "DOES NOT GIVE THE RECORD AGAIN"
     return (
@@ -77,14 +78,14 @@ def check_line(result: Result) -> str:
 
 
 def told_line(known: Known) -> str:
-    """Return what the record tells, in one line."""
-    return "told by this record: " + "; ".join(
+    """Return what the record shows by what is `known` of it, in one line."""
+    return "known from this record: " + "; ".join(
         f"{of} {'yes' if is_told else 'no'}: {why}" for of, is_told, why in told(known)
     )
 
 
 def identified_rows(known: Known) -> list[list[str]]:
-    """Return what was identified: name, value, its standard deviation, and what was assumed."""
+    """Return what was identified, by what is `known`: name, value, standard deviation, and what was assumed."""
     found = []
     for name, value in known.fit.values.items():
         unit, nominal = ("s", "0") if name == DELAY else ("", "1")
@@ -97,7 +98,7 @@ def identified_rows(known: Known) -> list[list[str]]:
 
 
 def causes(answers: Sequence[Answer]) -> list[str]:
-    """Return a line for each loop that may give up compensation: how likely, and by what."""
+    """Return a line for each of the `answers` that may give up compensation: how likely, and by what."""
     return [
         f"{one.asked.name}: fades out with a probability of {100.0 * one.fade_out:.0f} %: {one.cause}"
         for one in answers
@@ -106,7 +107,7 @@ def causes(answers: Sequence[Answer]) -> list[str]:
 
 
 def to_json(result: Result) -> dict[str, Any]:
-    """Return all of it for a machine; bands are of 90 %."""
+    """Return all of a `result` for a machine; bands are of 90 %."""
     known = result.known
     return {
         "same_law_again": {"payout_sigma_m": result.payout_error[0], "payout_largest_m": result.payout_error[1]},

@@ -131,7 +131,7 @@ def simulate_axial(
 
 
 def axial_arrays(line: AxialLine, segments: int, *, allow_slack: bool = True) -> AxialArrays:
-    """Return a `line` of so many `segments` as the kernels take it; as a linear material where slack is not allowed."""
+    """Return a `line` of so many `segments` as the kernels take it; without `allow_slack` as a linear material."""
     nodes, elements = allocate_nodes(segments)
     return AxialArrays(
         sections=line.section_table(),

@@ -12,6 +12,8 @@ from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
+    from heave_bags.mcap.reader import Bag
+
     from heave_bringup.progress import ProgressLine
     from heave_bringup.whatif.words import Result
 
@@ -37,7 +39,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Answer and write the page, as `options` say."""
+    from cable_sim_node.errors import PlantError
     from heave_bags.mcap.reader import Bag
+    from heave_node.parameters import ParameterError
+    from winch_controller_node.model.lqr import DesignError
 
     from heave_bringup.bag_paths import bag_folders
     from heave_bringup.output import check_output, make_table, warn, write_result
@@ -49,10 +54,13 @@ def execute(options: argparse.Namespace) -> None:
 
     check_output("--output", options.output, (".html",))
     if not 0 <= options.draws <= 100:
-        raise CommandError(f"--draws {options.draws}: must be from 0 to 100")
+        raise ParameterError(f"--draws {options.draws}: must be from 0 to 100")
     (folder,) = bag_folders([options.bag])
-    with tempfile.TemporaryDirectory(prefix="heave-") as scratch, ProgressLine() as progress:
-        result = _result(Bag(folder), options, Path(scratch), progress)
+    try:
+        with tempfile.TemporaryDirectory(prefix="heave-") as scratch, ProgressLine() as progress:
+            result = _result(Bag(folder), options, Path(scratch), progress)
+    except (DesignError, PlantError) as error:
+        raise CommandError(f"{folder}: {error}") from error
     page = options.output or folder.parent / "whatif.html"
     try:
         page.write_text(render(f"{folder.resolve().parent.name}: what would have been", result), encoding="utf-8")
@@ -66,24 +74,25 @@ def execute(options: argparse.Namespace) -> None:
     write_result(options, ["\n".join(lines), table, values, ends], {**json_of(result), "page": str(page.resolve())})
 
 
-def _result(bag: object, options: argparse.Namespace, scratch: Path, progress: ProgressLine) -> Result:
+def _result(bag: Bag, options: argparse.Namespace, scratch: Path, progress: ProgressLine) -> Result:
     """Return what the record of a bag answers to what is asked."""
     from winch_controller_node.beliefs.beliefs import Beliefs
 
     from heave_bringup.whatif.asked import Wish, asked_of, nominal_of
     from heave_bringup.whatif.fitness import check_known, check_record
     from heave_bringup.whatif.identify.prior import parse_known
+    from heave_bringup.whatif.known import drawn, learn
     from heave_bringup.whatif.signals.from_bag import read_record, scenario_text, write_text
-    from heave_bringup.whatif.study import answer, drawn, learn, recorded, same_again
+    from heave_bringup.whatif.study import answer, recorded, same_again
     from heave_bringup.whatif.twin.winch import winch_under
     from heave_bringup.whatif.words import Result
 
-    scenario = options.scenario or write_text(scratch, scenario_text(bag))  # type: ignore[arg-type]
+    scenario = options.scenario or write_text(scratch, scenario_text(bag))
     nominal, run = nominal_of(scenario)
     wish = Wish(scenario, options.law, options.set, [one for one in options.compare.split(",") if one])
     asked_of(wish, winch_under(Beliefs(-1), nominal), has_adviser=True)
     told = parse_known(options.know, nominal)
-    record = read_record(bag, nominal, progress=lambda share: progress.show("reading", share))  # type: ignore[arg-type]
+    record = read_record(bag, nominal, progress=lambda share: progress.show("reading", share))
     record = record if options.end is None else record.part(options.end)
     start = run.transient if options.transient is None else options.transient
     check_record(record, start, str(options.bag))

@@ -67,12 +67,12 @@ class CableFit:
     chi2: float
 
     def sigma(self, name: str) -> float:
-        """Standard deviation of a value: relative for a factor or a scale, in seconds for a delay."""
+        """Standard deviation of the value `name`: relative for a factor or a scale, in seconds for a delay."""
         place = list(self.values).index(name)
         return math.sqrt(float(self.covariance[place, place]))
 
     def tells(self, name: str) -> bool:
-        """Return whether the record says more of a value than was known before."""
+        """Return whether the record says more of the value `name` than was known before."""
         return self.sigma(name) < TELLS * self.prior[name]
 
 
@@ -134,7 +134,7 @@ class CableLikelihood:
         return Speeds(*(math.sqrt(float(np.sum(self.omegas**2 * one)) * step / math.pi) for one in (power, top)))
 
     def values_at(self, x: Array) -> dict[str, float]:
-        """Return the values at a point: logarithms of the factors and the scale, and the delay."""
+        """Return the values at a point `x`: logarithms of the factors and the scale, and the delay."""
         return {name: (float(v) if name == DELAY else math.exp(v)) for name, v in zip(self.prior, x, strict=True)}
 
     def _channels(self, x: Array, high_pass: HighPass) -> tuple[ComplexArray, ComplexArray]:
@@ -161,7 +161,7 @@ class CableLikelihood:
         return float(INDEPENDENT * np.sum(determinant + square) + 0.5 * off @ off)
 
     def chi2(self, x: Array, high_pass: HighPass) -> float:
-        """Return the mean square of what the boom tip of the MRU leaves of the depth, over what noise leaves."""
+        """Return the mean square of what the MRU leaves of the depth over its noise, at `x` with a `high_pass`."""
         seen, h = self._channels(x, high_pass)
         by_mru = self._noise[:2]
         weight = np.sum(np.abs(h[:2]) ** 2 / by_mru[:, None], axis=0)

@@ -153,7 +153,7 @@ def scenario_text(bag: Bag) -> bytes:
 
 
 def write_text(folder: Path, content: bytes) -> Path:
-    """Write the scenario of a bag to a file in a `folder` and return it."""
+    """Write the `content` of a scenario to a file in a `folder` and return it."""
     path = folder / "scenario.yaml"
     path.write_bytes(content)
     return path

@@ -104,6 +104,6 @@ def bridged(values: Array) -> Array:
 
 
 def at_ticks(record: SensorRecord, times: Array, values: Array) -> Array:
-    """Return readings at the ticks of a `record`, in a straight line in between; `times` [s] need no order."""
+    """Return `values` read at `times` [s], in any order, at the ticks of a `record`, in a straight line in between."""
     order = np.argsort(times, kind="stable")
     return np.interp(record.time, times[order], values[order])

@@ -41,7 +41,11 @@ def tapered_transform(times: Array, values: Array, omegas: Array, start: float, 
 def noise_power(times: Array, values: Array, start: float, end: float, stated: float) -> float:
     """Return the power of the white noise in readings in the units of `tapered_transform`.
 
-    `stated` is its standard deviation, taken where the readings are too seldom to tell it.
+    Parameters
+    ----------
+    times, values : of the readings (n,) [s], any unit
+    start, end : of the taper [s]
+    stated : standard deviation of the noise, taken where the readings are too seldom to show it
     """
     spacing = float(np.median(np.diff(times)))
     low, high = QUIET_BAND
@@ -53,19 +57,25 @@ def noise_power(times: Array, values: Array, start: float, end: float, stated: f
 
 
 class Speeds(NamedTuple):
-    """Standard deviation of the vertical speed of the cable's ends [m/s], by which drag is linearised."""
+    """Standard deviation of the vertical speed of the cable's ends, by which drag is linearised.
+
+    Attributes
+    ----------
+    unit, top : lower end, and the end at the outlet [m/s]
+    """
 
     unit: float
     top: float
 
 
 def unit_over_top(line: AxialLine, length: float, omegas: Array, speeds: Speeds) -> ComplexArray:
-    """Return heave of the unit over that of the cable's top end at angular frequencies `omegas` [rad/s].
+    """Return heave of the unit over that of the cable's top end.
 
     Parameters
     ----------
     line : cable and unit
     length : unstretched cable [m]
+    omegas : angular frequencies (k,) [rad/s]
     speeds : by which the drag of unit and cable is linearised
 
     Each piece is a bar: its state (elevation u, tension T) goes up by the matrix [[cos ks, sin ks / (EA k)],

@@ -111,7 +111,13 @@ class PlantMotion:
 
 
 def driven(line: AxialLine, length: float, tip: Tip, payout: Array, rate: Array, *, tick_period: float) -> PlantMotion:
-    """Return the motion of the plant under a given `payout` [m] of a `rate` [m/s] at each tick; else as TwinPlant."""
+    """Return the motion of the plant under a given payout.
+
+    Parameters
+    ----------
+    line, length, tip, tick_period : as for TwinPlant
+    payout, rate : of the cable at each tick (n,) [m], [m/s]
+    """
     plant = TwinPlant(line, length, tip, float(payout[0]), float(rate[0]), tick_period=tick_period)
     table = np.empty((len(payout), 3))
     table[0] = plant.columns

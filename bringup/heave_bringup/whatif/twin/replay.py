@@ -119,7 +119,7 @@ class Replay:
         self._controller = WinchController(asked.controller, tick_period=dt)
         self._controller.skip_programme((record.first - 1) * dt)
         self._adviser = Adviser(asked.controller, tick_period=dt) if asked.has_adviser else None
-        self._winch = TwinWinch(asked.winch or past.winch_parameters, tick_period=dt, first=record.first)
+        self._winch = TwinWinch(asked.winch or past.winch_parameters, tick_period=dt)
         self._is_other = asked.winch is not None and asked.winch != past.winch_parameters
         payout, rate = float(past.winch.payout[0]), float(past.winch.rate[0])
         self._plant = TwinPlant(past.line, past.length, past.tip, payout, rate, tick_period=dt)
@@ -249,7 +249,7 @@ def replay(
 
 
 def locked(past: Past, set_point: Array) -> Replayed:
-    """Return what would have been with the winch at its mean payout, `set_point` at each tick [m], and no law."""
+    """Return what the winch at its mean payout, `set_point` at each tick [m], would have been in a `past`."""
     rate = np.gradient(set_point, past.record.tick_period)
     motion = driven(past.line, past.length, past.tip, set_point, rate, tick_period=past.record.tick_period)
     ticks = past.record.ticks

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from cable_sim_node.winch.command_line import WinchCommand
@@ -23,7 +23,7 @@ SLOW = 1.0
 
 
 def winch_under(beliefs: Beliefs, nominal: WinchControllerParameters) -> WinchParameters:
-    """Return the winch that the `nominal` parameters name, with what is believed of it otherwise."""
+    """Return the winch that the `nominal` parameters name, with what `beliefs` say otherwise."""
     believed = {name: belief.value for name, belief in beliefs.values.items()}
     drum, winch = drum_of(nominal.winch, believed), nominal.winch
     speed, acceleration = max(drum.speed_out, drum.speed_in), max(drum.acceleration_out, drum.acceleration_in)
@@ -55,12 +55,10 @@ class TwinWinch:
     ----------
     parameters : of the winch
     tick_period : [s]
-    first : number of the first tick
     """
 
-    def __init__(self, parameters: WinchParameters, *, tick_period: float, first: int) -> None:
+    def __init__(self, parameters: WinchParameters, *, tick_period: float) -> None:
         self._winch = VirtualWinch(parameters, tick_period=tick_period)
-        self._first = first
         self.state = self._winch.state
 
     def step(self, tick: int, order: WinchOrder | None, tension: float = math.nan) -> WinchState:
@@ -102,7 +100,7 @@ def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale:
     encoder_scale : reading over payout [-]
     """
     dt, read = record.tick_period, record.encoder / encoder_scale
-    twin = TwinWinch(parameters, tick_period=dt, first=record.first)
+    twin = TwinWinch(parameters, tick_period=dt)
     tension = tension_at_ticks(record)
     modelled, rate = np.zeros(record.ticks), np.zeros(record.ticks)
     for index in range(record.ticks - 1):
@@ -116,15 +114,10 @@ def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale:
 
 
 def tension_at_ticks(record: SensorRecord) -> Array:
-    """Return the newest tension that the load cell has read at each tick [N]; NaN: none yet."""
+    """Return the newest tension that the load cell has read at each tick of a `record` [N]; NaN: none yet."""
     newest, found = math.nan, np.full(record.ticks, math.nan)
     for index, of_tick in enumerate(record.measurements):
         for one in of_tick.of("load_cell"):
             newest = one.value if math.isfinite(one.value) else newest
         found[index] = newest
     return found
-
-
-def stronger(parameters: WinchParameters, values: dict[str, object]) -> WinchParameters:
-    """Return the winch of `parameters` with other `values`, by name."""
-    return replace(parameters, **values)  # type: ignore[arg-type]
