@@ -46,10 +46,12 @@ import numpy as np
 from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.interface.faults import FaultSchedule, FaultyValues
 from heave_node.numerics.quantisation import quantised
+from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
 
 from cable_sim_node.winch.choice import make_drive
 from cable_sim_node.winch.command_line import CommandLine, WinchCommand, round_to_tick
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand
+from cable_sim_node.winch.faulty_drum import FaultyDrum
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 
 
@@ -131,6 +133,7 @@ class VirtualWinch:
     Attributes
     ----------
     faults, encoder.faults : fault schedules; faults may be injected during the run
+    supervised : what the drive's supervision tripped for last, in words
     refused_commands : commands that were neither fresh nor the newest one again, so far
     """
 
@@ -140,6 +143,9 @@ class VirtualWinch:
         self._tick_period = tick_period
         self._cable_per_drum = 1.0 + parameters.drum_radius_error
         self.faults = FaultSchedule(parameters.faults, name="winch", device="winch")
+        self._drum = FaultyDrum(parameters, self.faults)
+        self._supervision = MotionSupervision(parameters.supervision_time)
+        self.supervised = ""
         self.encoder = Encoder(parameters.encoder)
         self.refused_commands = 0
         self._now = 0.0  # [ticks]
@@ -182,6 +188,7 @@ class VirtualWinch:
         limits, acceleration = self._advance_to(float(tick + 1), tension)
         self._reading = self.encoder.read(self._now * self._tick_period, self._payout)
         reading_rate = (self._reading - previous_reading) / (ticks * self._tick_period)
+        self._supervise(reading_rate)
         self.state = self._make_state(acceleration, limits, tension, reading_rate)
         return self.state
 
@@ -196,6 +203,15 @@ class VirtualWinch:
             limits |= acted
             self._now = following
         return WinchLimit(limits), acceleration
+
+    def _supervise(self, encoder_rate: float) -> None:
+        """Trip the drive where drum or brake do not do what they are ordered."""
+        is_braked, brake = self._mode is not _Mode.FOLLOW, float(self._drum.is_brake_engaged)
+        drum = DrumReading(self._command.payout_rate, is_braked, self._reading, encoder_rate, brake)
+        found = self._supervision.look(self._now * self._tick_period, drum)
+        if found:
+            self.supervised = found
+            self._trip(WinchFault.DRIVE)
 
     def _handle_events(self) -> None:
         """Do what is due now: commands first, so that one at the very deadline is in time; then watchdog and faults."""
@@ -265,10 +281,13 @@ class VirtualWinch:
         if self._drive is None:
             self._drive = make_drive(self._parameters, self._tension)
         order = DriveCommand(self._command.payout_rate, self._command.payout, brake=self._mode is not _Mode.FOLLOW)
-        state = self._drive.step(order, duration, self._tension)
-        self._payout, self._rate = state.payout, state.payout_rate
-        if self._mode is _Mode.STOP and self._rate == 0.0:
+        time = self._now * self._tick_period
+        driven = self._drive.step(self._drum.ordered(order, time, self._payout), duration, self._tension)
+        if self._mode is _Mode.STOP and driven.payout_rate == 0.0:
             self._mode = _Mode.HOLD
+        is_at_rest = self._mode is _Mode.HOLD
+        state = self._drum.moved(driven, is_at_rest=is_at_rest, time=time, duration=duration, tension=self._tension)
+        self._payout, self._rate = state.payout, state.payout_rate
         return int(state.limits), state.payout_acceleration
 
     def instruments(self) -> Mapping[str, float]:
@@ -287,7 +306,7 @@ class VirtualWinch:
             tension=tension,
             power=-tension * self._cable_per_drum * self._rate,
             limits_hit=limits,
-            brake=self._mode is _Mode.HOLD,
+            brake=self._drum.is_brake_engaged,
             fault=self._fault,
             release=self._release(),
         )
