@@ -13,8 +13,6 @@ OPTIONS = ["--pacing", "realtime", "--duration", "120", "--set", "all.transient=
 KPIS = ("unit_sigma_m", "significant_residual_m", "uncompensated_sigma_m", "winch_speed_max_mps")
 CLOSE = 0.2
 """The drive of the PLC is that of benchmark B2 but for its cycle and the way there, which add 10 to 40 ms of delay."""
-EXACT = 0.01
-"""Residuals of B2 are 1 cm or less: a difference of so much is that of two runs against the wall clock [m]."""
 
 
 def figures(domain: int, folder: Path, *more: str) -> dict[str, float]:
@@ -44,4 +42,4 @@ def test_b2_in_real_time_is_as_good_with_the_winch_behind_a_plc(kind, virtual, t
             found = figures(domain, tmp_path, "--external", "virtual_winch")
     assert ended[0].returncode == 0, ended[0].err
     for name in KPIS:
-        assert found[name] == pytest.approx(virtual[name], rel=CLOSE, abs=EXACT), name
+        assert found[name] == pytest.approx(virtual[name], rel=CLOSE), name

@@ -83,9 +83,7 @@ class MotionSupervision:
         return [words for words, is_broken in rules.items() if is_broken]
 
     def _slip(self, drum: DrumReading) -> str:
-        is_held = drum.is_braked and (
-            drum.brake != 0.0 if math.isfinite(drum.brake) else abs(drum.payout_rate) < SLOW
-        )
+        is_held = drum.is_braked and (drum.brake != 0.0 if math.isfinite(drum.brake) else abs(drum.payout_rate) < SLOW)
         if not is_held or not math.isfinite(drum.payout):
             self._held_at = math.nan
             return ""
