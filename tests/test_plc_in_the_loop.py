@@ -9,7 +9,7 @@ from domain_coordinator import domain_id
 from tests.loop_runs import HAS_RUN, adapting, give
 from tests.plc import KINDS, SPOILT, emulated
 
-OPTIONS = ["--pacing", "realtime", "--duration", "120", "--set", "all.transient=50", "--set", "wave_vessel.ramp=20"]
+OPTIONS = ["--pacing", "realtime", "--duration", "180", "--set", "all.transient=80", "--set", "wave_vessel.ramp=20"]
 KPIS = ("unit_sigma_m", "significant_residual_m", "uncompensated_sigma_m", "winch_speed_max_mps")
 CLOSE = 0.2
 """The drive of the PLC is that of benchmark B2 but for its cycle and the way there, which add 10 to 40 ms of delay."""

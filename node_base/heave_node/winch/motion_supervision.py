@@ -58,7 +58,7 @@ class MotionSupervision:
         self._slowest = math.inf
 
     def look(self, now: float, drum: DrumReading) -> str:
-        """Return what is wrong at `now` [s], in words; "": nothing. What goes on is returned again after that time."""
+        """Return what is wrong with the `drum` at `now` [s], in words; "": nothing. What lasts is returned again."""
         if not self._time:
             return ""
         self._slowest = min(self._slowest, abs(drum.payout_rate)) if drum.is_braked else math.inf
