@@ -59,7 +59,6 @@ class Orders:
         self._passed_on = 0
         self._commanded = 0.0
         self._supervision = MotionSupervision(self._command.supervision if self._command else 0.0)
-        self._stopped_for = ""
         self.handshake = WinchHandshake(self._timeout)
         self.sent = 0
         self.rate = float("nan")
@@ -68,7 +67,8 @@ class Orders:
     @property
     def problem(self) -> str:
         """Why nothing can be sent now, in words; "" while all is well."""
-        stopped = self._stopped_for if self.handshake.fault else ""
+        found = self._supervision.found
+        stopped = f"stopped: {found}" if found and self.handshake.fault == WinchFault.DRIVE else ""
         return self._refusal or (self._out.problem if self._out else "") or stopped
 
     def take(self, order: WinchOrder) -> None:
@@ -110,11 +110,7 @@ class Orders:
         if "payout" not in newest or watch.is_stale(now) or not self.sent:
             return
         order, brake = self.handshake.order(now), newest.get("brake", math.nan)
-        found = self._supervision.look(
-            now, DrumReading(order.payout_rate, order.brake, newest["payout"], self.rate, brake)
-        )
-        if found:
-            self._stopped_for = f"stopped: {found}"
+        if self._supervision.look(now, DrumReading(order.payout_rate, order.brake, newest["payout"], self.rate, brake)):
             self.handshake.trip(WinchFault.DRIVE)
 
     def _is_out_of_reach(self, now: float) -> bool:

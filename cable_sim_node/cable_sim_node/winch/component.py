@@ -133,7 +133,6 @@ class VirtualWinch:
     Attributes
     ----------
     faults, encoder.faults : fault schedules; faults may be injected during the run
-    supervised : what the drive's supervision tripped for last, in words
     refused_commands : commands that were neither fresh nor the newest one again, so far
     """
 
@@ -145,7 +144,6 @@ class VirtualWinch:
         self.faults = FaultSchedule(parameters.faults, name="winch", device="winch")
         self._drum = FaultyDrum(parameters, self.faults)
         self._supervision = MotionSupervision(parameters.supervision_time)
-        self.supervised = ""
         self.encoder = Encoder(parameters.encoder)
         self.refused_commands = 0
         self._now = 0.0  # [ticks]
@@ -158,8 +156,8 @@ class VirtualWinch:
         self._line = CommandLine(parameters, self.faults, tick_period=tick_period, seed=seed)
         self._command = WinchCommand(0)
         self._command_since = 0.0
-        self._reading = self.encoder.read(0.0, self._payout)
-        self.state = self._make_state(0.0, WinchLimit.NONE, math.nan, self._reading)
+        reading = self.encoder.read(0.0, self._payout)
+        self.state = self._make_state(0.0, WinchLimit.NONE, math.nan, (reading, reading))
 
     @property
     def tick(self) -> int:
@@ -183,13 +181,12 @@ class VirtualWinch:
         if tick < self.tick:
             raise ValueError(f"virtual winch: tick {tick} is over; the next one is {self.tick}")
         self._line.send(tick, command)
-        previous_reading = self._reading
         ticks = tick + 1 - self.tick
         limits, acceleration = self._advance_to(float(tick + 1), tension)
-        self._reading = self.encoder.read(self._now * self._tick_period, self._payout)
-        reading_rate = (self._reading - previous_reading) / (ticks * self._tick_period)
-        self._supervise(reading_rate)
-        self.state = self._make_state(acceleration, limits, tension, reading_rate)
+        reading = self.encoder.read(self._now * self._tick_period, self._payout)
+        rate = (reading - self.state.encoder_payout) / (ticks * self._tick_period)
+        self._supervise(reading, rate)
+        self.state = self._make_state(acceleration, limits, tension, (reading, rate))
         return self.state
 
     def _advance_to(self, end: float, tension: float) -> tuple[WinchLimit, float]:
@@ -204,13 +201,16 @@ class VirtualWinch:
             self._now = following
         return WinchLimit(limits), acceleration
 
-    def _supervise(self, encoder_rate: float) -> None:
+    @property
+    def supervised(self) -> str:
+        """What the drive's supervision tripped for last, in words; "": nothing yet."""
+        return self._supervision.found
+
+    def _supervise(self, reading: float, rate: float) -> None:
         """Trip the drive where drum or brake do not do what they are ordered."""
         is_braked, brake = self._mode is not _Mode.FOLLOW, float(self._drum.is_brake_engaged)
-        drum = DrumReading(self._command.payout_rate, is_braked, self._reading, encoder_rate, brake)
-        found = self._supervision.look(self._now * self._tick_period, drum)
-        if found:
-            self.supervised = found
+        drum = DrumReading(self._command.payout_rate, is_braked, reading, rate, brake)
+        if self._supervision.look(self._now * self._tick_period, drum):
             self._trip(WinchFault.DRIVE)
 
     def _handle_events(self) -> None:
@@ -294,15 +294,17 @@ class VirtualWinch:
         """Return what the drive's own instruments read, by name with unit; nothing for the ideal servo."""
         return self._drive.instruments() if self._drive is not None else {}
 
-    def _make_state(self, acceleration: float, limits: WinchLimit, tension: float, encoder_rate: float) -> WinchState:
+    def _make_state(
+        self, acceleration: float, limits: WinchLimit, tension: float, encoder: tuple[float, float]
+    ) -> WinchState:
         return WinchState(
             time=self._now * self._tick_period,
             command_sequence=self._command.sequence,
             payout=self._cable_per_drum * self._payout,
             payout_rate=self._cable_per_drum * self._rate,
             payout_acceleration=self._cable_per_drum * acceleration,
-            encoder_payout=self._reading,
-            encoder_payout_rate=encoder_rate,
+            encoder_payout=encoder[0],
+            encoder_payout_rate=encoder[1],
             tension=tension,
             power=-tension * self._cable_per_drum * self._rate,
             limits_hit=limits,

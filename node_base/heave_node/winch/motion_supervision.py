@@ -49,10 +49,15 @@ class MotionSupervision:
     Parameters
     ----------
     time : for which a rule must be broken [s]; 0: no supervision
+
+    Attributes
+    ----------
+    found : what was found last, in words; "": nothing yet
     """
 
     def __init__(self, time: float) -> None:
         self._time = time
+        self.found = ""
         self._since: dict[str, float] = {}
         self._held_at = math.nan
         self._slowest = math.inf
@@ -67,7 +72,9 @@ class MotionSupervision:
         late = next((words for words, since in self._since.items() if now - since > self._time), "")
         if late:
             self._since.pop(late)
-        return late or self._slip(drum)
+        now_found = late or self._slip(drum)
+        self.found = now_found or self.found
+        return now_found
 
     def _broken(self, drum: DrumReading) -> list[str]:
         speed = math.copysign(1.0, drum.ordered_rate) * drum.payout_rate
