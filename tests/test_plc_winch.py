@@ -206,6 +206,17 @@ def test_a_move_of_millimetres_shows_a_wrong_sign_and_stops_at_a_wrong_scale(cha
     assert plc.drum()["fastest"] < 0.12, "2 d / T is 0.01 m/s, and ten times as much is stopped at once"
 
 
+def test_a_drum_that_turns_against_the_command_is_held_within_the_time_of_its_supervision(plc, bench_of):
+    if plc.kind != "modbus":
+        return
+    bench = bench_of(plc.text_of_map().replace("scale: 10.0, positive: in", "scale: 10.0, positive: out"))
+    bench.release()
+    plc.drum()
+    bench.command(lambda: bench.device.orders.handshake.fault == WinchFault.DRIVE, rate=0.1)
+    assert "stopped: the drum turns against the command" in bench.health.message
+    bench.command(bench.says(brake=True, fault=int(WinchFault.DRIVE)), rate=0.1)
+
+
 @pytest.mark.parametrize("kind", ["modbus", "udp"])
 def test_a_link_that_is_lost_holds_the_winch_until_the_controller_releases_it(kind, bench_of):
     with emulated(kind) as own:

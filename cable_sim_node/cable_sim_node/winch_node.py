@@ -70,7 +70,9 @@ class VirtualWinchNode(ParticipantNode):
 
     def _note_cause(self, tick: Tick) -> None:
         """Note who was silent when the drum has just been stopped by its watchdog: the cause, not what follows."""
-        if self.winch.state.fault is not WinchFault.COMMAND_TIMEOUT:
+        if self.winch.state.fault is WinchFault.DRIVE and self.winch.supervised:
+            self._cause = f": {self.winch.supervised}"
+        elif self.winch.state.fault is not WinchFault.COMMAND_TIMEOUT:
             self._cause = ""
         elif not self._cause:
             self._cause = f": {self._who_was_silent(tick)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -17,6 +18,7 @@ from heave_node.interface.codes import WinchFault
 from heave_node.interface.messages import message_type
 from heave_node.ros.transport.qos import qos_of
 from heave_node.tick.tick import stamp_of
+from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
 from rclpy.node import Node
 
 from heave_bringup.adapt.links import LinkReader, Sender
@@ -56,6 +58,7 @@ class Orders:
         self._refusal = ""
         self._passed_on = 0
         self._commanded = 0.0
+        self._supervision = MotionSupervision(self._command.supervision if self._command else 0.0)
         self.handshake = WinchHandshake(self._timeout)
         self.sent = 0
         self.rate = float("nan")
@@ -64,7 +67,9 @@ class Orders:
     @property
     def problem(self) -> str:
         """Why nothing can be sent now, in words; "" while all is well."""
-        return self._refusal or (self._out.problem if self._out else "")
+        found = self._supervision.found
+        stopped = f"stopped: {found}" if found and self.handshake.fault == WinchFault.DRIVE else ""
+        return self._refusal or (self._out.problem if self._out else "") or stopped
 
     def take(self, order: WinchOrder) -> None:
         """Take an `order` of the controller, and pass it on."""
@@ -86,6 +91,7 @@ class Orders:
         if self._command is None:
             return
         now = time.monotonic()
+        self._supervise(now)
         if self.handshake.is_released and (self._adapter.watch.is_stale(now) or self._is_out_of_reach(now)):
             self.handshake.trip(WinchFault.COMMAND_TIMEOUT)
         if self._command.counts or (self.sent and now - self._commanded >= self._timeout):
@@ -97,6 +103,15 @@ class Orders:
             self._pass_on(self.handshake.order(time.monotonic())._replace(payout_rate=0.0, brake=True))
         if self._out is not None:
             self._out.close()
+
+    def _supervise(self, now: float) -> None:
+        """Hold the winch where drum or brake do not do what they are ordered."""
+        newest, watch = self._adapter.newest, self._adapter.watch
+        if "payout" not in newest or watch.is_stale(now) or not self.sent:
+            return
+        order, brake = self.handshake.order(now), newest.get("brake", math.nan)
+        if self._supervision.look(now, DrumReading(order.payout_rate, order.brake, newest["payout"], self.rate, brake)):
+            self.handshake.trip(WinchFault.DRIVE)
 
     def _is_out_of_reach(self, now: float) -> bool:
         since = self._unsent_since

@@ -46,10 +46,12 @@ import numpy as np
 from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.interface.faults import FaultSchedule, FaultyValues
 from heave_node.numerics.quantisation import quantised
+from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
 
 from cable_sim_node.winch.choice import make_drive
 from cable_sim_node.winch.command_line import CommandLine, WinchCommand, round_to_tick
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand
+from cable_sim_node.winch.faulty_drum import FaultyDrum
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 
 
@@ -140,6 +142,8 @@ class VirtualWinch:
         self._tick_period = tick_period
         self._cable_per_drum = 1.0 + parameters.drum_radius_error
         self.faults = FaultSchedule(parameters.faults, name="winch", device="winch")
+        self._drum = FaultyDrum(parameters, self.faults)
+        self._supervision = MotionSupervision(parameters.supervision_time)
         self.encoder = Encoder(parameters.encoder)
         self.refused_commands = 0
         self._now = 0.0  # [ticks]
@@ -152,8 +156,8 @@ class VirtualWinch:
         self._line = CommandLine(parameters, self.faults, tick_period=tick_period, seed=seed)
         self._command = WinchCommand(0)
         self._command_since = 0.0
-        self._reading = self.encoder.read(0.0, self._payout)
-        self.state = self._make_state(0.0, WinchLimit.NONE, math.nan, self._reading)
+        reading = self.encoder.read(0.0, self._payout)
+        self.state = self._make_state(0.0, WinchLimit.NONE, math.nan, (reading, reading))
 
     @property
     def tick(self) -> int:
@@ -177,12 +181,12 @@ class VirtualWinch:
         if tick < self.tick:
             raise ValueError(f"virtual winch: tick {tick} is over; the next one is {self.tick}")
         self._line.send(tick, command)
-        previous_reading = self._reading
         ticks = tick + 1 - self.tick
         limits, acceleration = self._advance_to(float(tick + 1), tension)
-        self._reading = self.encoder.read(self._now * self._tick_period, self._payout)
-        reading_rate = (self._reading - previous_reading) / (ticks * self._tick_period)
-        self.state = self._make_state(acceleration, limits, tension, reading_rate)
+        reading = self.encoder.read(self._now * self._tick_period, self._payout)
+        rate = (reading - self.state.encoder_payout) / (ticks * self._tick_period)
+        self._supervise(reading, rate)
+        self.state = self._make_state(acceleration, limits, tension, (reading, rate))
         return self.state
 
     def _advance_to(self, end: float, tension: float) -> tuple[WinchLimit, float]:
@@ -196,6 +200,18 @@ class VirtualWinch:
             limits |= acted
             self._now = following
         return WinchLimit(limits), acceleration
+
+    @property
+    def supervised(self) -> str:
+        """What the drive's supervision tripped for last, in words; "": nothing yet."""
+        return self._supervision.found
+
+    def _supervise(self, reading: float, rate: float) -> None:
+        """Trip the drive where drum or brake do not do what they are ordered."""
+        is_braked, brake = self._mode is not _Mode.FOLLOW, float(self._drum.is_brake_engaged)
+        drum = DrumReading(self._command.payout_rate, is_braked, reading, rate, brake)
+        if self._supervision.look(self._now * self._tick_period, drum):
+            self._trip(WinchFault.DRIVE)
 
     def _handle_events(self) -> None:
         """Do what is due now: commands first, so that one at the very deadline is in time; then watchdog and faults."""
@@ -265,29 +281,34 @@ class VirtualWinch:
         if self._drive is None:
             self._drive = make_drive(self._parameters, self._tension)
         order = DriveCommand(self._command.payout_rate, self._command.payout, brake=self._mode is not _Mode.FOLLOW)
-        state = self._drive.step(order, duration, self._tension)
-        self._payout, self._rate = state.payout, state.payout_rate
-        if self._mode is _Mode.STOP and self._rate == 0.0:
+        time = self._now * self._tick_period
+        driven = self._drive.step(self._drum.ordered(order, time, self._payout), duration, self._tension)
+        if self._mode is _Mode.STOP and driven.payout_rate == 0.0:
             self._mode = _Mode.HOLD
+        is_at_rest = self._mode is _Mode.HOLD
+        state = self._drum.moved(driven, is_at_rest=is_at_rest, time=time, duration=duration, tension=self._tension)
+        self._payout, self._rate = state.payout, state.payout_rate
         return int(state.limits), state.payout_acceleration
 
     def instruments(self) -> Mapping[str, float]:
         """Return what the drive's own instruments read, by name with unit; nothing for the ideal servo."""
         return self._drive.instruments() if self._drive is not None else {}
 
-    def _make_state(self, acceleration: float, limits: WinchLimit, tension: float, encoder_rate: float) -> WinchState:
+    def _make_state(
+        self, acceleration: float, limits: WinchLimit, tension: float, encoder: tuple[float, float]
+    ) -> WinchState:
         return WinchState(
             time=self._now * self._tick_period,
             command_sequence=self._command.sequence,
             payout=self._cable_per_drum * self._payout,
             payout_rate=self._cable_per_drum * self._rate,
             payout_acceleration=self._cable_per_drum * acceleration,
-            encoder_payout=self._reading,
-            encoder_payout_rate=encoder_rate,
+            encoder_payout=encoder[0],
+            encoder_payout_rate=encoder[1],
             tension=tension,
             power=-tension * self._cable_per_drum * self._rate,
             limits_hit=limits,
-            brake=self._mode is _Mode.HOLD,
+            brake=self._drum.is_brake_engaged,
             fault=self._fault,
             release=self._release(),
         )

@@ -38,6 +38,7 @@ class FaultKind:
 
 _SENSORS = ("sensor", "mru")
 _ALL = (*_SENSORS, "encoder", "winch")
+_PAYS_OUT = "speed at which the load pays out, at least 0 [m/s]"
 
 FAULTS: dict[str, FaultKind] = {
     "freeze": FaultKind("repeats the values of the last sample, with fresh stamps", (*_SENSORS, "encoder")),
@@ -67,6 +68,16 @@ FAULTS: dict[str, FaultKind] = {
     ),
     "drive": FaultKind("the drive trips", ("winch",)),
     "emergency_stop": FaultKind("the emergency stop is pressed", ("winch",)),
+    "reverse": FaultKind("the drum turns against the command", ("winch",)),
+    "brake_slip": FaultKind("the engaged brake slips under load", ("winch",), _PAYS_OUT),
+    "brake_open": FaultKind("the brake is energised open: it does not engage", ("winch",), _PAYS_OUT),
+    "brake_shut": FaultKind("the brake does not open", ("winch",)),
+    "creep": FaultKind("the drum creeps under load besides what it is commanded", ("winch",), _PAYS_OUT),
+    "low_pressure": FaultKind(
+        "hydraulic pressure has fallen: the drum is slower",
+        ("winch",),
+        "share of its speed limit, above 0",
+    ),
     "clear": FaultKind("ends the faults of the device that are active at its start; later ones stay", _ALL),
 }
 """The vocabulary: every kind of fault by its name."""
@@ -199,6 +210,10 @@ class FaultSchedule:
             wrong = f"the magnitude of kind rate must be above 0 Hz; got {magnitude:g}"
         elif kind == "scale" and magnitude == 0.0:
             wrong = "the magnitude of kind scale must be a factor that is not 0, such as -1 or 0.5; got 0"
+        elif kind == "low_pressure" and magnitude <= 0.0:
+            wrong = f"the magnitude of kind low_pressure must be above 0; got {magnitude:g}"
+        elif FAULTS[kind].magnitude == _PAYS_OUT and magnitude < 0.0:
+            wrong = f"the magnitude of kind {kind} must be at least 0 m/s; got {magnitude:g}"
         elif kind == "delay" and not 0.0 <= magnitude <= largest_delay:
             wrong = f"the magnitude of kind delay must be from 0 to {largest_delay:g} s; got {magnitude:g}"
         if wrong:

@@ -54,6 +54,7 @@ class CommandMap:
     topic, type : of a message; "": something else
     orders : what is set in the message, in the datagram, or in the registers or nodes of the map's source
     timeout : without a command for so long the winch is told to stop and brake [s]
+    supervision : where drum or brake do not follow their orders for so long it is told the same [s]; 0: not supervised
     """
 
     link: Link | None = None
@@ -64,6 +65,7 @@ class CommandMap:
     type: str = ""
     orders: tuple[Order, ...] = ()
     timeout: float = 0.5
+    supervision: float = 1.0
 
     @property
     def counts(self) -> bool:
@@ -129,7 +131,7 @@ def read_command(entry: Any) -> CommandMap | None:
         return None
     if not isinstance(entry, dict):
         raise MapError("command must give a line, a layout, or a topic with its type, and what is set")
-    known = ("to", "line", "checksum", "layout", "byte_order", "topic", "type", "set", "timeout")
+    known = ("to", "line", "checksum", "layout", "byte_order", "topic", "type", "set", "timeout", "supervision")
     refuse_unknown("command", entry, known)
     words = {
         name: as_kind(str, f"command: {name}", entry.get(name, "")) for name in ("line", "checksum", "topic", "type")
@@ -139,9 +141,10 @@ def read_command(entry: Any) -> CommandMap | None:
         raise MapError("command: set must say which field is which of " + ", ".join(ORDERS))
     orders = tuple(_order(str(path), given) for path, given in given_orders.items())
     timeout = as_kind(float, "command: timeout", entry.get("timeout", 0.5))
+    supervision = as_kind(float, "command: supervision", entry.get("supervision", 1.0))
     layout = read_layout("command: ", entry)
     link = read_link("command: to", entry.get("to"))
-    command = CommandMap(link, layout=layout, orders=orders, timeout=timeout, **words)
+    command = CommandMap(link, layout=layout, orders=orders, timeout=timeout, supervision=supervision, **words)
     _check(command)
     return command
 
@@ -175,6 +178,8 @@ def _check(command: CommandMap) -> None:
         raise MapError(f"command: {ways[0]} needs set: which field is which of " + ", ".join(ORDERS))
     if not 0.05 <= command.timeout <= 5.0:
         raise MapError(f"command: timeout = {command.timeout:g} must be from 0.05 to 5 s")
+    if command.supervision != 0.0 and not 0.2 <= command.supervision <= 60.0:
+        raise MapError(f"command: supervision = {command.supervision:g} must be 0, or from 0.2 to 60 s")
     if command.checksum not in ("", "xor"):
         raise MapError(f"command: checksum = {command.checksum!r} must be xor, or be left out")
     if ways == ["topic"]:

@@ -1,0 +1,133 @@
+"""What a real winch does wrong, one fault after the other: what the rope does of it, and when the drive's supervision
+stops the drum. Expected speeds are those ordered; times are the supervision's, a tick and the servo's lag.
+"""
+
+import pytest
+from cable_sim_node.winch.component import VirtualWinch, WinchCommand
+from cable_sim_node.winch.parameters import WinchParameters
+from heave_node.interface.codes import WinchFault, WinchLimit
+from hypothesis import given
+from hypothesis import strategies as st
+
+TICK, TENSION, LAG = 0.05, 30e3, 0.15
+SUPERVISED = 1.0
+
+
+class Bench:
+    def __init__(self, **parameters):
+        self.winch = VirtualWinch(WinchParameters(command_delay=0.0, **parameters), tick_period=TICK)
+        self.number = 0
+
+    @property
+    def state(self):
+        return self.winch.state
+
+    def run(self, seconds, rate=0.0, brake=False, tension=TENSION):
+        """Command for a time [s]; return the time until a fault is latched, or the whole time [s]."""
+        for ticks in range(round(seconds / TICK)):
+            self.number += 1
+            self.winch.step(self.winch.tick, WinchCommand(self.number, 0.0, rate, brake), tension)
+            if self.state.fault:
+                return (ticks + 1) * TICK
+        return seconds
+
+    def inject(self, kind, magnitude=0.0, duration=0.0):
+        now = self.winch.tick * TICK
+        self.winch.faults.inject(kind, start=now, duration=duration, magnitude=magnitude)
+
+
+def test_a_drum_that_turns_against_the_command_lets_out_what_is_to_be_hauled_in():
+    bench = Bench()
+    bench.inject("reverse")
+    bench.run(2.0, rate=-0.3)
+    assert bench.state.payout_rate == pytest.approx(0.3, rel=1e-3)
+
+
+@pytest.mark.parametrize("rate", [0.0, 0.4])
+def test_a_drum_that_creeps_pays_out_besides_what_it_is_ordered_and_a_slack_cable_does_not(rate):
+    bench, sound = Bench(), Bench()
+    bench.inject("creep", 0.05)
+    for one in (bench, sound):
+        one.run(3.0, rate=rate)
+    assert bench.state.payout - sound.state.payout == pytest.approx(0.05 * 3.0)
+    bench.run(2.0, rate=rate, tension=0.0)
+    sound.run(2.0, rate=rate, tension=0.0)
+    assert bench.state.payout - sound.state.payout == pytest.approx(0.05 * 3.0)
+
+
+def test_a_brake_that_slips_says_that_it_holds_and_one_that_is_open_says_so():
+    for kind, engaged in (("brake_slip", True), ("brake_open", False)):
+        bench = Bench()
+        bench.inject(kind, 0.02)
+        bench.run(2.0, brake=True)
+        assert bench.state.payout == pytest.approx(0.04)
+        assert bench.state.brake is engaged
+
+
+def test_a_brake_that_does_not_open_keeps_the_drum_where_it_is():
+    bench = Bench()
+    bench.inject("brake_shut", duration=2.0)
+    bench.run(2.0, rate=0.5)
+    assert (bench.state.payout, bench.state.brake) == (0.0, True)
+    bench.run(2.0, rate=0.5)
+    assert bench.state.payout_rate == pytest.approx(0.5, rel=1e-3), "afterwards it follows"
+
+
+def test_pressure_that_falls_and_comes_back_bounds_the_speed_and_says_so():
+    bench = Bench(speed_limit=2.0)
+    bench.inject("low_pressure", 0.1, duration=3.0)
+    bench.run(2.9, rate=0.5)
+    assert bench.state.payout_rate == pytest.approx(0.1 * 2.0, rel=1e-3)
+    assert bench.state.limits_hit & WinchLimit.PRESSURE
+    bench.run(2.0, rate=0.5)
+    assert bench.state.payout_rate == pytest.approx(0.5, rel=1e-3)
+    assert not bench.state.limits_hit & WinchLimit.PRESSURE
+
+
+@pytest.mark.parametrize(
+    ("kind", "magnitude", "brake", "within", "words"),
+    [
+        ("reverse", 0.0, False, SUPERVISED + 3.0 * LAG, "turns against the command"),
+        ("brake_shut", 0.0, False, SUPERVISED + 2.0 * TICK, "the brake does not open"),
+        ("brake_open", 0.0, True, SUPERVISED + 2.0 * TICK, "the brake does not engage"),
+        ("brake_open", 0.05, True, SUPERVISED + 2.0 * TICK, "the brake does not"),
+        ("brake_slip", 0.05, True, 0.05 / 0.05 + 2.0 * TICK, "the brake does not hold: the drum has moved by +0.05 m"),
+    ],
+)
+def test_the_supervision_of_the_drive_trips_within_its_time_and_names_the_fault(kind, magnitude, brake, within, words):
+    bench = Bench(supervision_time=SUPERVISED)
+    bench.run(1.0, rate=0.3, brake=brake)
+    bench.inject(kind, magnitude)
+    assert bench.run(4.0, rate=0.3, brake=brake) <= within
+    assert bench.state.fault is WinchFault.DRIVE
+    assert words in bench.winch.supervised
+
+
+@given(st.lists(st.floats(-1.0, 1.0), min_size=10, max_size=60))
+def test_a_sound_drum_is_never_stopped_whatever_is_ordered(rates):
+    bench = Bench(supervision_time=SUPERVISED)
+    for rate in rates:
+        assert bench.run(2.0 * TICK, rate=rate) == 2.0 * TICK
+    assert bench.state.fault is WinchFault.NONE
+
+
+def test_an_encoder_counted_twice_reads_twice():
+    bench = Bench()
+    bench.winch.encoder.faults.inject("scale", start=0.0, magnitude=2.0)
+    bench.run(2.0, rate=0.2)
+    assert bench.state.encoder_payout == pytest.approx(2.0 * bench.state.payout, abs=1e-3)
+
+
+def test_a_controller_that_is_started_again_takes_the_winch_over():
+    """Its commands are numbered from 1 again. The watchdog has stopped the drum; it follows after a brake request."""
+    bench = Bench()
+    bench.run(2.0, rate=0.3)
+    for _ in range(40):
+        bench.winch.step(bench.winch.tick, None, TENSION)
+    assert (bench.state.fault, bench.state.brake) == (WinchFault.COMMAND_TIMEOUT, True)
+    bench.number = 0
+    bench.number += 1
+    bench.winch.step(bench.winch.tick, WinchCommand(1, 0.0, 0.0, True), TENSION)
+    bench.run(2.0, rate=0.3)
+    assert bench.state.fault is WinchFault.NONE
+    assert bench.state.payout_rate == pytest.approx(0.3, rel=1e-3)

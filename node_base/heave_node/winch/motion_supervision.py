@@ -1,0 +1,103 @@
+"""Whether a drum does what it is ordered: what the supervision of a drive stops it for, whatever its controller thinks.
+
+Rules, each for longer than the supervision's time, so that delay and lag of a sound drive do not count:
+
+- it turns against the order;
+- it stands while it is ordered to move;
+- it does not slow down while it is ordered to brake;
+- its brake does not open, or does not engage, as the brake's switch says.
+
+One more holds at once: it has moved by 0.05 m with its brake engaged.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+ORDERED = 0.05
+"""An ordered speed of less is no order to move [m/s]."""
+STANDING = 0.01
+"""A drum slower than this stands [m/s]."""
+SLOW = 0.1
+"""A drum that is to brake is held by its brake below this speed [m/s], and has not got faster by so much before."""
+SLIPPED = 0.05
+"""A drum that has moved so far with its brake engaged slips [m]."""
+
+
+class DrumReading(NamedTuple):
+    """What a drum is ordered and what it does.
+
+    Attributes
+    ----------
+    ordered_rate : of the drum [m/s]
+    is_braked : it is ordered to brake
+    payout, payout_rate : measured [m], [m/s]; NaN: not known
+    brake : other than 0: its switch says engaged; NaN: there is none
+    """
+
+    ordered_rate: float
+    is_braked: bool
+    payout: float
+    payout_rate: float
+    brake: float
+
+
+class MotionSupervision:
+    """Supervises one drum.
+
+    Parameters
+    ----------
+    time : for which a rule must be broken [s]; 0: no supervision
+
+    Attributes
+    ----------
+    found : what was found last, in words; "": nothing yet
+    """
+
+    def __init__(self, time: float) -> None:
+        self._time = time
+        self.found = ""
+        self._since: dict[str, float] = {}
+        self._held_at = math.nan
+        self._slowest = math.inf
+
+    def look(self, now: float, drum: DrumReading) -> str:
+        """Return what is wrong with the `drum` at `now` [s], in words; "": nothing. What lasts is returned again."""
+        if not self._time:
+            return ""
+        self._slowest = min(self._slowest, abs(drum.payout_rate)) if drum.is_braked else math.inf
+        broken = self._broken(drum)
+        self._since = {words: self._since.get(words, now) for words in broken}
+        late = next((words for words, since in self._since.items() if now - since > self._time), "")
+        if late:
+            self._since.pop(late)
+        now_found = late or self._slip(drum)
+        self.found = now_found or self.found
+        return now_found
+
+    def _broken(self, drum: DrumReading) -> list[str]:
+        speed = math.copysign(1.0, drum.ordered_rate) * drum.payout_rate
+        is_ordered = not drum.is_braked and abs(drum.ordered_rate) > ORDERED
+        stands = abs(drum.payout_rate) < STANDING
+        rules = {
+            "the drum turns against the command": is_ordered and speed < -STANDING,
+            "the drum stands against the command": is_ordered and stands,
+            "the brake does not open": not drum.is_braked and math.isfinite(drum.brake) and bool(drum.brake),
+            "the brake does not engage": drum.is_braked and abs(drum.payout_rate) < SLOW and drum.brake == 0.0,
+            "the drum does not stop": drum.is_braked and abs(drum.payout_rate) > self._slowest + SLOW,
+        }
+        return [words for words, is_broken in rules.items() if is_broken]
+
+    def _slip(self, drum: DrumReading) -> str:
+        is_held = drum.is_braked and (drum.brake != 0.0 if math.isfinite(drum.brake) else abs(drum.payout_rate) < SLOW)
+        if not is_held or not math.isfinite(drum.payout):
+            self._held_at = math.nan
+            return ""
+        if not math.isfinite(self._held_at):
+            self._held_at = drum.payout
+        moved = drum.payout - self._held_at
+        if abs(moved) <= SLIPPED:
+            return ""
+        self._held_at = drum.payout
+        return f"the brake does not hold: the drum has moved by {moved:+.2f} m"
