@@ -27,8 +27,8 @@ LOSSES = {
 """The loss of each sensor, by name."""
 
 
-def _rows_of(sensor: str) -> list[AlarmRow]:
-    """Return the alarms of a `sensor`: why it is lost, and what else may be wrong with it."""
+def _losses_of(sensor: str) -> list[AlarmRow]:
+    """Return the alarms of a `sensor` that is lost, one for each reason."""
     prefix, (severity, consequence) = sensor.upper(), LOSSES[sensor]
 
     def lost(state: str, words: str, action: str) -> AlarmRow:
@@ -58,6 +58,13 @@ def _rows_of(sensor: str) -> list[AlarmRow]:
             "Wait",
         ),
         lost("FAULT", "the sensor reports {status}", "Read its display, then restart it"),
+    ]
+
+
+def _others_of(sensor: str) -> list[AlarmRow]:
+    """Return the alarms of a `sensor` that is not lost."""
+    prefix, severity = sensor.upper(), LOSSES[sensor].severity
+    return [
         AlarmRow(
             f"{prefix}_READING_REJECTED",
             LOW,
@@ -95,7 +102,7 @@ def _rows_of(sensor: str) -> list[AlarmRow]:
     ]
 
 
-SENSORS = tuple(row for sensor in LOSSES for row in _rows_of(sensor))
+SENSORS = tuple(row for sensor in LOSSES for row in (*_losses_of(sensor), *_others_of(sensor)))
 
 READINGS = (
     AlarmRow(
