@@ -40,11 +40,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Answer and write the page, as `options` say."""
     from cable_sim_node.errors import PlantError
+    from heave_bags.mcap.read.folder import bag_of
     from heave_bags.mcap.reader import Bag
     from heave_node.parameters import ParameterError
     from winch_controller_node.model.lqr import DesignError
 
-    from heave_bringup.bag_paths import bag_folders
     from heave_bringup.output import check_output, make_table, warn, write_result
     from heave_bringup.progress import ProgressLine
     from heave_bringup.whatif.fitness import warnings
@@ -55,7 +55,7 @@ def execute(options: argparse.Namespace) -> None:
     check_output("--output", options.output, (".html",))
     if not 0 <= options.draws <= 100:
         raise ParameterError(f"--draws {options.draws}: must be from 0 to 100")
-    (folder,) = bag_folders([options.bag])
+    folder = bag_of(options.bag)
     try:
         with tempfile.TemporaryDirectory(prefix="heave-") as scratch, ProgressLine() as progress:
             result = _result(Bag(folder), options, Path(scratch), progress)
