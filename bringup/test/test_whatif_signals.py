@@ -11,6 +11,7 @@ from heave_bringup.whatif.signals.disturbance import disturbance
 from heave_bringup.whatif.signals.record import SensorRecord, bridged
 from heave_bringup.whatif.signals.spectra import Speeds, noise_power, tapered_transform, unit_over_top
 from heave_bringup.whatif.signals.tip import HighPass, smoothed_tip
+from heave_bringup.whatif.twin.plant import PlantFactors, scaled_line
 from heave_node.interface.sensors import MruReading
 from winch_controller_node.beliefs.corrections import AS_READ, Correction
 from winch_controller_node.interface.readings import Measurements, ScalarReading
@@ -97,6 +98,15 @@ def test_the_transfer_function_is_that_of_the_closed_form_without_drag(length):
     omegas = np.array([0.3, 0.7, 1.3, 2.2])
     exact = heave_transfer_function(line, length, omegas).unit_heave
     assert unit_over_top(line, length, omegas, Speeds(0.0, 0.0)) == pytest.approx(exact, rel=1e-9)
+
+
+def test_a_stiffness_at_the_same_a_changes_no_motion():
+    # masses, drag and EA in proportion: the equation of motion is the same, the tension is not
+    line, omegas = axial_line(CableSimParameters()), np.array([0.4, 1.1, 2.5])
+    speeds = Speeds(0.3, 0.2)
+    plain = unit_over_top(line, 300.0, omegas, speeds)
+    stiffer = unit_over_top(scaled_line(line, PlantFactors(stiffness=1.3)), 300.0, omegas, speeds)
+    assert stiffer == pytest.approx(plain, rel=1e-9)
 
 
 def test_gaps_are_bridged_in_a_straight_line():

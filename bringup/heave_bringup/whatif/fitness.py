@@ -24,6 +24,9 @@ READ_SHARE = 0.5
 LARGEST_CHI2 = 6.0
 """Mean square of what is left of the depth over its noise, above which cable and unit are something else."""
 
+LARGEST_LEFT = 20.0
+"""The same of the twin over the whole record, its start too."""
+
 DOUBTFUL_CHI2 = 1.5
 """And above which a report warns."""
 
@@ -74,6 +77,11 @@ def check_record(record: SensorRecord, start: float, where: str) -> None:
 
 def check_known(known: Known, where: str) -> None:
     """Refuse an answer where what is `known` contradicts itself; raises CommandError with the reason, `where` in it."""
+    if known.unexplained.chi2 > LARGEST_LEFT:
+        raise CommandError(
+            f"{where}: the twin misses the depth by {100.0 * known.unexplained.waves:.1f} cm (sigma) where waves are: "
+            "cable and unit were not identified; check length, unit and cable, or give --know"
+        )
     if known.fit.chi2 > LARGEST_CHI2:
         raise CommandError(
             f"{where}: cable and unit as assumed do not explain the depth readings (chi2 {known.fit.chi2:.1f}, at most "

@@ -25,7 +25,7 @@ class PlantFactors:
     ----------
     inertia : on a, the unit's inertia over the cable's stiffness [-]
     damping : on drag and damping [-]
-    stiffness : on EA [-]; the masses take what a needs besides
+    stiffness : on EA [-]; masses and drag go with it, so that the motion stays and the tension grows
     """
 
     inertia: float = 1.0
@@ -44,7 +44,8 @@ def nominal_line(parameters: WinchControllerParameters) -> AxialLine:
 
 def scaled_line(line: AxialLine, factors: PlantFactors) -> AxialLine:
     """Return a `line` with `factors` on it."""
-    mass, damping = factors.inertia * factors.stiffness, factors.damping
+    # all forces grow with the stiffness, so that the motion stays
+    mass, damping = factors.inertia * factors.stiffness, factors.damping * factors.stiffness
     sections = tuple(
         replace(
             one,
