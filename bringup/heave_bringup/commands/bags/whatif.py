@@ -52,6 +52,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.whatif.words import causes, check_line, headings, identified_rows, rows, told_line
     from heave_bringup.whatif.words import to_json as json_of
 
+    warn(["whatif is experimental: its answers are not validated (docs/guide/howto/what_would_have_been.md)"])
     check_output("--output", options.output, (".html",))
     if not 0 <= options.draws <= 100:
         raise ParameterError(f"--draws {options.draws}: must be from 0 to 100")
@@ -106,7 +107,7 @@ def _result(bag: Bag, options: argparse.Namespace, scratch: Path, progress: Prog
 
 COMMAND = Command(
     name="whatif",
-    summary="Say what another law, gain or winch would have done in the sea of a bag, from its sensors alone.",
+    summary="Experimental: say what another law, gain or winch would have done in the sea of a bag, by its sensors.",
     examples=("heave whatif runs/b2_calm_300-001/bag --compare off,industrial,lqg,mpc",),
     add_arguments=add_arguments,
     execute=execute,
