@@ -301,7 +301,7 @@ class LoopEstimation:
             mean_command=self.motion.reference_command(self._design.parameters.winch),
             left_over=self.motion.left_over.point.payout,
             uncompensated=uncompensated,
-            taut_uncompensated=self._taut_uncompensated,
+            taut_uncompensated=self._taut_shadow.state,
             wave_share=self._wave_share(),
             hanging_heave=float(self.motion.state[rows.unit_states[0]] + self._hanging_unit.state[0]),
             knows_sea=self.knows_sea,
@@ -347,16 +347,6 @@ class LoopEstimation:
             lost=observer.lost(),
             faults=(*observer.new_faults(), *self.surprise.news()),
         )
-
-    @property
-    def _taut_uncompensated(self) -> Array:
-        """Heave and rate of the unit on a taut cable with the winch locked, shape (2,).
-
-        What the model of the cable has wrong is in the estimate of the unit, by its sensor, and not in a unit that is
-        simulated below the same boom tip and drum: by so much the uncompensated one is corrected.
-        """
-        unit = self.estimator.estimate[self._rows.unit_states]
-        return self._taut_shadow.state + unit - self._hanging_unit.state
 
     @property
     def _is_load_cell_lost(self) -> bool:
@@ -416,7 +406,7 @@ class LoopEstimation:
             tick,
             estimate=self.estimator.estimate,
             uncompensated=self._shadow.state,
-            taut_uncompensated=self._taut_uncompensated,
+            taut_uncompensated=self._taut_shadow.state,
             mean_state=self.motion.state,
             mean_command=self.motion.reference_command(self._design.parameters.winch),
             left_over=self.motion.left_over.point.payout,
