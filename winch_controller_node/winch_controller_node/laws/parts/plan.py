@@ -14,6 +14,7 @@ import daqp
 import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
+from numpy.typing import NDArray
 
 from winch_controller_node.laws.parts.governor import (
     ACCELERATION,
@@ -127,24 +128,26 @@ class PlanRows:
         self._lag, self._dt = winch.time_constant, model.dt
         self._position_gain, self._set_point_reach = winch.position_gain, winch.set_point_reach
         self.take_limits(limits)
-        dense = constrained_ticks(plan.delay, len(plan.basis), model.dt)
-        sparse = dense[::3]
-        responses = _responses(model, plan)
-        commanded = [tick - plan.delay for tick in dense]
-        blocks = [
-            _output_rows(model, plan.gain, "payout_rate", dense, responses),
+        dense = np.array(constrained_ticks(plan.delay, len(plan.basis), model.dt))
+        sparse, commanded = dense[::3], dense - plan.delay
+
+        def asked_less(taken: Array, divisor: float) -> tuple[Array, float]:
+            return -(plan.gain + taken) / divisor, 1.0 / divisor
+
+        constrained = [
+            _Constrained(dense, *_output(model, plan.gain, "payout_rate")),
             # acceleration at the moment each command takes effect, which may be within a tick
-            _servo_rows(plan, plan.standing, winch.time_constant, commanded, responses),
+            _Constrained(commanded, *asked_less(plan.standing, winch.time_constant)),
             # the speed that the servo is asked for: a slow one needs more than it makes
-            _servo_rows(plan, standing_command(model, winch), 1.0, commanded, responses),
-            _output_rows(model, plan.gain, "payout", sparse, responses),
-            _output_rows(model, plan.gain, "tension", sparse, responses),
+            _Constrained(commanded, *asked_less(standing_command(model, winch), 1.0)),
+            _Constrained(sparse, *_output(model, plan.gain, "payout")),
+            _Constrained(sparse, *_output(model, plan.gain, "tension")),
         ]
         self.kinds, start = [], 0
         for name, ticks in ((SPEED, dense), (ACCELERATION, dense), (SPEED, dense), (PAYOUT, sparse), (TENSION, sparse)):
-            self.kinds.append(_Rows(name, slice(start, start + len(ticks)), np.array(ticks) * model.dt))
+            self.kinds.append(_Rows(name, slice(start, start + len(ticks)), ticks * model.dt))
             start += len(ticks)
-        self.free, self.forced, self.previewed = (np.vstack(rows) for rows in zip(*blocks, strict=True))
+        self.free, self.forced, self.previewed = _rows(model, plan, constrained)
 
     def take_limits(self, limits: WinchLimits) -> None:
         """Keep other limits from now on."""
@@ -258,57 +261,45 @@ class PlanSolver:
         return None, iterations
 
 
-@dataclass(frozen=True)
-class _Responses:
-    """Per tick 0..ticks the free response of the closed loop (n, n), that to each basis function (n, m), and that to
-    each surprise of a preview with the commands `fed` forward for it.
+class _Constrained(NamedTuple):
+    """What is constrained: feedback @ state + through * correction, at some ticks of the horizon."""
+
+    ticks: NDArray[np.int64]
+    feedback: Array
+    through: float
+
+
+def _output(model: LinearModel, gain: Array, output: str) -> tuple[Array, float]:
+    """Return the row of an output in the loop that the `gain` closes, and its direct share of the correction."""
+    through = float(model.D[model.output_names.index(output), 0])
+    return model.row(output) - through * gain, through
+
+
+def _rows(model: LinearModel, plan: Planned, constrained: list[_Constrained]) -> tuple[Array, Array, Array]:
+    """Return the rows of the state now, of the correction and of a preview, for all that is `constrained`.
+
+    x_k = F^k x + sum F^(k-1-i) (B c_i + what a preview adds at i), with F = A - B G: the correction acts by the pulse
+    response of each row.
     """
-
-    free: list[Array]
-    forced: list[Array]
-    previewed: list[Array]
-    basis: Array
-    fed: Array
-
-
-def _responses(model: LinearModel, plan: Planned) -> _Responses:
-    basis, fed = plan.basis, plan.fed
-    closed = model.A - model.B @ plan.gain[None, :]
-    ticks, surprises = len(basis), fed.shape[1]
+    basis, ticks = plan.basis, len(plan.basis)
     # no more is known of what comes after the preview than the estimate says
-    fed = np.vstack([fed, np.zeros((max(ticks - len(fed), 0), surprises))])
-    free, forced = [np.eye(model.order)], [np.zeros((model.order, basis.shape[1]))]
-    previewed = [np.zeros((model.order, surprises))]
+    fed = np.vstack([plan.fed, np.zeros((max(ticks - len(plan.fed), 0), plan.fed.shape[1]))])
+    closed = model.A - model.B @ plan.gain[None, :]
+    ahead = np.empty((ticks + 1, len(constrained), model.order))
+    ahead[0] = [one.feedback for one in constrained]
+    previewed = np.zeros((ticks + 1, model.order, fed.shape[1]))
     for k in range(ticks):
-        free.append(closed @ free[-1])
-        forced.append(closed @ forced[-1] + model.B @ basis[k][None, :])
-        previewed.append(closed @ previewed[-1] + model.B @ fed[k][None, :])
-        if k < len(plan.disturbances):
-            previewed[-1] += plan.disturbances[k]
-    return _Responses(free, forced, previewed, basis, fed)
-
-
-def _output_rows(
-    model: LinearModel, gain: Array, output: str, ticks: list[int], responses: _Responses
-) -> tuple[Array, Array, Array]:
-    """Return rows that give an output at `ticks` from the state now, from the correction and from a preview."""
-    row, through = model.row(output), float(model.D[model.output_names.index(output), 0])
-    feedback = row - through * gain
-    basis, fed = responses.basis, responses.fed
-    return (
-        np.array([feedback @ responses.free[k] for k in ticks]),
-        np.array([feedback @ responses.forced[k] + through * basis[min(k, len(basis) - 1)] for k in ticks]),
-        np.array([feedback @ responses.previewed[k] + through * fed[min(k, len(fed) - 1)] for k in ticks]),
-    )
-
-
-def _servo_rows(
-    plan: Planned, taken: Array, divisor: float, ticks: list[int], responses: _Responses
-) -> tuple[Array, Array, Array]:
-    """Return rows of the commands of `ticks`, less the row that is `taken` off them, over a `divisor`."""
-    feedback, through = -(plan.gain + taken) / divisor, plan.basis / divisor
-    return (
-        np.array([feedback @ responses.free[k] for k in ticks]),
-        np.array([feedback @ responses.forced[k] + through[k] for k in ticks]),
-        np.array([feedback @ responses.previewed[k] + responses.fed[k] / divisor for k in ticks]),
-    )
+        ahead[k + 1] = ahead[k] @ closed
+        if fed.shape[1] > 0:
+            previewed[k + 1] = closed @ previewed[k] + model.B @ fed[k][None, :]
+            previewed[k + 1] += plan.disturbances[k] if k < len(plan.disturbances) else 0.0
+    pulse = ahead @ model.B[:, 0]
+    rows = []
+    for place, (at, feedback, through) in enumerate(constrained):
+        since = at[:, None] - 1 - np.arange(ticks)
+        commands = np.where(since >= 0, pulse[since, place], 0.0)
+        now = np.minimum(at, ticks - 1)
+        commands[np.arange(len(at)), now] += through
+        rows.append((ahead[at, place], commands @ basis, feedback @ previewed[at] + through * fed[now]))
+    free, forced, seen = (np.vstack(blocks) for blocks in zip(*rows, strict=True))
+    return free, forced, seen
