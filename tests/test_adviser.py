@@ -110,7 +110,7 @@ def test_in_real_time_a_slow_adviser_holds_nothing_up_and_its_late_answers_are_r
         options = ("--duration", "12", "--foreign", "winch_adviser", *REAL_TIME)
         run = give(domain, *CALM, *options, "--bag", str(folder))
     assert run.returncode == 0, run.stderr
-    assert "ADVISER LATE: " in run.stdout + run.stderr
+    assert "ADVISER_LATE (" in run.stdout + run.stderr
     level, words, values = adviser_part(folder / "bag")
     assert level == DiagnosticStatus.WARN
     assert words.startswith("late: ")
@@ -137,7 +137,7 @@ def test_in_real_time_a_run_goes_on_without_an_adviser_that_was_killed_and_says_
             run.kill()
     assert run.returncode == 0, err
     assert "winch_adviser was killed by SIGKILL: the run continues without it" in out + err
-    assert "ADVISER SILENT: no answer for 3." in out + err
+    assert "ADVISER_SILENT (medium): no answer for 3." in out + err
     level, words, _ = adviser_part(folder / "bag")
     assert level == DiagnosticStatus.WARN
     assert words.startswith("silent: ")
@@ -198,7 +198,7 @@ def test_beliefs_of_a_stranger_are_not_taken_and_fail_the_run(tmp_path):
         run = give(domain, *CALM, *REAL_TIME, "--duration", "12", "--bag", str(folder))
     assert run.returncode == 1, run.stdout + run.stderr
     named = f"/rogue_adviser (process {rogue.pid} on this machine) publishes on /controller/beliefs"
-    assert f"winch_controller: strangers: {named}" in run.stderr
+    assert f"winch_controller: strangers: UNKNOWN_PUBLISHER (high): {named}" in run.stderr
     bag = Bag(folder / "bag")
     assert max(bag.columns({"/controller/beliefs": ["number"]})["/controller/beliefs"]["number"]) < 999
     assert "beliefs 999" not in adviser_part(folder / "bag")[1]
@@ -209,7 +209,7 @@ def test_an_external_adviser_need_not_be_there(tmp_path):
     folder = tmp_path / "run"
     run = heave(*CALM, "--duration", "6", "--external", "winch_adviser", *REAL_TIME, "--bag", str(folder))
     assert run.returncode == 0, run.stderr
-    assert "ADVISER SILENT: " in run.stdout + run.stderr
+    assert "ADVISER_SILENT (" in run.stdout + run.stderr
     assert adviser_part(folder / "bag")[0] == DiagnosticStatus.WARN
 
 

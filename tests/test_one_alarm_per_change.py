@@ -55,9 +55,8 @@ def names_a_part(alarm):
     return alarm.code.endswith(("_MODEL_UPDATED", "_NOMINAL")) or bool(blamed_by(read, noise=False))
 
 
-def assert_told_once(alarms, forms, value):
-    """Check that one alarm, in one of the `forms`, names a part with its `value`, and that none names another part."""
-    told = parts_told(alarms)
+def assert_told_once(told, forms, value):
+    """Check that of what was `told` of parts there is one, in one of the `forms`, with its `value`."""
     assert len(told) == 1, told
     time, words = told[0]
     assert CHANGED < time < CHANGED + 60.0
@@ -82,7 +81,7 @@ def test_a_change_of_the_gain_is_told_of_the_encoder_or_the_winch(gain):
 @pytest.mark.slow
 def test_a_change_of_the_delay_is_one_alarm_that_names_it():
     alarms = alarms_of(command_delay=0.3)
-    assert_told_once(alarms, DELAY_TOLD, 0.3)
+    assert_told_once(parts_told(alarms), DELAY_TOLD, 0.3)
     assert "COMMANDS_LATE" in {alarm.code for _, alarm in alarms}
 
 

@@ -58,7 +58,9 @@ def test_a_second_controller_moves_nothing_and_fails_the_run(tmp_path, pacing):
             rogue.wait(10.0)
     assert run.returncode == 1, run.stdout + run.stderr
     named = f"/rogue_controller (process {rogue.pid} on this machine) publishes on /winch/command"
-    assert f"virtual_winch: strangers: {named}" in run.stderr, "told on the terminal as it happens"
+    assert f"virtual_winch: strangers: UNKNOWN_PUBLISHER (high): {named}" in run.stderr, (
+        "told on the terminal as it happens"
+    )
     assert named in run.stderr.strip().splitlines()[-1], "and as the reason of the exit status"
     assert "efficiency" in run.stdout, "the figures of merit come nevertheless"
     columns = Bag(folder / "bag").columns(
