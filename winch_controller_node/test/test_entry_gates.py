@@ -119,11 +119,10 @@ def test_compensation_waits_for_waves_and_for_readings_that_can_be_believed():
     gates = SimpleNamespace(for_compensation=lambda *_: "the sea demands too much")
     supervisor = SimpleNamespace(
         _dt=DT,
-        _longest_wait=60.0,
+        _parameters=SimpleNamespace(modes=SimpleNamespace(settling_time=30.0), guard=SimpleNamespace(demand_ratio=2.0)),
         _gates=gates,
         _limits=LIMITS,
         guard=SimpleNamespace(demand=0.1),
-        _largest_demand=2.0,
         highest_tension=SimpleNamespace(alarm=None),
     )
 

@@ -146,7 +146,7 @@ class Supervisor:
         self._share_news = ShareNews(dt)
         self._blind_time = 0.0
         self._blind_lowering = Episode(dt)
-        self._parameters, self._dt = parameters, dt
+        self._dt = dt
         self._refer_to(design, law)
         self._watch_sea()
 
@@ -167,7 +167,7 @@ class Supervisor:
         self.highest_tension = HighestTension(self._parameters.guard.window, tick_period=self._dt)
 
     def _refer_to(self, design: ControllerDesign, law: ControlLaw) -> None:
-        self._inertia = design.cable.a
+        self._parameters, self._inertia = design.parameters, design.cable.a
         self._load, self._limits = hanging_load(design), design.limits
         self._keeps_limits = law.keeps_limits
 
