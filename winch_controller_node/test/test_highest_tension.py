@@ -94,8 +94,8 @@ def test_a_highest_tension_below_the_static_one_is_refused_before_anything_start
 def test_a_highest_tension_that_waves_exceed_is_refused_at_entry_with_the_least_that_would_do():
     loop = with_highest_tension("b2_calm_300", 1.0, 60.0)
     assert set(loop.run().modes) == {"standby"}
-    assert "needs a tension of 1.02 times" in loop.controller.modes.obstacle
-    assert "the highest allowed is 1 times: raise limits.maximum_tension_ratio" in loop.controller.modes.obstacle
+    assert "needs 1.02 times the static tension" in loop.controller.modes.obstacle
+    assert "the limit is 1 times" in loop.controller.modes.obstacle
 
 
 def test_giving_way_does_not_ring_with_the_wire(monkeypatch):
