@@ -573,7 +573,8 @@ def test_a_controller_that_is_started_anew_compensates_where_the_drum_stands(win
     loop.controller = WinchController(parameters.controller, tick_period=DT)
     after = [loop.step() for _ in range(1800)]
     alarms = [alarm for outputs, _ in after for alarm in outputs.alarms if alarm.severity > Severity.EVENT]
-    assert not {alarm.row.part for alarm in alarms} & {"mru", "depth", "encoder", "cable", "sensors", "loop"}
+    assert not {alarm.row.part for alarm in alarms} & {"mru", "depth", "encoder", "sensors", "loop"}
+    assert not {alarm.code for alarm in alarms} & {"CABLE_INERTIA", "CABLE_DAMPING"}
     assert {outputs.mode for outputs, _ in after[-600:]} == {"compensating"}
     rows = np.array([row for _, row in after])
     payout, set_point, unit = (rows[:, COLUMNS.index(name)] for name in ("payout", "depth_set_point", "unit"))
