@@ -67,7 +67,7 @@ class SeaLooks:
         self._compared, self._patience = -math.inf, SEA_PATIENCE
 
     def add(self, observations: Observations, noise: float) -> None:
-        """Have the motion of the boom tip in a batch seen; `noise` is that of the heave rate [m/s]."""
+        """Take in the motion of the boom tip in a batch of `observations`; `noise` is that of the heave rate [m/s]."""
         row = observations.rows.index("mru_heave_rate")
         readings = observations.readings[observations.readings[:, 2] == row]
         for nis in readings[np.isfinite(readings[:, -1]), -1].tolist():
@@ -77,7 +77,7 @@ class SeaLooks:
             self.tracker.update(heave, rate)
 
     def news(self, now: float, noise: float) -> SeaSeen | None:
-        """Return what is seen where it is time to compare seas [s]; None: it is not, or `noise` [m/s] hides it."""
+        """Return what is seen where it is time, `now` [s], to compare seas; None: it is not, or `noise` [m/s] hides it."""
         seen = self.tracker.newly_seen()
         if seen is None or seen.heave * seen.frequency < CLEAR * noise or now - self._compared < self._patience:
             return None

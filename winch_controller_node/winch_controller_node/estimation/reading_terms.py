@@ -41,7 +41,7 @@ class SensorsWatched(NamedTuple):
 
     @classmethod
     def of(cls, sensors: SensorsModelParameters) -> SensorsWatched:
-        """Return those of the controller's parameters."""
+        """Return those of the controller's parameters of its `sensors`."""
         in_use = sensors.in_use()
         watched = {name: one for name, one in sensors.by_name().items() if name in in_use or one.is_always_watched}
         rows_of = {name: one.rows() for name, one in watched.items()}
@@ -140,7 +140,7 @@ class ReadingTerms:
 
 
 def tick_of(time: float, tick_period: float) -> tuple[int, float]:
-    """Return the tick nearest to a `time` [s], and how much later than it that is, in ticks."""
+    """Return the tick nearest to a `time` [s], and how much later than it that is, in ticks of a `tick_period` [s]."""
     tick = round(time / tick_period)
     offset = time / tick_period - tick
     return tick, offset if abs(offset) > ON_TICK else 0.0

@@ -70,7 +70,7 @@ class WaveComparison:
         self.time = 0.0
 
     def harm(self, motions: GuardedMotions, authority: float) -> Alarm | None:
-        """Take in a tick; return what harm there is; None: there is none.
+        """Take in the `motions` of a tick; return what harm there is; None: there is none.
 
         Of a share of the sea, `authority`, no more can be asked than that share of what the whole has to gain.
         """

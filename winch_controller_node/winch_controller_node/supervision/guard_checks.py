@@ -145,10 +145,18 @@ class DrumCheck:
     def update(
         self, motions: GuardedMotions, loop: GuardedLoop, authority: float, change: float, swings: Swings
     ) -> None:
-        """Take in a tick, in which the `authority` has changed by `change`.
+        """Take in a tick.
 
         While authority A moves, the unit goes over to (1 - A) of its uncompensated motion: by thesis Eq. 6.2 that asks
         for payout = A tip + 2 a A' z_off' (b and A'' left out), with a z_off'' = tip - z_off.
+
+        Parameters
+        ----------
+        motions : of it
+        loop : that is watched
+        authority : share of the sea that is compensated now
+        change : of the authority in this tick
+        swings : of unit and uncompensated unit
         """
         tip = motions.boom_tip
         largest = self._dt / loop.fade_time

@@ -114,11 +114,10 @@ class PlanRows:
     model : sampled
     winch : a speed servo
     plan : what it is made for
-    limits : that are kept
+    limits : that are kept; an attribute too
 
     Attributes
     ----------
-    limits : that are kept
     kinds : of rows
     free, forced, previewed : rows of the state, the correction and the preview, shapes (r, n), (r, m), (r, p)
     """
@@ -250,7 +249,7 @@ class PlanSolver:
         )
 
     def solve(self, lower: Array, upper: Array) -> tuple[Array | None, int]:
-        """Return the correction, shape (m,), for bounds of shape (r,), and the iterations that it took; None: none."""
+        """Return the correction, shape (m,), for bounds `lower` and `upper`, shape (r,), and its iterations; None: none."""
         self._solver.update(bupper=upper, blower=lower)
         solution, _, flag, info = self._solver.solve()
         iterations = int(info["iterations"])
