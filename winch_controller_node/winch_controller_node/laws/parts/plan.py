@@ -249,7 +249,7 @@ class PlanSolver:
         )
 
     def solve(self, lower: Array, upper: Array) -> tuple[Array | None, int]:
-        """Return the correction, shape (m,), for bounds `lower` and `upper`, shape (r,), and its iterations; None: none."""
+        """Return the correction, shape (m,), for bounds `lower` and `upper`, shape (r,), and its iterations."""
         self._solver.update(bupper=upper, blower=lower)
         solution, _, flag, info = self._solver.solve()
         iterations = int(info["iterations"])
