@@ -77,7 +77,7 @@ class SeaLooks:
             self.tracker.update(heave, rate)
 
     def news(self, now: float, noise: float) -> SeaSeen | None:
-        """Return what is seen where it is time `now` [s] to compare seas; None: it is not, or `noise` [m/s] hides it."""
+        """Return what is seen where it is time `now` [s] to compare seas; None: it is not, `noise` [m/s] hides it."""
         seen = self.tracker.newly_seen()
         if seen is None or seen.heave * seen.frequency < CLEAR * noise or now - self._compared < self._patience:
             return None
