@@ -79,7 +79,7 @@ class Bench:
         return health_of(self.device, {})
 
 
-@pytest.fixture(scope="module", params=KINDS)
+@pytest.fixture(params=KINDS)
 def plc(request):
     with emulated(request.param, *(SPOILT if request.param == "udp" else ())) as running:
         yield running
