@@ -4,7 +4,6 @@ The PLC is a program of its own with the stock servers of pymodbus and asyncua; 
 """
 
 import time
-from types import SimpleNamespace
 
 import pytest
 from heave_bringup.adapt.device import LiveDevice
@@ -17,23 +16,8 @@ from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.interface.codes import WinchFault, WinchRelease
 from heave_node.ros.diagnostics import Level
 
+from tests.adapt_fakes import Node
 from tests.plc import KINDS, SPOILT, emulated
-
-
-class Node:
-    """Keeps what is published."""
-
-    def __init__(self):
-        self.callbacks, self.sent = {}, {}
-
-    def create_subscription(self, kind, topic, callback, _):
-        del kind
-        self.callbacks[topic] = callback
-
-    def create_publisher(self, kind, topic, _):
-        del kind
-        self.sent[topic] = []
-        return SimpleNamespace(publish=self.sent[topic].append)
 
 
 class Bench:

@@ -5,7 +5,6 @@ import os
 import pty
 import time
 import tty
-from types import SimpleNamespace
 
 import pytest
 from builtin_interfaces.msg import Time
@@ -20,19 +19,7 @@ from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
-
-class Node:
-    def __init__(self):
-        self.callbacks, self.sent = {}, {}
-
-    def create_subscription(self, kind, topic, callback, _):
-        del kind
-        self.callbacks[topic] = callback
-
-    def create_publisher(self, kind, topic, _):
-        del kind
-        self.sent[topic] = []
-        return SimpleNamespace(publish=self.sent[topic].append)
+from tests.adapt_fakes import Node
 
 
 def joints(position, velocity=0.0):

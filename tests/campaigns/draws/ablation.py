@@ -13,8 +13,6 @@ PACKAGE = "winch_controller_node"
 NEVER = 1e9
 """Price at which no hypothesis is accepted [nats]."""
 
-LAW_LIMIT = "supervision.guard:HarmGuard.authority_limit"
-
 
 class Switch(NamedTuple):
     """A part of the controller in another form: where it is, as "module:owner.name", and what it is then."""
@@ -68,7 +66,7 @@ REFLEXES = {
     "sensor noise": lambda: [Switch("estimation.sensor_noise:SensorNoise.add", _gives(None))],
     "share by the drum": lambda: [Switch("supervision.watch.winch_watch:CAUTIOUS_SHARE", 1.0)],
     "share by the sea": lambda: [Switch("supervision.supervisor:UNKNOWN_SEA_SHARE", 1.0)],
-    "share by the limits": lambda: [Switch(LAW_LIMIT, _gives(1.0))],
+    "share by the limits": lambda: [Switch("supervision.guard:HarmGuard.authority_limit", _gives(1.0))],
 }
 """What the core does within a tick."""
 

@@ -195,7 +195,7 @@ class Supervisor:
         settles = self._fades_by_law and can_settle
         has_faded = settles and self.modes.authority == 0.0
         is_damped = not winch.is_contrary and (is_damped_blind or has_faded or self._may_damp(tick, lost))
-        situation = self._situation(tick, winch)._replace(
+        situation = self._situation(tick, winch, lost)._replace(
             authority_limit=authority_limit,
             is_settled=not (is_damped or settles) or self._is_settled(tick, winch.settled_swing),
             is_damped_blind=is_damped_blind,
@@ -224,14 +224,14 @@ class Supervisor:
             alarms=alarms,
         )
 
-    def _situation(self, tick: LoopTick, winch: WinchSituation) -> Situation:
-        """Return what winch, guard and gates tell the modes in a tick."""
+    def _situation(self, tick: LoopTick, winch: WinchSituation, lost: str) -> Situation:
+        """Return what `winch`, guard, gates and the sensors that are `lost` tell the modes in a tick."""
         is_contrary = winch.is_contrary
         return Situation(
             has_estimate=tick.sensed.has_encoder,
             winch_fault=winch.fault,
             fault_cause=winch.fault_cause,
-            lost=self._lost(tick),
+            lost=lost,
             harm=f"{self.guard.reason}; {ASK_AGAIN}" if is_contrary else self.guard.reason,
             prospect="" if is_contrary else self.guard.prospect,
             awaits_operator=is_contrary,

@@ -134,18 +134,18 @@ class PlanRows:
             return -(plan.gain + taken) / divisor, 1.0 / divisor
 
         constrained = [
-            _Constrained(dense, *_output(model, plan.gain, "payout_rate")),
+            _Constrained(SPEED, dense, *_output(model, plan.gain, "payout_rate")),
             # acceleration at the moment each command takes effect, which may be within a tick
-            _Constrained(commanded, *asked_less(plan.standing, winch.time_constant)),
+            _Constrained(ACCELERATION, commanded, *asked_less(plan.standing, winch.time_constant)),
             # the speed that the servo is asked for: a slow one needs more than it makes
-            _Constrained(commanded, *asked_less(standing_command(model, winch), 1.0)),
-            _Constrained(sparse, *_output(model, plan.gain, "payout")),
-            _Constrained(sparse, *_output(model, plan.gain, "tension")),
+            _Constrained(SPEED, commanded, *asked_less(standing_command(model, winch), 1.0)),
+            _Constrained(PAYOUT, sparse, *_output(model, plan.gain, "payout")),
+            _Constrained(TENSION, sparse, *_output(model, plan.gain, "tension")),
         ]
         self.kinds, start = [], 0
-        for name, ticks in ((SPEED, dense), (ACCELERATION, dense), (SPEED, dense), (PAYOUT, sparse), (TENSION, sparse)):
-            self.kinds.append(_Rows(name, slice(start, start + len(ticks)), ticks * model.dt))
-            start += len(ticks)
+        for one in constrained:
+            self.kinds.append(_Rows(one.name, slice(start, start + len(one.ticks)), np.asarray(one.ticks * model.dt)))
+            start += len(one.ticks)
         self.free, self.forced, self.previewed = _rows(model, plan, constrained)
 
     def take_limits(self, limits: WinchLimits) -> None:
@@ -261,8 +261,9 @@ class PlanSolver:
 
 
 class _Constrained(NamedTuple):
-    """What is constrained: feedback @ state + through * correction, at some ticks of the horizon."""
+    """What is constrained, by its limit: feedback @ state + through * correction, at some ticks of the horizon."""
 
+    name: str
     ticks: NDArray[np.int64]
     feedback: Array
     through: float
@@ -294,7 +295,7 @@ def _rows(model: LinearModel, plan: Planned, constrained: list[_Constrained]) ->
             previewed[k + 1] += plan.disturbances[k] if k < len(plan.disturbances) else 0.0
     pulse = ahead @ model.B[:, 0]
     rows = []
-    for place, (at, feedback, through) in enumerate(constrained):
+    for place, (_, at, feedback, through) in enumerate(constrained):
         since = at[:, None] - 1 - np.arange(ticks)
         commands = np.where(since >= 0, pulse[since, place], 0.0)
         now = np.minimum(at, ticks - 1)
