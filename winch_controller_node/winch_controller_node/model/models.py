@@ -242,6 +242,7 @@ def sea_noise_covariance(inputs: ModelInputs, tick_period: float, order: int) ->
     return np.pad(covariance, (0, order - model.order))
 
 
+@lru_cache(maxsize=8)
 def shadow_model(cable: CableModel, tick_period: float) -> LinearModel:
     """Return the uncompensated unit on a `cable`, sampled at `tick_period` [s].
 

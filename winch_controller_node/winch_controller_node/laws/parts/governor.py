@@ -8,6 +8,7 @@ that the winch cannot make: that is all the anti-windup a state-feedback law nee
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -187,12 +188,18 @@ def drum_ahead(model: LinearModel, winch: WinchModelParameters) -> Array:
     rows = np.array([model.row("payout"), model.row("payout_rate")]) @ ahead
     if whole == len(chain):
         return np.asarray(rows)
-    part = discretise(winch_block(winch), (ticks - whole) * model.dt)
+    part = _drum_after(winch, (ticks - whole) * model.dt)
     before = ahead[model.state(chain[-1])]
     if winch.law == "first_order":
         payout = part.A[0, 0] * rows[0] + part.B[0, 0] * before
         return np.array([payout, winch.position_rate * (before - payout)])
     return np.asarray(part.A @ rows + part.B @ before[None, :])
+
+
+@lru_cache(maxsize=8)
+def _drum_after(winch: WinchModelParameters, time: float) -> LinearModel:
+    """Return the drum of a `winch` over a `time` [s]; every law and the governor of a design ask for the same."""
+    return discretise(winch_block(winch), time)
 
 
 def standing_command(model: LinearModel, winch: WinchModelParameters) -> Array:
