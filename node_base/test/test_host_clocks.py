@@ -52,3 +52,16 @@ def test_a_clock_is_too_far_only_where_the_delay_does_not_explain_it():
         "the clock of winch's host quay is 0.500 s behind this host's"
     )
     assert far.words({"winch": "quay"}) == "winch on quay -500.0 ms, to 10.0 ms"
+
+
+def test_who_takes_part_in_no_measurement_is_not_awaited_for_ever():
+    now = [50.0]
+    clocks = HostClocks(lambda: now[0])
+    assert clocks.awaited(["winch", "tool"]) == ["winch", "tool"]
+    exchange(clocks, ahead=0.0, there=0.03, back=0.03)
+    now[0] += 0.9
+    assert clocks.awaited(["winch", "tool"]) == ["tool"]
+    now[0] += 0.9
+    assert clocks.awaited(["winch", "tool"]) == ["tool"], "one more has become known meanwhile"
+    now[0] += 0.2
+    assert clocks.awaited(["winch", "tool"]) == []

@@ -1,7 +1,7 @@
 """The silence of another node: what counts, and what does not."""
 
 import pytest
-from heave_node.ros.silence import Silence
+from heave_node.ros.silence import Lasting, MasterWaits, Silence
 
 
 class Clock:
@@ -33,3 +33,48 @@ def test_the_time_in_which_this_process_stood_still_is_not_the_silence_of_anothe
     assert silence.look() == pytest.approx(0.2)
     clock.time += 0.5
     assert silence.look() == pytest.approx(0.7)
+
+
+def test_a_finding_counts_once_it_has_stood_for_long_enough_and_another_begins_anew():
+    clock = Clock()
+    finding = Lasting(0.5, clock)
+    assert finding.settled("one") == ""
+    clock.time += 0.4
+    assert finding.settled("one") == ""
+    clock.time += 0.2
+    assert finding.settled("one") == "one"
+    assert finding.settled("another") == ""
+    clock.time += 0.6
+    assert finding.settled("another") == "another"
+    assert finding.settled("") == ""
+
+
+def test_what_is_not_answered_is_sent_again_after_a_wait_that_doubles():
+    clock = Clock()
+    waits = MasterWaits(clock)
+    waits.sent(1.0)
+    due = []
+    for tenth in range(1, 80):
+        clock.time += 0.1
+        if waits.is_resend_due():
+            due.append(0.1 * tenth)
+    assert due == pytest.approx([1.1, 3.2, 7.3], abs=0.11), "after 1 s, 2 s more, 4 s more"
+    waits.sent(1.0)
+    clock.time += 1.05
+    assert waits.is_resend_due(), "the next tick begins with the first wait"
+
+
+def test_status_and_warnings_are_due_once_a_period_and_a_tick_that_is_sent_puts_off_the_warning():
+    clock = Clock()
+    waits = MasterWaits(clock)
+    counts = {"status": 0, "warning": 0}
+    for _ in range(40):
+        clock.time += 0.05
+        counts["status"] += waits.is_status_due(0.24)
+        counts["warning"] += waits.is_warning_due(0.99)
+    assert counts == {"status": 8, "warning": 2}, "2 s of 0.25 and of 1 s"
+    clock.time += 0.9
+    waits.sent(1.0)
+    clock.time += 0.5
+    assert not waits.is_warning_due(0.99)
+    assert waits.age == pytest.approx(3.4)

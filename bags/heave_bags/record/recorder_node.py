@@ -147,7 +147,7 @@ class RecorderNode(ParticipantNode):
         wanted = set(self.run.participants) - set(self.run.external) - {self.name}
         clock = self.resolve_topic_name(topics.CLOCK.name)
         has_master = any(clock in outputs for outputs in self._joined.values())
-        subscribed = self._announced() <= set(self._input_subscriptions)
+        subscribed = self._announced() <= set(self._ports.subscriptions)
         return self.is_active and has_master and wanted <= set(self._joined) and subscribed
 
     def _look(self) -> None:
@@ -194,10 +194,10 @@ class RecorderNode(ParticipantNode):
         if not self.run.is_lockstep:
             write = self._writer_of(topic)
             if self.exchange is None:
-                self._input_subscriptions[topic] = self.watch.subscribe(topic, sender_callback(write))
+                self._ports.subscriptions[topic] = self.watch.subscribe(topic, sender_callback(write))
             else:
                 heard = self.exchange.subscribe(topic, lambda data, identity, _: write(data, identity))
-                self._input_subscriptions[topic] = heard
+                self._ports.subscriptions[topic] = heard
             return
         latched = all(offer.durability == "transient_local" for offer in self.watch.offers[topic])
         role = Role.LATCHED if latched else Role.STREAM

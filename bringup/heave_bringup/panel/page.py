@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from heave_node.interface.alarm import Severity
 from heave_node.interface.faults import FAULTS
@@ -37,6 +37,7 @@ FIGURES = (
 INJECT = "i"
 """Key of the command for which the page has lists in the place of a line of text."""
 SHOWN_ALARMS, SHOWN_LOG = 30, 8
+BAR_LOOKS = ("text-sm", "text-lg font-bold", "heave-bad font-bold")
 
 STYLE = """
 <style>
@@ -72,6 +73,14 @@ Emergency: press the button of the winch itself.</div>
 """
 
 
+class _Bar(NamedTuple):
+    """Labels at the head: of the run, of the mode, and of what is wrong."""
+
+    run: Any
+    mode: Any
+    word: Any
+
+
 class Page:
     """The page of one viewer.
 
@@ -90,8 +99,7 @@ class Page:
         self._worker, self._post, self._place = worker, post, place
         self.viewer = 0
         self._beat = 0
-        self._shown_alarms: object = None
-        self._shown_log: object = None
+        self._shown: dict[str, object] = {}
         self._asked = False
         self._buttons: list[Any] = []
         ui.add_head_html(STYLE)
@@ -115,9 +123,7 @@ class Page:
     def _build_bar(self) -> None:
         with ui.element("header").classes("heave-bar sticky top-0 w-full flex flex-wrap items-center gap-3 p-2 px-3"):
             with ui.column().classes("gap-0 grow min-w-0"):
-                self._run = ui.label().classes("text-sm")
-                self._mode = ui.label().classes("text-lg font-bold")
-                self._word = ui.label().classes("heave-bad font-bold")
+                self._bar = _Bar(*(ui.label().classes(look) for look in BAR_LOOKS))
             ui.button("EMERGENCY STOP", on_click=self.stop_at_once, color="negative").props(
                 "size=lg unelevated"
             ).classes("font-bold emergency max-sm:w-full")
@@ -256,16 +262,16 @@ class Page:
             self._show_charts(picture)
 
     def _show_bar(self, picture: Picture) -> None:
-        situation = picture.situation
-        self._run.text = f"{self._place}: {run_words(situation.run)}"
-        self._mode.text = mode_words(situation.controller) if situation.controller else "no word from the controller"
+        situation, bar = picture.situation, self._bar
+        bar.run.text = f"{self._place}: {run_words(situation.run)}"
+        bar.mode.text = mode_words(situation.controller) if situation.controller else "no word from the controller"
         mode = situation.controller.mode if situation.controller else ""
         style = {"compensating": "heave-good", "constant_tension": "heave-good", "emergency_stop": "heave-bad"}
-        self._mode.classes(
+        bar.mode.classes(
             replace=f"text-lg font-bold {style.get(mode, 'heave-bad' if mode == 'stopped' else 'heave-warn')}"
         )
         is_silent = picture.silence > SILENCE and not situation.is_over
-        self._word.text = (
+        bar.word.text = (
             f"NO WORD from the run for {picture.silence:.1f} s: what stands here is old" if is_silent else ""
         )
 
@@ -330,9 +336,9 @@ class Page:
 
     def _show_alarms(self, picture: Picture) -> None:
         shown = (picture.alarms, self._post.commander == self.viewer)
-        if shown == self._shown_alarms:
+        if shown == self._shown.get("alarms"):
             return
-        self._shown_alarms = shown
+        self._shown["alarms"] = shown
         self._alarms.clear()
         with self._alarms:
             if not picture.alarms:
@@ -358,9 +364,9 @@ class Page:
 
     def _show_log(self, picture: Picture) -> None:
         shown = (picture.log[:SHOWN_LOG], picture.under_way)
-        if shown == self._shown_log:
+        if shown == self._shown.get("log"):
             return
-        self._shown_log = shown
+        self._shown["log"] = shown
         self._log.clear()
         with self._log:
             for name in picture.under_way:

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Any, NamedTuple
 
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
 from heave_msgs.srv import StepSimulation
 from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
+from rclpy.publisher import Publisher
 from std_srvs.srv import SetBool, Trigger
 
 from heave_node.cdr.packer import Packer
@@ -22,7 +24,8 @@ from heave_node.interface.node_alarms import NODE_ALARMS
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
-from heave_node.ros.silence import Patience
+from heave_node.ros.silence import Lasting, MasterWaits, Patience
+from heave_node.ros.transport.exchange import LocalPublisher
 from heave_node.ros.transport.host_clocks import HostClocks
 from heave_node.ros.transport.identity import describe_sender, host_of, identity_of_endpoint
 from heave_node.ros.transport.qos import mismatches
@@ -51,6 +54,14 @@ LAST_STATUS_TIMEOUT = Duration(seconds=2)
 _CLOCK = Packer(topics.CLOCK.type, ("clock",))
 
 
+class _Protocol(NamedTuple):
+    """Publishers by which the master leads the participants."""
+
+    roster: Publisher[Any] | LocalPublisher
+    start: Publisher[Any] | LocalPublisher
+    status: Publisher[Any] | LocalPublisher
+
+
 class ClockMasterNode(HeaveNode):
     """Base of the node that steps the clock. It publishes in `on_readings` and integrates in `on_advance`."""
 
@@ -71,22 +82,21 @@ class ClockMasterNode(HeaveNode):
         self.timing = LoopTiming()
         self._speakers: dict[str, Speakers] = {}
         self.run_state = TickStatus.WAITING
-        self._reason = self._mismatch = ""
-        self._mismatch_since = 0.0
+        self._reason = ""
+        self._mismatch = Lasting(MISMATCH_PATIENCE)
         self._stepped = True
         self._failed_participant: tuple[str, float] | None = None
         self._patience = Patience()
-        self._host_clocks, self._clock_patience = HostClocks(), Patience()
+        self._host_clocks = HostClocks()
         self._pause_at: int | None = None
         self._reset_wanted = False
         self._clock_started_at = 0.0
-        now = time.monotonic()
-        self._created_at = self._sent_at = self._warned_at = self._status_at = now
+        self._waits = MasterWaits()
         self._start_message = TickStart()
         self._clock_output = self.add_output(topics.CLOCK)
-        self._roster_publisher = self.create_protocol_publisher(topics.TICK_ROSTER)
-        self._start_publisher = self.create_protocol_publisher(topics.TICK_START)
-        self._status_publisher = self.create_protocol_publisher(topics.TICK_STATUS)
+        self._protocol = _Protocol(
+            *map(self.create_protocol_publisher, (topics.TICK_ROSTER, topics.TICK_START, topics.TICK_STATUS))
+        )
         self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
         for node in peers:
             self.create_protocol_subscription(topics.tick_done_topic(node), self._done_callback(node), TickDone.of)
@@ -156,10 +166,7 @@ class ClockMasterNode(HeaveNode):
         found = "; ".join(
             text for topic in self._external_topics() for text in mismatches(self, topic, self.roster.expected)
         )
-        now = time.monotonic()
-        if found != self._mismatch:
-            self._mismatch, self._mismatch_since = found, now
-        return found if now - self._mismatch_since >= MISMATCH_PATIENCE else ""
+        return self._mismatch.settled(found)
 
     def _rivals(self) -> list[str]:
         """Describe on which topics several external processes publish: none of them would be the right one."""
@@ -193,13 +200,10 @@ class ClockMasterNode(HeaveNode):
         return {p.name: p.host for p in others}
 
     def _may_start_by_clocks(self) -> bool:
-        """Show how far the clocks of other hosts are from this one's; in real time refuse a run where that is too far.
-
-        A program that does not take part in the measurement is waited for no longer than `FLUSH_PATIENCE`.
-        """
+        """Show how far the clocks of other hosts are from this one's; in real time refuse a run where it is too far."""
         others = self._on_other_hosts()
-        unknown = [node for node in others if self._host_clocks.offset(node) is None]
-        if unknown and not self._clock_patience.is_over(len(unknown)):
+        unknown = self._host_clocks.awaited(others)
+        if unknown:
             self._reason = f"the clock of {', '.join(unknown)}"
             return False
         far = "" if self.run.is_lockstep else self._host_clocks.too_far(others, self.run.clock_offset_limit)
@@ -223,7 +227,7 @@ class ClockMasterNode(HeaveNode):
             self._begin_tick(1)
 
     def _publish_roster(self) -> None:
-        self._roster_publisher.publish(
+        self._protocol.roster.publish(
             TickRoster(
                 epoch=self.epoch,
                 nodes=self.roster.nodes,
@@ -295,9 +299,8 @@ class ClockMasterNode(HeaveNode):
         counters = self.roster.counters
         self.gate.begin(self.epoch, tick.number, counters)
         self._start_message = TickStart(self.epoch, tick.number, flush, tick.start_nanoseconds, counters)
-        self._start_publisher.publish(self._start_message.to_bytes())
-        self._sent_at = self._warned_at = time.monotonic()
-        self._resend_wait = self.run.resend_period
+        self._protocol.start.publish(self._start_message.to_bytes())
+        self._waits.sent(self.run.resend_period)
 
     @property
     def _is_flushing(self) -> bool:
@@ -470,7 +473,7 @@ class ClockMasterNode(HeaveNode):
 
     def wait_until_heard(self) -> None:
         """Wait until the others have the last status."""
-        self._status_publisher.wait_for_all_acked(LAST_STATUS_TIMEOUT)
+        self._protocol.status.wait_for_all_acked(LAST_STATUS_TIMEOUT)
 
     # Supervision in wall time --------------------------------------------------------------------------------------
 
@@ -478,30 +481,26 @@ class ClockMasterNode(HeaveNode):
         """Start the run when all are ready; name nodes that are missing, and end a run that waits too long."""
         if self.finished.done() or not (self.is_active or self.has_started):
             return
-        now = time.monotonic()
-        if now - self._status_at > STATUS_PERIOD:
-            self._status_at = now
+        if self._waits.is_status_due(STATUS_PERIOD):
             self._publish_status()
         self.strangers.look(self._speakers)
-        if self._failed_participant is not None and now >= self._failed_participant[1]:
+        if self._failed_participant is not None and time.monotonic() >= self._failed_participant[1]:
             self._end(TickStatus.FAILED, self._failed_participant[0])
         elif self.run_state == TickStatus.WAITING:
             self._try_to_start()
-            self._warn_or_give_up(now - self._created_at, "start_timeout", self._reason)
+            self._warn_or_give_up(self._waits.age, "start_timeout", self._reason)
         elif not self._stepped:
-            self._look_for_missing(now)
+            self._look_for_missing()
             if self._is_flushing and not self.finished.done():
                 self._advance()
 
-    def _look_for_missing(self, now: float) -> None:
+    def _look_for_missing(self) -> None:
         """Send an unanswered tick again, and name the nodes that have not answered."""
-        if now - self._sent_at > self._resend_wait and (self.run.is_lockstep or self._is_flushing):
-            self._sent_at = now
-            self._resend_wait *= 2.0  # a slow machine must not get more to do each time
+        if (self.run.is_lockstep or self._is_flushing) and self._waits.is_resend_due():
             self.timing.resends += 1
             self.resend_outputs()
             self._publish_roster()
-            self._start_publisher.publish(self._start_message.to_bytes())
+            self._protocol.start.publish(self._start_message.to_bytes())
         behind = self.roster.unanswered(self.tick_number, flush=self._is_flushing)
         text = "; ".join(
             f"{p.name} has not finished tick {p.answered + 1}"
@@ -517,12 +516,10 @@ class ClockMasterNode(HeaveNode):
         """Report each second what is missing; end the run after the time that a `parameter` of the run sets."""
         if not text or waited < WARNING_PERIOD:
             return
-        now = time.monotonic()
         limit = getattr(self.run, parameter)
         if waited > limit:
             self._end(TickStatus.FAILED, f"{text}: gave up after waiting {limit:g} s ({parameter})")
-        elif now - self._warned_at > WARNING_PERIOD:
-            self._warned_at = now
+        elif self._waits.is_warning_due(WARNING_PERIOD):
             warning = str(NODE_ALARMS.alarm("PARTICIPANT_LATE", time=waited, missing=text))
             self.get_logger().warning(warning)
             # before the run begins it is normal that nodes are not there yet
@@ -534,7 +531,7 @@ class ClockMasterNode(HeaveNode):
         time_now = self.tick.time if self.tick is not None else 0.0
         factor = self.timing.overall_factor if is_over else self.timing.real_time_factor
         totals = self.roster.published_by_topic() if is_over else {}
-        self._status_publisher.publish(
+        self._protocol.status.publish(
             TickStatus(
                 state=self.run_state,
                 reason=self._reason,

@@ -25,6 +25,7 @@ from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverriding
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 from rclpy.task import Future
+from rclpy.timer import Timer
 
 from heave_node.errors import NodeError, one_line
 from heave_node.interface import topics
@@ -34,7 +35,7 @@ from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health, diagnostic_array
 from heave_node.ros.input_timing import InputTiming
 from heave_node.ros.node_parameters import read_parameters
-from heave_node.ros.ports import Input, Output, decoder_of, of_any_machine, stamped
+from heave_node.ros.ports import Input, Output, Ports, decoder_of, of_any_machine, stamped
 from heave_node.ros.spin import timed_callback
 from heave_node.ros.transport.exchange import Exchange, LocalPublisher, LocalSubscription, Reader
 from heave_node.ros.transport.identity import own_identity
@@ -129,10 +130,7 @@ class HeaveNode(LifecycleNode):
         self.is_active = False
         self.message_sent = 0
         self.least_delay = 0.0
-        self._outputs: list[Output] = []
-        self._inputs: list[Input] = []
-        self._input_timings: dict[str, InputTiming] = {}
-        self._input_subscriptions: dict[str, Subscription[Any] | LocalSubscription] = {}
+        self._ports = Ports()
 
     # What a node fills in ------------------------------------------------------------------------------------------
 
@@ -167,7 +165,7 @@ class HeaveNode(LifecycleNode):
         name = self.resolve_topic_name(topic.name)
         options = overriding_options(self, name, PUBLISHER, is_lockstep=self.run.is_lockstep)
         output = Output(self._publisher(topic, options))
-        self._outputs.append(output)
+        self._ports.outputs.append(output)
         return output
 
     def add_input(
@@ -207,11 +205,11 @@ class HeaveNode(LifecycleNode):
             holds_ahead=holds_ahead and not self.run.is_lockstep,
             settles=settles and self.run.is_lockstep,
         )
-        self._inputs.append(port)
+        self._ports.inputs.append(port)
         decode = decoder_of(topic, fields)
 
         def decode_external(data: bytes) -> tuple[int | None, Any]:
-            self._input_timings[port.name].arrived()
+            self._ports.timings[port.name].arrived()
             stamp, content = decode(data)
             if stamp is None:
                 return stamp, content
@@ -220,7 +218,7 @@ class HeaveNode(LifecycleNode):
             return stamp, stamped(content, stamp)
 
         if is_external:
-            self._input_timings[port.name] = InputTiming(port.name)
+            self._ports.timings[port.name] = InputTiming(port.name)
             clock = self.clocks[port.name] = ExternalClock(self.run.clock_rule(topic.publisher))
         self.add_raw_input(topic, decode_external if is_external else decode)
         return port
@@ -262,13 +260,13 @@ class HeaveNode(LifecycleNode):
 
         qos = reader_qos_of(topic.role, is_external=is_external)
         options = overriding_options(self, name, SUBSCRIPTION, is_lockstep=self.run.is_lockstep)
-        self._input_subscriptions[name] = self._subscription(topic, on_data, qos, options)
+        self._ports.subscriptions[name] = self._subscription(topic, on_data, qos, options)
 
     def take(self, port: Input) -> list[Any]:
         """Return what is new in this tick on the input `port`, oldest first."""
         assert self.tick is not None
-        if port.name in self._input_timings:
-            self._input_timings[port.name].used()
+        if port.name in self._ports.timings:
+            self._ports.timings[port.name].used()
         return port.take(self.tick)
 
     def create_protocol_subscription(
@@ -339,13 +337,15 @@ class HeaveNode(LifecycleNode):
         except Exception as error:  # rclpy would swallow it and say only that the transition failed
             self.fail(one_line(error, type(self)), error)
             return TransitionCallbackReturn.ERROR
-        self._join_timer = self.create_timer(JOIN_PERIOD, self._publish_join_until_started, clock=steady_clock())
+        join_timer: Timer = self.create_timer(
+            JOIN_PERIOD, lambda: self._join_until_started(join_timer), clock=steady_clock()
+        )
         return super().on_configure(state)
 
     def _refuse_unused_overrides(self) -> None:
         """Refuse a quality of service for a topic that this node does not have: it would be lost silently."""
-        publishers = {(output.topic, PUBLISHER) for output in self._outputs}
-        readers = {(topic, SUBSCRIPTION) for topic in self._input_subscriptions}
+        publishers = {(output.topic, PUBLISHER) for output in self._ports.outputs}
+        readers = {(topic, SUBSCRIPTION) for topic in self._ports.subscriptions}
         unused = unused_overrides(self, publishers | readers)
         if unused:
             known = sorted({topic for topic, _ in publishers | readers})
@@ -380,9 +380,9 @@ class HeaveNode(LifecycleNode):
         """Return whether this node could begin tick 1."""
         return self.is_active
 
-    def _publish_join_until_started(self) -> None:
+    def _join_until_started(self, timer: Timer) -> None:
         if self.has_started:
-            self._join_timer.cancel()
+            timer.cancel()
         else:
             self.publish_join()
 
@@ -401,10 +401,10 @@ class HeaveNode(LifecycleNode):
                 ready=self.is_ready(),
                 lag=self.lag,
                 after=list(self.gate.after),
-                outputs=[output.topic for output in self._outputs],
-                matched_subscriptions=[output.publisher.get_subscription_count() for output in self._outputs],
-                inputs=list(self._input_subscriptions),
-                matched_publishers=[s.get_publisher_count() for s in self._input_subscriptions.values()],
+                outputs=[output.topic for output in self._ports.outputs],
+                matched_subscriptions=[output.publisher.get_subscription_count() for output in self._ports.outputs],
+                inputs=list(self._ports.subscriptions),
+                matched_publishers=[s.get_publisher_count() for s in self._ports.subscriptions.values()],
                 waiting_for=waiting_for,
                 least_delay=self.least_delay,
                 failure=self.failure,
@@ -413,7 +413,7 @@ class HeaveNode(LifecycleNode):
 
     def begin_outputs(self) -> None:
         """Forget on every output the messages of the previous tick."""
-        for output in self._outputs:
+        for output in self._ports.outputs:
             output.begin_tick()
 
     def flush_deferred(self) -> None:
@@ -421,22 +421,22 @@ class HeaveNode(LifecycleNode):
         self.fail_on_error(self._flush_outputs)
 
     def _flush_outputs(self) -> None:
-        for output in self._outputs:
+        for output in self._ports.outputs:
             output.flush_deferred()
 
     def resend_outputs(self) -> None:
         """Send every message of this tick again."""
-        for output in self._outputs:
+        for output in self._ports.outputs:
             output.resend()
 
     def published_counts(self) -> list[int]:
         """Return the number of messages published so far on each output."""
-        return [output.published for output in self._outputs]
+        return [output.published for output in self._ports.outputs]
 
     def reset_run(self) -> None:
         """Drop what was received in the previous run, and make a new component."""
         self.gate.clear()
-        for port in self._inputs:
+        for port in self._ports.inputs:
             port.reset()
         self.fail_on_error(self.on_reset)
 
@@ -463,7 +463,7 @@ class HeaveNode(LifecycleNode):
 
     def diagnose_timing(self) -> list[Health]:
         """Return how the messages of external nodes arrive, in wall time; nothing in lockstep."""
-        return [part for timing in self._input_timings.values() for part in timing.diagnose()]
+        return [part for timing in self._ports.timings.values() for part in timing.diagnose()]
 
     def diagnose_inputs(self) -> list[Health]:
         """Return what is to be said of the clocks of external nodes, and of messages that were refused."""
@@ -475,7 +475,7 @@ class HeaveNode(LifecycleNode):
             else Health(f"clock of {topic}", Level.OK, clock.describe())
             for topic, clock in self.clocks.items()
         ]
-        for port in self._inputs:
+        for port in self._ports.inputs:
             if port.early:
                 parts.append(alarm_health(f"input {port.name}", NODE_ALARMS.alarm("INPUT_EARLY", count=port.early)))
             if port.late:

@@ -20,7 +20,7 @@ from heave_node.ros.silence import Patience, Silence
 from heave_node.tick import malformed
 from heave_node.tick.protocol import TickDone, TickStart
 from heave_node.tick.punctuality import Punctuality
-from heave_node.tick.speakers import ANYONE
+from heave_node.tick.roster import KnownRoster
 from heave_node.tick.tick import Tick
 
 CATCH_UP_SHARE = 0.4
@@ -62,11 +62,8 @@ class ParticipantNode(HeaveNode):
         self.punctuality = Punctuality()
         self._starts: deque[TickStart] = deque()
         self._answered: TickStart | None = None
-        self._roster_epoch = 0
         self._roster: TickRoster | None = None
-        self._identities: dict[str, str] = {}
-        self._output_counts: dict[str, int] = {}
-        self._master = self._other_master = ""
+        self._known = KnownRoster()
         self._early: deque[Callable[[], None]] = deque(maxlen=HELD_MESSAGES)
         self._silence = Silence()
         self._patience = Patience()
@@ -93,8 +90,8 @@ class ParticipantNode(HeaveNode):
             if not self.has_started:
                 self._early.append(lambda: on_done(message, identity))
                 return
-            expect_sender(identity, self._identities.get(node, ANYONE))
-            expect_no(malformed.fault_in_done(message, self._output_counts.get(node, 0)))
+            expect_sender(identity, self._known.identity_of(node))
+            expect_no(malformed.fault_in_done(message, self._known.outputs_of(node)))
             self.gate.peer_done(node, message.epoch, message.tick, message.published)
             self._advance()
 
@@ -104,16 +101,14 @@ class ParticipantNode(HeaveNode):
         """Take the roster of the run that this very process takes part in, and the process that sent it as master."""
         expect_no(malformed.fault_in_roster(message))
         if self.has_started:
-            expect_sender(identity, self._master)
+            expect_sender(identity, self._known.master)
             if message == self._roster:
                 return  # sent again for one that has not got it
         elif (self.name, self.identity) not in zip(message.nodes, message.identities, strict=True):
-            self._other_master = identity
+            self._known.other_master = identity
             return
-        self._master, self._roster = identity, message
-        self._identities = dict(zip(message.nodes, message.identities, strict=True))
-        self._output_counts = {node: list(message.nodes).count(node) for node in self._identities}
-        self._entries = len(message.nodes)
+        self._roster = message
+        self._known.take(identity, message.epoch, message.nodes, message.identities)
         self.on_roster(message)
         early, self._early = self._early, deque(maxlen=HELD_MESSAGES)
         for handle in early:
@@ -124,7 +119,6 @@ class ParticipantNode(HeaveNode):
         """Begin a run: `message` says who takes part and how messages are counted."""
         self._silence.end()
         self.gate.set_roster(message.nodes, message.topics, message.identities)
-        self._roster_epoch = message.epoch
         self.has_started = True
         if round(message.tick_period * 1e9) != self.run.tick_nanoseconds:
             self.fail(
@@ -139,8 +133,8 @@ class ParticipantNode(HeaveNode):
             self._early.append(lambda: self._on_start(message, identity))
             self._leave_foreign_run(message, identity)
             return
-        expect_sender(identity, self._master)
-        expect_no(malformed.fault_in_start(message, self._entries))
+        expect_sender(identity, self._known.master)
+        expect_no(malformed.fault_in_start(message, len(self._known.nodes)))
         self._silence.end()
         newest = self._starts[-1] if self._starts else self._answered
         if newest is None or _order(message) > _order(newest):
@@ -205,7 +199,7 @@ class ParticipantNode(HeaveNode):
 
     def _leave_foreign_run(self, message: TickStart, identity: str) -> None:
         """End this node where the run that is under way began without it."""
-        if self.run.is_lockstep and self._other_master == identity and message.tick > 1 + self.lag:
+        if self.run.is_lockstep and self._known.other_master == identity and message.tick > 1 + self.lag:
             self.fail(
                 f"started too late: a run is already at tick {message.tick} in this ROS domain; wait for its end, or "
                 "set another ROS_DOMAIN_ID"
@@ -214,7 +208,7 @@ class ParticipantNode(HeaveNode):
     def _begin_next(self) -> None:
         """Enter the oldest tick of the queue, once its roster is known."""
         self._jump_if_behind()
-        if not self._starts or self._starts[0].epoch > self._roster_epoch:
+        if not self._starts or self._starts[0].epoch > self._known.epoch:
             return
         start = self._starts[0]
         if start.epoch > self.epoch:
@@ -323,7 +317,7 @@ class ParticipantNode(HeaveNode):
 
     def _on_status(self, message: TickStatus, identity: str) -> None:
         if self.has_started:
-            expect_sender(identity, self._master)
+            expect_sender(identity, self._known.master)
         expect_no(malformed.fault_in_status(message))
         self._silence.end()
         if self.message_sent:
@@ -342,7 +336,7 @@ class ParticipantNode(HeaveNode):
         limit = self.run.participant_timeout if self.has_started else self.run.start_timeout
         silence = self._silence.look()
         if (self.is_active or self.has_started) and silence > limit:
-            name = f" {self._roster.nodes[0]}" if self._roster is not None and self._roster.nodes else ""
+            name = "".join(f" {node}" for node in self._known.nodes[:1])
             self.fail(f"no message from the clock master{name} for {silence:.1f} s")
 
     def wait_until_heard(self) -> None:

@@ -5,17 +5,20 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.subscription import Subscription
 
 from heave_node.cdr.layout import LayoutError
 from heave_node.interface.messages import MessageReader, message_type
 from heave_node.interface.sensors import WireReading
 from heave_node.interface.topic import Topic
-from heave_node.ros.transport.exchange import LocalPublisher
+from heave_node.ros.input_timing import InputTiming
+from heave_node.ros.transport.exchange import LocalPublisher, LocalSubscription
 from heave_node.ros.transport.qos import STREAM_DEPTH
 from heave_node.tick.gate import TickGate
 from heave_node.tick.tick import Tick, nanoseconds_of, stamp_of
@@ -217,3 +220,20 @@ class Input:
         is_old = stamp is not None and stamp < now - round(self.lifespan * 1e9)
         self.late += is_old
         return not is_old
+
+
+@dataclass
+class Ports:
+    """All that a node publishes and reads within ticks.
+
+    Attributes
+    ----------
+    outputs, inputs : in the order in which they were added
+    timings : of inputs of external nodes, by topic
+    subscriptions : by resolved topic
+    """
+
+    outputs: list[Output] = field(default_factory=list)
+    inputs: list[Input] = field(default_factory=list)
+    timings: dict[str, InputTiming] = field(default_factory=dict)
+    subscriptions: dict[str, Subscription[Any] | LocalSubscription] = field(default_factory=dict)

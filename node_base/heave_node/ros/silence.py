@@ -1,5 +1,5 @@
-"""How long another node has been silent, as far as this process could have heard it, and how long to wait for what may
-never come.
+"""Waits in wall time: how long another node has been silent, as far as this process could have heard it, how long to
+wait for what may never come, and when to send or say it again.
 """
 
 from __future__ import annotations
@@ -63,3 +63,71 @@ class Patience:
         if missing != self._missing:
             self._missing, self._since = missing, now
         return now - self._since >= self._seconds
+
+
+class Lasting:
+    """A finding that counts once it has stood for a while: at first it may be that not all is known.
+
+    Parameters
+    ----------
+    seconds : for which it must have stood [s]
+    clock : returns the wall time [s]
+    """
+
+    def __init__(self, seconds: float, clock: Callable[[], float] = time.monotonic) -> None:
+        self._seconds, self._clock = seconds, clock
+        self._found, self._since = "", 0.0
+
+    def settled(self, found: str) -> str:
+        """Return what was `found`, in words, where that has been so for long enough, else ""; ask again and again."""
+        now = self._clock()
+        if found != self._found:
+            self._found, self._since = found, now
+        return found if now - self._since >= self._seconds else ""
+
+
+class MasterWaits:
+    """What the clock master waits for: answers to what it has sent, its next status, its next warning.
+
+    Parameters
+    ----------
+    clock : returns the wall time [s]
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._made_at = self._sent_at = self._warned_at = self._status_at = clock()
+        self._resend_wait = 0.0
+
+    @property
+    def age(self) -> float:
+        """Time since this was made [s]."""
+        return self._clock() - self._made_at
+
+    def sent(self, resend_wait: float) -> None:
+        """Note that a tick was sent; it is due to be sent again after `resend_wait` [s]."""
+        self._sent_at = self._warned_at = self._clock()
+        self._resend_wait = resend_wait
+
+    def is_resend_due(self) -> bool:
+        """Tell whether the tick is due to be sent again; then it is twice as long before that is so again."""
+        now = self._clock()
+        if now - self._sent_at <= self._resend_wait:
+            return False
+        self._sent_at = now
+        self._resend_wait *= 2.0  # a slow machine must not get more to do each time
+        return True
+
+    def is_status_due(self, period: float) -> bool:
+        """Tell whether more than a `period` [s] has passed since the last status was due."""
+        now = self._clock()
+        is_due = now - self._status_at > period
+        self._status_at = now if is_due else self._status_at
+        return is_due
+
+    def is_warning_due(self, period: float) -> bool:
+        """Tell whether more than a `period` [s] has passed since the last warning was due, or the tick was sent."""
+        now = self._clock()
+        is_due = now - self._warned_at > period
+        self._warned_at = now if is_due else self._warned_at
+        return is_due

@@ -1,9 +1,11 @@
-"""Who takes part in a run: what the clock master knows of each participant, without ROS."""
+"""Who takes part in a run: what the clock master knows of each participant, and they of one another; without ROS."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+
+from heave_node.tick.speakers import ANYONE
 
 NOT_WAITED_FOR = 2**32 - 1
 """Lag of a participant that nobody waits for, not even at the end: it works beside the ticks, and may be gone."""
@@ -174,3 +176,41 @@ class Roster:
         for (_, topic), count in zip(self._entries, self.counters, strict=True):
             totals[topic] = totals.get(topic, 0) + count
         return totals
+
+
+class KnownRoster:
+    """What a participant knows of the run that it takes part in, from the clock master's roster.
+
+    Attributes
+    ----------
+    master : process of the clock master, from the roster on
+    other_master : one whose run this process does not take part in
+    epoch : of the run
+    nodes : publisher of each counter; the clock master's come first
+    """
+
+    def __init__(self) -> None:
+        self.master = self.other_master = ""
+        self.epoch = 0
+        self.nodes: tuple[str, ...] = ()
+        self._identities: dict[str, str] = {}
+
+    def take(self, master: str, epoch: int, nodes: Sequence[str], identities: Sequence[str]) -> None:
+        """Take a roster.
+
+        Parameters
+        ----------
+        master : process that sent it
+        epoch : of its run
+        nodes, identities : publisher of each counter, and its process
+        """
+        self.master, self.epoch, self.nodes = master, epoch, tuple(nodes)
+        self._identities = dict(zip(nodes, identities, strict=True))
+
+    def identity_of(self, node: str) -> str:
+        """Return the process of a `node`; ANYONE where the roster does not name it."""
+        return self._identities.get(node, ANYONE)
+
+    def outputs_of(self, node: str) -> int:
+        """Return on how many topics a `node` publishes."""
+        return self.nodes.count(node)

@@ -8,8 +8,11 @@ sum the delay, which bounds the error (RFC 5905, section 8).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+
+from heave_node.ros.silence import Patience
 
 _SECOND = 1e9
 
@@ -26,11 +29,17 @@ class ClockOffset:
 
 
 class HostClocks:
-    """Offsets of the clocks of other nodes' hosts."""
+    """Offsets of the clocks of other nodes' hosts.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    clock : returns the wall time [s]
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._from: dict[str, float] = {}
         self._to: dict[str, float] = {}
+        self._patience = Patience(clock=clock)
 
     def heard(self, node: str, sent: int, arrived: int, least_delay: float) -> None:
         """Take in a message of a node.
@@ -53,6 +62,14 @@ class HostClocks:
             return None
         there, back = self._to[node], self._from[node]
         return ClockOffset(0.5 * (there - back), max(0.0, 0.5 * (there + back)))
+
+    def awaited(self, nodes: Iterable[str]) -> list[str]:
+        """Return those of the `nodes` whose offset is not known and may come yet: as long as one more becomes known.
+
+        A program that does not take part in the measurement is waited for no longer than `FLUSH_PATIENCE`.
+        """
+        unknown = [node for node in nodes if self.offset(node) is None]
+        return [] if unknown and self._patience.is_over(len(unknown)) else unknown
 
     def words(self, nodes: Mapping[str, str]) -> str:
         """Return the offsets of certain `nodes`, by name with the name of their host, in words; "" for none."""
