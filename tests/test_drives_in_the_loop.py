@@ -11,7 +11,7 @@ from heave_bringup.scenarios import load_scenario
 
 QUICK = ("cable_sim.segments=5", "winch_controller.law=lqg")
 KNOWN_LAG = ("winch_controller.lag.adaptation=false", "winch_controller.winch.time_constant=0.1")
-"""Friction and leakage change the pump drive's speed by some per cent, from which its lag cannot be told."""
+"""Friction and leakage change the pump drive's speed by some per cent, from which its lag cannot be distinguished."""
 SETTLED = 60.0
 """From here on the sea is at its height and compensation in force [s]."""
 

@@ -23,7 +23,7 @@ EVERY_NODE = "all"
 SHARED = ("system", "wanted")
 """Groups under `/**`, so that the command line needs no node before them."""
 MOST_PLACES = 3
-"""So many places are told where a parameter is elsewhere."""
+"""Most places that are named where a parameter stands elsewhere."""
 
 
 @dataclass(frozen=True)

@@ -136,7 +136,7 @@ def test_a_sea_is_not_said_to_be_lower_before_many_waves_have_been_seen_but_high
 
 
 def test_the_sea_that_is_seen_has_the_moments_that_were_seen():
-    """A sea of twice the height and other period than believed, after many waves."""
+    """A sea of twice the height and other period than assumed, after many waves."""
     belief, there = (
         parameters().sea,
         dataclasses.replace(parameters().sea, significant_wave_height=2.0, peak_period=9.5),

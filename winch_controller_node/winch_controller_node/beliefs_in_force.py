@@ -21,7 +21,7 @@ OWN = "encoder"
 
 
 class BeliefsInForce:
-    """Nominal parameters, and what is believed otherwise: the only home of belief in the core.
+    """Nominal parameters and the active beliefs: their only home in the core.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class BeliefsInForce:
     nominal : parameters as an operator has stated them
     beliefs : in force
     refused : answers that came too late, so far
-    corrected : owners of which another thing is believed since this tick: winch, cable, a sensor
+    corrected : owners whose assumed values have changed in this tick: winch, cable, a sensor
     has_moved_tip : the boom tip is taken to be elsewhere since this tick: what was seen of the sea is void
     """
 
@@ -72,12 +72,12 @@ class BeliefsInForce:
         return restated(self._first, self.nominal)
 
     def renew(self, nominal: WinchControllerParameters) -> None:
-        """Go by other `nominal` parameters; what is believed of the sea is void."""
+        """Go by other `nominal` parameters; beliefs about the sea are void."""
         self.nominal, self._pending = nominal, None
         self.beliefs = without_sea(self.beliefs)
 
     def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:
-        """Return the parameters under what is believed, were others `nominal`; what is believed of the sea is void."""
+        """Return the parameters under the active beliefs, were others `nominal`; beliefs about the sea are void."""
         return parameters_under(without_sea(self.beliefs), nominal)
 
     def _take(self, beliefs: Beliefs, tick: int) -> None:
@@ -87,7 +87,7 @@ class BeliefsInForce:
         |---|---|---|
         | limits, gain of the winch | stays | drum watch |
         | lag, delay, sea | carried over | drum watch (winch) |
-        | sensor, cable | the adviser's, followed up to now | surprise, guard's comparison |
+        | sensor, cable | the adviser's, followed up to now | consistency, guard's comparison |
         | MRU | the same | besides: what was seen of the sea |
         """
         before, self.beliefs = self.beliefs, beliefs

@@ -70,7 +70,7 @@ class WinchController:
 
     Parameters
     ----------
-    parameters : what it believes and how it works
+    parameters : the assumed plant, winch and sea, and how laws and modes act
     tick_period : [s]
     seed : taken like every component's; the controller itself draws no random number
 
@@ -518,13 +518,13 @@ class WinchController:
     # another design
 
     def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:
-        """Return the parameters under what is believed, were others `nominal`; the sea is as those say."""
+        """Return the parameters under the active beliefs, were others `nominal`; the sea is as those say."""
         return self._beliefs.under(nominal)
 
     def prepare_redesign(self, parameters: WinchControllerParameters) -> PreparedDesign:
         """Design again from other nominal `parameters` and change nothing yet: this may be done beside the ticks.
 
-        What is believed of winch, cable and sensors stays; the sea is as they say. Raises DesignError; states must be
+        Beliefs about winch, cable and sensors stay; the sea is as they say. Raises DesignError; states must be
         the same.
         """
         return self._in_force.prepared(self._beliefs.under(parameters), self.mean.point.payout)
@@ -555,7 +555,7 @@ class WinchController:
 
     @property
     def beliefs(self) -> Beliefs:
-        """What is believed otherwise."""
+        """Active beliefs."""
         return self._beliefs.beliefs
 
     @property

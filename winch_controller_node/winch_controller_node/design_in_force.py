@@ -81,7 +81,7 @@ class DesignInForce:
     def _carried(self, prepared: PreparedDesign) -> tuple[Array, Array]:
         """Return the matrix that takes a present state to one of another design, and the covariance that this adds.
 
-        Waves of another sea are told by the boom-tip motion that they bring about; every other state keeps its meaning,
+        Waves of another sea are carried by the boom-tip motion that they cause; every other state keeps its meaning,
         the chain of commands its newest.
         """
         old, new = self.design, prepared.design
@@ -102,7 +102,7 @@ class DesignInForce:
     def follow_length(self, payout: float) -> bool:
         """Take the scheduled design of the length that is out at a mean payout [m], when it has changed enough.
 
-        Tells whether it has.
+        Returns whether it has.
         """
         if self._schedule is None:
             return False
@@ -114,7 +114,7 @@ class DesignInForce:
         return True
 
     def take_design(self, parameters: WinchControllerParameters, design: ControllerDesign) -> tuple[Array, Array]:
-        """Put a `design` for other `parameters` in force: another winch, cable, sensor or sea is believed in.
+        """Activate a `design` for other `parameters`: another winch, cable, sensor or sea is assumed.
 
         Returns the matrix that takes a present state to one of the new design, shape (n_new, n), and the covariance
         that this adds, shape (n_new, n_new).

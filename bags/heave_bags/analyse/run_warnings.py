@@ -21,7 +21,7 @@ NOTABLE = 0.005
 MOST_LISTED = 3
 """Times, reasons or alarms that a warning lists."""
 LEAST_OF_WAITS = 0.05
-"""A reason that held for a smaller share of the time without compensation is not told."""
+"""A reason that held for a smaller share of the time without compensation is not reported."""
 ERROR = 2
 """Level of an alarm that is an error."""
 COUNTED = (

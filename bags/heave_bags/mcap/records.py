@@ -1,6 +1,6 @@
 """The records of an MCAP file by position: which bytes are a record, and where the next one begins after damage.
 
-A record is believed only if its length agrees with the lengths of its parts, since one flipped bit in a length would
+A record is accepted only if its length agrees with the lengths of its parts, since one flipped bit in a length would
 otherwise skip sound records without a word.
 """
 

@@ -1,4 +1,4 @@
-"""What an entrant is told beforehand, what it measures and what it commands: plain data, no ROS.
+"""What an entrant knows beforehand, what it measures and what it commands: plain data, no ROS.
 
 An entrant is a class. It is created for each run with the facts of the case, and asked once per sample time:
 

@@ -15,7 +15,7 @@ from heave_bringup.campaign.runs import CaseResult, Task
 
 
 def digest_of(tasks: Sequence[Task], version: str, files: Iterable[str] = ()) -> str:
-    """Return what tells campaigns apart: every value of every case, the files they read, the version of the program.
+    """Return what identifies a campaign: every value of every case, the files they read, the version of the program.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class Journal:
     Parameters
     ----------
     path : of the file
-    mark : what tells its campaign
+    mark : of its campaign
 
     Attributes
     ----------

@@ -76,7 +76,7 @@ def provenance(campaign: Campaign, mark: Mapping[str, str]) -> dict[str, str]:
     Parameters
     ----------
     campaign : that was run
-    mark : what tells it from others
+    mark : its identity
     """
     found = {name: version for name, version in versions().items() if version}
     return {

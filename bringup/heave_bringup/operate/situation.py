@@ -14,7 +14,7 @@ UNKNOWN = math.nan
 
 @dataclass
 class RunStatus:
-    """How the run goes, as its clock master tells.
+    """How the run goes, as reported by its clock master.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ class Situation:
 
     @property
     def time(self) -> float:
-        """Newest simulated time that anybody has told [s]."""
+        """Newest simulated time that any node has reported [s]."""
         return max((part.time for part in (self.run, self.controller, self.winch) if part is not None), default=0.0)
 
     @property

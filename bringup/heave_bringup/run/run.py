@@ -190,7 +190,7 @@ def _remove_unused(folder: RunFolder) -> None:
 def only_run_in_domain(namespace: str = "") -> Iterator[bool]:
     """Claim a ROS domain, or a `namespace` in it, of this user on this machine; tell whether no other run has it.
 
-    Runs that begin together do not see each other yet; the lock of a file, which ends with its process, tells which one
+    Runs that begin together do not see each other yet; the lock of a file, which ends with its process, shows which one
     was first.
     """
     place = "-".join([os.environ.get("ROS_DOMAIN_ID", "0"), *namespace.strip("/").split("/")]).rstrip("-")

@@ -57,7 +57,7 @@ def quiet(words: str, share: float) -> None:
 
 @dataclass(frozen=True)
 class Known:
-    """What a record has told.
+    """What a record has shown.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ def learn(
     told: tuple[Mapping[str, float], Mapping[str, float]] = (PRIOR, {}),
     show: Show = quiet,
 ) -> Known:
-    """Return what a `record` tells.
+    """Return what a `record` shows.
 
     Parameters
     ----------

@@ -441,7 +441,7 @@ class HeaveNode(LifecycleNode):
         self.fail_on_error(self.on_reset)
 
     def has_urgent_news(self) -> bool:
-        """Whether the health of this node must be told in this tick; for a node to say otherwise."""
+        """Whether the health of this node must be reported in this tick; for a node to say otherwise."""
         return False
 
     def publish_diagnostics(self, tick: Tick) -> None:

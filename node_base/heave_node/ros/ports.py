@@ -25,7 +25,7 @@ class Output:
     """A topic that a node publishes within ticks. It counts its messages and keeps those of this tick for a resend.
 
     `publish` sends at once: for what the next node waits for. `publish_deferred` counts at once, but makes and sends
-    the message only after this node has told the others that its part of the tick is done, so that they work meanwhile.
+    the message only after this node has reported its part of the tick done, so that the others work meanwhile.
 
     Parameters
     ----------

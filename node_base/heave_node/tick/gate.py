@@ -105,7 +105,7 @@ class Inbox:
 
 
 class TickGate:
-    """Tells whether a node has everything of the tick it is in.
+    """Decides whether a node has everything of the tick it is in.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ class Outcome:
     ----------
     worst, at : largest ratio of the unit to the uncompensated one over a minute, and where that begins [s]; NaN: no
         minute could be judged
-    worst_of_all : the same with the times that are excused
+    worst_of_all : the same with the allowed times
     begin : when compensation began [s]; NaN: never
     reason : why it never began, or too late to be judged; empty: it was judged
     has_true_reason : a sensor that the reason names gave nothing to read
@@ -54,7 +54,7 @@ class Outcome:
     is_alarmed : there was an alarm before the ratio reached `ALARMED`; None: it never did
     ticks : time that the controller's ticks took: median, 99.9 % and largest [ms]
     efficiency : of the unit, from 30 s after the beginning on; 0: it never began
-    told : the same where the controller was told; NaN: not run
+    told : the same with an informed controller; NaN: not run
     refused : what an operator asked for in vain
     failure : why the case could not be run; empty: it could
     seconds : that it took
@@ -92,7 +92,7 @@ def set_latency(latency: str) -> None:
 
 
 def run_case(case: Case, *, is_told: bool = False, duration: float = DURATION) -> Outcome:
-    """Run a case for a `duration` [s]; where `is_told`, once more with a controller that is told, if it can be."""
+    """Run a case for a `duration` [s]; where `is_told`, once more with an informed controller, if there can be one."""
     began = clock.monotonic()
     found = _run(case, duration)
     if is_told and case.told is not None and not found.failure:

@@ -31,7 +31,7 @@ LARGEST_FACTOR = 5.0
 
 
 def prior_of(winch: WinchModelParameters, largest: float) -> DrumPrior:
-    """Return what can be believed of a drum like the nominal `winch`; its delay differs by `largest` [s] at most."""
+    """Return the prior of a drum like the nominal `winch`; its delay differs by `largest` [s] at most."""
     nominal = drum_of(winch)
     limits = ("speed_out", "speed_in", "acceleration_out", "acceleration_in")
     lowest = nominal._replace(

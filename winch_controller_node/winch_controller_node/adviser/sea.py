@@ -40,7 +40,7 @@ LARGEST = 50.0
 """Largest weight of one squared innovation."""
 
 WORTH, FARTHER = 10.0, 60.0
-"""Another sea is believed where the record is so many nats likelier, and so many more for each factor of e by which its
+"""Another sea is assumed where the record is so many nats likelier, and so many more for each factor of e by which its
 periods differ from the nominal ones: two minutes are some fifteen waves, by chance of another period."""
 
 REFINEMENTS = (1.2, 1.1)
@@ -102,8 +102,8 @@ def likeliest_sea(
     ----------
     parameters, design : in force
     seas : that may be there
-    excerpt : the record; a short one tells nothing, and what the moments say is returned
-    history : what the sensors are believed to have been
+    excerpt : the record; one too short is not evaluated, and what the moments say is returned
+    history : assumed corrections of the sensors over the record
     """
     # its scale and lever arm are known by the motion of the unit alone
     mru = replace(parameters.sensors.mru, scale_sigma=0.0, lever_arm_sigma=0.0)

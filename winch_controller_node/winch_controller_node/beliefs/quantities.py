@@ -1,4 +1,4 @@
-"""What can be believed: one table of quantities, each with its unit and its place in the parameters.
+"""What the beliefs may replace: one table of quantities, each with its unit and its place in the parameters.
 
 A quantity that no belief names has its nominal value, which is what the parameters say.
 """

@@ -1,4 +1,4 @@
-"""Taking an estimate over to a design for another sea: waves are told by the boom-tip motion that they bring about.
+"""Carrying an estimate over to a design for another sea: waves are carried by the boom-tip motion that they cause.
 
 The states of a shaping filter mean something else in each sea. What must go on without a step is the boom tip's motion
 of the next seconds, which is all that the command depends on.

@@ -371,7 +371,7 @@ def _check_observability(
     """Refuse a sensor set that does not determine the state.
 
     Scale and lever arm show only in motion, so that a constant linear test cannot judge them: they need a sensor on the
-    unit or the cable that tells how much the boom tip really moves.
+    unit or the cable that shows how much the boom tip really moves.
     """
     use = parameters.sensors.use
     in_motion = (MRU_SCALE, LEVER_ARM_X, LEVER_ARM_Y)

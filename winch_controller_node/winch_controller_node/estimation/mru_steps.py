@@ -29,7 +29,7 @@ NEAR_MEAN, LEAST_NEAR = 0.25, 0.1
 
 
 class MruSteps:
-    """Tells whether the heave of an MRU has stepped away from what its rate says.
+    """Detects that the heave of an MRU has stepped away from the integral of its rate.
 
     Attributes
     ----------

@@ -1,7 +1,7 @@
 """The top tension: low-passed, and its mean over waves, which is what stays of it under a brake.
 
 Over waves the mean is the weight that the cable carries, for the mean acceleration of a unit that goes nowhere is 0:
-it tells one that stands from one that hangs, where a reading, or a low-pass of a second, tells the wave.
+it distinguishes one that stands from one that hangs, where a reading, or a low-pass of a second, shows the wave.
 """
 
 from __future__ import annotations

@@ -32,7 +32,7 @@ READING_COLUMNS = (
     "delivered",  # tick at which it was delivered
     "tick",  # to which it belongs
     "row",  # index in `rows`
-    "value",  # as read about its zero, in the sign of the model; corrections that are believed not applied
+    "value",  # as read about its zero, in the sign of the model; assumed corrections not applied
     "share",  # of it that the mean payout brings about
     "offset",  # how much later than its tick it was measured [ticks]
     "sigma",  # standard deviation of its noise

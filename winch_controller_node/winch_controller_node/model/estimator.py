@@ -89,7 +89,7 @@ class Innovation(NamedTuple):
 
 
 class RecordedTick(NamedTuple):
-    """What the estimator is told at a tick.
+    """Inputs of the estimator at a tick.
 
     Attributes
     ----------
@@ -165,7 +165,7 @@ class KalmanEstimator:
 
     @property
     def streams(self) -> dict[str, float]:
-        """Innovation of the last accepted reading, by name: what continues it is believed."""
+        """Innovation of the last accepted reading, by name: a reading that continues it is accepted."""
         found = zip(self.measurements, self._filter.streams.tolist(), strict=True)
         return {name: stream for name, stream in found if not math.isnan(stream)}
 
@@ -185,7 +185,7 @@ class KalmanEstimator:
         """
         offset, which = reading.offset, self._which.get(reading.name)
         if which is None:
-            # what is only witnessed is an output of the model
+            # a cross-check is an output of the model only
             row, change, bend = _with_differences(self.model.row(reading.name), self.model)
         else:
             table = self._filter_model

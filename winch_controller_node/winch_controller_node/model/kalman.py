@@ -52,7 +52,7 @@ class KalmanFilter(Protocol):
     def tick(self) -> int | None: ...  # noqa: D102
 
     def run(self, told: Told) -> Array:
-        """Go through a run of ticks; return what each reading said, shape (len(told.readings), 4)."""
+        """Go through a run of ticks; return the result of each reading, shape (len(told.readings), 4)."""
         ...
 
 

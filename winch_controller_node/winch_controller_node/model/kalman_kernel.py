@@ -251,12 +251,12 @@ def run(
     memory : of its past, changed in place
     used : ring of the tables of the readings used of each tick (k, most, 6 + n)
     x, P : state (n,) and covariance (n, n) of the newest tick, or to begin with
-    told : in the run
+    told : inputs of the run
 
     Returns
     -------
     x, P, used : at the end of the run
-    said : what each reading said, shape (len(told.readings), 4)
+    said : result of each reading, shape (len(told.readings), 4)
     """
     said, first = np.empty((len(told.readings), 4)), 0
     for step in told.steps:

@@ -61,7 +61,7 @@ class CommandTimeouts:
 
         Parameters
         ----------
-        fault : of the winch, as it told last
+        fault : of the winch, as reported last
         wants_compensation : the winch compensated up to now, or was to begin or to go on by itself
         is_stopped : the mode is stopped
         is_well : the link to the winch and all sensors are well, these for long enough where the winch was stopped for

@@ -228,7 +228,7 @@ class HarmGuard:
                 self._hold.is_kept_after(self._waves.time)
 
     def _check(self, motions: GuardedMotions, authority: float) -> None:
-        """Take the motions of a tick into the checks over seconds; doubt the estimate where the depth sensor does."""
+        """Take the motions of a tick into the checks; reject an estimate that the depth sensor contradicts."""
         change, self._authority_before = authority - self._authority_before, authority
         inertia = self._loop.inertia
         swings = Swings.of(motions, inertia)

@@ -48,7 +48,7 @@ RELEASE_TIME = 0.5
 """Time that the brake stays on before a braked winch is moved [s]: it acknowledges a latched fault."""
 
 RELEASED_TIME = 2.0
-"""A fault that was latched may still be told for so long after the brake was released [s]: commands take time."""
+"""Time after release of the brake for which a latched fault may still be reported [s]: commands take time."""
 
 BACK_TIME = 1.0
 """A lost sensor that has been back for so long [s] ends the fade-out that its loss has caused."""
@@ -101,7 +101,7 @@ REQUESTS = {
 
 
 class Situation(NamedTuple):
-    """What the mode machine is told each tick.
+    """Inputs of the mode machine at each tick.
 
     Attributes
     ----------
@@ -225,7 +225,7 @@ class Guard:
     Attributes
     ----------
     name : what must hold, in words
-    holds : tells whether it does
+    holds : returns whether it does
     why_not : says why it does not, with figures; None: the name says enough
     """
 

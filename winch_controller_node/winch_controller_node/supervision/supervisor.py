@@ -37,7 +37,7 @@ HANGING_SHARES = (0.7, 1.3)
 """A unit hangs whose cable carries on average a share of its weight between these, and that has not landed."""
 
 STANDING_TIME = 30.0
-"""Time over which the tension must have been averaged before it tells that a unit stands which no landing told of [s]:
+"""Averaging time of the tension after which it shows that a unit stands whose landing was not detected [s]:
 it holds a wave and a half of the longest swell, of 20 s."""
 
 MEAN_ERROR = 0.3
@@ -64,7 +64,7 @@ LONGEST_WAIT = 2.0
 
 
 class WinchSituation(NamedTuple):
-    """What supervision is told of the winch and its commands.
+    """Inputs of supervision about the winch and its commands.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class WinchSituation(NamedTuple):
     share : largest share of the sea that may be compensated with what is known of the winch
     inhibition : why compensation must be off; None: it need not
     fault_cause : why the winch has its fault, in words; empty: unknown
-    is_contrary : drum or encoder go the other way than it is sent: it is brought to rest until an operator asks for it
+    is_contrary : drum or encoder are reversed: the winch is brought to rest until an operator releases it
     mean_acceleration : with which the winch goes there [m/s^2]
     """
 
@@ -245,7 +245,7 @@ class Supervisor:
         wants_compensation = self.modes.wants_compensation
         is_stopped = self.modes.mode is Mode.STOPPED
         is_well = is_stopped and not self._lost(tick) and (self.modes.may_resume or not wants_compensation)
-        # also the link must be: what is told is that commands reach the winch again
+        # also the link must be: the report is that commands reach the winch again
         is_well = is_well and not winch.inhibition
         advice = self.timeouts.update(
             winch.fault, wants_compensation=wants_compensation, is_stopped=is_stopped, is_well=is_well
@@ -348,7 +348,7 @@ class Supervisor:
         return self._gates.for_tension(payout, self._limits, self.guard.demand)
 
     def _may_hang(self, tension: TensionMean) -> str:
-        """Return why a unit of which no landing has told counts as hanging, by the mean `tension`; empty: it stands."""
+        """Return why a unit whose landing was missed counts as hanging, by the mean `tension`; empty: it stands."""
         share, error = self._load.weight_share(tension.value), MEAN_ERROR * tension.sigma / self._load.weight
         least, most = HANGING_SHARES
         if least - error < share < most + error:
@@ -367,7 +367,7 @@ class Supervisor:
     def _may_damp(self, tick: LoopTick, lost: str) -> bool:
         """Tell whether the unit is to be damped in a fade-out: after harm, or without the encoder (`lost`).
 
-        What the winch was sent tells the payout for the while, and MRU and depth sensor the rest.
+        For that time payout is known from the commands sent, and the rest from MRU and depth sensor.
         """
         is_known = tick.sensed.has_depth and "depth" not in tick.sensed.lost and "mru" not in lost
         return self.guard.trusts_estimate and (self.guard.inhibits if not lost else is_known)

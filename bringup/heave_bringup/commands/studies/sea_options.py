@@ -55,7 +55,7 @@ def add_files(parser: argparse.ArgumentParser, name: str, result: str) -> None:
 
 
 def check_files(options: argparse.Namespace) -> None:
-    """Refuse endings of the files in `options` that would surprise, before anything is run."""
+    """Refuse endings of the files in `options` that name no format, before anything is run."""
     from heave_bringup.output import check_output
 
     check_output("--report", options.report, (".html",))

@@ -53,8 +53,8 @@ class CommandMap:
     layout : of a datagram; None: something else
     topic, type : of a message; "": something else
     orders : what is set in the message, in the datagram, or in the registers or nodes of the map's source
-    timeout : without a command for so long the winch is told to stop and brake [s]
-    supervision : where drum or brake do not follow their orders for so long it is told the same [s]; 0: not supervised
+    timeout : without a command for so long the winch is ordered to stop and brake [s]
+    supervision : where drum or brake do not follow their orders for so long it is stopped and braked [s]; 0: not done
     """
 
     link: Link | None = None

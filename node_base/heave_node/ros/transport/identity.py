@@ -3,7 +3,7 @@
 The identifier of a publisher (GID) begins, in every DDS, with the prefix of its participant: one per process. A sender
 cannot choose it, and no two processes share it. Fast DDS writes a number of the host into it, which it makes from the
 host's addresses: the same for all processes of a machine (of a container, where that has addresses of its own), but no
-name. A name is known only of hosts on which a node of this suite has told it (TickJoin). The number of a machine is
+name. A name is known only of hosts on which a node of this suite has reported it (TickJoin). The number of a machine is
 printed there by `python -m heave_node.ros.transport.identity`.
 """
 

@@ -28,7 +28,7 @@ class GovernedCommand(NamedTuple):
 
     Attributes
     ----------
-    value : command in the terms of the linear model: what the estimator is told
+    value : command in the terms of the linear model: the estimator's input
     active : names of the limits that shaped it
     sent : the same for the winch, whose acceleration limiter acts within the tick, and which has a gain of its own
     """

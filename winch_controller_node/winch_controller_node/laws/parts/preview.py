@@ -31,8 +31,8 @@ class PreviewUse:
 
     Attributes
     ----------
-    first, last : it must tell of all times ahead from the one to the other [s]
-    noise : standard deviation of its error that is believed [m]
+    first, last : it must cover all times ahead from the one to the other [s]
+    noise : assumed standard deviation of its error [m]
     """
 
     first: float
@@ -41,7 +41,7 @@ class PreviewUse:
 
 
 class PreviewReader:
-    """Tells what a preview says beyond the estimate.
+    """Returns what a preview predicts beyond the estimate.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class PreviewReader:
 
     Attributes
     ----------
-    disturbances : of the states at each tick, per surprise, shape (ticks, n, m)
+    disturbances : of the states at each tick, per innovation of the preview, shape (ticks, n, m)
     use : what it wants of a preview
     """
 
@@ -89,7 +89,7 @@ class PreviewReader:
 def feedforward(
     model: LinearModel, gain: Array, sizes: Mapping[str, float], command_size: float, disturbances: Array
 ) -> Array:
-    """Return the best commands to come per surprise, shape (ticks, m), on top of u = -gain x.
+    """Return the best commands to come per innovation of the preview, shape (ticks, m), on top of u = -gain x.
 
     Parameters
     ----------

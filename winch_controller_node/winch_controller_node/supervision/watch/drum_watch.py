@@ -87,7 +87,7 @@ class DrumWatch:
     Parameters
     ----------
     winch : nominal
-    largest : most by which its delay may be believed to be longer [s]
+    largest : most by which the assumed delay may be longer [s]
     tick_period : [s]
     """
 
@@ -102,7 +102,7 @@ class DrumWatch:
         self._error_after(np.zeros(3))
 
     def take(self, believed: Mapping[str, float]) -> None:
-        """Go by what is `believed` of the winch from now on, by quantity."""
+        """Go by the `believed` winch from now on, by quantity."""
         self._drum = np.array(drum_of(self._nominal, believed), dtype=float)
 
     def reset(self, payout: float = 0.0) -> None:
@@ -163,7 +163,7 @@ class DrumWatch:
         return float(readings[-1] - predicted_reading(*sent, readings, self._drum, gain, half, self._dt))
 
     def ordered(self) -> Ordered | None:
-        """Return what the encoder reads of what the winch was ordered, as it is believed to be; None: unknown."""
+        """Return what the encoder reads of what the winch was ordered, with its assumed scale; None: unknown."""
         count = round(ORDERED_TIME / self._dt)
         readings = self._readings.last(count + 1)
         seen = np.isfinite(readings)

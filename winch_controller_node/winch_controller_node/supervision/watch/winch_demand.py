@@ -27,7 +27,7 @@ GROWING_PEAK = 2.35
 """Peak amplitude over standard deviation of its last waves then: the next ones are higher."""
 
 FIRST_LOOK = 120.0
-"""Time for which that is asked [s]: from then on what was seen before tells the one from the other."""
+"""Time for which that is asked [s]: from then on the earlier record distinguishes the two."""
 
 
 class WinchDemand:

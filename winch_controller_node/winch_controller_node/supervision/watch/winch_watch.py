@@ -72,7 +72,7 @@ class WinchWatch:
         self._cautious = 0.0
 
     def take(self, believed: Mapping[str, float]) -> None:
-        """Go by what is `believed` of the winch from now on, by quantity."""
+        """Go by the `believed` winch from now on, by quantity."""
         self.drum.take(believed)
         self._cautious = 0.0
 
