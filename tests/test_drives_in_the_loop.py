@@ -16,7 +16,7 @@ SETTLED = 60.0
 """From here on the sea is at its height and compensation in force [s]."""
 
 WEAK = "virtual_winch.pump_controlled.pump_displacement=20e-6"
-"""It holds the load, but is about half as fast as b4 asks for."""
+"""A drive that holds the load, but is about half as fast as b4 asks for."""
 
 
 def run(scenario: str, *settings: str, duration: float) -> LoopRecord:

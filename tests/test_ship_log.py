@@ -12,13 +12,13 @@ from winch_controller_node.parameters.model import SeaModelParameters, VesselMod
 from tests.campaigns.promise import LARGEST, TROUBLE, worst_window
 
 SCENARIO = "b3_deep_900"
-"""It assumes significant waves of 1.5 m at 10 s."""
+"""A scenario that assumes significant waves of 1.5 m at 10 s."""
 
 HEIGHT, PERIOD = 2.5, 12.0
-"""Of the sea in which the record was taken [m], [s]."""
+"""Sea in which the record was taken [m], [s]."""
 
 DURATION, JUDGED = 240.0, 90.0
-"""Of a run, and time from which on it is judged [s]."""
+"""Duration of a run, and time from which on it is judged [s]."""
 
 LARGEST_OVER_MATCHED = 1.3
 """Largest standard deviation of the unit over that under the belief that matches the record."""

@@ -18,7 +18,7 @@ from tests.campaigns.in_process import heave, judge
 from tests.campaigns.whatif import Recording, make_draw, run_draw, scenario_of
 
 TRUE_FIELDS = ("payout", "payout_rate", "payout_acceleration", "tension", "power")
-"""Of winch/state: what only a simulator knows."""
+"""Fields of winch/state that only a simulator knows."""
 
 
 def without_truth(bag, folder, *, topics=tuple(SELECTION)):

@@ -36,7 +36,7 @@ QOS_OVERRIDES = "qos_overrides."
 _RUN_NAMES = frozenset(info.name for info in describe(RunParameters))
 
 Values = dict[str, dict[str, Given]]
-"""What a file gives, by node (or `/**`) and dotted name, in the order of its sections."""
+"""Values of a file, by node (or `/**`) and dotted name, in the order of its sections."""
 
 
 @dataclass(frozen=True)

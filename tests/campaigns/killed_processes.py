@@ -45,7 +45,7 @@ OF_OTHERS = ("/boom_tip", "/mru", "/winch/command", "/winch/state", "/controller
 BEHIND = 0.5
 """Wall time by which the disk may be behind in real time, where a thread writes [s]."""
 STAMP = slice(4, 12)
-"""Where the stamp lies in a serialised message that begins with a header, or with a time."""
+"""Bytes of the stamp in a serialised message that begins with a header, or with a time."""
 LONGEST_START = 120.0
 LONGEST_DELAY = 8.0
 """Wall time from the first tick to the kill at most [s]."""

@@ -42,7 +42,7 @@ from tests.campaigns.draws.findings import blamed_by, changes_in
 
 SCENARIO = "b3_deep_900"
 DURATION = 240.0
-"""Of a run [s]."""
+"""Duration of a run [s]."""
 
 WINDOW, TROUBLE = WORSE_WINDOW, 30.0
 """Length of a window that is judged, and time after the beginning of compensation from which on they are [s]."""
@@ -68,10 +68,10 @@ AS_BELIEVED = {
     "wave_vessel.mru.high_pass_period": 1e3,
     "wave_vessel.mru.stamp_error": 0.0,
 }
-"""What a draw has that does not name it; a power and a period that nothing in these seas reaches stand for none."""
+"""Values of a draw that does not name them; a power and a period that nothing in these seas reaches stand for none."""
 
 NOISE_ROWS = dict(zip(("mru_heave", "mru_heave_rate", "unit_heave"), NOISES.items(), strict=True))
-"""The same by the names that findings have for the readings."""
+"""Noise by the names that findings have for the readings."""
 
 INERTIA, DAMPING, DRAG = (
     "winch_controller.cable_model.inertia_factor",
@@ -81,7 +81,7 @@ INERTIA, DAMPING, DRAG = (
 """Deviations of the plant."""
 
 USUAL_SPEED = 0.3
-"""Of the drum in the smallest of the seas [m/s]: what dead zone and play are small or large against."""
+"""Speed of the drum in the smallest of the seas [m/s]: the scale of dead zone and play."""
 
 Settings = Mapping[str, float]
 
@@ -110,7 +110,7 @@ TOLD: dict[str, Settings] = {
 """The belief of an informed controller about a sensor; of a scale, that it may be so far off."""
 
 LEARNING, TOLD_DURATION = 60.0, 400.0
-"""Such a sensor is known within this time of the beginning of compensation [s]; duration of such a run [s]."""
+"""Time from the beginning of compensation within which such a sensor is identified; duration of such a run [s]."""
 
 LARGEST_OVER_TOLD = 2.0
 """Largest standard deviation of the unit from then on over that under the informed belief."""

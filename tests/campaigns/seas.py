@@ -32,7 +32,7 @@ PERIODS = (6.0, 8.0, 10.0, 12.0, 14.0)
 """Peak periods [s]."""
 
 DURATION, TRANSIENT = 400.0, 130.0
-"""Of a first run, and of its beginning that is not judged [s]."""
+"""Duration of a first run, and of its beginning that is not judged [s]."""
 
 LARGEST = 1.3
 """Largest standard deviation of the unit over that of the matching belief."""

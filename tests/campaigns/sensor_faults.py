@@ -29,7 +29,7 @@ from tests.campaigns.promise import LARGEST, TROUBLE, worst_window
 SCENARIOS = ("b2_calm_300", "b3_deep_900", "b4_limit_900_tp10", "b10_real_mru_swell")
 LAWS = ("mpc", "lqg")
 DURATION = 300.0
-"""Of a run [s]."""
+"""Duration of a run [s]."""
 
 GROUPS = {
     "mru": "wave_vessel.mru",
@@ -37,7 +37,7 @@ GROUPS = {
     "load_cell": "cable_sim.sensors.load_cell",
     "encoder": "virtual_winch.encoder",
 }
-"""Where the faults of each sensor are drawn, by the controller's name of it."""
+"""Node and group of each sensor's faults, by the controller's name of it."""
 
 KINDS = ("scale", "scale", "freeze", "jump", "nan", "spike", "gap", "delay", "restart")
 """A wrong scale is drawn twice as often: no sample shows it."""

@@ -36,7 +36,7 @@ SCENARIOS = ("b2_calm_300", "b3_deep_900", "b4_limit_900_tp10", "b10_real_mru_sw
 RECORDED = ("off", "off", "mpc", "industrial", "lqg")
 LAWS = ("mpc", "industrial", "lqg", "off")
 DURATION, TRANSIENT = 240.0, 90.0
-"""Of a run, and of its beginning that is not judged [s]."""
+"""Duration of a run, and of its beginning that is not judged [s]."""
 
 WANTED = {"within 1 point": 0.8, "within 2 points": 0.95, "sigma 0.8 to 1.25": 0.9, "in its band": 0.85}
 """Shares of the pairs where the record is informative; of the bands no more than MOST_COVERED are to cover."""

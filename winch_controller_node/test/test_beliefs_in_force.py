@@ -224,7 +224,7 @@ def test_limits_are_used_a_little_less_and_need_no_design():
 
 ATOMS = (str, bytes, int, float, complex, bool, type(None), type, types.ModuleType, types.BuiltinFunctionType)
 KEPT = ("_first",)
-"""What redesigns are compared with: the parameters of the start, in beliefs in force and adviser."""
+"""Attributes that redesigns are compared with: the parameters of the start, in beliefs in force and adviser."""
 
 
 def held(root, kind):

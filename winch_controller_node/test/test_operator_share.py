@@ -25,7 +25,7 @@ INERTIA, DAMPING = 7.339769, 0.1906759
 """The 900 m system of thesis 6.2.6 as identified there."""
 
 LARGEST_SPEED, ACCELERATION, LAG = 2.0, 1.5, 0.2
-"""Of the winch of these tests [m/s], [m/s^2], [s]."""
+"""The winch of these tests [m/s], [m/s^2], [s]."""
 
 
 @settings(max_examples=40, deadline=None)

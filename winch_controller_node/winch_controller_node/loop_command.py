@@ -53,7 +53,7 @@ class TickCommand(NamedTuple):
 
 
 NO_COMMAND = TickCommand(IDLE, GovernedCommand(0.0, (), 0.0), 0.0, CommandShares())
-"""Before the first tick."""
+"""Command before the first tick."""
 
 
 class LoopCommand:

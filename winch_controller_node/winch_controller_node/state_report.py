@@ -15,7 +15,7 @@ from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.supervision.supervisor import Decision
 
 NOT_READ = Innovation(math.nan, math.nan, math.nan, accepted=False)
-"""What a measurement says in a tick without a reading of it."""
+"""Innovation of a measurement in a tick without a reading of it."""
 
 
 class ControllerTick(NamedTuple):

@@ -64,7 +64,7 @@ class Interval:
     level: int = 0
     """0 plain, 1 warning, 2 error."""
     reason: str = ""
-    """Of a mode: why it was taken, in the controller's words."""
+    """Reason of a mode, in the controller's words."""
 
 
 def words(code: WinchFault | WinchLimit | SensorLevel) -> str:

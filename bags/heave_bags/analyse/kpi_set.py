@@ -24,7 +24,7 @@ from heave_bags.signals import RunSignals, Signal
 
 NOT_KNOWN = math.nan
 SOURCES = ("estimated", "measured", "true")
-"""What a motion may come from, the least certain first."""
+"""Sources of a motion, the least certain first."""
 
 
 AFTER_CHANGE = 10.0
@@ -879,7 +879,7 @@ QUANTITIES: Mapping[str, tuple[str, float]] = {
     "m/s²": ("m/s²", 1.0),
     "W": ("kW", 1e-3),
 }
-"""In which unit people see a quantity, wherever they see it, and that over its SI unit: motion, force, ... power."""
+"""Unit in which each quantity is shown everywhere, and that over its SI unit: motion, force, ... power."""
 
 DEFINITION_OF: Mapping[str, KpiDefinition] = {definition.key: definition for definition in KPI_DEFINITIONS}
 

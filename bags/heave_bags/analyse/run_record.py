@@ -182,7 +182,7 @@ class RunRecord:
 
 
 TRUE, MEASURED, ESTIMATED = "true", "measured", "estimated"
-"""What a figure is made from: what only a simulator knows, a sensor, or the controller's estimate."""
+"""Sources of a figure: what only a simulator knows, a sensor, or the controller's estimate."""
 LAST_WORDS = 5_000_000_000
 """Time before the end of a bag within which every node publishes diagnostics [ns]."""
 STRAIN_KEY = "largest strain"

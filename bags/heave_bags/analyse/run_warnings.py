@@ -28,7 +28,7 @@ COUNTED = (
     "counted from when compensation first began, also the half minute after that and after a fault, and without "
     f"compensation as {100.0 * kpi.WORSE_FLOOR:g} cm at least"
 )
-"""What `worse_times` looks at, in words: more than the promise, which leaves that half minute out."""
+"""Time that `worse_times` checks, in words: more than the promise, which excludes that half minute."""
 OF_CONTROLLER = f"{topics.CONTROLLER_STATE.publisher}: "
 """Begins the alarms of the controller."""
 

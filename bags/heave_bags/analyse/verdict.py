@@ -22,7 +22,7 @@ LEAST_SHARE = 0.9
 """Compensation that was in force for a smaller share of the evaluation window is worth a line of its own."""
 
 FAILED, PASSED, NO_VERDICT = "FAILED", "passed", "none"
-"""What a verdict can be."""
+"""Verdicts."""
 
 RELATIONS = {"<=": "at most", "<": "below", ">=": "at least", ">": "above"}
 """The relations of criteria in words."""

@@ -83,7 +83,7 @@ class WinchReading:
 
 
 NO_WINCH_READING = WinchReading(payout=0.0, payout_rate=0.0, brake=True)
-"""In the first measurement of a run, where the winch has reported nothing yet."""
+"""The winch in the first measurement of a run, before it has reported anything."""
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,7 @@ RAMP = 10.0
 ROLL_OFF = 3.0
 """Frequency above which a boom tip is assumed to follow the waves less and less, over the peak frequency."""
 MAS409_PEAK_PERIOD = 10.0 / (0.8 * 0.44) ** 0.25
-"""Of the spectrum A/w^5 exp(-B/w^4) with B = 0.44 w1^4 and a mean period T1 = 10 s: w_p^4 = 4 B/5 [s]."""
+"""Peak period of A/w^5 exp(-B/w^4) with B = 0.44 w1^4 and a mean period T1 = 10 s: w_p^4 = 4 B/5 [s]."""
 
 ZINAGE_SEAS: dict[str, tuple[float, float, dict[str, float]]] = {
     "slight": (0.11, 6.0, {}),

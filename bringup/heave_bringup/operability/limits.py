@@ -30,7 +30,7 @@ one seed's limit. Of two seeds Student's t has one degree of freedom: 4.5 standa
 """
 
 LOST_LIMIT = "compensation lost"
-"""What limits where compensation is given up, or a case cannot be run."""
+"""Name of the limit where compensation is lost, or a case cannot be run."""
 
 CALM = {
     "dynamic_amplification": 1.0,

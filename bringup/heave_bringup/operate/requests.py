@@ -28,7 +28,7 @@ NODE_OF_DEVICE = {
     "encoder": WINCH,
     "winch": WINCH,
 }
-"""Which node simulates each device."""
+"""The node that simulates each device."""
 
 
 def plain_answer(response: Any) -> Answer:

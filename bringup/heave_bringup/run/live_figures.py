@@ -17,7 +17,7 @@ WINDOW = 60.0
 LEAST_TIME = 20.0
 """Simulated time before which there is no figure [s]: three waves."""
 LEAST_SAMPLES = 32
-"""Of a run much faster than real time few samples are seen: the window is longer then."""
+"""Least samples of a window: of a run much faster than real time few samples are seen, and the window is longer."""
 
 
 class LiveFigures:

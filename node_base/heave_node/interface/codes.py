@@ -62,7 +62,7 @@ RELEASE_WORDS = {
     WinchRelease.STANDSTILL: "waiting for the drum to stop, then for a command with brake off",
     WinchRelease.COMMAND: "waiting for a command with brake off",
 }
-"""What a latched fault waits for, in words."""
+"""Action that a latched fault waits for, in words."""
 
 COMMANDS, LATE = "commands", "late"
 """Part of the controller's diagnostics about its commands, and the value in it that counts those that came late."""

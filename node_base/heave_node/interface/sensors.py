@@ -191,7 +191,7 @@ _MRU_FIELDS = (
     *("heave", "heave_rate", "roll", "pitch", "status", "sequence"),
     *("heave_acceleration", "heave_sigma", "heave_rate_sigma"),
 )
-"""Of the message, and in this order of `MruReading` after its time."""
+"""Fields of the message, in the order of `MruReading` after its time."""
 
 _numbers_of_mru = attrgetter(*_MRU_FIELDS)
 

@@ -14,7 +14,7 @@ from typing import Any
 from heave_node.tick.speakers import ANYONE, Speakers, Standing
 
 _STAMP = slice(4, 12)
-"""Where a message that begins with a Header (or is a Clock) carries its stamp, behind the 4 bytes of encapsulation."""
+"""Bytes of the stamp in a message that begins with a Header (or is a Clock), after 4 bytes of encapsulation."""
 _NO_STAMP = bytes(8)
 _REMEMBERED = 16
 _HELD = 1000

@@ -40,10 +40,10 @@ from tests.campaigns.draws.journal import ROOT, Heading, Journal, JournalError, 
 from tests.campaigns.draws.workers import Task, run_tasks
 
 FOLDER = Path("runs") / "draws"
-"""Where journals are."""
+"""Folder of journals."""
 
 SHOWN = 5
-"""So many of the worst draws are printed at the end."""
+"""Number of the worst draws that are printed at the end."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -27,7 +27,7 @@ SCENARIOS = (
 LAWS = ("lqg", "mpc")
 
 DURATION = 390.0
-"""Of a run [s]."""
+"""Duration of a run [s]."""
 
 OPERATED = 0.35
 """Share of the draws with deviations in which an operation is under way besides."""

@@ -208,7 +208,7 @@ def comparison(drawn: Sequence[Drawn], before: Mapping[int, Outcome]) -> str:
 
 
 MOST_CHANGED = 8
-"""So many of those that changed most are printed."""
+"""Number of draws that changed most, which are printed."""
 
 
 def as_values(kind: str, figures: Figures) -> dict[str, object]:

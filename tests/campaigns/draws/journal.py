@@ -15,7 +15,7 @@ from tests.campaigns.draws.run import Outcome
 ROOT = Path(__file__).parents[3]
 PACKAGES = ("node_base", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "bringup/heave_bringup")
 DRAWING = ("chance", "deviation", "table", "seas", "operations", "lifts", "cases", "findings", "run")
-"""Where the code is that an outcome depends on: packages, and files beside this one."""
+"""Places of the code that an outcome depends on: packages, and files beside this one."""
 
 
 class JournalError(ValueError):

@@ -24,7 +24,7 @@ ALARMED = 1.5
 """Ratio to off that is not reached without an alarm."""
 
 TICK = 0.05
-"""Of all scenarios [s]."""
+"""Tick period of all scenarios [s]."""
 
 MOVE_LAG = 0.35
 """Delay and time constant of the winch of all scenarios [s]."""

@@ -14,7 +14,7 @@ from wave_vessel_node.vessel.motion import DEGREES_OF_FREEDOM
 from wave_vessel_node.vessel.rao import RaoError, ResponseTable
 
 _LONG_WAVES = 0.3
-"""Up to this frequency waves (of 690 m or more) are long to a ship [rad/s]."""
+"""Frequency up to which waves (of 690 m or more) are long to a ship [rad/s]."""
 
 
 def judged(path: Path, table: ResponseTable, questions: Sequence[str] = (), *, accept: bool) -> ResponseTable:

@@ -18,7 +18,7 @@ SMALLEST_LAG, LARGEST_LAG = 0.005, 2.0
 """Least time constant of a servo, and the most that it is above the nominal one [s]."""
 
 GAINS, LARGEST_DEADBAND, LARGEST_BACKLASH, LOWEST_LIMIT = (0.25, 4.0), 0.2, 0.2, 0.05
-"""What a drum can be at all: gain [-], dead zone [m/s], play [m], limits over the nominal ones [-]."""
+"""Range of a drum: gain [-], dead zone [m/s], play [m], limits over the nominal ones [-]."""
 
 LARGEST_UNEVENNESS, LARGEST_CREEP = 2.0, 0.2
 """Largest factor between the gains of paying out and hauling in [-], and creep beyond the nominal one [m/s]."""

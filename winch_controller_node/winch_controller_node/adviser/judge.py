@@ -108,7 +108,7 @@ STARTS = {
     STEP: np.array([-1.0, -0.3, 0.0, 0.3, 1.0]),
     DELAY: np.array([-0.2, -0.1, 0.0, 0.1, 0.2, 0.3]),
 }
-"""What is tried first: factors less 1, offsets [m], further delays [s]."""
+"""First values tried: factors less 1, offsets [m], further delays [s]."""
 
 LEAST_FACTOR = 0.1
 """A sensor that is to read ten times as much as it should has another fault."""

@@ -25,7 +25,7 @@ CONTRADICTS = "contradicts all others"
 """How a sensor is seen that is excluded and has no other fault."""
 
 BAD_IN_A_ROW = 3
-"""So many refused readings in a row make a sensor lost: alarm within 3 samples."""
+"""Number of refused readings in a row that make a sensor lost: alarm within 3 samples."""
 
 FIRST_SAMENESS, SAMENESS_MEMORY = 0.01, 200.0
 """Share of readings that are like the one before, of a sensor that does not read in steps, and readings over which that

@@ -35,7 +35,7 @@ class TensionMean(NamedTuple):
 
 
 NO_MEAN = TensionMean()
-"""Before the first reading."""
+"""The mean before the first reading."""
 
 
 class MeanTension:

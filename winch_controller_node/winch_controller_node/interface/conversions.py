@@ -35,7 +35,7 @@ _KNOWN = KnownSensors().by_name()
 
 
 WINCH_STATE = ("encoder_payout", "encoder_payout_rate", "brake", "fault", "command_sequence", "limits_hit")
-"""What the winch measures of itself; the truth in its state is not looked at."""
+"""Fields that the winch measures; the truth in its state is not read."""
 _winch_values = attrgetter(*WINCH_STATE)
 
 _ORDER_FIELDS = WinchOrder._fields

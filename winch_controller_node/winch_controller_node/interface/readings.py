@@ -58,7 +58,7 @@ class Lateness:
 
 
 ON_TIME = Lateness()
-"""No tick was late."""
+"""Lateness where no tick was late."""
 
 
 @dataclass(frozen=True)

@@ -71,7 +71,7 @@ class Zero(Enum):
     """What a reading counts from."""
 
     OWN = "own"
-    """As it is."""
+    """The unit is the reading's own."""
     FIRST_READING = "first_reading"
     """The first reading is zero, as the mean depth is not known."""
     STATIC_TENSION = "static_tension"

@@ -27,7 +27,7 @@ MISMATCH = AmplitudeLimit(time=8.0, ratio=0.8, floor=math.inf)
 """Depth sensor less estimate, against the uncompensated heave [m]."""
 
 FLOOR_FACTOR = 10.0
-"""These checks ignore heave below so many times `guard.floor`: that is left to the comparison over waves."""
+"""Multiple of `guard.floor` below which these checks ignore heave: that is left to the comparison over waves."""
 
 CATCH_UP_TIME = 15.0
 """Time that the drum is not checked after a lost sensor is back [s]: the law has to catch up with what it missed."""

@@ -136,7 +136,7 @@ class Situation(NamedTuple):
 
 
 NOTHING_KNOWN = Situation(lost="", has_estimate=False, winch_fault=WinchFault.NONE, harm="", speed=0.0)
-"""Before the first tick."""
+"""Inputs before the first tick."""
 
 
 class Memory(NamedTuple):
@@ -212,7 +212,7 @@ TICK_EVENTS: dict[Event, Callable[[View], bool]] = {
     Event.FADED: _has_faded,
     Event.AT_REST: lambda view: view.situation.speed < STANDSTILL or view.time > STOPPING_LIMIT,
 }
-"""What is looked for each tick, in this order."""
+"""Conditions checked each tick, in this order."""
 
 
 # guards

@@ -33,7 +33,7 @@ WRONG_INDEX = "its index states wrong times: some messages are not in the order 
 
 Times = tuple[int, int]
 _NOTHING = -1
-"""Before every sequence number."""
+"""A number below every sequence number."""
 
 
 class Span(NamedTuple):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from heave_bringup.scenarios import Scenario
 
 STRENGTHS = {"cable": ("breaking_force", "safety_factor"), "unit": (), "winch": ("rated_pull",)}
-"""What another cable or winch does not take over from the model's, whether its entry states it or not."""
+"""Values of the model that another cable or winch does not take over, whether its entry states them or not."""
 
 
 class Quantity(NamedTuple):

@@ -17,7 +17,7 @@ from heave_node.devices.maps.link import Link, read_link
 
 _FORM = re.compile(r"[ +-]?0?\d{0,2}(\.\d{1,2})?[a-zA-Z]?")
 ORDERS = ("payout", "payout_rate", "brake", "enable", "reset", "sequence", "watchdog")
-"""What can be sent to a winch: set-points, brake (1: stop and brake) and its opposite `enable`, `reset` (1: a latched
+"""Orders for a winch: set-points, brake (1: stop and brake), its opposite `enable`, `reset` (1: a latched
 fault is acknowledged), the number of the controller's command, and `watchdog`, which counts what is sent.
 """
 COUNTERS = ("sequence", "watchdog")

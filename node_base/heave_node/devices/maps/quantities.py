@@ -79,7 +79,7 @@ QUANTITIES: Mapping[str, Quantity] = {
     "fault": Quantity("number", 1e9),
     "watchdog": Quantity("number", 1e19),
 }
-"""By name; SI units, signs of `sample`."""
+"""Quantities by name; SI units, signs of `sample`."""
 NED_WAYS = {
     "heave": "down",
     "heave_rate": "down",
@@ -87,7 +87,7 @@ NED_WAYS = {
     "pitch": "bow up",
     "pitch_rate": "bow up",
 }
-"""What is positive where x is forward, y to starboard and z down; what is not here is as in the suite's own axes."""
+"""Positive direction of each where x is forward, y to starboard and z down; others are as in the suite's own axes."""
 
 OUTPUTS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "mru": ("heave", ("heave_rate", "heave_acceleration", "roll", "pitch", "roll_rate", "pitch_rate")),

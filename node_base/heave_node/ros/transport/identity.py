@@ -29,7 +29,7 @@ _OF_DDS = ("fastrtps", "cyclonedds", "connextdds")
 UNKNOWN_SENDER = "a node that has left"
 NAMELESS_SENDER = "a program without a ROS node name"
 _NO_NAME = "_NODE_NAME_UNKNOWN_"
-"""What the graph calls a publisher of a DDS program that is no ROS node, or whose node it does not know yet."""
+"""Name in the graph of a publisher that is no ROS node, or whose node is not known yet."""
 _FAST_DDS = bytes([0x01, 0x0F])
 """Vendor number at the start of Fast DDS's prefixes; 2 bytes for the host and 2 for the process follow."""
 
