@@ -253,7 +253,7 @@ def test_a_sea_beyond_the_winch_does_no_harm_while_it_grows(law):
 
 @pytest.mark.parametrize("number", [0, 7])
 def test_a_noisy_sensor_is_not_blamed_before_its_noise_is_known(number):
-    """Depth sensors with four to five times the assumed noise were suspect for spikes in the first 10 s.
+    """Depth sensors with four to five times the assumed noise were `suspect` for spikes in the first 10 s.
 
     It is reported after 130 readings, 13 s.
     """

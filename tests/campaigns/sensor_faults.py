@@ -4,7 +4,7 @@
 
 One sensor of one of four scenarios is at fault, from the start or in mid-run, for a time or to the end. A draw is kept
 whose unit is never worse than 1.05 times the uncompensated one over any minute that begins 30 s after the trouble does,
-or after it ends; where encoder or motion reference unit are lost, or the encoder goes the other way from the start, so
+or after it ends; where encoder or motion reference unit are lost, or the encoder is reversed from the start, so
 that the winch has to stop, than 1.2 times: a unit that is let go at rest swings at first. Components run in this
 process. What is named besides the sensor is printed.
 """
@@ -40,7 +40,7 @@ GROUPS = {
 """Node and group of each sensor's faults, by the controller's name of it."""
 
 KINDS = ("scale", "scale", "freeze", "jump", "nan", "spike", "gap", "delay", "restart")
-"""A wrong scale is drawn twice as often: no sample shows it."""
+"""A scale error is drawn twice as often: no sample shows it."""
 
 LOST_KINDS, LARGEST_LOST = ("freeze", "nan", "gap", "restart"), 1.2
 """Kinds that leave nothing to read, and the largest ratio where the winch has to stop."""

@@ -74,7 +74,8 @@ class Pair:
     ----------
     draw, law : which
     efficiency, true_efficiency, sigma, true_sigma : as predicted and as it was [-], [m]
-    band : of the efficiency; tells : the record identifies what this answer needs
+    band : of the efficiency
+    tells : the record identifies what this answer needs
     warned : something was said against it
     lost, true_lost : compensation was given up, as predicted (probability) and as it was
     """

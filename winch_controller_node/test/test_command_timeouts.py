@@ -1,4 +1,4 @@
-"""A hiccup between controller and winch: compensation goes on by itself, unless it comes again and again."""
+"""A hiccup between controller and winch: compensation resumes automatically, unless it comes again and again."""
 
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters

@@ -506,7 +506,7 @@ def test_a_motion_reference_unit_of_the_wrong_sign_is_contradicted_by_the_depth_
 
 
 def test_the_regulator_of_the_unit_alone_compensates_and_does_no_harm_where_it_takes_the_winch_to_its_limits():
-    """Without limits it would leave 12 % here (stationary prediction); its share of the sea is what the winch bears."""
+    """Without limits it would leave 12 % here (stationary prediction); its authority is what the winch bears."""
     record = ClosedLoop(loop_parameters(law="lqr", duration=150.0)).run()
     assert not {alarm.code for _, alarm in record.alarms} & HARMFUL
     assert record.unit_sigma(60.0) < 0.5 * record.uncompensated_sigma(60.0)

@@ -47,7 +47,7 @@ def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), limite
 
 
 def test_a_drum_as_believed_is_where_it_was_foreseen():
-    """Readings in millimetres: what a second of them foresees for the next is some millimetres at the most."""
+    """Readings in millimetres: what a second of them predicts for the next is some millimetres at the most."""
     _, errors, _ = watched()
     assert np.max(np.abs(errors)) < 4e-3
 

@@ -1,4 +1,4 @@
-"""A drum, or an encoder, that goes the other way than the winch was sent, in a closed loop of benchmark B3.
+"""A drum, or an encoder, that is reversed, in a closed loop of benchmark B3.
 
 Its unit swings by 0.3 m (1 sigma) where it is let be; it compensates from 23 s on.
 """
@@ -21,7 +21,7 @@ TURNED_OVER = {"kind": ["scale"], "start": [0.0], "duration": [0.0], "magnitude"
 
 
 def loop_of(who):
-    """Return a loop in which `who` goes the other way from the start."""
+    """Return a loop in which `who` is reversed from the start."""
     settings = [f"all.duration={END}", "all.seed=1"]
     if who == "encoder":
         settings += [f"virtual_winch.encoder.faults.{name}={value}" for name, value in TURNED_OVER.items()]

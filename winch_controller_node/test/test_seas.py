@@ -73,7 +73,7 @@ def test_a_sea_as_believed_is_kept(found, seed):
 def test_a_sea_of_another_period_is_found(found, period):
     belief, truth = parameters(WIND_SEA), parameters(WIND_SEA, {"sea.peak_period": period})
     sea = found(belief, truth)
-    # neighbours are a tenth apart, and one that is nearer to the belief is preferred where both foresee it as well
+    # neighbours are a tenth apart, and one that is nearer to the belief is preferred where both predict it as well
     assert sea.peak_period == pytest.approx(period, rel=0.1)
     assert sea.significant_wave_height == pytest.approx(1.5, rel=0.1)
 

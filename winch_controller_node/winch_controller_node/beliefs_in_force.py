@@ -1,4 +1,4 @@
-"""The beliefs in force, and the one way in which another answer of the adviser comes into force."""
+"""The active beliefs, and the one way in which another answer of the adviser becomes active."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class BeliefsInForce:
     Attributes
     ----------
     nominal : parameters as an operator has stated them
-    beliefs : in force
+    beliefs : the active ones
     refused : answers that came too late, so far
     corrected : owners whose assumed values have changed in this tick: winch, cable, a sensor
     has_moved_tip : the boom tip is taken to be elsewhere since this tick: what was seen of the sea is void
@@ -48,7 +48,7 @@ class BeliefsInForce:
         self.has_moved_tip = False
 
     def offer(self, beliefs: Beliefs, next_tick: int) -> bool:
-        """Take `beliefs`, in force LATENCY after they were asked for; tell whether in time for `next_tick`."""
+        """Take `beliefs`, active LATENCY after they were asked for; return whether in time for `next_tick`."""
         if beliefs.asked + self._latency < next_tick:
             self.refused += 1
             return False
@@ -56,7 +56,7 @@ class BeliefsInForce:
         return True
 
     def follow(self, tick: int) -> list[Alarm]:
-        """Put in force before a `tick` what is due; return what is new."""
+        """Activate before a `tick` what is due; return what is new."""
         self.corrected, self.has_moved_tip = set(), False
         pending = self._pending
         if pending is None or pending.asked + self._latency > tick:
@@ -68,7 +68,7 @@ class BeliefsInForce:
 
     @property
     def restated(self) -> tuple[tuple[str, float], ...]:
-        """Parameters that an operator has stated anew, by path."""
+        """Parameters that an operator has restated, by path."""
         return restated(self._first, self.nominal)
 
     def renew(self, nominal: WinchControllerParameters) -> None:

@@ -61,7 +61,7 @@ class LoopCommand:
 
     Parameters
     ----------
-    design : in force; law : of it, for compensation
+    design : the active one; law : of it, for compensation
 
     Attributes
     ----------

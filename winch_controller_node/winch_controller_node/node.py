@@ -325,7 +325,7 @@ class WinchControllerNode(ParticipantNode):
         return response
 
     async def _redesign(self, parameters: WinchControllerParameters) -> ControllerDesign:
-        """Design beside the ticks, in real time, and return the design once it is in force."""
+        """Design beside the ticks, in real time, and return the design once it is active."""
         if self.run.is_lockstep:
             return self.controller.redesign(parameters)
         if self._redesign_wanted is not None:
@@ -338,7 +338,7 @@ class WinchControllerNode(ParticipantNode):
         return self.controller.design
 
     def _take_redesign(self) -> None:
-        """Put a design that has been prepared in force, between two ticks."""
+        """Activate a prepared design between two ticks."""
         if self._redesign_wanted is None:
             return
         beside, nominal, in_force = self._redesign_wanted

@@ -162,7 +162,7 @@ def winch_faults(winch: Fields) -> list[Interval]:
 
 
 def sensor_alarms(state: Fields) -> list[Interval]:
-    """Return when the controller held a sensor as suspect or lost, from the columns of its `state`."""
+    """Return when the controller held a sensor as `suspect` or `lost`, from the columns of its `state`."""
     found: list[Interval] = []
     for index in state.indices("sensors[].level"):
         levels, names = state.codes(f"sensors[{index}].level"), state.texts(f"sensors[{index}].sensor")

@@ -1,5 +1,5 @@
 """What a reader of a run must be warned of: parts with a small safety factor, compensation that did harm, that was
-seldom in force, that others beat.
+seldom active, that others beat.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ def worse_than_off(record: RunRecord) -> list[str]:
 
 
 def why_not_in_force(record: RunRecord, values: Mapping[str, float]) -> list[str]:
-    """Return in words why compensation was seldom in force, or never, where nobody had asked for that.
+    """Return in words why compensation was seldom active, or never, where nobody had asked for that.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def why_not_in_force(record: RunRecord, values: Mapping[str, float]) -> list[str
 
 
 def _reasons(record: RunRecord, waits: list[events.Interval]) -> list[str]:
-    """Return for how long compensation was not in force for which reason, the longest first."""
+    """Return for how long compensation was not active for which reason, the longest first."""
     spent: dict[str, float] = {}
     words: dict[str, str] = {}
     for wait in waits:

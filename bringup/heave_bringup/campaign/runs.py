@@ -46,7 +46,7 @@ class Task:
 
     @property
     def text(self) -> str:
-        """All values in force as a scenario file has them: what repeats the case."""
+        """All active values as a scenario file has them: what repeats the case."""
         return sections_text(stored_sections(self.scenario), title=stored_title(self.scenario))
 
     @property

@@ -71,7 +71,7 @@ def settings_of(frame: pandas.DataFrame) -> list[str]:
 
 
 def provenance(campaign: Campaign, mark: Mapping[str, str]) -> dict[str, str]:
-    """Return what the file of a table says of itself.
+    """Return the header of a table's file.
 
     Parameters
     ----------

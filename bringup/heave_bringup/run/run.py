@@ -236,7 +236,7 @@ def nodes_to_start(scenario: Scenario, foreign: Sequence[str] = ()) -> list[str]
 
 
 def store_scenario(scenario: Scenario, folder: RunFolder, replaced: Sequence[str] = ()) -> None:
-    """Write the parameter file that the nodes get and the bag carries: all values in force.
+    """Write the parameter file that the nodes get and the bag carries: all active values.
 
     Parameters
     ----------
@@ -333,7 +333,7 @@ def _record_the_stop(scenario: Scenario, monitor: Monitor) -> None:
 def _cause(failed: Sequence[NodeProcess], monitor: Monitor) -> str:
     """Return the line that says why a run failed.
 
-    A node that was killed goes before those that only missed it, then what a node says of itself, then whom the clock
+    A node that was killed goes before those that only missed it, then a node's own report, then whom the clock
     master missed. What the recorder did not get is the last of the consequences.
     """
     endings = {node.name: node.how_it_ended() for node in failed}

@@ -41,7 +41,7 @@ class WinchLimit(enum.IntFlag):
 
 
 class MruStatus(enum.IntEnum):
-    """What the motion reference unit says of its own sample: heave_msgs/MruSample STATUS_."""
+    """What the motion reference unit reports of its own sample: heave_msgs/MruSample STATUS_."""
 
     OK = 0
     SETTLING = 1

@@ -412,7 +412,7 @@ class HeaveNode(LifecycleNode):
         )
 
     def begin_outputs(self) -> None:
-        """Forget on every output the messages of the previous tick."""
+        """Discard on every output the messages of the previous tick."""
         for output in self._outputs:
             output.begin_tick()
 

@@ -74,7 +74,7 @@ class Output:
         self.publisher.publish(data)
 
     def begin_tick(self) -> None:
-        """Forget the messages of the previous tick."""
+        """Discard the messages of the previous tick."""
         self._sent_this_tick.clear()
 
     def resend(self) -> None:
@@ -191,7 +191,7 @@ class Input:
         return contents
 
     def reset(self) -> None:
-        """Forget the previous run."""
+        """Discard the previous run."""
         self.latest = None
         self._ahead.clear()
         self._last_stamp = 0

@@ -92,7 +92,7 @@ class Inbox:
         return True
 
     def end_run(self) -> None:
-        """Forget the bytes of past messages: the next run may begin with the same ones."""
+        """Discard the bytes of past messages: the next run may begin with the same ones."""
         self._recent.clear()
 
     def take(self, expected: int) -> list[Any]:
@@ -174,7 +174,7 @@ class TickGate:
             self._count_anew()
 
     def _count_anew(self) -> None:
-        """Forget what was worked out of the counts: one of them has changed."""
+        """Discard the results of the counts: one of them has changed."""
         self._expected = {}
         self._lacking = None
 

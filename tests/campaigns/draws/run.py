@@ -33,7 +33,7 @@ LOOK = 20
 """Ticks from one look to the next at why there is no compensation."""
 
 LOST_TIME = 60.0
-"""Compensation is lost that is not in force for so long at the end [s]."""
+"""Compensation is lost that is not active for so long at the end [s]."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Outcome:
     reason : why it never began, or too late to be judged; empty: it was judged
     has_true_reason : a sensor that the reason names gave nothing to read
     given_up : how often compensation was faded out that nobody had asked to end
-    is_lost : compensation was not in force at the end, though nobody had asked for that and all could be read
+    is_lost : compensation was not active at the end, though nobody had asked for that and all could be read
     right, wrong : findings that blame what differs, and what does not
     is_alarmed : there was an alarm before the ratio reached `ALARMED`; None: it never did
     ticks : time that the controller's ticks took: median, 99.9 % and largest [ms]

@@ -67,7 +67,7 @@ CAUTIOUS = 0.3
 
 
 class Looks:
-    """When hypotheses are tried: where the sensors read otherwise than foreseen, and something is new about it."""
+    """When hypotheses are tried: where the sensors read otherwise than predicted, and something is new about it."""
 
     def __init__(self) -> None:
         self._before: Hypothesis | None = None
@@ -341,7 +341,7 @@ class Adviser:
     # the sea
 
     def _look_at_sea(self, observations: Observations) -> None:
-        """Follow the sea that is seen, where that is another one and foresees the readings better."""
+        """Follow the sea that is seen, where that is another one and predicts the readings better."""
         parameters = self.parameters
         if not parameters.estimator.sea_adaptation or not parameters.sea.follows_spectrum:
             return

@@ -64,11 +64,11 @@ USUAL = {MRU_OFFSET: 0.5, MRU_DELAY: 0.2}
 """Standard deviation of what is not a ratio and not nominal, in its unit."""
 
 REVERSED = 4.0
-"""Further price of a wrong sign [nats]."""
+"""Further price of a sign error [nats]."""
 
 RADIUS_SPREAD, GAIN, IMPOSSIBLE = 0.03, 12.0, 100.0
 """Standard deviation of the logarithm of a winch's gain over the nominal one, as by another radius of the drum; the
-price of another gain, which is then as likely as a scale; and of one that goes the other way."""
+price of another gain, which is then as likely as a scale; and of a reversed one."""
 
 EXCLUSION = 18.0
 """Prior of excluding a sensor [nats]: an exclusion explains nothing."""
@@ -195,7 +195,7 @@ class Believed:
     nominal : parameters
     parameters : under the present beliefs
     cable : two-state cable of the length that is out, under the present beliefs
-    design : in force: states at the start are as uncertain as its
+    design : the active one: states at the start are as uncertain as its
     values : assumed other than nominal, by quantity
     history : of the sensors
     excluded : sensor that is left out; empty: none
@@ -511,7 +511,7 @@ def pass_model(
 ) -> tuple[PassModel, LinearModel]:
     """Return the model of `parameters` with a two-state `cable` for a pass, and as it is sampled.
 
-    The state at the start is as uncertain as in the `design` in force, or as START says. `boom_tip` is another white
+    The state at the start is as uncertain as in the active `design`, or as START says. `boom_tip` is another white
     noise to boom tip than that of the sea and vessel of the parameters, as of a sea that is tried; None: it is that.
     """
     inputs = replace(model_inputs(parameters, cable), boom_tip=boom_tip)

@@ -59,7 +59,7 @@ class SeaLooks:
 
     Parameters
     ----------
-    design : in force
+    design : the active one
     """
 
     def __init__(self, design: ControllerDesign) -> None:
@@ -96,11 +96,11 @@ def likeliest_sea(
     excerpt: Excerpt,
     history: SensorHistory,
 ) -> SeaModelParameters | None:
-    """Return the sea that foresees a record best; None where that in force does about as well.
+    """Return the sea that predicts a record best; None where the active one does about as well.
 
     Parameters
     ----------
-    parameters, design : in force
+    parameters, design : the active ones
     seas : that may be there
     excerpt : the record; one too short is not evaluated, and what the moments say is returned
     history : assumed corrections of the sensors over the record
@@ -166,7 +166,7 @@ def _boom_tip(sea: SeaModelParameters, vessel: VesselModelParameters) -> LinearM
 def _best(
     seas: PossibleSeas, fits: Callable[[SeaModelParameters], float], vessel: VesselModelParameters
 ) -> SeaModelParameters | None:
-    """Return that of the `seas` and neighbours that `fits` best; None: that in force does about as well."""
+    """Return that of the `seas` and neighbours that `fits` best; None: the active one does about as well."""
 
     def best_of(trials: Sequence[tuple[float, SeaModelParameters]]) -> tuple[float, SeaModelParameters]:
         return max(trials, key=lambda trial: trial[0])

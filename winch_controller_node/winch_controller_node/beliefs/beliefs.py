@@ -107,14 +107,14 @@ class Beliefs:
 
     Attributes
     ----------
-    asked : last tick of the observations that it answers; in force from LATENCY later on
+    asked : last tick of the observations that it answers; active from LATENCY later on
     number : grows with each answer that differs from the one before
     values : assumed other than nominal, by quantity
     encoder : scale of the encoder, and from where on; None: it has always been nominal
     excluded : sensor that is in use and contradicts all others: its readings are a cross-check only; empty: none
-    authority : largest share of the sea that may be compensated with what is known [-]
+    authority : largest authority allowed with what is known [-]
     findings : new in this answer
-    design : for these beliefs; None: that in force stays (limits and gains of the winch need none)
+    design : for these beliefs; None: the active one stays (limits and gains of the winch need none)
     adopted : None: the core carries its own estimate over
     """
 
@@ -164,7 +164,7 @@ LIMITS = tuple(name for group in LIMIT_GROUPS for name in group)
 
 
 def latency_ticks(tick_period: float) -> int:
-    """Return after how many ticks of `tick_period` [s] an answer is in force: LATENCY, and two ticks at least.
+    """Return after how many ticks of `tick_period` [s] an answer is active: LATENCY, and two ticks at least.
 
     In the first the observations are on their way, in the second the answer.
     """

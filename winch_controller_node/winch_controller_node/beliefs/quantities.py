@@ -86,7 +86,7 @@ RESTATED = (
     "sea.swell.significant_wave_height",
     "sea.swell.peak_period",
 )
-"""Parameters that an operator's redesign states anew."""
+"""Parameters that an operator's redesign restates."""
 
 
 def restated(first: WinchControllerParameters, now: WinchControllerParameters) -> tuple[tuple[str, float], ...]:

@@ -136,7 +136,7 @@ class ControllerDesign:
 
     @property
     def limits(self) -> WinchLimits:
-        """Limits of the winch in force."""
+        """Active limits of the winch."""
         return winch_limits(self.parameters.winch, self.parameters.limits, self.cable.static_tension)
 
     def make_law(self) -> ControlLaw:
@@ -165,7 +165,7 @@ class ControllerDesign:
         return LawDesign(self.model, p.winch, self.limits, p.weights, self.gain, self.own_gains)
 
     def make_governor(self) -> CommandGovernor:
-        """Return the governor that keeps the limits in force."""
+        """Return the governor that keeps the active limits."""
         return CommandGovernor(self.model, self.parameters.winch, self.limits)
 
 

@@ -111,7 +111,7 @@ class PossibleSeas:
     seen : what all of them must explain
     believed : the sea assumed at first
     in_force : that of the design, as high as was seen
-    stretched : that assumed at first, as long and as high as was seen; None: that in force is as good
+    stretched : that assumed at first, as long and as high as was seen; None: the active one is as good
     parts : of which one part, swell or wind sea, is as assumed, and that move the boom tip as was seen
     """
 
@@ -123,7 +123,7 @@ class PossibleSeas:
 
     @property
     def others(self) -> list[SeaModelParameters]:
-        """All but that in force."""
+        """All but the active one."""
         return [*([] if self.stretched is None else [self.stretched]), *self.parts]
 
 
@@ -166,7 +166,7 @@ class SeaTracker:
         """
         self._seen += self._dt
         self._since_judged += self._dt
-        # a plain mean at first, then one that forgets
+        # a plain mean at first, then one with fading memory
         share = self._dt / min(self._seen, MEMORY)
         self._variance += share * (heave**2 - self._variance)
         self._rate_variance += share * (rate**2 - self._rate_variance)
@@ -213,7 +213,7 @@ class SeaTracker:
 
     @property
     def waves(self) -> float:
-        """Waves that have been seen and not forgotten; in a sea that has just grown only the last ones count.
+        """Waves in the fading memory; in a sea that has just grown only the last ones count.
 
         Of a normal sea the fourth moment is three times the variance squared; where heights differ more, fewer count.
         """
@@ -237,7 +237,7 @@ def sigma_and_frequency(sea: SeaModelParameters, vessel: VesselModelParameters) 
 def sea_that_was_seen(
     seen: SeaSeen, believed: SeaModelParameters, in_force: SeaModelParameters, vessel: VesselModelParameters
 ) -> SeaModelParameters | None:
-    """Return the sea that moves the boom tip as was seen, or None where the one in force is as good.
+    """Return the sea that moves the boom tip as was seen, or None where the active one is as good.
 
     All its periods and heights are those assumed at first times one factor each, so that wind sea and swell stay
     what they are to each other. A few waves carry little information: the assumed period counts for some waves as well.
@@ -245,7 +245,7 @@ def sea_that_was_seen(
     Parameters
     ----------
     seen : what was seen
-    believed, in_force : seas assumed at first, and of the design in force
+    believed, in_force : seas assumed at first, and of the active design
     vessel : assumed
     """
     weight = seen.waves / (seen.waves + (REFUTED_WAVES if seen.is_refuted else DOUBT_WAVES))
@@ -278,7 +278,7 @@ def neighbours(
 ) -> list[SeaModelParameters]:
     """Return seas whose wind sea is a `factor` longer and shorter, and its cube higher and lower than beside the swell.
 
-    Those whose mean frequency was not seen are none: a sea more regular than any model of it is foreseen best by the
+    Those whose mean frequency was not seen are none: a sea more regular than any model of it is predicted best by the
     longest of all.
 
     Parameters

@@ -2,7 +2,7 @@
 
 Payout P = mean + p and unit X = -mean + x stay what they are when the mean goes down by d: p' = p - d, x' = x + d. The
 pull x0 - p - x of the cable stays too, so that no law sees a step. A unit that has just been lifted off stood still:
-the estimate of a hanging unit means nothing then, and begins anew from what the load cell says of the pull.
+the estimate of a hanging unit means nothing then, and restarts from what the load cell says of the pull.
 """
 
 from __future__ import annotations

@@ -229,7 +229,7 @@ class LoopEstimation:
         self._hanging_unit.continue_at(unit)
 
     def forget_sea(self) -> None:
-        """Look at the sea anew: the boom tip was not where it was taken to be."""
+        """Look at the sea again: the boom tip was not where it was taken to be."""
         self._sea = SeaTracker(self._design)
         self._tip_power = 0.0
 
@@ -315,7 +315,7 @@ class LoopEstimation:
     def _begin(self, payout: float) -> None:
         """Take the `payout` [m] at which the drum stands when the encoder is first read for the mean one.
 
-        Drum and unit may hang anywhere: cable has been paid out by hand, or a controller is started anew. A payout
+        Drum and unit may hang anywhere: cable has been paid out by hand, or a controller is restarted. A payout
         that is not near 0 must be read twice.
         """
         before, self._first_payout = self._first_payout, payout

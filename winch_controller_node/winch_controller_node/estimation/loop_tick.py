@@ -95,7 +95,7 @@ class LoopTick:
     number : of the tick
     sensed : after the gates
     rows : of the model whose states these are
-    command : in force until now
+    command : active until now
     estimate : state of the loop without the mean payout's own motion, shape (n,)
     mean_state : state that the mean payout alone brings about, shape (n,)
     mean_command : share of the next command that moves the mean payout, in the terms of the model

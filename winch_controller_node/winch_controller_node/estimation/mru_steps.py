@@ -44,7 +44,7 @@ class MruSteps:
         self._new_mean = self._new_square = self._new_time = 0.0
 
     def restart(self) -> None:
-        """Begin anew: what comes next need not go on from what came last."""
+        """Restart: what comes next need not go on from what came last."""
         self._last = None
 
     def is_off(self, reading: MruReading, noise: float) -> bool:

@@ -56,7 +56,7 @@ class ReadingTerms:
 
     Parameters
     ----------
-    design : in force, for its cable
+    design : the active one, for its cable
     sensors : that are watched
 
     Attributes
@@ -95,7 +95,7 @@ class ReadingTerms:
         self._shares.append((tick, mean_state))
 
     def forget_shares(self) -> None:
-        """Forget the shares noted so far: the states are counted otherwise from now on."""
+        """Discard the shares noted so far: the states are counted otherwise from now on."""
         self._shares.clear()
 
     @property

@@ -141,7 +141,7 @@ class SensorGate:
 
     @property
     def alarm(self) -> Alarm:
-        """Fault of the sensor, where its level is suspect or lost."""
+        """Fault of the sensor, where its level is `suspect` or `lost`."""
         if not self.is_lost:
             return ALARMS.alarm(f"{self.sensor.upper()}_READING_REJECTED", reason=self.reason)
         return lost_alarm(self.sensor, self.reason, age=self._age, limit=self._largest_age)

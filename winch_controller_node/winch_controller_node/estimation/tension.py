@@ -57,7 +57,7 @@ class MeanTension:
         return TensionMean(self._value, math.sqrt(self._variance), self._count * self._dt)
 
     def restart(self) -> None:
-        """Forget what was: the situation is another one."""
+        """Discard the past: the situation is another one."""
         self._count, self._value, self._variance = 0, math.nan, 0.0
 
     def add(self, tension: float, mean_payout: float, *, unit_stands: bool) -> None:

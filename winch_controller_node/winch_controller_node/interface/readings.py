@@ -22,7 +22,7 @@ class ScalarReading(NamedTuple):
 
 
 class WinchReading(NamedTuple):
-    """What the winch says of itself, as in heave_msgs/WinchState.
+    """The winch's own report, as in heave_msgs/WinchState.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ class SensorState(NamedTuple):
     reason : why, empty when OK
     age : of the newest accepted reading [s], infinite before the first
     accepted, refused : readings so far
-    alarm : its fault, where its level is suspect or lost
+    alarm : its fault, where its level is `suspect` or `lost`
     """
 
     sensor: str

@@ -154,7 +154,7 @@ class DrumCheck:
         ----------
         motions : of it
         loop : that is watched
-        authority : share of the sea that is compensated now
+        authority : authority of compensation now
         change : of the authority in this tick
         swings : of unit and uncompensated unit
         """
@@ -225,7 +225,7 @@ class UnitCheck:
         self._is_corrected = True
 
     def forget_mismatch(self) -> None:
-        """Compare depth sensor and estimate anew: one of them has been corrected."""
+        """Compare depth sensor and estimate again: one of them has been corrected."""
         self._mismatch.restart()
         self._error = DetrendedHeave(self._dt)
 
@@ -238,7 +238,7 @@ class UnitCheck:
         ----------
         motions : of it
         inertia : a of the cable [s^2]
-        authority : share of the sea that is compensated now
+        authority : authority of compensation now
         swings : of it
         is_out_of_reach : the sea is beyond the winch's limits
         """

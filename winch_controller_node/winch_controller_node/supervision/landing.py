@@ -230,7 +230,7 @@ class Landing:
         ----------
         time : of the tick [s]
         sensed : in this tick
-        mode : in force
+        mode : the active one
         """
         share = self._load.weight_share(sensed.filtered_tension)
         if not self.unit_stands and self._touches_down(time, sensed, share, mode):

@@ -111,7 +111,7 @@ class Situation(NamedTuple):
     harm : the guard's reason to fade out, empty when there is none
     prospect : when compensation is tried again after harm, in words
     speed : speed of the winch as commanded [m/s], absolute
-    authority_limit : share of the sea that the winch can follow under this law
+    authority_limit : largest authority that the winch can follow under this law
     is_settled : the unit moves as it would with the winch locked, or cannot be damped: the winch may stop
     is_damped_blind : the unit is damped by the depth sensor, and how it would move with the winch locked is not known
     closed_gates : why compensation may not begin now, with figures; empty when it may
@@ -147,7 +147,7 @@ class Memory(NamedTuple):
     wants_compensation : compensation is to begin, or to go on, by itself
     may_resume : also after the winch was stopped for a lost sensor
     rest : mode in which a fade-out or a stop ends, standby or stopped
-    authority : share of the sea that is compensated, 0 to 1
+    authority : authority of compensation, 0 to 1
     """
 
     wants_compensation: bool
@@ -413,8 +413,8 @@ class ModeOutput(NamedTuple):
 
     Attributes
     ----------
-    mode : that is in force; reason : why, empty when there is nothing to say
-    authority : share of the sea that is compensated, 0 to 1
+    mode : the active one; reason : why, empty when there is nothing to say
+    authority : authority of compensation, 0 to 1
     brake : is to be on
     before : mode of the tick before; None: the same
     """

@@ -51,7 +51,7 @@ TRANSPORT_HOLD = 5.0
 """Time for which compensation stays off after commands were late for long [s]: the transport is not the loop's harm."""
 
 UNKNOWN_SEA_SHARE = 0.3
-"""Share of a sea that is compensated while it is predicted badly."""
+"""Authority of compensation while the sea is predicted badly."""
 
 SETTLED_AT_REST = 0.01
 """Swing of the unit at which a fade-out may end in calm water [m]; a sea adds its own, up to what a law can settle."""
@@ -72,7 +72,7 @@ class WinchSituation(NamedTuple):
     speed : as commanded [m/s], absolute
     mean_payout : that the winch goes to [m]
     settled_swing : swing of the unit at which a fade-out may end [m]
-    share : largest share of the sea that may be compensated with what is known of the winch
+    share : largest authority with the winch as it is known
     inhibition : why compensation must be off; None: it need not
     fault_cause : why the winch has its fault, in words; empty: unknown
     is_contrary : drum or encoder are reversed: the winch is brought to rest until an operator releases it
@@ -122,7 +122,7 @@ class Supervisor:
 
     Parameters
     ----------
-    design : in force; law : of it
+    design : the active one; law : of it
 
     Attributes
     ----------
@@ -157,7 +157,7 @@ class Supervisor:
         self._refer_to(design, law)
 
     def forget_sea(self) -> None:
-        """Look at the sea anew: what was seen until now was another one."""
+        """Look at the sea again: what was seen until now was another one."""
         self.guard.forget_sea()
         self._watch_sea()
 
@@ -292,7 +292,7 @@ class Supervisor:
         Parameters
         ----------
         mode : of the tick
-        authority_limit : largest share of the sea that may be compensated
+        authority_limit : largest authority allowed
         """
         if mode.mode is not Mode.COMPENSATING or mode.before is not Mode.STANDBY:
             return ()
@@ -415,7 +415,7 @@ class Supervisor:
 
 
 def _known_share(tick: LoopTick) -> float:
-    """Return the largest share of the sea that may be compensated with what is known of it."""
+    """Return the largest authority by what is known of it."""
     return UNKNOWN_SEA_SHARE if tick.is_sea_refuted else 1.0
 
 

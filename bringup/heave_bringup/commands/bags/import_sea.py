@@ -201,7 +201,7 @@ def _write_scenario(
 
 
 def _mru_of(sections: Sections) -> dict[str, object]:
-    """Return what a scenario says of its motion reference unit, which stays the same in another sea."""
+    """Return the parameters of a scenario's motion reference unit, which stay the same in another sea."""
     section = next((values for name, values in sections.items() if name.endswith("wave_vessel")), {})
     return {name: value for name, value in section.items() if name.startswith("mru.")}
 

@@ -66,7 +66,7 @@ def execute(options: argparse.Namespace) -> None:
     if path.exists() and not options.force:
         raise CommandError(f"{path}: is there already; --force writes over it")
     model = find_scenario(options.like)
-    known = load_scenario(options.like, needs_files=False)  # what is wrong with it is said of it, not of what follows
+    known = load_scenario(options.like, needs_files=False)  # an error in it is reported of it, not of what follows
     sections = _with_lift(_changed(sections_for(model, path.parent), options), options, known)
     changed = _changes(options)
     origin = f"{model.stem}, {changed}" if changed else description_of(model).rstrip(".") or model.stem

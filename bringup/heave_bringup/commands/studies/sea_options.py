@@ -102,7 +102,7 @@ def sea_grid(
 def study_cases(
     options: argparse.Namespace, table: Path, campaign: Callable[[Mapping[str, object]], Campaign]
 ) -> tuple[pandas.DataFrame, dict[str, str]]:
-    """Return the table of the cases, run or read, and what it says of itself.
+    """Return the table of the cases, run or read, and what it reports of itself.
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ def own_identity(node: Node) -> str:
 
 
 def identity_of_endpoint(info: Any) -> str:
-    """Return the identity of the process of a publisher by what the graph says of it, `info`."""
+    """Return the identity of the process of a publisher by the graph's entry for it, `info`."""
     return _identity(info.endpoint_gid)
 
 

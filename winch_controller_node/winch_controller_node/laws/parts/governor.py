@@ -83,7 +83,7 @@ class CommandGovernor:
     ----------
     model : the design's augmented model, one input
     winch : its law and lags
-    limits : in force
+    limits : the active ones
     """
 
     def __init__(self, model: LinearModel, winch: WinchModelParameters, limits: WinchLimits) -> None:

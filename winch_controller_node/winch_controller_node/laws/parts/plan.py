@@ -235,7 +235,7 @@ class PlanSolver:
         self.restart()
 
     def restart(self) -> None:
-        """Forget the warm start."""
+        """Discard the warm start."""
         rows, columns = self._forced.shape
         self._solver = daqp.Model()
         self._solver.settings = self._settings

@@ -78,7 +78,7 @@ class PreviewReader:
     def surprise(self, preview: HeavePreview | None, x: Array) -> Array | None:
         """Return heave ahead less that predicted from `x`, shape (m,) [m]; None where a preview does not reach so far.
 
-        `preview` and `x` are of the same share of the sea.
+        `preview` and `x` have the same authority.
         """
         if preview is None or not preview.covers(self.use.first, self.use.last):
             return None

@@ -221,7 +221,7 @@ class TipByTension:
     def _cut(self, gain: Array, correction: float, window: float, wave_share: float) -> float:
         """Return the same for a wave's time that is `wave_share` of the assumed one.
 
-        What the drum's own motion adds to the reading is known; only what the wire makes of it otherwise comes back.
+        What the drum's own motion adds to the reading is known; only the wire's further response to it comes back.
         """
         loop, trip = self._loop, self._loop.round_trip
         s = loop.frequencies(wave_share * trip)

@@ -1,4 +1,4 @@
-"""The reflex about the encoder: one that goes the other way than the winch is ordered is set aside within a second.
+"""The reflex about the encoder: a reversed one is set aside within a second.
 
 A loop that uses it is unstable. Its scale is identified by the adviser.
 """

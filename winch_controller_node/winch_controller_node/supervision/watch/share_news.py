@@ -30,7 +30,7 @@ class ShareNews:
 
         Parameters
         ----------
-        share : largest share of the sea that may be compensated, 0 to 1
+        share : largest authority allowed, 0 to 1
         code : of the alarm that says why it is no larger
         authority, factor : share that is compensated, and the largest that is asked for: that is all
         compensates : the mode is that of compensation

@@ -87,7 +87,7 @@ class WinchDemand:
         return max(speed / limits.usual_speed, acceleration / limits.acceleration)
 
     def largest_share(self, limits: WinchLimits, effort: Effort, limit_use: float) -> float:
-        """Return the largest share of the sea, up to 1, whose peaks take up no more than `limit_use` of the limits.
+        """Return the largest authority, up to 1, whose peaks take up no more than `limit_use` of the limits.
 
         `effort` is that of the law, over what the boom tip's own motion asks for.
         """
