@@ -52,7 +52,7 @@ class KalmanFilter(Protocol):
     def tick(self) -> int | None: ...  # noqa: D102
 
     def run(self, inputs: RunInputs) -> Array:
-        """Go through a run of ticks; return the result of each reading, shape (number of readings, 4)."""
+        """Go through a run of ticks, `inputs`; return the result of each reading, shape (number of readings, 4)."""
         ...
 
 
