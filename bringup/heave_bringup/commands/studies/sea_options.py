@@ -28,7 +28,11 @@ def add_grid(parser: argparse.ArgumentParser, seeds: int) -> None:
     parser.add_argument("--seeds", type=int, default=seeds, metavar="N", help=f"seeds of each sea (default: {seeds})")
     parser.add_argument("--duration", type=float, metavar="S", help="simulated time of a case, not the scenario's")
     parser.add_argument(
-        "--require", action="append", default=[], metavar="KPI<VALUE", help="a criterion beside the scenario's own"
+        "--require",
+        action="append",
+        default=[],
+        metavar="KPI<VALUE",
+        help="a criterion beside the scenario's own, as dynamic_amplification<1.2 or tension_max<400kN",
     )
     parser.add_argument(
         "--record",
