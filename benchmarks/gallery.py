@@ -2,7 +2,7 @@
 
     python benchmarks/gallery.py docs/gallery
 
-The site (`make docs`) shows the page where it finds it; the few figures in `docs/pictures/thesis` are drawn anew too.
+The site (`make docs`) shows the page where it finds it; the few figures in `docs/pictures/thesis` are drawn again too.
 
 Every figure comes from the run that its test has just judged, so the page shows the state of the code, not of a
 memory. Exits with pytest's status; the page is written even when a test fails.
@@ -49,7 +49,7 @@ def write_index(folder: Path) -> int:
 
 
 def renew_small_copies(figures: Path, small: Path) -> int:
-    """Draw each picture in the folder `small` anew from the figure of its name in `figures`; return how many."""
+    """Draw each picture in the folder `small` again from the figure of its name in `figures`; return how many."""
     renewed = [path for path in sorted(small.glob("*.png")) if (figures / path.name).is_file()]
     for path in renewed:
         with Image.open(figures / path.name) as figure:

@@ -54,8 +54,7 @@ WRITTEN_FROM = {
     "bags/heave_bags/analyse/kpi_set.py": "reference/figures_of_merit.md",
     **{f"docs/notebooks/{path.name}": f"notebooks/{path.stem}.md" for path in NOTEBOOKS.glob("*.ipynb")},
 }
-"""What a page is written from, by its path in the repository, where a link of a document leads: the page in the site.
-"""
+"""Page of the site for each document, by its path in the repository, where a link of a document leads."""
 PICTURES = ("docs/architecture.svg", "docs/pictures/*", "docs/pictures/thesis/*", "cable_sim_node/pictures/*.svg")
 """Pictures of the repository; the site has them in `pictures/`."""
 GALLERY = REPOSITORY / "docs" / "gallery"

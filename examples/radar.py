@@ -1,4 +1,4 @@
-"""A wave radar that tells the boom tip's heave ahead, once a second, beside vessel.py, whose swell it sees come.
+"""A wave radar that predicts the boom tip's heave, once a second, beside vessel.py, whose swell it sees come.
 
 heave run b2_calm_300 --pacing realtime --external wave_vessel --set winch_controller.mpc.preview_time=4
 The contract is docs/contract.md.

@@ -18,7 +18,7 @@ from websockets.sync.client import connect
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 NEEDED = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
-"""Of a test that looks at a page: people test on machines without a browser, while CI installs one."""
+"""Mark of a test that looks at a page: people test on machines without a browser, while CI installs one."""
 FLAGS = (
     "--headless",
     "--no-sandbox",

@@ -17,9 +17,9 @@ READMES = sorted(path for path in _FOUND if "node_modules" not in path.parts)
 _BLOCK = re.compile(r'^(<!-- not run -->\n)?```(\w+)(?: title="([^"]+)")?\n(.*?)^```', re.DOTALL | re.MULTILINE)
 
 SHARE = 0.06
-"""Of a printed duration, and of what is left out at its start, that is run where time is short."""
+"""Share of a printed duration, and of its transient, that is run where time is short."""
 _TRANSIENT = 120.0
-"""What the shipped scenarios leave out at the start of a run [s]."""
+"""Transient of the shipped scenarios [s]."""
 _NUMBER = r"\d+(?:\.\d+)?"
 
 

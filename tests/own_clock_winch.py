@@ -20,7 +20,7 @@ from rclpy.qos import qos_profile_sensor_data
 from rclpy.serialization import deserialize_message
 
 PERIOD = 0.01
-"""Of its own loop [s]; every second state is published."""
+"""Period of its own loop [s]; every second state is published."""
 OFFSET, DRIFT = 12_345.678, 300e-6
 
 

@@ -21,7 +21,7 @@ from tests.loop_runs import environment
 LOOP = Path(__file__).parents[1] / "node_base" / "test" / "loop_program.py"
 PEERS = ("wave_vessel", "winch_controller", "virtual_winch")
 LAST_TICK = 37
-"""Not one of the ticks that the recorder answers for unasked: it answers for ten at a time."""
+"""A tick that the recorder does not answer for unasked: it answers for ten at a time."""
 
 
 @pytest.fixture

@@ -238,6 +238,6 @@ def test_in_real_time_a_redesign_is_made_in_another_process_and_the_adviser_is_t
 
 
 def restated(bag):
-    """Return in each batch of a bag, which may still grow, what an operator has stated anew, by name."""
+    """Return in each batch of a bag, which may still grow, what an operator has restated, by name."""
     batches = (content for _, content in Bag(bag).decoded(["/controller/observations"]))
     return [dict(zip(batch.restated, batch.restated_values, strict=True)) for batch in batches]

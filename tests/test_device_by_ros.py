@@ -77,7 +77,7 @@ print(json.dumps(found))
 
 
 class Drive(threading.Thread):
-    """A winch in centimetres on UDP: it follows the speed that it is told, and says where it is."""
+    """A winch in centimetres on UDP: it follows its speed order, and reports where it is."""
 
     def __init__(self, orders: int, state: int) -> None:
         super().__init__(daemon=True)

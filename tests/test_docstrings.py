@@ -56,7 +56,7 @@ class Documented:
     others: tuple[str, ...] = ()
     """Names that a list may hold besides: attributes that are no arguments."""
     common: str = ""
-    """What the module says of the arguments that its functions have in common."""
+    """Docstring of the module, on arguments that its functions have in common."""
 
 
 def documented(path: Path) -> Iterator[Documented]:

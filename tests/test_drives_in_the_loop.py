@@ -11,12 +11,12 @@ from heave_bringup.scenarios import load_scenario
 
 QUICK = ("cable_sim.segments=5", "winch_controller.law=lqg")
 KNOWN_LAG = ("winch_controller.lag.adaptation=false", "winch_controller.winch.time_constant=0.1")
-"""Friction and leakage change the pump drive's speed by some per cent, from which its lag cannot be told."""
+"""Friction and leakage change the pump drive's speed by some per cent, from which its lag cannot be distinguished."""
 SETTLED = 60.0
-"""From here on the sea is at its height and compensation in force [s]."""
+"""From here on the sea is at its height and compensation active [s]."""
 
 WEAK = "virtual_winch.pump_controlled.pump_displacement=20e-6"
-"""It holds the load, but is about half as fast as b4 asks for."""
+"""A drive that holds the load, but is about half as fast as b4 asks for."""
 
 
 def run(scenario: str, *settings: str, duration: float) -> LoopRecord:

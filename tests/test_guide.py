@@ -94,7 +94,7 @@ def test_a_link_to_what_a_page_is_written_from_is_one_to_the_page_in_the_site(si
 
 
 ANY_VERDICT = f'heave() {{ command heave "$@" || [ $? -eq {ExitStatus.VERDICT_FAILED.value} ]; }}\n'
-"""Before the commands of a page: a shorter run may miss what the whole one meets."""
+"""First line of a page's commands: a shorter run may miss what the whole one meets."""
 
 
 def type_page(path: Path, folder: Path, change: Callable[[str], str]) -> None:

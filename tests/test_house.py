@@ -20,10 +20,10 @@ MAY_IMPORT = {
     "heave_bags": ("heave_node",),
     "heave_bringup": ("heave_node", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "heave_bags"),
 }
-"""What each package may import of the others; all may import the messages."""
+"""Imports allowed to each package; all may import the messages."""
 
 FOLDERS = {"heave_node": "node_base", "heave_bags": "bags", "heave_bringup": "bringup"}
-"""Where a package lies whose folder has another name."""
+"""Folder of each package whose folder has another name."""
 
 SHELLS = ("node", "winch_node", "adviser_node")
 """Modules of nodes."""

@@ -17,7 +17,7 @@ NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
 TIMES = "DURATION, "
 """Beginning of the line that says how long the runs of a notebook last."""
 SHARE_OF_A_RUN = 0.5
-"""Of the stated times, where a notebook starts `heave run` and asks for its verdict: the controller needs 40 s."""
+"""Share of the stated times, where a notebook starts `heave run` for its verdict: the controller needs 40 s."""
 
 
 def code_of(path: Path) -> list[str]:

@@ -1,4 +1,4 @@
-"""A winch that changes in the middle of a run: what has changed is told once."""
+"""A winch that changes in the middle of a run: the change is reported once."""
 
 import re
 from dataclasses import replace
@@ -18,15 +18,15 @@ GAIN_TOLD = (
     re.compile(r"WINCH_MODEL_UPDATED \(event\): gain by the encoder ([\d.]+) \(was [\d.]+\)\..*"),
     re.compile(r"ENCODER_SCALE_ERROR \(medium\): reads ([\d.]+) times.*"),
 )
-"""Of what was sent and what was read, neither tells a gain of the winch from one of its encoder."""
+"""Orders and readings do not distinguish a gain of the winch from one of its encoder."""
 
 DELAY_TOLD = (re.compile(r"WINCH_MODEL_UPDATED \(event\): command delay ([\d.]+) s \(was [\d.]+\)\..*"),)
 
 
 def alarms_of(**changes):
-    """Return time and words of what is told of parts of benchmark B3, whose winch has `changes` from CHANGED on.
+    """Return time and words of what is reported of parts of benchmark B3, whose winch has `changes` from CHANGED on.
 
-    That a part of the sea is left alone meanwhile is told as well, and that commands take effect later.
+    Reports that a part of the sea is not compensated meanwhile, and that commands take effect later, count as well.
     """
     settings = [f"all.duration={DURATION}", "wave_vessel.ramp=20"]
     parameters = loop_parameters(load_scenario("b3_deep_900", settings=settings))
@@ -45,7 +45,7 @@ def alarms_of(**changes):
 
 
 def parts_told(alarms):
-    """Return the `alarms` that say what a part is believed to be."""
+    """Return the `alarms` that say what is assumed of a part."""
     return [(time, str(alarm)) for time, alarm in alarms if names_a_part(alarm)]
 
 
@@ -56,7 +56,7 @@ def names_a_part(alarm):
 
 
 def assert_told_once(told, forms, value):
-    """Check that of what was `told` of parts there is one, in one of the `forms`, with its `value`."""
+    """Check that of the reports `told` about parts there is one, in one of the `forms`, with its `value`."""
     assert len(told) == 1, told
     time, words = told[0]
     assert CHANGED < time < CHANGED + 60.0

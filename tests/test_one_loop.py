@@ -18,7 +18,7 @@ from heave_bringup.scenarios import load_scenario
 from tests.loop_runs import run_scenario
 
 NOT_OF_ONE_PROCESS = {"nis_in_band_percent", "real_time_factor", "missed_deadlines", "compensation_losses"}
-"""The last counts what nobody had requested, which the reason of a mode tells: a campaign says it in words."""
+"""The last counts what nobody had requested, which the reason of a mode shows: a campaign says it in words."""
 OTHER_WATER = {
     "cable_sim.water_density": "1030",
     "cable_sim.gravity": "9.83",

@@ -1,4 +1,4 @@
-"""One tree, two builds: what pip and colcon are told of each package must agree."""
+"""One tree, two builds: what pip and colcon know of each package must agree."""
 
 import ast
 import re

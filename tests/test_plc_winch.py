@@ -1,4 +1,4 @@
-"""A winch behind Modbus/TCP, OPC UA and UDP, without a run: what it is told, what it says, and what ends it.
+"""A winch behind Modbus/TCP, OPC UA and UDP, without a run: its orders, its reports, and what ends it.
 
 The PLC is a program of its own with the stock servers of pymodbus and asyncua; the test plays the controller.
 """

@@ -253,9 +253,9 @@ def test_a_sea_beyond_the_winch_does_no_harm_while_it_grows(law):
 
 @pytest.mark.parametrize("number", [0, 7])
 def test_a_noisy_sensor_is_not_blamed_before_its_noise_is_known(number):
-    """Depth sensors with four to five times the noise believed were suspect for spikes in the first 10 s.
+    """Depth sensors with four to five times the assumed noise were `suspect` for spikes in the first 10 s.
 
-    It is told after 130 readings, 13 s.
+    It is reported after 130 readings, 13 s.
     """
     scenario = load_scenario(SCENARIO, settings=parameters_of(draw(number), duration=16.0))
     alarms = [alarm for _, alarm in ClosedLoop(loop_parameters(scenario)).run().alarms]
@@ -264,7 +264,7 @@ def test_a_noisy_sensor_is_not_blamed_before_its_noise_is_known(number):
 
 
 def test_noise_is_not_taken_for_a_short_sea_while_that_begins():
-    """Five times the noise believed, the sea as believed: a peak period of 6 s for 10 s was learnt in a calm start."""
+    """Five times the assumed noise, the sea as assumed: a peak period of 6 s for 10 s was learnt in a calm start."""
     noisy = PLAIN["MRU and depth noise x5"]
     scenario = load_scenario(SCENARIO, settings=parameters_of(Draw("noise", 1, noisy), duration=20.0))
     codes = {alarm.code for _, alarm in ClosedLoop(loop_parameters(scenario)).run().alarms}
@@ -285,12 +285,12 @@ def test_noise_is_not_taken_for_a_short_sea_while_that_begins():
     ids=str,
 )
 def test_a_sea_other_than_believed_is_met_as_well_as_one_that_was(cell):
-    """A wind sea that is shorter than believed beside a swell as believed (b10) lost the loop for good."""
+    """A wind sea that is shorter than assumed beside a swell as assumed (b10) lost the loop for good."""
     assert sea_outcome(cell, seed=1).holds
 
 
 def test_a_part_of_the_sea_that_is_left_alone_is_told_until_its_period_is_known():
-    """b2, believed Hs 1 m and Tp 6 s, in Hs 3 m and Tp 10 s: 30 % until another sea is believed."""
+    """b2, assumed Hs 1 m and Tp 6 s, in Hs 3 m and Tp 10 s: 30 % until another sea is assumed."""
     settings = ["wave_vessel.significant_wave_height=3.0", "wave_vessel.peak_period=10.0", "all.transient=10"]
     scenario = load_scenario("b2_calm_300", settings=[*settings, "all.duration=70.0"])
     loop = ClosedLoop(loop_parameters(scenario))

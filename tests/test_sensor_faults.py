@@ -83,7 +83,7 @@ def test_an_encoder_of_a_wrong_scale_is_found_by_winch_and_depth_sensor_and_comp
     assert believed == {"encoder.scale": pytest.approx(scale, rel=0.01)}
     assert begin < time < begin + found_within
     assert [mode for mode, _ in changes_of_mode(record)] == ["standby", "compensating"]
-    # of a winch that is as believed nothing else stays learnt, and nobody else is blamed
+    # of a winch that is nominal nothing else stays learnt, and nothing else is blamed
     assert not kept(one, record).wrong
     # once it is known it costs nothing: 1.5 % of the motion is left by this loop with all sensors right
     assert record.unit_sigma(begin + TROUBLE) < 0.05 * record.uncompensated_sigma(begin + TROUBLE)
@@ -138,9 +138,9 @@ def test_a_scale_that_changes_on_the_way_is_explained_from_there_on(law, seed):
     ids=["1.09", "1.14"],
 )
 def test_an_encoder_that_changes_on_the_way_and_back_is_no_limit_of_the_winch_and_no_other_sensor(one):
-    """Speed limits of 0.62 and 0.64 m/s were told besides, of a winch of 2 m/s that reached none.
+    """Speed limits of 0.62 and 0.64 m/s were reported besides, of a winch of 2 m/s that reached none.
 
-    Of the second, a high-pass of the MRU and another cable were told as well, by a minute that held both changes.
+    Of the second, a high-pass of the MRU and another cable were reported as well, by a minute that held both changes.
     """
     assert (one.scenario, one.sensor, one.kind) == ("b3_deep_900", "encoder", "scale")
     record = loop_with(one, one.start + one.duration + 90.0).run()
@@ -166,9 +166,9 @@ def test_an_mru_of_a_wrong_scale_for_a_minute_blames_no_cable():
 
 @pytest.mark.slow
 def test_an_mru_of_a_wrong_scale_for_half_a_minute_blames_no_depth_sensor():
-    """It reads 1.35 times, and the unit is off by a third of the sea, which the depth sensor alone tells.
+    """It reads 1.35 times, and the unit is off by a third of the sea, which the depth sensor alone shows.
 
-    That was blamed by the last minute, of which 20 s were so. Then a high-pass of 60 s was told, and 60 s believed.
+    That was blamed by the last minute, of which 20 s were so. Then a high-pass of 60 s was reported, and assumed.
     """
     one = replace(
         fault("mru", "scale", 152.0, lasting=30.0, magnitude=1.35, scenario="b10_real_mru_swell"),
@@ -201,7 +201,7 @@ def test_an_encoder_that_is_back_blames_no_depth_sensor():
 
 @pytest.mark.slow
 def test_nothing_stays_learnt_of_a_frozen_encoder():
-    """Frozen from the start: until that was known it was taken for a gain of 0.25 and another servo, and told so."""
+    """Frozen from the start: until that was known it was taken, and reported, as a gain of 0.25 and another servo."""
     one = replace(fault("encoder", "freeze", 0.0, scenario="b2_calm_300"), law="lqg", number=158)
     loop = loop_with(one, 60.0)
     record = loop.run()
@@ -215,7 +215,7 @@ def test_nothing_stays_learnt_of_a_frozen_encoder():
 
 @pytest.mark.slow
 def test_a_winch_that_is_far_too_weak_is_not_taken_for_an_encoder_that_goes_the_other_way():
-    """A fifth of acceleration and speed believed, in Hs 4: the drum turns back long after it is sent to."""
+    """A fifth of the assumed acceleration and speed, in Hs 4: the drum turns back long after it is sent to."""
     winch = {"acceleration_limit": 0.3, "stop_deceleration": 0.3, "speed_limit": 0.4}
     settings = [f"virtual_winch.{name}={value}" for name, value in winch.items()]
     settings += ["wave_vessel.significant_wave_height=4.0", "all.duration=170.0"]

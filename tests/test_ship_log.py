@@ -1,4 +1,4 @@
-"""A ship's own record of its motion, of another sea than the controller believes in."""
+"""A ship's own record of its motion, of another sea than the controller assumes."""
 
 import numpy as np
 import pytest
@@ -12,13 +12,13 @@ from winch_controller_node.parameters.model import SeaModelParameters, VesselMod
 from tests.campaigns.promise import LARGEST, TROUBLE, worst_window
 
 SCENARIO = "b3_deep_900"
-"""It believes in significant waves of 1.5 m at 10 s."""
+"""A scenario that assumes significant waves of 1.5 m at 10 s."""
 
 HEIGHT, PERIOD = 2.5, 12.0
-"""Of the sea in which the record was taken [m], [s]."""
+"""Sea in which the record was taken [m], [s]."""
 
 DURATION, JUDGED = 240.0, 90.0
-"""Of a run, and time from which on it is judged [s]."""
+"""Duration of a run, and time from which on it is judged [s]."""
 
 LARGEST_OVER_MATCHED = 1.3
 """Largest standard deviation of the unit over that under the belief that matches the record."""
@@ -69,7 +69,7 @@ def test_a_ships_own_record_is_met_under_the_default_belief_as_well_as_under_tha
 
 @pytest.mark.slow
 def test_kappa_on_a_record_is_at_least_one_and_no_belief_moves_its_bounds(log, as_believed):
-    """The bound is that of the record's own spectrum, not of the sea that the controller was told of."""
+    """The bound is that of the record's own spectrum, not of the sea that the controller assumes."""
     scenario, record = as_believed
     time, tip = record.column("time", after=JUDGED), record.column("boom_tip", after=JUDGED)
     tip = np.interp(np.arange(time[0], time[-1], BOUND_STEP), time, tip)

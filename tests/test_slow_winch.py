@@ -1,4 +1,4 @@
-"""A winch that is several times slower, or goes farther or less far, than the controller believes."""
+"""A winch that is several times slower, or goes farther or less far, than the controller assumes."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from tests.campaigns.promise import worst_window
 
 
 def run(scenario, *settings):
-    """Return the record of a run and what is believed at its end, by quantity."""
+    """Return the record of a run and what is assumed at its end, by quantity."""
     loop = ClosedLoop(loop_parameters(load_scenario(scenario, settings=settings)))
     record = loop.run()
     return record, {name: belief.value for name, belief in loop.controller.beliefs.values.items()}
@@ -29,7 +29,7 @@ def run(scenario, *settings):
 def test_a_winch_that_is_several_times_off_is_known_within_half_a_minute_and_holds_the_unit(
     scenario, law, name, value, seed
 ):
-    """It was told with limits that no winch had, and left half of the motion, or all of it."""
+    """It was reported with limits that no winch had, and left half of the motion, or all of it."""
     settings = [f"virtual_winch.{name}={value}", f"winch_controller.law={law}", f"all.seed={seed}", "all.duration=150"]
     record, believed = run(scenario, *settings)
     begins = next(time for time, words in record.alarms if words.values.get("mode") == "compensating")
@@ -68,7 +68,7 @@ def test_a_winch_that_is_known_to_be_slow_blames_no_encoder(time_constant, seed,
 @pytest.mark.slow
 def test_a_slow_winch_in_a_high_sea_is_sent_no_more_than_it_takes_and_holds_the_unit():
     """At the limits of a servo of 1.5 s the set-point is far ahead of the speed, and ends at the speed limit: plans
-    that did not know left the unit worse than off (2.7, where the winch was told as where it was not).
+    that did not know left the unit worse than off (2.7, against 1 with the winch known).
     """
     changes = ["virtual_winch.time_constant=1.5", "all.duration=200"]
     record = ClosedLoop(loop_parameters(load_scenario("b4_limit_900_tp10", settings=changes))).run()
@@ -81,7 +81,7 @@ def test_a_slow_winch_in_a_high_sea_is_sent_no_more_than_it_takes_and_holds_the_
 
 @pytest.mark.slow
 def test_a_winch_that_is_slow_and_weak_is_known_as_it_is_in_a_high_sea():
-    """Both at once, servo ten times slower and half of the limits, were told as a quarter of the limits and half of the
+    """Both at once, servo ten times slower and half of the limits, were reported as a quarter of them and half of the
     gain, the fade-out after it moved the drum by 2 m, and the brake left a swing 2.3 times that without compensation.
     """
     true = {"time_constant": 1.5, "speed_limit": 1.0, "acceleration_limit": 0.75, "stop_deceleration": 0.7}

@@ -1,4 +1,4 @@
-"""A winch with half of the acceleration that is believed, over the ROS nodes of a run, with its verdict."""
+"""A winch with half of the assumed acceleration, over the ROS nodes of a run, with its verdict."""
 
 import json
 import re
@@ -9,7 +9,7 @@ from winch_controller_node.interface.alarms import HARMFUL
 from tests.loop_runs import HAS_RUN, heave
 
 LIMIT = 0.8
-"""Of the acceleration [m/s^2]; benchmark B3 believes in 1.5 m/s^2."""
+"""Acceleration limit [m/s^2]; benchmark B3 assumes 1.5 m/s^2."""
 
 WEAK = (f"virtual_winch.acceleration_limit={LIMIT}", f"virtual_winch.stop_deceleration={LIMIT}")
 

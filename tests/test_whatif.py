@@ -18,7 +18,7 @@ from tests.campaigns.in_process import heave, judge
 from tests.campaigns.whatif import Recording, make_draw, run_draw, scenario_of
 
 TRUE_FIELDS = ("payout", "payout_rate", "payout_acceleration", "tension", "power")
-"""Of winch/state: what only a simulator knows."""
+"""Fields of winch/state that only a simulator knows."""
 
 
 def without_truth(bag, folder, *, topics=tuple(SELECTION)):
@@ -93,7 +93,7 @@ def test_what_cannot_be_answered_is_refused_in_one_line(calm_bag, options, statu
 
 @pytest.mark.long
 def test_an_answer_is_near_to_what_then_was():
-    # a world as believed: the trial's median error was 0.45 points, 2 points are wanted of 95 %
+    # a nominal world: the trial's median error was 0.45 points, 2 points are wanted of 95 %
     draw = replace(make_draw(0, 1), recorded="off", asked=("mpc",), settings=(), words="as believed")
     (pair,), _ = run_draw(draw, 0)
     assert pair.tells

@@ -55,7 +55,7 @@ class RunSignals:
     largest_tension : largest of it since the sample before, at the same times [N]; empty when unknown
     unit_tension : of the cable at the unit [N]
     slack : 1 where any part of the cable carries no tension
-    limits_hit : sum of the WinchLimit flags of the limits that act, as the winch itself tells it
+    limits_hit : sum of the WinchLimit flags of the limits that act, as the winch itself reports it
     compensating : 1 where the controller compensates or holds a tension
     unit_height : vertical position of the unit as it was recorded, programme of depth and all, positive up [m]
     touchdown : 1 where the bottom carries the unit
@@ -63,7 +63,7 @@ class RunSignals:
     mode_changes : 1 where the controller has just changed its mode
     losses : 1 where compensation has just ended that nobody had asked to end
     nis_in_band : 1 where the normalised innovation squared lies inside its 95 % band
-    execution_time : wall time that the controller computed for a tick [s]; empty in lockstep, where it is not told
+    execution_time : wall time that the controller computed for a tick [s]; empty in lockstep, where it is not reported
     uncompensated_tension, uncompensated_largest_tension : the same with the winch locked, or following the programme of
         depth only [N]
     static_tension : top tension at rest [N], one sample where the deployed length stays; empty takes the mean tension

@@ -62,7 +62,7 @@ def write_foreign(
 def copy_messages(bag: Bag, files: Mapping[Path, Iterable[tuple[int, RawMessage]]], **options: object) -> None:
     """Write numbered messages of a bag to files as another recorder would, in the order in which they come.
 
-    Each file carries the attachments and what the bag says of its run; `options` are of the writer.
+    Each file carries the attachments and what the bag reports of its run; `options` are of the writer.
     """
     for path, messages in files.items():
         path.parent.mkdir(parents=True, exist_ok=True)

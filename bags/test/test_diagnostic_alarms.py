@@ -1,4 +1,4 @@
-"""Warnings and errors of /diagnostics as intervals: a countdown is one, what is told once is each."""
+"""Warnings and errors of /diagnostics as intervals: a countdown is one, what is reported once is each."""
 
 import numpy as np
 from heave_bags.analyse.events import Interval, diagnostic_alarms, operator_requests

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 PERIOD = 8.0
-"""Of a wave [s]."""
+"""Wave period [s]."""
 THREE_HOURS = 10_800.0
 
 

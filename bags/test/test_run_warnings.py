@@ -1,4 +1,4 @@
-"""What a reader of a run is warned of: harm, compensation that was not in force, and what others would have done."""
+"""What a reader of a run is warned of: harm, compensation that was not active, and what others would have done."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The verdict on a run: its criteria, the values reached, and whether compensation was in force at all."""
+"""The verdict on a run: its criteria, the values reached, and whether compensation was active at all."""
 
 import math
 from dataclasses import replace

@@ -74,4 +74,4 @@ SHIP_CLOCK = NodeEntry(
 """Leads a run in which the plant is the ship itself."""
 NODE_BY_NAME = {node.name: node for node in NODES}
 PROCESS_BY_NAME = {node.name: node for node in (*NODES, SHIP_CLOCK)}
-"""What a run may have to start."""
+"""Processes that a run may have to start."""

@@ -36,7 +36,7 @@ QOS_OVERRIDES = "qos_overrides."
 _RUN_NAMES = frozenset(info.name for info in describe(RunParameters))
 
 Values = dict[str, dict[str, Given]]
-"""What a file gives, by node (or `/**`) and dotted name, in the order of its sections."""
+"""Values of a file, by node (or `/**`) and dotted name, in the order of its sections."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Scenario:
     parameters : parameter set of each node, by node name
     wanted : criteria that a run should meet
     quality_of_service : what a node's section changes of it, `qos_overrides.`, by node and dotted name
-    remade : a line on each file that was made anew from the table that the scenario is a case of
+    remade : a line on each file that was made again from the table that the scenario is a case of
     """
 
     name: str
@@ -197,7 +197,7 @@ def sections_for(model: Path, folder: Path) -> Sections:
     Parameters
     ----------
     model : file of the scenario
-    folder : of the file that is to be made of it
+    folder : of the file to be written
 
     Raises ParameterError as `read_sections` does.
     """

@@ -19,11 +19,11 @@ from heave_node.system_parameters import SYSTEM, owned_names
 from heave_bringup.nodes import NODE_BY_NAME, NODES
 
 EVERY_NODE = "all"
-"""What stands for every node on the command line, where a shell would take `/**` for files."""
+"""Name of all nodes on the command line, where a shell would expand `/**` to files."""
 SHARED = ("system", "wanted")
 """Groups under `/**`, so that the command line needs no node before them."""
 MOST_PLACES = 3
-"""So many places are told where a parameter is elsewhere."""
+"""Most places that are named where a parameter stands elsewhere."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""A scenario as a run stores it: every value in force, each said once, and fit to be run again."""
+"""A scenario as a run stores it: every active value, each said once, and fit to be run again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`heave benchmark`: the README's example runs, results can be compared, and mistakes are told in one line."""
+"""`heave benchmark`: the README's example runs, results can be compared, and mistakes are refused in one line."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_an_entrant_that_fails_is_named_and_the_others_run(tmp_path: Path, capsy
     said = capsys.readouterr().out
     assert "ZeroDivisionError: division by zero" in said
     bad, locked = (next(line for line in said.splitlines() if name in line) for name in ("bad.py:Bad", "locked"))
-    assert bad.split()[-1] == "cm"  # of the tolerance, told once for the case
+    assert bad.split()[-1] == "cm"  # of the tolerance, shown once for the case
     assert " 2  tolerance 4 cm" in bad  # both seeds lost
     assert "100.00" not in locked
     assert locked.split()[4] in ("0.00", "-0.00")  # efficiency of a locked winch

@@ -61,7 +61,7 @@ def test_model_of_the_winch_is_the_winch_whose_facts_are_true() -> None:
         model.step(rate)
         winch.step(tick, WinchCommand(tick + 1, 0.0, rate), 0.0)
         payouts.append(winch.state.payout)
-    # what is foreseen at t_k is the payout at t_k + 0.2 s, four ticks on; a limit acts a little otherwise in between
+    # what is predicted at t_k is the payout at t_k + 0.2 s, four ticks on; a limit acts a little otherwise in between
     np.testing.assert_allclose(ahead[20:-3], payouts[22 + 1 :][: len(ahead[20:-3])], atol=4e-3)
 
 

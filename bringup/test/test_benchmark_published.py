@@ -179,7 +179,7 @@ def test_drawworks_of_2024_is_strong_enough_for_its_task() -> None:
 
 @pytest.mark.slow
 def test_the_law_of_this_suite_compensates_on_a_hydraulic_drawworks_with_noisy_sensors() -> None:
-    """It begins after 20 s and fades in over 10 s. A motion reference unit of 1 cm tells the boom tip to 2 mm.
+    """It begins after 20 s and fades in over 10 s. A motion reference unit of 1 cm gives the boom tip to 2 mm.
 
     It leaves at most a third of what the published law does with the same sensors.
     """

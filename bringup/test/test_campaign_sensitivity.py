@@ -1,4 +1,4 @@
-"""What matters: parameters whose influence is known, and what cannot be told."""
+"""What matters: parameters whose influence is known, and what cannot be decided."""
 
 import numpy as np
 import pandas

@@ -205,7 +205,7 @@ def test_both_loops_give_equal_readings_and_equal_figures_for_any_legal_paramete
 
 
 def test_a_depth_is_read_by_the_density_that_the_controller_believes_in_also_without_ros():
-    """300 m under 1030 kg/m^3 read by one who believes in 1025: 301.46 m."""
+    """300 m under 1030 kg/m^3, read with 1025 assumed: 301.46 m."""
     p = parameters({"cable_sim": {"length": 300.0, "water_density": 1030.0, "sensors.depth.noise": 0.0}}, 0.05, 1)
     loop, depths = ClosedLoop(p), {}
     for _ in range(10):

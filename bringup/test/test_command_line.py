@@ -74,7 +74,7 @@ def test_the_version_is_that_of_the_project_with_its_commit_where_it_is_known(ca
 
 def test_a_file_that_the_system_refuses_is_one_line_and_status_1(capsys):
     assert main(["static", "b2_calm_300", "--picture", "/proc/x.svg"]) == 1
-    # what is compiled once after installation is told before
+    # what is compiled once after installation is reported before
     assert capsys.readouterr().err.splitlines()[-1] == "heave: /proc/x.svg: No such file or directory"
 
 

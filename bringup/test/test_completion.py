@@ -1,4 +1,4 @@
-"""What the shell is told may stand next, as argcomplete asks for it."""
+"""The candidates that the shell gets for the next word, as argcomplete asks for them."""
 
 import os
 import subprocess

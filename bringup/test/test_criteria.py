@@ -1,14 +1,34 @@
 """Criteria of the command line and of a scenario are checked before a run begins."""
 
 import pytest
+from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bringup.cli import main
 from heave_bringup.run.criteria import parse_requirement
+from heave_node.criteria import UNITS_OF_KEYS, end_of
 from heave_node.parameters import ParameterError
 
 
 @pytest.mark.parametrize("text", ["unit_sigma_m<0.01", "unit_sigma_m <= 0.01", " kappa>1e-3"])
 def test_a_requirement_is_a_figure_a_relation_and_a_number(text):
     assert f"{parse_requirement(text).kpi}" in text
+
+
+def test_a_requirement_in_another_unit_is_that_in_the_unit_of_the_key():
+    assert parse_requirement("significant_residual<5cm") == parse_requirement("significant_residual_m<0.05")
+
+
+def test_a_ratio_takes_no_unit_but_percent():
+    assert parse_requirement("unit_efficiency>90%") == parse_requirement("unit_efficiency>0.9")
+    with pytest.raises(ParameterError, match="kappa is a ratio or a count, its bound takes no unit but %"):
+        parse_requirement("kappa<2m")
+
+
+def test_every_figure_of_merit_ends_in_a_unit_that_its_bounds_take():
+    for key, definition in DEFINITION_OF.items():
+        unit = definition.unit.replace("²", "^2")
+        assert unit in ("", *UNITS_OF_KEYS[end_of(key)])
+        if unit:  # one of the shown unit is 1/scale of the key's
+            assert UNITS_OF_KEYS[end_of(key)][unit] * definition.scale == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("text", ["unit_sigma_m", "unit_sigma_m=3", "unit_sigma_m<big", "no_such_figure<1", "<1"])

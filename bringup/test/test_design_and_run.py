@@ -40,7 +40,7 @@ def test_the_boom_tip_of_a_vessel_with_raos_moves_as_the_design_foresees():
 def test_the_unit_of_a_run_moves_as_the_design_foresees(name, left_out):
     """In shares of the boom tip's motion: the sea of 300 s may be a quarter higher than that of the spectrum.
 
-    What winch and locked unit do is foreseen to a tenth. Of the millimetres that are left of the motion a quarter is
+    What winch and locked unit do is predicted to a tenth. Of the millimetres that are left of the motion a quarter is
     what the design leaves out: the learning of noise and lag, and what 300 s say of a standard deviation; a half where
     a vessel with RAOs is foretold by the filter of second order that was fitted to them (6.3 mm for 4.4 mm here).
     """

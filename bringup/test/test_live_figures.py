@@ -31,7 +31,7 @@ def test_the_truth_goes_before_the_estimate_also_while_the_unit_is_lowered(depth
 
 
 def test_a_move_that_has_come_to_its_end_is_no_heave():
-    """The controller tells the depth once per second; the unit with the winch locked stays where it was."""
+    """The controller reports the depth once per second; the unit with the winch locked stays where it was."""
     live = LiveFigures()
     live.note_mode(0.0, "compensating", "")
     for number in range(601):

@@ -1,4 +1,4 @@
-"""When what an operator requested is done, and what he is told."""
+"""When an operator's request is done, and what is reported to the operator."""
 
 import pytest
 from heave_bringup.operate.answer import Answer, refusal

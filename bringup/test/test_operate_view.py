@@ -77,7 +77,7 @@ def test_a_trend_keeps_the_newest_value_of_each_step_and_shows_gaps():
     assert trend.draw(10) == "▁▅ █"
     assert trend.extent == (0.0, 2.0)
     assert trend.draw(2) == " ▅"  # alone in the middle of its scale
-    trend.note(0.2, 7.0)  # the run has begun anew
+    trend.note(0.2, 7.0)  # the run has restarted
     assert trend.extent == (7.0, 7.0)
 
 

@@ -215,7 +215,7 @@ def test_the_benchmarks_want_what_their_table_says() -> None:
 
 
 def test_a_shared_name_means_the_same_to_every_node_that_takes_it() -> None:
-    """Unit, type and default agree, and whoever believes takes nothing that the owner does not have."""
+    """Unit, type and default agree, and the controller assumes nothing that the owner does not have."""
     infos = {node.name: {info.name: info for info in describe(node.parameters_type())} for node in NODES}
     owners = {s: (n, own) for n, known in infos.items() for s, own in owned_names(n, known).items()}
     free = {"system.linear.inertia", "system.linear.damping"}  # 0 takes the controller's from cable, unit and length

@@ -28,7 +28,7 @@ OWN = Candidate(speed=2.0, acceleration=1.5, power=math.inf, delay=0.2)
 PRICES = Prices()
 RESIDUAL = Criterion("significant_residual_m", "<=", 0.3)
 POWER_PER_METRE, CYCLES_PER_METRE, RANGE_PER_METRE = 1e4, 100.0, 5e3
-"""Of the pretended cases: power, cycles of bending and tension, range of tension in a sea of 1 m."""
+"""Pretended cases: power, cycles of bending and tension, range of tension in a sea of 1 m."""
 
 
 def kpis_of(speed: float, height: float) -> dict[str, float]:

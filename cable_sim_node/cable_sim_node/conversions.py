@@ -69,7 +69,7 @@ def point_motion_message(motion: PointMotion, stamp: int) -> bytes:
 
 
 def point_motion_of(reading: WireReading) -> PointMotion:
-    """Return the motion that a `reading` of the fields POINT_MOTION tells."""
+    """Return the motion in a `reading` of the fields POINT_MOTION."""
     numbers = np.array(reading.numbers)
     return PointMotion(reading.time, numbers[0:3], numbers[3:6], numbers[6:9])
 
@@ -85,13 +85,13 @@ def winch_state_message(state: WinchState, stamp: int) -> bytes:
 
 
 def winch_command_of(reading: WireReading) -> WinchCommand:
-    """Return the command that a `reading` of the fields WINCH_COMMAND tells."""
+    """Return the command in a `reading` of the fields WINCH_COMMAND."""
     sequence, payout, payout_rate, brake = reading.numbers
     return WinchCommand(int(sequence), payout, payout_rate, bool(brake))
 
 
 def drum_motion_of(reading: WireReading) -> PointMotion:
-    """Return what a `reading` of the fields DRUM_MOTION tells, as a motion with one coordinate, payout [m].
+    """Return a `reading` of the fields DRUM_MOTION as a motion with one coordinate, payout [m].
 
     It is the drum's truth, or the encoder's reading of hardware that has nothing better (without acceleration).
     """

@@ -1,4 +1,4 @@
-"""Sensors measure when they should, deliver late, are as noisy as they say, and fail as told."""
+"""Sensors measure when they should, deliver late, are as noisy as they say, and fail as ordered."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from heave_node.numerics.kinematics import PointMotion
 
 S300 = CableSimParameters(length=300.0, segments=20)
 WEIGHT = S300.cable.weight_in_fluid(S300.water_density)
-"""Of a metre of cable in water [N]."""
+"""Weight of a metre of cable in water [N]."""
 UNIT = S300.unit.weight_in_fluid(S300.water_density)
 STIFFNESS = S300.cable.axial_stiffness
 

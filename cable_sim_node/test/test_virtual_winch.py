@@ -371,7 +371,7 @@ def test_parameters_that_contradict_each_other_are_refused(change: dict[str, obj
         dataclasses.replace(WinchParameters(), **change)
 
 
-# What a drive does otherwise than its controller believes.
+# What a drive does otherwise than its controller assumes.
 
 
 def test_hauling_in_has_limits_of_its_own() -> None:

@@ -18,7 +18,7 @@ from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.parameters import Given, ParameterError
 
 KINDS = ("cable", "unit", "winch")
-"""What the catalogue has, by the group under `system.` that an entry fills."""
+"""Kinds of entries in the catalogue, by the group under `system.` that an entry fills."""
 FROM = "from"
 """Names the entry in a group that has values of its own beside it: `cable: {from: NAME, normal_drag: 1.6}`."""
 _NUMBER = re.compile(r"\d+")

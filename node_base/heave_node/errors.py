@@ -18,7 +18,7 @@ class NodeError(Exception):
 
 
 def one_line(error: BaseException, of: type | None = None) -> str:
-    """Return `error` as one line: its text alone where it was foreseen; where not, with its type and its place.
+    """Return `error` as one line: its text alone where it was expected; else with its type and its place.
 
     Parameters
     ----------

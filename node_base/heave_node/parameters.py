@@ -301,7 +301,7 @@ def build_given(parameters_type: type[T], given: Mapping[str, Given], *, where: 
 
 
 LONGEST_LIST = 20
-"""So many names are listed in full in an error message; of more, only the first word of each."""
+"""Most names that an error message lists in full; of more, only the first word of each."""
 
 
 def unknown_parameter(given: Given, known: Iterable[str]) -> ParameterError:

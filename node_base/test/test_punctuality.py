@@ -1,4 +1,4 @@
-"""Who was late: what a node tells of the delays of ticks, of itself and of the clock master."""
+"""Who was late: what a node reports about the delays of ticks, of itself and of the clock master."""
 
 import pytest
 from heave_node.tick.punctuality import Punctuality

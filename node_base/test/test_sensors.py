@@ -90,7 +90,7 @@ def test_pressure_is_absolute_and_its_variance_that_of_the_depth():
 
 
 def test_a_depth_is_read_by_the_water_that_is_believed_in():
-    """1030 kg/m^3 believed to be 1025: 300 m read 300 * 1030 / 1025."""
+    """1030 kg/m^3 assumed to be 1025: 300 m read 300 * 1030 / 1025."""
     on_wire = DEPTH.to_wire(Reading(1.0, np.array([300.0]), np.zeros(1)), Water(1030.0, 9.80665))
     assert DEPTH.from_wire(on_wire, Water(1025.0, 9.80665)) == pytest.approx((300.0 * 1030.0 / 1025.0,))
 

@@ -72,7 +72,7 @@ def test_a_lock_file_that_is_a_link_is_not_followed(tmp_path):
 
 
 def test_a_name_that_was_given_to_a_new_port_meanwhile_is_left(tmp_path, monkeypatch):
-    """Another process found the port dead as well, and made it anew between this one's look and its lock."""
+    """Another process found the port dead as well, and made it again between this one's look and its lock."""
     make(tmp_path, PORT, f"{PORT}_el")
     take = shared_memory._is_lockable
 

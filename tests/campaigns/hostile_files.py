@@ -45,7 +45,7 @@ HANGING = 120
 BATCH = 50
 """Files for one process."""
 ELSEWHERE = (Path("/tmp/heave-hostile"), Path("/tmp/heave-hostile.csv"), Path("/tmp/hostile"))
-"""What the changed tables would write, if they could."""
+"""Files that the changed tables would write, if they could."""
 KINDS = ("scenario", "table", "attachment")
 
 

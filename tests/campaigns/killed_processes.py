@@ -2,9 +2,9 @@
 
     python -m tests.campaigns.killed_processes --count 100
 
-Each node in turn, in lockstep and in real time. A witness hears for which tick the recorder has answered. The bag must
+Each node in turn, in lockstep and in real time. An observer hears which tick the recorder has answered. The bag must
 open with the project's reader, `rosbags` and `mcap`. In lockstep it must hold every message of every tick up to that
-one; in real time, where nodes may miss ticks and a thread writes, every message that the witness itself had received
+one; in real time, where nodes may miss ticks and a thread writes, every message that the observer itself had received
 half a second before the kill. Prints a table and ends with status 1 where something is wrong.
 """
 
@@ -45,7 +45,7 @@ OF_OTHERS = ("/boom_tip", "/mru", "/winch/command", "/winch/state", "/controller
 BEHIND = 0.5
 """Wall time by which the disk may be behind in real time, where a thread writes [s]."""
 STAMP = slice(4, 12)
-"""Where the stamp lies in a serialised message that begins with a header, or with a time."""
+"""Bytes of the stamp in a serialised message that begins with a header, or with a time."""
 LONGEST_START = 120.0
 LONGEST_DELAY = 8.0
 """Wall time from the first tick to the kill at most [s]."""
@@ -178,7 +178,7 @@ def _read_by_others(folder: Path, files: Sequence[Path], wrong: list[str]) -> tu
         for path in files:
             with path.open("rb") as stream:
                 by_mcap += sum(1 for _ in make_reader(stream).iter_messages(log_time_order=False))
-    except Exception as error:  # whatever it is, it is to be told
+    except Exception as error:  # whatever it is, it must be reported
         wrong.append(f"{type(error).__name__}: {error}")
     return by_rosbags, by_mcap
 

@@ -32,7 +32,7 @@ AFTER = 120.0
 """Time that is watched after the unit should have landed [s]."""
 
 GIVE = 0.02
-"""By this the bottom gives way under the unit's own weight [m]."""
+"""Penetration of the bottom by the unit's own weight [m]."""
 
 
 @dataclass(frozen=True)

@@ -1,19 +1,19 @@
-"""Never worse than off: winches, sensors and seas that are not what the controller believes (benchmark B9).
+"""Never worse than off: winches, sensors and seas that differ from what the controller assumes (benchmark B9).
 
     python -m tests.campaigns.promise --draws 256 --tornado promise.svg
 
-The controller believes in scenario b3_deep_900 as it is. Of the truth are drawn: limits of speed and acceleration, of
+The controller assumes scenario b3_deep_900 as it is. Of the truth are drawn: limits of speed and acceleration, of
 hauling in apart, of power, the servo, its gain, delay, dead zone, the encoder's play, the radius of the drum, the
 noise of MRU and depth sensor, stamps of the MRU and its high-pass, the sea. A draw is kept whose unit is never worse
 than 1.05 times the uncompensated one over any minute that begins 30 s after compensation does. Components run in this
 process. --plant draws mass, damping and drag of the unit besides, as campaign b9_model_error does: each draw then has
 errors of plant, winch and sensors together. --tornado ranks what matters among what was drawn, by the efficiency.
 
-Without --draws the plain table is run: one thing wrong at a time; where that is a sensor, beside a run under the belief
-that is told what it is like: from 60 s after the beginning of compensation on, to the end of 400 s, the unit moves at
-most twice as much as in that one.
+Without --draws the plain table is run: one thing wrong at a time; where that is a sensor, beside a run with an informed
+controller: from 60 s after the beginning of compensation on, to the end of 400 s, the unit moves at most twice as
+much as in that one.
 
-Fails where a draw is not kept, never compensates, or is told something wrong of its winch or sensors.
+Fails where a draw is not kept, never compensates, or gets a wrong finding about its winch or sensors.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from tests.campaigns.draws.findings import blamed_by, changes_in
 
 SCENARIO = "b3_deep_900"
 DURATION = 240.0
-"""Of a run [s]."""
+"""Duration of a run [s]."""
 
 WINDOW, TROUBLE = WORSE_WINDOW, 30.0
 """Length of a window that is judged, and time after the beginning of compensation from which on they are [s]."""
@@ -54,10 +54,10 @@ HEIGHTS = (1.5, 1.8, 2.8)
 """Significant wave heights [m]."""
 
 SPEED, ACCELERATION, DELAY, SERVO = 2.0, 1.5, 0.2, 0.15
-"""The winch that is believed in [m/s], [m/s^2], [s], [s]."""
+"""The assumed winch [m/s], [m/s^2], [s], [s]."""
 
 NOISES = {"wave_vessel.mru.noise": 0.01, "wave_vessel.mru.rate_noise": 0.01, "cable_sim.sensors.depth.noise": 0.02}
-"""Noise that is believed in [m], [m/s], [m]."""
+"""Assumed noise [m], [m/s], [m]."""
 
 EFFICIENCY = "unit_efficiency"
 """Figure that is ranked by."""
@@ -68,20 +68,20 @@ AS_BELIEVED = {
     "wave_vessel.mru.high_pass_period": 1e3,
     "wave_vessel.mru.stamp_error": 0.0,
 }
-"""What a draw has that does not name it; a power and a period that nothing in these seas reaches stand for none."""
+"""Values of a draw that does not name them; a power and a period that nothing in these seas reaches stand for none."""
 
 NOISE_ROWS = dict(zip(("mru_heave", "mru_heave_rate", "unit_heave"), NOISES.items(), strict=True))
-"""The same by the names that findings have for the readings."""
+"""Noise by the names that findings have for the readings."""
 
 INERTIA, DAMPING, DRAG = (
     "winch_controller.cable_model.inertia_factor",
     "winch_controller.cable_model.damping_factor",
     "cable_sim.unit.drag_coefficient",
 )
-"""What of the plant is not as believed."""
+"""Deviations of the plant."""
 
 USUAL_SPEED = 0.3
-"""Of the drum in the smallest of the seas [m/s]: what dead zone and play are small or large against."""
+"""Speed of the drum in the smallest of the seas [m/s]: the scale of dead zone and play."""
 
 Settings = Mapping[str, float]
 
@@ -98,7 +98,7 @@ PLAIN: dict[str, Settings] = {
     "MRU scale 0.85": {"wave_vessel.mru.scale_error": -0.15},
     "drum radius 3 %": {"virtual_winch.drum_radius_error": 0.03},
 }
-"""One thing other than believed."""
+"""One deviation from what is assumed."""
 
 _MRU, _DEPTH = "winch_controller.sensors.mru", "winch_controller.sensors.depth"
 TOLD: dict[str, Settings] = {
@@ -107,13 +107,13 @@ TOLD: dict[str, Settings] = {
     "high-pass 30 s": {f"{_MRU}.high_pass_period": 30.0},
     "MRU scale 0.85": {f"{_MRU}.scale_sigma": 0.15},
 }
-"""The belief that is told what a sensor is like; of a scale, that it may be so far off."""
+"""The belief of an informed controller about a sensor; of a scale, that it may be so far off."""
 
 LEARNING, TOLD_DURATION = 60.0, 400.0
-"""Such a sensor is known within this time of the beginning of compensation [s]; duration of such a run [s]."""
+"""Time from the beginning of compensation within which such a sensor is identified; duration of such a run [s]."""
 
 LARGEST_OVER_TOLD = 2.0
-"""Largest standard deviation of the unit from then on over that under the belief that is told."""
+"""Largest standard deviation of the unit from then on over that under the informed belief."""
 
 
 @dataclass(frozen=True)
@@ -124,8 +124,8 @@ class Draw:
     ----------
     name : of the draw
     seed : of its sea and noise
-    settings : other than believed
-    told : the belief that would be right, where a run under it is the measure; empty: none is
+    settings : other than assumed
+    told : the informed belief, where a run under it is the measure; empty: none is
     """
 
     name: str
@@ -207,8 +207,8 @@ class Kept:
     share : of the time since the first minute and a half in which it compensates
     wrong : alarms that name what is not so
     alarms : all that were given on winch, sea and sensors
-    learnt, told : standard deviation of the unit from `LEARNING` after the beginning on, and the same under the belief
-        that is told [m]; NaN: there is none
+    learnt, told : standard deviation of the unit from `LEARNING` after the beginning on, and the same under the
+        informed belief [m]; NaN: there is none
     """
 
     sigma: float
@@ -229,7 +229,7 @@ class Kept:
 
     @property
     def is_as_told(self) -> bool:
-        """Tell whether what was learnt is about as good as what could have been told."""
+        """Return whether what was learnt is about as good as an informed belief."""
         return not self.learnt > LARGEST_OVER_TOLD * self.told
 
     @property
@@ -303,7 +303,7 @@ class Named:
 
     Attributes
     ----------
-    believed : before anything was learnt
+    believed : assumed at first
     low, high : between these the truth is, as far as the readings show it
     noticeable, far : differences that are just worth naming, and that are an error whatever the truth is
     """
@@ -315,7 +315,7 @@ class Named:
     far: float
 
     def is_wrong(self, learnt: float) -> bool:
-        """Tell whether a `learnt` value is on the wrong side of the belief, or names what is as believed."""
+        """Return whether a `learnt` value is on the wrong side of the nominal one, or names what is nominal."""
         if self.low == self.high == self.believed:
             return True
         off = max(self.low - learnt, learnt - self.high)
@@ -391,7 +391,7 @@ def named_values(words: str) -> list[tuple[str, float]]:
 
 
 def is_wrong(words: str, settings: Settings) -> bool:
-    """Tell whether an alarm names something that is as believed, or that differs to the other side."""
+    """Return whether an alarm names something that is nominal, or that differs to the other side."""
     things = named_things(settings)
     is_late = settings.get("wave_vessel.mru.stamp_error", 0.0) > 0.0
     is_filtered = settings.get("wave_vessel.mru.high_pass_period", 0.0) > 0.0

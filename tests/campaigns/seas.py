@@ -1,9 +1,9 @@
-"""Seas other than believed: four scenarios in a grid of seas, with the shipped belief and with the matching one.
+"""Seas other than assumed: four scenarios in a grid of seas, with the shipped belief and with the matching one.
 
     python -m tests.campaigns.seas
     python -m tests.campaigns.seas --law lqg --cell b3_deep_900 4 6 --cell b10_real_mru_swell 4 12
 
-The vessel meets the sea of each cell; the controller believes in the sea of its scenario, or in that of the cell. A
+The vessel meets the sea of each cell; the controller assumes the sea of its scenario, or in that of the cell. A
 cell is kept whose unit moves at most 1.3 times as much under the shipped belief as under the matching one, and never
 more than uncompensated, and whose compensation is not lost where the matching belief keeps it. In a sea that takes the
 winch to its limits a few minutes are chance, under either belief: what is not kept there is run again for as long as
@@ -32,7 +32,7 @@ PERIODS = (6.0, 8.0, 10.0, 12.0, 14.0)
 """Peak periods [s]."""
 
 DURATION, TRANSIENT = 400.0, 130.0
-"""Of a first run, and of its beginning that is not judged [s]."""
+"""Duration of a first run, and of its beginning that is not judged [s]."""
 
 LARGEST = 1.3
 """Largest standard deviation of the unit over that of the matching belief."""

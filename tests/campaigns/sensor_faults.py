@@ -4,7 +4,7 @@
 
 One sensor of one of four scenarios is at fault, from the start or in mid-run, for a time or to the end. A draw is kept
 whose unit is never worse than 1.05 times the uncompensated one over any minute that begins 30 s after the trouble does,
-or after it ends; where encoder or motion reference unit are lost, or the encoder goes the other way from the start, so
+or after it ends; where encoder or motion reference unit are lost, or the encoder is reversed from the start, so
 that the winch has to stop, than 1.2 times: a unit that is let go at rest swings at first. Components run in this
 process. What is named besides the sensor is printed.
 """
@@ -29,7 +29,7 @@ from tests.campaigns.promise import LARGEST, TROUBLE, worst_window
 SCENARIOS = ("b2_calm_300", "b3_deep_900", "b4_limit_900_tp10", "b10_real_mru_swell")
 LAWS = ("mpc", "lqg")
 DURATION = 300.0
-"""Of a run [s]."""
+"""Duration of a run [s]."""
 
 GROUPS = {
     "mru": "wave_vessel.mru",
@@ -37,10 +37,10 @@ GROUPS = {
     "load_cell": "cable_sim.sensors.load_cell",
     "encoder": "virtual_winch.encoder",
 }
-"""Where the faults of each sensor are drawn, by the controller's name of it."""
+"""Node and group of each sensor's faults, by the controller's name of it."""
 
 KINDS = ("scale", "scale", "freeze", "jump", "nan", "spike", "gap", "delay", "restart")
-"""A wrong scale is drawn twice as often: no sample shows it."""
+"""A scale error is drawn twice as often: no sample shows it."""
 
 LOST_KINDS, LARGEST_LOST = ("freeze", "nan", "gap", "restart"), 1.2
 """Kinds that leave nothing to read, and the largest ratio where the winch has to stop."""

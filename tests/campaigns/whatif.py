@@ -36,10 +36,10 @@ SCENARIOS = ("b2_calm_300", "b3_deep_900", "b4_limit_900_tp10", "b10_real_mru_sw
 RECORDED = ("off", "off", "mpc", "industrial", "lqg")
 LAWS = ("mpc", "industrial", "lqg", "off")
 DURATION, TRANSIENT = 240.0, 90.0
-"""Of a run, and of its beginning that is not judged [s]."""
+"""Duration of a run, and of its beginning that is not judged [s]."""
 
 WANTED = {"within 1 point": 0.8, "within 2 points": 0.95, "sigma 0.8 to 1.25": 0.9, "in its band": 0.85}
-"""Shares of the pairs where the record tells; of the bands no more than MOST_COVERED are to cover."""
+"""Shares of the pairs where the record is informative; of the bands no more than MOST_COVERED are to cover."""
 
 MOST_COVERED, MOST_SILENT, SILENT = 0.97, 0.02, 0.05
 """Largest share of bands that cover, of silent failures, and an error of efficiency that is one."""
@@ -74,7 +74,8 @@ class Pair:
     ----------
     draw, law : which
     efficiency, true_efficiency, sigma, true_sigma : as predicted and as it was [-], [m]
-    band : of the efficiency; tells : the record tells of plant and winch what this answer needs
+    band : of the efficiency
+    tells : the record identifies what this answer needs
     warned : something was said against it
     lost, true_lost : compensation was given up, as predicted (probability) and as it was
     """
@@ -136,7 +137,7 @@ class Recording(ClosedLoop):
 
 
 def make_draw(number: int, seed: int) -> Draw:
-    """Return draw `number` of a `seed`: its world is other than what its controller believes."""
+    """Return draw `number` of a `seed`: its world is other than what its controller assumes."""
     random = np.random.default_rng([seed, number])
     name = SCENARIOS[number % len(SCENARIOS)]
     plain = load_scenario(name)
@@ -241,7 +242,7 @@ def show(pair: Pair) -> str:
 
 
 def summary(pairs: Sequence[Pair]) -> list[str]:
-    """Return what was wanted and what it came to, for pairs where the record tells and for all."""
+    """Return what was wanted and what it came to, for pairs where the record is informative and for all."""
     lines = []
     for words, chosen in (("where the record tells", [one for one in pairs if one.tells]), ("all", list(pairs))):
         if not chosen:

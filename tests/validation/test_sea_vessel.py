@@ -1,4 +1,4 @@
-"""From the sea to the boom tip and what the MRU says of it: variances against integrals, responses against formulae."""
+"""From the sea to the boom tip and the MRU's reading of it: variances against integrals, responses against formulae."""
 
 import math
 

@@ -24,7 +24,7 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 
 HEIGHT, ZERO_CROSSING_PERIOD = 6.0, 14.0
 PEAK_OVER_ZERO_CROSSING = (5.0 / 4.0) ** 0.25 * math.pi**0.25
-"""Of a Pierson-Moskowitz spectrum A/w^5 exp(-B/w^4): w_p^4 = 4 B/5 and (m2/m0)^2 = pi B."""
+"""Ratio for a Pierson-Moskowitz spectrum A/w^5 exp(-B/w^4): w_p^4 = 4 B/5 and (m2/m0)^2 = pi B."""
 SEA = build_parameters(
     WinchControllerParameters,
     {

@@ -1,4 +1,4 @@
-"""Sea state to boom-tip motion, and what the motion reference unit says of it.
+"""Sea state to boom-tip motion, and what the motion reference unit reports of it.
 
 Importing this package loads nothing else: a name of its face is loaded on first use. Every module but `node`
 is pure (no ROS).

@@ -50,7 +50,7 @@ class WaveVesselOutputs:
 
 
 class WaveVessel:
-    """Sea state to boom-tip motion, and what the MRU says of it.
+    """Sea state to boom-tip motion, and what the MRU reports of it.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ def drawn_from() -> Callable[..., Excerpt]:
     def drawn(design: ControllerDesign, seconds=60.0, *, seed=3, size=0.3, change=None, first=0) -> Excerpt:
         random, model = np.random.default_rng(seed), design.model
         n, count = model.order, round(seconds / DT)
-        # the winch is just what it is believed to be: its noise stands for what no model of one has
+        # the winch is as assumed: its noise stands for what no model of one has
         is_winch = np.array([name.startswith("payout") for name in model.state_names])
         noise = np.linalg.cholesky(model.noise_covariance + 1e-18 * np.eye(n)) * ~is_winch[:, None]
         x = np.linalg.cholesky(design.initial_covariance + 1e-12 * np.eye(n)) @ random.standard_normal(n)

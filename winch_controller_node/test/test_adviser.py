@@ -47,7 +47,7 @@ def answers(excerpt, adviser=None):
 
 
 def since(found, owner):
-    """Return the second in which something is first believed of an `owner`."""
+    """Return the second in which something other than nominal is first assumed of an `owner`."""
     seconds = [k for k, one in enumerate(found) if any(name.startswith(f"{owner}.") for name in one.values)]
     return seconds[0] if seconds else np.inf
 

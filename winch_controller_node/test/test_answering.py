@@ -58,7 +58,7 @@ def answered(answering, *questions):
 
 
 def test_an_answer_says_what_it_answers_and_is_stamped_with_the_last_tick_before_it_is_in_force():
-    """Batch 1 ends at tick 20, t = 1 s; its answer is in force at tick 40: the tick before begins at 1.95 s."""
+    """Batch 1 ends at tick 20, t = 1 s; its answer is active at tick 40: the tick before begins at 1.95 s."""
     answer = deserialize_message(Answering(Counting, DT).answer(read(question(1))), BeliefsMessage)
     assert answer.asked == 20
     assert (answer.header.stamp.sec, answer.header.stamp.nanosec) == (1, 950_000_000)

@@ -1,4 +1,4 @@
-"""Answers of the adviser: in force at their tick, refused when late, counted, and said."""
+"""Answers of the adviser: active at their tick, refused when late, counted, and said."""
 
 import pytest
 from winch_controller_node.advice.watch import STEADY, AdviserWatch

@@ -1,4 +1,4 @@
-"""What can be believed, and the parameters under it."""
+"""What the beliefs may replace, and the parameters under them."""
 
 import dataclasses
 import math

@@ -1,4 +1,4 @@
-"""An answer of the adviser comes into force so long after it was asked for, and changes what one table says."""
+"""An answer of the adviser becomes active so long after it was asked for, and changes what one table says."""
 
 import dataclasses
 import types
@@ -224,7 +224,7 @@ def test_limits_are_used_a_little_less_and_need_no_design():
 
 ATOMS = (str, bytes, int, float, complex, bool, type(None), type, types.ModuleType, types.BuiltinFunctionType)
 KEPT = ("_first",)
-"""What redesigns are told against: the parameters of the start, in beliefs in force and adviser."""
+"""Attributes that redesigns are compared with: the parameters of the start, in the core's beliefs and the adviser."""
 
 
 def held(root, kind):
@@ -322,7 +322,7 @@ def test_what_an_operator_restates_is_told_to_the_adviser_which_goes_by_it(batch
 
 
 def test_what_did_not_come_into_force_is_sent_again(batch_of):
-    """Beliefs of number 3 are out, those in force are older: design and state come with the next answer."""
+    """Beliefs of number 3 are out, the active ones are older: design and state come with the next answer."""
     adviser = Adviser(NOMINAL, tick_period=DT)
     adviser._beliefs = dataclasses.replace(adviser._beliefs, number=3)
     silent = {"brake": 1.0, "encoder": np.nan, "taken": np.nan}

@@ -84,7 +84,7 @@ def test_a_delay_is_made_up_for_by_the_slope_of_what_was_read(excerpt, measureme
     inner = mine & (late[:, 1] > 1) & (late[:, 1] < TICKS - 2)
     wanted = excerpt.readings[:, 3] - excerpt.readings[:, 4]
     np.testing.assert_allclose(made_up[inner], wanted[inner], atol=1.1 * (OMEGA * 2.0 * DT) ** 2)
-    # a delay that is believed already is made up for from its tick on
+    # a delay that is assumed already is compensated from its tick on
     history = SensorHistory((("mru", 100, Correction(delay=2.0 * DT)),))
     believed = in_columns(delayed, measurements, history, onsets=()).data.values[:, 0]
     since = late[:, 1] >= 100

@@ -1,4 +1,4 @@
-"""A hiccup between controller and winch: compensation goes on by itself, unless it comes again and again."""
+"""A hiccup between controller and winch: compensation resumes automatically, unless it comes again and again."""
 
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
@@ -71,7 +71,7 @@ def test_a_machine_that_is_late_too_often_is_told_once_with_its_share():
     late, told = late_in_bursts(3, 20, 12_000)
     (alarm,) = told
     assert alarm.code == "COMMANDS_OFTEN_LATE"
-    # told with the first share above 10 % of 1,200 commands
+    # reported with the first share above 10 % of 1,200 commands
     assert alarm.values == {"percent": pytest.approx(10.0, abs=0.1), "window": 60.0, "largest": pytest.approx(DT)}
     assert late.is_told
 

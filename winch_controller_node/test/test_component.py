@@ -162,7 +162,7 @@ def test_an_encoder_jump_raises_an_alarm_within_three_samples_and_does_not_move_
 
 @pytest.mark.parametrize("volume", [0.354, 0.0])
 def test_a_load_cell_in_use_is_heard_also_where_the_weight_of_the_unit_is_not_known(volume):
-    """Without its 0.354 m^3 the unit is believed to be 3.6 kN heavier than it is, 6 % of the static tension."""
+    """Without its 0.354 m^3 the unit is assumed 3.6 kN heavier than it is, 6 % of the static tension."""
     use = {"sensors.use": ["mru", "depth", "encoder", "load_cell"], "unit.volume": volume}
     heard = []
 
@@ -466,7 +466,7 @@ UNLEARNT = {"lag.adaptation": False, "guard.hold_time": 600.0, "modes.settling_t
 
 @pytest.mark.parametrize("law", ["lqr", "lqg", "mpc"])
 def test_a_lost_loop_is_given_up_before_the_unit_swings_and_the_winch_comes_to_rest_at_its_mean(law):
-    """A servo of 0.8 s for one of 0.15 s, that nobody believes in and nobody learns: no feedback is stable with it."""
+    """A servo of 0.8 s for one of 0.15 s, that nobody assumes and nobody learns: no feedback is stable with it."""
     parameters = loop_parameters(law=law, duration=120.0, **UNLEARNT)
     record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(time_constant=0.8))).run()
     assert {alarm.code for _, alarm in record.alarms} & HARMFUL
@@ -506,7 +506,7 @@ def test_a_motion_reference_unit_of_the_wrong_sign_is_contradicted_by_the_depth_
 
 
 def test_the_regulator_of_the_unit_alone_compensates_and_does_no_harm_where_it_takes_the_winch_to_its_limits():
-    """Without limits it would leave 12 % here (stationary prediction); its share of the sea is what the winch bears."""
+    """Without limits it would leave 12 % here (stationary prediction); its authority is what the winch bears."""
     record = ClosedLoop(loop_parameters(law="lqr", duration=150.0)).run()
     assert not {alarm.code for _, alarm in record.alarms} & HARMFUL
     assert record.unit_sigma(60.0) < 0.5 * record.uncompensated_sigma(60.0)

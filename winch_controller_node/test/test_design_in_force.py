@@ -1,4 +1,4 @@
-"""The design in force and its successors."""
+"""The active design and its successors."""
 
 import dataclasses
 

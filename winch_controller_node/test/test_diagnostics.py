@@ -1,4 +1,4 @@
-"""What the node says of itself in diagnostics."""
+"""What the node reports of itself in diagnostics."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""A sensor that turns while the loop compensates is found, doubted, and trusted again; the unit is at rest meanwhile.
+"""A sensor that turns while the loop compensates is found, excluded, and trusted again; the unit is at rest meanwhile.
 
 Truth and belief are those of benchmark B3 but for the sensor; an uncompensated unit is what a locked winch leaves.
 """
@@ -42,14 +42,14 @@ def loop_with(fault):
 
 
 class Run:
-    """A run: its record, and in each tick how a sensor is seen, which is left out, and what is believed.
+    """A run: its record, and in each tick how a sensor is seen, which is excluded, and what is assumed.
 
     Attributes
     ----------
     record : of the loop
     seen : level and reason of the `sensor` in each tick
     excluded : sensor that is not used, in each tick
-    believed : values other than nominal in each tick, by quantity
+    believed : assumed values other than nominal in each tick, by quantity
     """
 
     def __init__(self, loop, sensor=""):
@@ -63,7 +63,7 @@ class Run:
         self.record = loop.run(note)
 
     def first(self, owner, after=0.0):
-        """Return the first time after another [s] at which something is believed of an `owner`, or it is left out."""
+        """Return the first time after another [s] at which something is assumed of an `owner`, or it is excluded."""
         for tick in range(round(after / TICK), len(self.excluded)):
             if self.excluded[tick] == owner or any(name.startswith(f"{owner}.") for name in self.believed[tick]):
                 return tick * TICK
@@ -192,7 +192,7 @@ def test_a_unit_whose_motion_reference_unit_is_turned_over_for_good_is_never_wor
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_sensor_that_is_right_again_is_used_as_it_is_and_compensation_goes_on(fault):
-    """A scale that was believed goes back to nominal, to a few per cent, or the sensor is used again."""
+    """A scale that was assumed goes back to nominal, to a few per cent, or the sensor is used again."""
     sensor, _ = FAULTS[fault]
     run = run_with(fault)
     assert run.excluded[-1] == ""

@@ -183,7 +183,7 @@ def test_an_encoder_is_not_blamed_where_the_winch_was_often_at_a_limit(every, is
 
 @pytest.mark.parametrize("is_known", [False, True])
 def test_an_encoder_is_not_blamed_where_the_drum_was_not_as_believed_before(is_known):
-    """A winch of 0.7 of its gain is weak before its encoder is wrong; once that is believed the encoder may be."""
+    """A winch of 0.7 of its gain is weak before its encoder is wrong; once that is assumed the encoder may be."""
     record, _ = scaled_from(0.5, 6.0, speed_gain=0.7)
     known = {"winch.speed_gain": 0.7} if is_known else {}
     found = identify(record, PRIOR, np.array([*drum_of(BELIEF.winch, known), 1.0]))
@@ -231,7 +231,7 @@ def excerpts(excerpt_of, winch, seconds, *, size=0.6, seed=1, noise=0.0, resolut
 
 
 def believed_of(excerpt_of, winch, seconds, **record):
-    """Return what is believed of a winch after so many `seconds`, looked at each second, and each answer."""
+    """Return what is assumed of a winch after so many `seconds`, evaluated each second, and each answer."""
     identifier, believed, answers = WinchIdentifier(BELIEF, DT), {}, []
     for excerpt in excerpts(excerpt_of, winch, seconds, **record):
         answer = identifier.look(excerpt, SensorHistory(), {name: b.value for name, b in believed.items()})
@@ -266,7 +266,7 @@ def test_a_millisecond_of_jitter_of_the_delay_hides_no_limit(excerpt_of):
 
 @pytest.mark.parametrize(("late", "every"), [(1, 97), (1, 140), (6, 97)])
 def test_a_machine_that_stalls_now_and_then_is_not_taken_for_a_weak_winch(excerpt_of, late, every):
-    """Each `every` ticks the commands of `late` ticks come together with the next, to a winch that is as believed."""
+    """Each `every` ticks the commands of `late` ticks come together with the next, to a winch that is as assumed."""
     rates, virtual = waves(40.0, 0.6), VirtualWinch(WinchParameters(), tick_period=DT)
     virtual.step(0, WinchCommand(1))
     read, taken = np.empty(len(rates)), np.empty(len(rates))

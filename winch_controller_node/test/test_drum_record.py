@@ -89,7 +89,7 @@ def test_a_winch_that_says_nothing_tells_no_lateness(known):
 
 
 def test_numbers_that_do_not_follow_one_another_tell_none():
-    """A controller that was started anew counts from 1."""
+    """A controller that was restarted counts from 1."""
     sequence, taken, _ = taken_with(np.full(COUNT, 3.5))
     sequence[100:] -= 77.0
     assert not np.any(lateness(sequence, taken))

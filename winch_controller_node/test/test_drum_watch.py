@@ -47,7 +47,7 @@ def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), limite
 
 
 def test_a_drum_as_believed_is_where_it_was_foreseen():
-    """Readings in millimetres: what a second of them foresees for the next is some millimetres at the most."""
+    """Readings in millimetres: what a second of them predicts for the next is some millimetres at the most."""
     _, errors, _ = watched()
     assert np.max(np.abs(errors)) < 4e-3
 
@@ -63,7 +63,7 @@ def test_a_winch_other_than_believed_is_missed_until_it_is_believed(winch):
 
 
 def test_a_drum_at_its_speed_limit_under_larger_set_points_is_where_it_was_foreseen():
-    """There the rate at the start of a second tells nothing."""
+    """There the rate at the start of a second says nothing."""
     known = watched(size=2.0, believed={"winch.speed_out": 1.1, "winch.speed_in": 1.1}, speed_limit=1.1)[1]
     assert np.max(np.abs(known)) < 0.01
 
@@ -171,7 +171,7 @@ def test_a_scale_is_sudden_only_where_the_winch_is_known():
 
 
 def test_a_scale_is_not_sudden_while_a_limit_acts():
-    """A drum at a limit does less than it was ordered; one that turns the other way has no such excuse."""
+    """A drum at a limit does less than it was ordered; one that turns the other way has no such allowance."""
     half, back = (one._replace(is_limited=True) for one in (HALF, BACK))
     assert acts([TRUE] * seconds(40.0) + [half] * 50)[0] == []
     # the winch is known for 10 log(0.98 / 0.8) = 2 s more

@@ -1,4 +1,4 @@
-"""A drum, or an encoder, that goes the other way than the winch was sent, in a closed loop of benchmark B3.
+"""A drum, or an encoder, that is reversed, in a closed loop of benchmark B3.
 
 Its unit swings by 0.3 m (1 sigma) where it is let be; it compensates from 23 s on.
 """
@@ -21,7 +21,7 @@ TURNED_OVER = {"kind": ["scale"], "start": [0.0], "duration": [0.0], "magnitude"
 
 
 def loop_of(who):
-    """Return a loop in which `who` goes the other way from the start."""
+    """Return a loop in which `who` is reversed from the start."""
     settings = [f"all.duration={END}", "all.seed=1"]
     if who == "encoder":
         settings += [f"virtual_winch.encoder.faults.{name}={value}" for name, value in TURNED_OVER.items()]
@@ -59,7 +59,7 @@ def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_of_moti
     assert len(moving) > 0
     assert moving[-1] - moving[0] < 3.0
     assert modes_of(record) == ["standby", "compensating", "fade_out", "stopping", "standby"]
-    # what was found is told once, and compensation is not tried again by itself
+    # the finding is reported once, and compensation is not tried again by itself
     assert [alarm.code for _, alarm in record.alarms].count("ENCODER_REVERSED") == 1
     assert record.alarms[-1][1].values["mode"] == "standby"
 
@@ -115,5 +115,5 @@ def test_a_storm_blames_no_sensor_and_no_winch():
 
 
 def owners(loop):
-    """Return what something is believed of otherwise than nominal."""
+    """Return what is assumed other than nominal."""
     return {name.partition(".")[0] for name in loop.controller.beliefs.values}

@@ -39,7 +39,7 @@ def test_readings_far_off_close_the_gate_for_as_long_as_it_says():
 
 
 def test_readings_that_come_no_more_keep_no_gate_closed():
-    """Of a sensor that is doubted nothing is foreseen: one turned over from the start closed the gate for good."""
+    """An excluded sensor is not predicted: one reversed from the start closed the gate for good."""
     gates = EntryGates(EntryParameters(innovation=4.0), window=60.0, tick_period=DT)
     observe(gates, 200.0, 200)
     # readings 0.2 s apart: 1 s is five of them, 4 s are twenty

@@ -84,7 +84,7 @@ def test_a_column_that_tells_nothing_changes_nothing():
 
 
 def test_a_sensor_better_than_believed_earns_nothing():
-    """A mean square below 1 counts as 1: no hypothesis is the better for a sensor that is quieter than believed."""
+    """A mean square below 1 counts as 1: no hypothesis is the better for a sensor that is quieter than assumed."""
     grams = np.array([np.diag([0.2, 1.0]), np.diag([0.9, 1.0])])
     proof = Evidence(grams, np.zeros(2), np.full(2, 50.0))
     assert proof.plain().loss == 0.0

@@ -42,7 +42,7 @@ def model_of(design, *, with_drag=False, with_slack=False):
 def record_of(design, *, size=1.0, each_tick=1, seed=1):
     """Return commands, and readings as (tick, measurement, offset, value): `each_tick` of them, in turn.
 
-    Readings are of no motion at all, `size` large: a filter has to follow whatever it is told.
+    Readings are of no motion at all, `size` large: a filter has to follow whatever it reads.
     """
     random = np.random.default_rng(seed)
     commands = 0.3 * np.sin(0.7 * DT * np.arange(TICKS)) + 0.05 * random.standard_normal(TICKS)
@@ -77,7 +77,7 @@ def input_of(design, commands, readings, *, speed=0.0, missing=0.0, values=None)
 def followed(design, model, commands, readings):
     """Return what the loop's filter makes of a record: innovations over sigma, variances, and speed and missing push.
 
-    Those are of the state before each tick, by which its step goes. It takes in all that it is told.
+    Those are of the state before each tick, by which its step goes. It takes in all that it reads.
     """
     estimator = KalmanEstimator(
         design.model, design.measurements, model.start, gate=NO_GATE, drag=model.drag, slack=model.slack
@@ -128,7 +128,7 @@ def test_a_pass_says_of_each_reading_what_the_filter_of_the_loop_says(design, wi
 
 
 def test_readings_of_one_tick_one_after_the_other_are_as_good_as_all_at_once(design):
-    """Their noises are independent: the state is the same, though each is judged by what those before have told."""
+    """Their noises are independent: the state is the same, though each is judged by what those before have read."""
     model = model_of(design)
     commands, readings = record_of(design, each_tick=len(design.measurements))
     estimator, *_ = followed(design, model, commands, readings)

@@ -49,7 +49,7 @@ def drive(design, commands):
 @settings(max_examples=20, deadline=None)
 @given(st.lists(st.floats(-30.0, 30.0), min_size=1, max_size=12))
 def test_no_command_takes_the_winch_beyond_its_limits_and_the_model_knows_its_speed(design, targets):
-    """The governed command keeps the real winch on the linear model: what the estimator believes is what happens."""
+    """The governed command keeps the real winch on the linear model: what the estimator assumes is what happens."""
     states, believed = drive(design, np.repeat(targets, 25))
     rates = np.array([state.payout_rate for state in states])
     limits = WinchParameters()
@@ -57,7 +57,7 @@ def test_no_command_takes_the_winch_beyond_its_limits_and_the_model_knows_its_sp
     assert np.max(np.abs(np.diff(rates))) <= limits.acceleration_limit * DT + 1e-9
     # the set-point itself stops at the speed limit: the last gain before it may fall short by what the lag leaves of
     # a tick, for 0.15 s 1.5 m/s^2 * (0.05 - 0.15 (1 - exp(-1/3))) s = 0.011 m/s; within a tick the linear servo is
-    # ahead of the even acceleration by less than that again; the encoder tells the estimator the rest
+    # ahead of the even acceleration by less than that again; the encoder shows the estimator the rest
     lag = design.parameters.winch.time_constant
     np.testing.assert_allclose(rates, believed[:, 1], atol=2.0 * 1.5 * (DT + lag * math.expm1(-DT / lag)))
 

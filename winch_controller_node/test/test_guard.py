@@ -129,7 +129,7 @@ def test_demand_of_a_sea_is_its_significant_amplitude_and_of_one_wave_no_more_th
         found.append((sea.significant(limits), wave.significant(limits)))
     # sigma 1 m/s in the mean: speed asks for more than acceleration, 0.5 m/s^2 of 1.5
     assert np.sqrt(np.mean(np.square(found), axis=0)) == pytest.approx([2.0 / 2.0, 1.0 / 2.0], rel=0.1)
-    # a crest is forgotten by a hundredth until the next one
+    # a crest decays by a hundredth until the next one
     assert found[-1][1] == pytest.approx(0.5, rel=0.02)
 
 
@@ -325,7 +325,7 @@ def test_a_drum_that_runs_wild_is_noticed_before_the_unit_has_answered():
 
 
 def test_a_depth_sensor_that_sees_twice_the_uncompensated_motion_is_believed_against_the_estimate():
-    """As a motion reference unit of the wrong sign would have it: payout the wrong way, twice the motion."""
+    """As a motion reference unit with a sign error would have it: payout the wrong way, twice the motion."""
     guard = make_guard()
     watch_waves(guard, 60.0, authority=0.0)
     assert watch_waves(guard, 60.0, residual=0.4, depth=lambda time: 0.4 * math.sin(0.7 * time)) is None
@@ -355,7 +355,7 @@ def test_authority_falls_when_a_group_of_waves_comes_before_the_mean_of_the_sea_
     calm = guard.authority_limit(keeps_limits=False)
     watch_waves(guard, 9.0, uncompensated=2.0 / 0.7, authority=0.0)
     assert calm == 1.0
-    # sigma 1.0 m/s^2 at the end of the group, its first waves not quite forgotten: 0.85 * 1.5 / (2.2 * 1.0) = 0.58
+    # sigma 1.0 m/s^2 at the end of the group, its first waves not quite decayed: 0.85 * 1.5 / (2.2 * 1.0) = 0.58
     assert guard.authority_limit(keeps_limits=False) < 0.8
 
 

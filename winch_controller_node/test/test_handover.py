@@ -161,7 +161,7 @@ def test_what_is_believed_after_a_wrong_scale_is_a_covariance(followed_model, se
     _, after = hand_over_seen(followed_model, estimate, covariance, payout=0.4, unit=np.array([-0.3, 0.2]))
     np.testing.assert_array_equal(after, after.T)
     assert np.min(np.linalg.eigvalsh(after)) > -1e-12
-    # what was believed is not written into
+    # the values assumed are not written into
     np.testing.assert_array_equal(estimate, before[0])
     np.testing.assert_array_equal(covariance, before[1])
 

@@ -96,7 +96,7 @@ def test_arrows_between_the_wings_run_downwards():
 
 
 CORE = ("component", "estimation", "supervision", "beliefs_in_force", "design_in_force", "loop_command", "state_report")
-"""What a ship's controller runs in a tick."""
+"""Modules that a ship's controller runs in a tick."""
 
 
 def is_in(module, wings):

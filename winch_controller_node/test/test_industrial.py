@@ -55,7 +55,7 @@ def test_a_boom_tip_that_moves_evenly_is_followed_with_its_own_rate() -> None:
     x[model.state("payout_rate")] = 0.3
     x[[i for i, name in enumerate(model.state_names) if name.startswith(made.command + "_")]] = 0.3
     state = LoopState(x, Reference(), 0.0)
-    # the drum moves at 0.3 m/s where the boom tip rests: told to stop, and to make good what it will have gone too far
+    # the drum moves at 0.3 m/s where the boom tip rests: ordered to stop, and to make good the overshoot
     winch = made.parameters.winch
     k = rule_gain(winch.command_delay + 0.5 * DT, winch.time_constant)
     gone = 0.3 * (winch.command_delay + 0.5 * DT)

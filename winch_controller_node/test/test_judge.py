@@ -1,4 +1,4 @@
-"""The sensor, or the cable, that is not what it is believed to be; records are drawn from a model that is true."""
+"""The sensor, or the cable, that differs from what is assumed; records are drawn from a model that is true."""
 
 import dataclasses
 import math
@@ -322,7 +322,7 @@ def test_a_scale_that_is_off_by_more_costs_more_and_a_wrong_sign_more_than_that(
 
 
 def test_what_the_encoder_reads_of_what_was_sent_is_the_winch_s_or_the_encoder_s():
-    """A drum of half the gain by the encoder: cheap once the encoder is believed to read half, dear until then."""
+    """A drum of half the gain by the encoder: cheap once the encoder is assumed to read half, dear until then."""
     one = believed(BELIEF, drum_gain=0.5)
     assert one.price(change_of("encoder.scale", 0.5), "") < one.price({}, "") + PRICES["encoder.scale"] + 2.0
     assert one.price(change_of("encoder.scale", 2.0), "") > one.price({}, "")

@@ -64,7 +64,7 @@ readings = st.builds(
     st.one_of(st.just(0.0), st.floats(-0.5, 0.5)),
     st.one_of(st.just({}), st.fixed_dictionaries({"lever": st.floats(-0.2, 0.2), "not_a_state": st.just(1.0)})),
 )
-"""Of any sensor: near its prediction or absurd, in time or late by up to more than is kept, stated noise or not."""
+"""Readings of any sensor: near its prediction or absurd, up to more than the buffer late, stated noise or not."""
 
 ticks = st.lists(st.tuples(st.integers(1, 3), st.floats(-1.0, 1.0), st.lists(readings, max_size=7)), max_size=25)
 """Ticks with what was left out before them, command, and readings: more of one than there is place for at first."""

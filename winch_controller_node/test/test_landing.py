@@ -1,4 +1,4 @@
-"""Landing: touchdown, told from the trends of depth, tension and mean payout; lift-off."""
+"""Landing: touchdown, detected from the trends of depth, tension and mean payout; lift-off."""
 
 import math
 
@@ -196,7 +196,7 @@ FROZEN = tuple(
 
 @pytest.mark.slow
 def test_a_landing_while_the_depth_sensor_is_frozen_is_told_and_known_before_the_cable_is_slack():
-    """Lowered by 0.12 m/s, the wire needs 16 s to unload; it is told once that tension alone will tell."""
+    """Lowered by 0.12 m/s, the wire needs 16 s to unload; it is reported once that tension alone will show it."""
     settings = [
         *FROZEN,
         "cable_sim.sensors.depth.faults.start=[50.0]",

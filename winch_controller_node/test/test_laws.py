@@ -1,4 +1,4 @@
-"""The registry of laws: what a law says of itself is what the controller does with it."""
+"""The registry of laws: what a law states of itself is what the controller does with it."""
 
 import dataclasses
 
@@ -77,7 +77,7 @@ def test_a_law_of_anybody_joins_by_a_class_and_an_entry(monkeypatch):
 
 
 def test_the_effort_of_the_unit_regulator_is_that_of_a_simulated_loop():
-    """It acts when the unit has moved, later than the boom tip, and so with more speed than that; lqg foresees it."""
+    """It acts when the unit has moved, later than the boom tip, and so with more speed than that; lqg predicts it."""
     deep = build_parameters(WinchControllerParameters, DEEP_900 | {"law": "lqr"}, where="test")
     design = design_controller(deep, tick_period=DT)
     law, model, rng = design.make_law(), design.model, np.random.default_rng(1)

@@ -30,7 +30,7 @@ BEGINNING = 15.0
 """Compensation has begun, and has all of the sea, within this time [s]."""
 
 STILL = 0.02
-"""No change of mode moves drum or unit by more than this off its reference path in calm water [m]."""
+"""Largest distance of drum or unit from its reference path in calm water, whatever the change of mode [m]."""
 
 BY_LAW = ("compensating", "fade_out")
 """Modes in which a law moves the drum."""
@@ -39,10 +39,10 @@ SWUNG = 3.0
 """A unit that swings already is taken at most so much further, where a fade ends before it was over."""
 
 STOP_DECELERATION = 0.5
-"""At which the set-point falls in an orderly stop [m/s^2]."""
+"""Deceleration of the set-point in an orderly stop [m/s^2]."""
 
 WINCH = WinchParameters(payout_minimum=-6.0, payout_maximum=6.0)
-"""With a range whose ends an operator reaches within the steps of an example."""
+"""A winch with a range whose ends an operator reaches within the steps of an example."""
 
 MARGIN = 1.0
 """Kept to the ends of the range [m]."""

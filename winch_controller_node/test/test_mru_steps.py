@@ -105,7 +105,7 @@ def test_a_signal_that_is_turned_over_is_good_by_its_mean_only_and_then_unproved
     # its mean is that of the ship to a tenth of a metre or a quarter of 0.7 m throughout
     assert MEMORY - 2 * DT < first * DT < MEMORY + 9.0
     assert found[first] == (False, True)
-    # it is told once, and what comes next goes on from there
+    # it is reported once, and what comes next goes on from there
     assert set(found[first + 1 :]) == {(False, False)}
 
 

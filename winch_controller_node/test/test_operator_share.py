@@ -25,7 +25,7 @@ INERTIA, DAMPING = 7.339769, 0.1906759
 """The 900 m system of thesis 6.2.6 as identified there."""
 
 LARGEST_SPEED, ACCELERATION, LAG = 2.0, 1.5, 0.2
-"""Of the winch of these tests [m/s], [m/s^2], [s]."""
+"""The winch of these tests [m/s], [m/s^2], [s]."""
 
 
 @settings(max_examples=40, deadline=None)
@@ -151,7 +151,7 @@ def test_operator_and_compensation_together_keep_the_limits_in_a_sea_that_takes_
 
 
 def test_the_share_is_one_of_the_acceleration_that_was_learnt():
-    """The winch has half of the acceleration that is believed, and so has the operator."""
+    """The winch has half of the assumed acceleration, and so has the operator."""
     # all of the sea is compensated only once the winch is known
     loop = loop_in(acceleration=0.5 * ACCELERATION, height=3.0, **{"modes.fade_in_time": 15.0})
     for _ in range(round(40.0 / DT)):

@@ -102,7 +102,7 @@ def test_margins_of_a_loop_known_in_closed_form():
 
 
 def poles_with_delay(loop, extra):
-    """Largest closed-loop pole of the state feedback when the winch is `extra` ticks later than believed."""
+    """Largest closed-loop pole of the state feedback when the winch is `extra` ticks later than assumed."""
     model = loop.model
     n = model.order
     A = np.zeros((n + extra, n + extra))
@@ -116,7 +116,7 @@ def poles_with_delay(loop, extra):
 
 
 def test_the_delay_margin_is_where_the_loop_turns_unstable():
-    # reference: eigenvalues of the loop with whole ticks of delay more; past commands stay those believed
+    # reference: eigenvalues of the loop with whole ticks of delay more; past commands stay those assumed
     loop = design()
     omegas = frequencies(DT)
     margin = margins(omegas, state_feedback_loop(loop, loop.gain, omegas)).delay

@@ -1,4 +1,4 @@
-"""A preview of the boom tip is used while it can be believed, and left out with a reason where it cannot."""
+"""A preview of the boom tip is used while it proves right, and is not used, with a reason, where it does not."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The last minutes as the adviser keeps them, and what its sensors are believed to have read."""
+"""The last minutes as the adviser keeps them, and the assumed corrections of its sensors."""
 
 import math
 
@@ -77,7 +77,7 @@ def test_measurements_are_chosen_and_numbered_anew_and_what_is_older_than_the_re
     assert list(chosen.readings[:, TICK]) == [13.0, 19.0]
 
 
-# what is believed of sensors
+# assumed properties of sensors
 
 
 def of_sensors(excerpt_of):

@@ -1,4 +1,4 @@
-"""What is new of what is believed is told once: of the winch when it has settled, of all else at once."""
+"""Changes of the beliefs are reported once: those of the winch when it has settled, all others at once."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -21,7 +21,7 @@ def beliefs(**values):
 
 
 def told(each, seconds=1.0):
-    """Show each of the beliefs for so many `seconds`; return findings with the time at which they were told."""
+    """Show each of the beliefs for so many `seconds`; return findings with the time at which they were reported."""
     report, found = Report(NOMINAL), []
     for second, one in enumerate(one for one in each for _ in range(round(seconds))):
         found += [(float(second), finding) for finding in report.news(one, float(second))]

@@ -136,7 +136,7 @@ def test_a_sea_is_not_said_to_be_lower_before_many_waves_have_been_seen_but_high
 
 
 def test_the_sea_that_is_seen_has_the_moments_that_were_seen():
-    """A sea of twice the height and other period than believed, after many waves."""
+    """A sea of twice the height and other period than assumed, after many waves."""
     belief, there = (
         parameters().sea,
         dataclasses.replace(parameters().sea, significant_wave_height=2.0, peak_period=9.5),
@@ -191,7 +191,7 @@ def test_waves_are_carried_over_to_another_sea_by_the_motion_that_they_bring_abo
 
 
 def test_a_state_that_is_carried_to_the_same_sea_foresees_the_same_swell():
-    """A swell of 16.5 s beside a wind sea: three seconds of what is foreseen did not tell its state."""
+    """A swell of 16.5 s beside a wind sea: three seconds of prediction did not show its state."""
     sea = {"sea__spectrum": "ochi_hubble", "sea__shape": 1.0, "sea__peak_period": 6.0, "sea__filter_states": 10}
     swell = {"sea__swell__significant_wave_height": 1.0, "sea__swell__peak_period": 16.5}
     old = design_controller(parameters(**sea, **swell), tick_period=DT)

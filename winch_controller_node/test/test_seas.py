@@ -1,4 +1,4 @@
-"""The sea that foresees the readings best is believed; records are drawn from a model that is true."""
+"""The sea that predicts the readings best is assumed; records are drawn from a model that is true."""
 
 import dataclasses
 import math
@@ -73,13 +73,13 @@ def test_a_sea_as_believed_is_kept(found, seed):
 def test_a_sea_of_another_period_is_found(found, period):
     belief, truth = parameters(WIND_SEA), parameters(WIND_SEA, {"sea.peak_period": period})
     sea = found(belief, truth)
-    # neighbours are a tenth apart, and one that is nearer to the belief is preferred where both foresee it as well
+    # neighbours are a tenth apart, and one that is nearer to the belief is preferred where both predict it as well
     assert sea.peak_period == pytest.approx(period, rel=0.1)
     assert sea.significant_wave_height == pytest.approx(1.5, rel=0.1)
 
 
 def test_a_sea_that_is_more_regular_than_any_model_is_not_taken_for_a_longer_one(excerpt_of):
-    """Regular waves of 12 s: the longer a sea is believed to be, the better it foresees them; their period is seen."""
+    """Regular waves of 12 s: the longer the assumed sea, the better it predicts them; their period is seen."""
     belief = parameters({"sea.significant_wave_height": 3.4, "sea.peak_period": 12.0})
     omega, amplitude, random = 2.0 * math.pi / 12.0, 4.0, np.random.default_rng(2)
     sigmas = {known.name: known.sigma for known in design_of(belief).measurements}

@@ -115,7 +115,7 @@ def test_a_late_sensor_is_not_stale_while_its_usual_latency_lasts():
 
 @pytest.mark.parametrize(("is_spike", "level"), [(True, SUSPECT), (False, OK)])
 def test_a_reading_outside_a_gate_is_a_spike_only_where_those_before_were_foreseen(is_spike, level):
-    """A unit whose cable goes slack is not foreseen: that is told once, and the depth sensor is not to blame for it."""
+    """A unit whose cable goes slack is not predicted: that is reported once, and not blamed on the depth sensor."""
     gate = make_gate()
     for k in range(3, 9):
         gate.judge(k * DT, k * DT, (0.1 * k,))
@@ -196,7 +196,7 @@ def test_a_drum_that_turns_unseen_is_a_frozen_encoder():
 
 
 def test_an_encoder_with_play_in_its_gear_is_not_frozen_where_the_drum_turns_round():
-    """A play of 1 cm, and a drum that is believed to be a quarter faster and to answer 0.1 s sooner than it does."""
+    """A play of 1 cm, and a drum that is assumed a quarter faster and to answer 0.1 s sooner than it does."""
     gate, reading, play = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT), 0.0, 0.005
     for time in DT * np.arange(1, round(40.0 / DT)):
         reading = min(max(reading, 0.6 * math.sin(0.7 * time) - play), 0.6 * math.sin(0.7 * time) + play)
@@ -415,7 +415,7 @@ def test_a_frozen_encoder_is_good_again_once_it_moves_and_the_payout_is_right_th
 def test_an_encoder_that_freezes_and_counts_on_has_missed_at_most_a_fifth_of_the_path(frozen, ticks, gain):
     """It counts on from where it stood: what the drum did meanwhile is known by what the winch was sent.
 
-    The drum does up to a tenth more or less than that. Where it came back nearly to where it was, nothing is told.
+    The drum does up to a tenth more or less than that. Where it came back nearly to where it was, nothing is reported.
     """
     gate = encoder_gate()
     drum = [gain * payout for payout in payouts(range(1, frozen + ticks + 61))]

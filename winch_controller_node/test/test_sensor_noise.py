@@ -1,4 +1,4 @@
-"""The noise of a sensor is known from its readings alone; one that is told far too large is told as well."""
+"""The noise of a sensor is known from its readings alone; noise that is stated far too large is reported as well."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def test_noise_more_than_believed_is_seen_through_a_sea(sigma):
 
 
 def told_of(sigma, count):
-    """Return what is told in `count` readings of a sensor whose noise is believed to be 0.01 and is `sigma`."""
+    """Return the reports in `count` readings of a sensor whose noise is assumed to be 0.01 and is `sigma`."""
     noise = SensorNoise(0.01, DT)
     news = []
     for value in waves(count) + sigma * np.random.default_rng(1).standard_normal(count):
@@ -37,7 +37,7 @@ def told_of(sigma, count):
 
 
 def test_noise_is_told_when_it_is_known_well():
-    # 1.4 times what is believed is not worth telling; 30 readings say twice as much now and then, 100 hardly ever
+    # 1.4 times the assumed noise is not reported; 30 readings show twice as much now and then, 100 hardly ever
     assert not told_of(0.014, 20000)
 
 
@@ -79,7 +79,7 @@ def run_b3(duration, *settings):
 
 
 def told_quiet(record):
-    """Return time and measurement of each alarm that a sensor is quieter than believed."""
+    """Return time and measurement of each alarm that a sensor is quieter than assumed."""
     return [(time, alarm.values["measurement"]) for time, alarm in record.alarms if alarm.code.endswith("_NOISE_LOW")]
 
 
@@ -102,7 +102,7 @@ def test_sensors_as_believed_are_not_told_also_in_a_sea_far_lower_than_believed(
 
 
 def test_noise_of_the_depth_that_has_become_known_is_not_told_as_jumps():
-    """Ten times the believed noise: before it is known, within 3 s, a reading or two look like jumps."""
+    """Ten times the assumed noise: before it is known, within 3 s, a reading or two look like jumps."""
     record = run_b3(60.0, "all.seed=104", "cable_sim.sensors.depth.noise=0.2")
     jumps = [time for time, alarm in record.alarms if alarm.code in ("DEPTH_JUMP", "DEPTH_SCALE_JUMP")]
     assert len(jumps) <= 2

@@ -1,4 +1,4 @@
-"""What holds compensation back is told, and taken back once when it is over."""
+"""What limits compensation is reported, and once that it is over."""
 
 import pytest
 from winch_controller_node.supervision.watch.share_news import ShareNews
@@ -8,7 +8,7 @@ HELD, OVER = ("AUTHORITY_LIMITED_BY_SEA", pytest.approx(30.0)), ("AUTHORITY_REST
 
 
 def told(news, seconds, share, *, authority=1.0, factor=1.0, compensates=True):
-    """Return what is told while a share may be compensated for some time."""
+    """Return what is reported while a share may be compensated for some time."""
     code = "AUTHORITY_LIMITED_BY_SEA"
     alarms = [
         news.update(share, code, authority=authority, factor=factor, compensates=compensates)

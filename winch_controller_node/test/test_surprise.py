@@ -1,4 +1,4 @@
-"""Whether readings are as far off what was foreseen as their noise allows."""
+"""Whether readings are as far off what was predicted as their noise allows."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""A command timeout is told with its cause: who was silent."""
+"""A command timeout is reported with its cause: who was silent."""
 
 import pytest
 from winch_controller_node.interface.readings import Lateness

@@ -72,7 +72,7 @@ def test_the_rate_of_the_boom_tip_is_told_whatever_the_winch_does(design):
     loop = wire_loop(design.cable, design.parameters.winch, round_trip, DT)
 
     def told(share):
-        """Return rates told and tensions, from 60 s on, with a share of the drum's motion."""
+        """Return estimated rates and tensions, from 60 s on, with a share of the drum's motion."""
         payout = share * (0.3 * np.sin(1.1 * time) + 0.02 * np.sin(mode * time))
         payout_rate = share * (0.33 * np.cos(1.1 * time) + 0.02 * mode * np.cos(mode * time))
         wire = StandingWire(round_trip, design.cable.stiffness)

@@ -1,4 +1,4 @@
-"""Whether the winch does what is foreseen of it: less of the sea is compensated while nobody understands it."""
+"""Whether the winch does what is predicted of it: authority is reduced while the difference is unexplained."""
 
 import numpy as np
 import pytest

@@ -7,7 +7,7 @@ from winch_controller_node.beliefs.quantities import QUANTITIES
 from winch_controller_node.beliefs.words import CODES, SEA_LABELS, WINCH_LABELS, alarms_of
 
 REPORTED = [name for name in QUANTITIES if name != "mru.bias_sigma"]
-"""What a drift is held with is no finding of its own."""
+"""Quantities with a finding of their own; the noise of a drift has none."""
 
 SENSORS = ("mru", "depth", "encoder")
 

@@ -29,7 +29,7 @@ REST = 0.01
 class WinchAdviserNode(ParticipantNode):
     """Answers each batch of `controller/observations` on `controller/beliefs`.
 
-    In lockstep it may be behind by so many ticks that the answer to a batch is there when it comes into force: the
+    In lockstep it may be behind by so many ticks that the answer to a batch is there when it becomes active: the
     clock master waits for it then, not sooner. In real time nobody waits. Where all nodes share one process, and in
     real time, a worker process does the work.
     """
@@ -39,7 +39,7 @@ class WinchAdviserNode(ParticipantNode):
 
     def __init__(self) -> None:
         super().__init__()
-        # The batch that ends at tick k comes in tick k + 1, and its answer is in force at tick k + N. Before that the
+        # The batch that ends at tick k comes in tick k + 1, and its answer is active at tick k + N. Before that the
         # master ends tick k + N - 1, for which the adviser must have answered k + 1.
         lag = latency_ticks(self.run.tick_period) - 2
         self.lag = lag if self.run.is_lockstep else NOT_WAITED_FOR

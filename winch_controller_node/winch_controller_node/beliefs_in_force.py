@@ -1,4 +1,4 @@
-"""The beliefs in force, and the one way in which another answer of the adviser comes into force."""
+"""The active beliefs, and the one way in which another answer of the adviser becomes active."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ OWN = "encoder"
 
 
 class BeliefsInForce:
-    """Nominal parameters, and what is believed otherwise: the only home of belief in the core.
+    """Nominal parameters and the active beliefs: their only home in the core.
 
     Parameters
     ----------
@@ -30,9 +30,9 @@ class BeliefsInForce:
     Attributes
     ----------
     nominal : parameters as an operator has stated them
-    beliefs : in force
+    beliefs : the active ones
     refused : answers that came too late, so far
-    corrected : owners of which another thing is believed since this tick: winch, cable, a sensor
+    corrected : owners whose assumed values have changed in this tick: winch, cable, a sensor
     has_moved_tip : the boom tip is taken to be elsewhere since this tick: what was seen of the sea is void
     """
 
@@ -48,7 +48,7 @@ class BeliefsInForce:
         self.has_moved_tip = False
 
     def offer(self, beliefs: Beliefs, next_tick: int) -> bool:
-        """Take `beliefs`, in force LATENCY after they were asked for; tell whether in time for `next_tick`."""
+        """Take `beliefs`, active LATENCY after they were asked for; return whether in time for `next_tick`."""
         if beliefs.asked + self._latency < next_tick:
             self.refused += 1
             return False
@@ -56,7 +56,7 @@ class BeliefsInForce:
         return True
 
     def follow(self, tick: int) -> list[Alarm]:
-        """Put in force before a `tick` what is due; return what is new."""
+        """Activate before a `tick` what is due; return what is new."""
         self.corrected, self.has_moved_tip = set(), False
         pending = self._pending
         if pending is None or pending.asked + self._latency > tick:
@@ -68,16 +68,16 @@ class BeliefsInForce:
 
     @property
     def restated(self) -> tuple[tuple[str, float], ...]:
-        """Parameters that an operator has stated anew, by path."""
+        """Parameters that an operator has restated, by path."""
         return restated(self._first, self.nominal)
 
     def renew(self, nominal: WinchControllerParameters) -> None:
-        """Go by other `nominal` parameters; what is believed of the sea is void."""
+        """Go by other `nominal` parameters; beliefs about the sea are void."""
         self.nominal, self._pending = nominal, None
         self.beliefs = without_sea(self.beliefs)
 
     def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:
-        """Return the parameters under what is believed, were others `nominal`; what is believed of the sea is void."""
+        """Return the parameters under the active beliefs, were others `nominal`; beliefs about the sea are void."""
         return parameters_under(without_sea(self.beliefs), nominal)
 
     def _take(self, beliefs: Beliefs, tick: int) -> None:
@@ -87,7 +87,7 @@ class BeliefsInForce:
         |---|---|---|
         | limits, gain of the winch | stays | drum watch |
         | lag, delay, sea | carried over | drum watch (winch) |
-        | sensor, cable | the adviser's, followed up to now | surprise, guard's comparison |
+        | sensor, cable | the adviser's, followed up to now | consistency, guard's comparison |
         | MRU | the same | besides: what was seen of the sea |
         """
         before, self.beliefs = self.beliefs, beliefs

@@ -70,7 +70,7 @@ class WinchController:
 
     Parameters
     ----------
-    parameters : what it believes and how it works
+    parameters : the assumed plant, winch and sea, and how laws and modes act
     tick_period : [s]
     seed : taken like every component's; the controller itself draws no random number
 
@@ -109,12 +109,12 @@ class WinchController:
 
     @property
     def parameters(self) -> WinchControllerParameters:
-        """Parameters in force."""
+        """Active parameters."""
         return self._in_force.parameters
 
     @property
     def design(self) -> ControllerDesign:
-        """Design in force."""
+        """Active design."""
         return self._in_force.design
 
     @property
@@ -518,13 +518,13 @@ class WinchController:
     # another design
 
     def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:
-        """Return the parameters under what is believed, were others `nominal`; the sea is as those say."""
+        """Return the parameters under the active beliefs, were others `nominal`; the sea is as those say."""
         return self._beliefs.under(nominal)
 
     def prepare_redesign(self, parameters: WinchControllerParameters) -> PreparedDesign:
         """Design again from other nominal `parameters` and change nothing yet: this may be done beside the ticks.
 
-        What is believed of winch, cable and sensors stays; the sea is as they say. Raises DesignError; states must be
+        Beliefs about winch, cable and sensors stay; the sea is as they say. Raises DesignError; states must be
         the same.
         """
         return self._in_force.prepared(self._beliefs.under(parameters), self.mean.point.payout)
@@ -555,7 +555,7 @@ class WinchController:
 
     @property
     def beliefs(self) -> Beliefs:
-        """What is believed otherwise."""
+        """Active beliefs."""
         return self._beliefs.beliefs
 
     @property
@@ -564,11 +564,11 @@ class WinchController:
         return self._beliefs.refused
 
     def take(self, beliefs: Beliefs) -> bool:
-        """Take `beliefs` of the adviser, in force LATENCY after they were asked for; tell whether they came in time."""
+        """Take `beliefs` of the adviser, active LATENCY after they were asked for; return whether they came in time."""
         return self._beliefs.offer(beliefs, self._next_tick)
 
     def _follow_beliefs(self, tick: int) -> None:
-        """Put in force what is due, and have it go on with law, guard and gates."""
+        """Activate what is due, and give it to law, guard and gates."""
         self._next_tick = tick + 1
         before = self.design
         self._alarms += self._beliefs.follow(tick)
@@ -583,7 +583,7 @@ class WinchController:
             self._winch.drum.restart()
 
     def _watch_encoder(self, tick: int) -> None:
-        """Set an encoder aside that goes the other way; one that was lost says where the drum is once it is back."""
+        """Set a reversed encoder aside; one that was lost says where the drum is once it is back."""
         observer, lasting = self.observer, round(LOST_TIME / self._dt)
         is_lost = observer.gates["encoder"].is_lost
         before, self._has_lost_encoder = self._has_lost_encoder, self._has_lost_encoder + 1 if is_lost else 0
@@ -608,7 +608,7 @@ class WinchController:
             self._take_law()
 
     def _take_law(self) -> None:
-        """Command and supervise with design and law in force; mode and mean payout stay."""
+        """Command and supervise with the active design and law; mode and mean payout stay."""
         design, law = self._in_force.design, self._in_force.law
         self._command.take_design(design, law)
         self._supervisor.take_design(design, law)

@@ -1,4 +1,4 @@
-"""The design in force with its law, and its successors: redesign, gain schedule, other beliefs."""
+"""The active design with its law, and its successors: redesign, gain schedule, other beliefs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from winch_controller_node.parameters.model import WinchModelParameters
 
 @dataclass(frozen=True)
 class PreparedDesign:
-    """A design that could be in force.
+    """A design that could be active.
 
     Attributes
     ----------
@@ -38,14 +38,14 @@ class DesignInForce:
 
     Parameters
     ----------
-    parameters : to design from; then those in force
+    parameters : to design from; then the active ones
     tick_period : [s]
 
     Raises DesignError where no controller can be designed from the parameters.
 
     Attributes
     ----------
-    design : in force
+    design : the active one
     law : of the design, begun with it
     """
 
@@ -65,12 +65,12 @@ class DesignInForce:
         return PreparedDesign(parameters, design, design.make_law(), schedule)
 
     def take(self, prepared: PreparedDesign) -> tuple[Array, Array]:
-        """Put a `prepared` design in force.
+        """Activate a `prepared` design.
 
         Returns the matrix that takes a present state to one of the new design, and the covariance that this adds, both
         of shape (n, n).
 
-        Raises DesignError where the states of the design in force have changed meanwhile; that stays.
+        Raises DesignError where the states of the active design have changed meanwhile; that stays.
         """
         self._check_states(prepared.design)
         carried = self._carried(prepared)
@@ -81,7 +81,7 @@ class DesignInForce:
     def _carried(self, prepared: PreparedDesign) -> tuple[Array, Array]:
         """Return the matrix that takes a present state to one of another design, and the covariance that this adds.
 
-        Waves of another sea are told by the boom-tip motion that they bring about; every other state keeps its meaning,
+        Waves of another sea are carried by the boom-tip motion that they cause; every other state keeps its meaning,
         the chain of commands its newest.
         """
         old, new = self.design, prepared.design
@@ -102,7 +102,7 @@ class DesignInForce:
     def follow_length(self, payout: float) -> bool:
         """Take the scheduled design of the length that is out at a mean payout [m], when it has changed enough.
 
-        Tells whether it has.
+        Returns whether it has.
         """
         if self._schedule is None:
             return False
@@ -114,7 +114,7 @@ class DesignInForce:
         return True
 
     def take_design(self, parameters: WinchControllerParameters, design: ControllerDesign) -> tuple[Array, Array]:
-        """Put a `design` for other `parameters` in force: another winch, cable, sensor or sea is believed in.
+        """Activate a `design` for other `parameters`: another winch, cable, sensor or sea is assumed.
 
         Returns the matrix that takes a present state to one of the new design, shape (n_new, n), and the covariance
         that this adds, shape (n_new, n_new).

@@ -53,7 +53,7 @@ class TickCommand(NamedTuple):
 
 
 NO_COMMAND = TickCommand(IDLE, GovernedCommand(0.0, (), 0.0), 0.0, CommandShares())
-"""Before the first tick."""
+"""Command before the first tick."""
 
 
 class LoopCommand:
@@ -61,7 +61,7 @@ class LoopCommand:
 
     Parameters
     ----------
-    design : in force; law : of it, for compensation
+    design : the active one; law : of it, for compensation
 
     Attributes
     ----------
@@ -219,7 +219,7 @@ class LoopCommand:
     def _bound_unseen(self, x: Array) -> None:
         """Bound, in place, how far off a unit is taken to be that no depth sensor sees.
 
-        Its estimate is then no better than what MRU, load cell and cable are believed to be: fed back in full it sends
+        Its estimate is then no better than the assumed MRU, load cell and cable: fed back in full it sends
         the drum after the errors of all three. What is more than those may be is there, and is to be damped.
         """
         unit = self._rows.unit_states

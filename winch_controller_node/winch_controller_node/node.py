@@ -209,7 +209,7 @@ class WinchControllerNode(ParticipantNode):
             self._redesign_wanted[0].close()
 
     def diagnose(self) -> list[Health]:
-        """Say which sensor is how, the mode and why, how the solver does, and what was told since the last time."""
+        """Publish the state of each sensor, the mode, its reason, the solver's state, and what was reported since."""
         if self.outputs_of_tick is None:
             return [Health(MODE, Level.OK, self.controller.mode.value)]
         report = self.outputs_of_tick.report
@@ -304,7 +304,7 @@ class WinchControllerNode(ParticipantNode):
         if not all(math.isfinite(value) and value >= 0.0 for value in asked):
             response.message = "significant_wave_height, peak_period and length must be at least 0"
             return response
-        # what is left out stays as it is believed: the controller follows the sea by its own motion reference unit
+        # what is not given stays as assumed: the controller follows the sea by its own motion reference unit
         sea = dataclasses.replace(
             old.sea,
             significant_wave_height=request.significant_wave_height or old.sea.significant_wave_height,
@@ -325,7 +325,7 @@ class WinchControllerNode(ParticipantNode):
         return response
 
     async def _redesign(self, parameters: WinchControllerParameters) -> ControllerDesign:
-        """Design beside the ticks, in real time, and return the design once it is in force."""
+        """Design beside the ticks, in real time, and return the design once it is active."""
         if self.run.is_lockstep:
             return self.controller.redesign(parameters)
         if self._redesign_wanted is not None:
@@ -338,7 +338,7 @@ class WinchControllerNode(ParticipantNode):
         return self.controller.design
 
     def _take_redesign(self) -> None:
-        """Put a design that has been prepared in force, between two ticks."""
+        """Activate a prepared design between two ticks."""
         if self._redesign_wanted is None:
             return
         beside, nominal, in_force = self._redesign_wanted

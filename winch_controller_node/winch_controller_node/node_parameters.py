@@ -53,7 +53,7 @@ else:
 
 @dataclass(frozen=True)
 class WinchControllerParameters(LawGroups):
-    """What the controller believes of the world it is to hold the unit still in, and how it does it."""
+    """The assumed plant, winch, sea and sensors, and how the controller holds the unit still."""
 
     law: str = parameter(
         "mpc",

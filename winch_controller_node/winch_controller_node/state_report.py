@@ -1,4 +1,4 @@
-"""One tick of the controller as a value, and the report that is made of it."""
+"""One tick of the controller as a value, and its report."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.supervision.supervisor import Decision
 
 NOT_READ = Innovation(math.nan, math.nan, math.nan, accepted=False)
-"""What a measurement says in a tick without a reading of it."""
+"""Innovation of a measurement in a tick without a reading of it."""
 
 
 class ControllerTick(NamedTuple):
@@ -27,9 +27,9 @@ class ControllerTick(NamedTuple):
     decision : of the supervision
     command : of the laws
     order : to the winch
-    design : in force
+    design : the active one
     measurements : names of what the estimator takes
-    law, gain : name of the law in force, and its gain, shape (n,)
+    law, gain : name of the active law, and its gain, shape (n,)
     covariance : of the estimate, shape (n, n)
     depth_set_point : payout about which the winch works [m]
     sensors : how each is seen

@@ -20,7 +20,7 @@ def take_out_programme(signals: RunSignals, set_point: Signal, cable_weight: flo
 
     `set_point` is the payout that compensation works about [m]. Payout is counted from it; the heave of the
     unit and of the uncompensated unit from their running mean; the static tension goes with the `cable_weight` [N/m]
-    in water of what is paid out. Tells whether there was a programme; without one nothing changes.
+    in water of what is paid out. Returns whether there was a programme; without one nothing changes.
     """
     if set_point.size < 2 or np.ptp(set_point.value) < MOVED:
         return False

@@ -45,13 +45,13 @@ OFF = "off"
 
 
 MODE_PART = f"{topics.CONTROLLER_STATE.publisher}: {MODE}"
-"""Part of /diagnostics in which the controller tells its mode and why."""
+"""Part of /diagnostics in which the controller reports its mode and why."""
 ALARMS_PART = f"{topics.CONTROLLER_STATE.publisher}: {ALARMS}"
-"""Part in which the controller tells what it has learnt, and what is not as it should be."""
+"""Part in which the controller reports what it has identified, and its faults."""
 SENSOR_PARTS = f"{topics.CONTROLLER_STATE.publisher}: {SENSOR} "
-"""Begins the names of the parts in which it tells how it sees each sensor; what is wrong is among its alarms, too."""
+"""Prefix of the parts in which it reports the state of each sensor; their faults are among its alarms, too."""
 OPERATOR_PART = f"{topics.CONTROLLER_STATE.publisher}: {OPERATOR}"
-"""Part in which the controller tells what an operator has asked for."""
+"""Part in which the controller reports what an operator has asked for."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Interval:
     level: int = 0
     """0 plain, 1 warning, 2 error."""
     reason: str = ""
-    """Of a mode: why it was taken, in the controller's words."""
+    """Reason of a mode, in the controller's words."""
 
 
 def words(code: WinchFault | WinchLimit | SensorLevel) -> str:
@@ -87,7 +87,7 @@ def modes(state: Fields) -> list[Interval]:
 def waits(state: Fields) -> list[Interval]:
     """Return when the controller did not compensate, and why, from the columns of its `state`.
 
-    A reason whose figures alone change, as of a countdown, is one; it is told as it was first.
+    A reason whose figures alone change, as of a countdown, is one; it is reported as it was first.
     """
     names, reasons = state.texts("mode"), state.texts("reason")
     if names is None or reasons is None or not names.size:
@@ -162,7 +162,7 @@ def winch_faults(winch: Fields) -> list[Interval]:
 
 
 def sensor_alarms(state: Fields) -> list[Interval]:
-    """Return when the controller held a sensor for suspect or lost, from the columns of its `state`."""
+    """Return when the controller held a sensor as `suspect` or `lost`, from the columns of its `state`."""
     found: list[Interval] = []
     for index in state.indices("sensors[].level"):
         levels, names = state.codes(f"sensors[{index}].level"), state.texts(f"sensors[{index}].sensor")
@@ -179,7 +179,7 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
     Parameters
     ----------
     diagnostics : columns of the topic
-    has_modes : the modes of the controller are known to the tick, and are not told here once more
+    has_modes : the modes of the controller are known to the tick, and are not reported again here
     """
     alarms: dict[tuple[str, int], tuple[str, list[float]]] = {}
     for index in diagnostics.indices("status[].level"):
@@ -217,7 +217,7 @@ def learnt_limits(alarms: Sequence[Interval], quantity: str) -> list[tuple[float
 
     Parameters
     ----------
-    alarms : of the run, in which it is told
+    alarms : of the run, in which it is reported
     quantity : speed [m/s] or acceleration [m/s^2]
     """
     found = []

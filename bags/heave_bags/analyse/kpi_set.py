@@ -24,7 +24,7 @@ from heave_bags.signals import RunSignals, Signal
 
 NOT_KNOWN = math.nan
 SOURCES = ("estimated", "measured", "true")
-"""What a motion may come from, the least certain first."""
+"""Sources of a motion, the least certain first."""
 
 
 AFTER_CHANGE = 10.0
@@ -149,17 +149,17 @@ class Window:
 
     @cached_property
     def limits_hit(self) -> NDArray[np.int64]:
-        """Flags of the limits that act, as the winch tells it; empty where it says nothing."""
+        """Flags of the limits that act, as the winch reports them; empty where it reports none."""
         return self.of(self.run.limits_hit).value.astype(np.int64)
 
     @cached_property
     def tells_of_rates(self) -> bool:
-        """Whether the winch tells of its limits of speed and acceleration: both, or neither."""
+        """Whether the winch reports its limits of speed and acceleration: both, or neither."""
         of_rates = WinchLimit.SPEED | WinchLimit.ACCELERATION
         return bool(np.any(self.run.limits_hit.value.astype(np.int64) & of_rates))
 
     def at(self, limit: WinchLimit) -> NDArray[np.bool_]:
-        """Return at which samples of its state the winch tells that a `limit` acts."""
+        """Return at which samples of its state the winch reports that a `limit` acts."""
         return np.asarray((self.limits_hit & limit) != 0, dtype=bool)
 
     @cached_property
@@ -273,7 +273,7 @@ def _largest(values: Array) -> float:
 
 
 def _count(signal: Signal, events: Sized) -> float:
-    """Return how many events there are; NaN where the signal that tells of them was not recorded."""
+    """Return how many events there are; NaN where the signal that shows them was not recorded."""
     return float(len(events)) if signal.size else NOT_KNOWN
 
 
@@ -879,7 +879,7 @@ QUANTITIES: Mapping[str, tuple[str, float]] = {
     "m/s²": ("m/s²", 1.0),
     "W": ("kW", 1e-3),
 }
-"""In which unit people see a quantity, wherever they see it, and that over its SI unit: motion, force, ... power."""
+"""Unit in which each quantity is shown everywhere, and that over its SI unit: motion, force, ... power."""
 
 DEFINITION_OF: Mapping[str, KpiDefinition] = {definition.key: definition for definition in KPI_DEFINITIONS}
 

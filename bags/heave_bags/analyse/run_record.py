@@ -117,7 +117,7 @@ class Innovation:
 
 @dataclass
 class RunRecord:
-    """A run as its bag tells it.
+    """A run as its bag records it.
 
     Attributes
     ----------
@@ -136,7 +136,7 @@ class RunRecord:
     wanted : criteria of the scenario that the bag carries
     timings : histograms of durations in wall time by name, real time only: upper edge [ms] -> count
     is_past_transient : the run went on after its transient; False: the figures are of its start-up
-    largest_strain : of the cable in the whole run, as the plant told it [-]; NaN: it did not
+    largest_strain : of the cable in the whole run, as the plant reported it [-]; NaN: it did not
     title, description : of the lift, as the scenario states them; "": it does not
     """
 
@@ -182,7 +182,7 @@ class RunRecord:
 
 
 TRUE, MEASURED, ESTIMATED = "true", "measured", "estimated"
-"""What a figure is made from: what only a simulator knows, a sensor, or the controller's estimate."""
+"""Sources of a figure: what only a simulator knows, a sensor, or the controller's estimate."""
 LAST_WORDS = 5_000_000_000
 """Time before the end of a bag within which every node publishes diagnostics [ns]."""
 STRAIN_KEY = "largest strain"

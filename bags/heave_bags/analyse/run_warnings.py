@@ -1,5 +1,5 @@
 """What a reader of a run must be warned of: parts with a small safety factor, compensation that did harm, that was
-seldom in force, that others beat.
+seldom active, that others beat.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ NOTABLE = 0.005
 MOST_LISTED = 3
 """Times, reasons or alarms that a warning lists."""
 LEAST_OF_WAITS = 0.05
-"""A reason that held for a smaller share of the time without compensation is not told."""
+"""A reason that held for a smaller share of the time without compensation is not reported."""
 ERROR = 2
 """Level of an alarm that is an error."""
 COUNTED = (
     "counted from when compensation first began, also the half minute after that and after a fault, and without "
     f"compensation as {100.0 * kpi.WORSE_FLOOR:g} cm at least"
 )
-"""What `worse_times` looks at, in words: more than the promise, which leaves that half minute out."""
+"""Time that `worse_times` checks, in words: more than the promise, which excludes that half minute."""
 OF_CONTROLLER = f"{topics.CONTROLLER_STATE.publisher}: "
 """Begins the alarms of the controller."""
 
@@ -132,7 +132,7 @@ def worse_than_off(record: RunRecord) -> list[str]:
 
 
 def why_not_in_force(record: RunRecord, values: Mapping[str, float]) -> list[str]:
-    """Return in words why compensation was seldom in force, or never, where nobody had asked for that.
+    """Return in words why compensation was seldom active, or never, where nobody had asked for that.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def why_not_in_force(record: RunRecord, values: Mapping[str, float]) -> list[str
 
 
 def _reasons(record: RunRecord, waits: list[events.Interval]) -> list[str]:
-    """Return for how long compensation was not in force for which reason, the longest first."""
+    """Return for how long compensation was not active for which reason, the longest first."""
     spent: dict[str, float] = {}
     words: dict[str, str] = {}
     for wait in waits:

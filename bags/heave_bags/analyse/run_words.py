@@ -21,7 +21,7 @@ from heave_bags.analyse.run_warnings import worse_times
 MOST_DIFFERENCES = 3
 """Runs that differ in more are called by the names of their bags."""
 BURST = 10.0
-"""A limit that acts again within this time is told once [s]."""
+"""A limit that acts again within this time is reported once [s]."""
 UNITS = {"duration": "s", "peak_period": "s", "significant_wave_height": "m", "length": "m", "mass": "kg"}
 
 

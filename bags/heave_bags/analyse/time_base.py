@@ -30,7 +30,7 @@ MOST_CELLS = 50_000_000
 LONGEST_ARRAY = 16
 """Arrays and texts of more elements (covariances, long cables) are not in the table."""
 SHORTEST_PERIOD = 1e-4
-"""Of a time base [s]."""
+"""Shortest period of a time base [s]."""
 
 Samples = tuple[Array, NDArray[Any]]
 """Times [s] and values of one column, both of shape (n,)."""

@@ -1,4 +1,4 @@
-"""The verdict on a run: its criteria, the values reached, how long compensation was in force, alarms."""
+"""The verdict on a run: its criteria, the values reached, how long compensation was active, alarms."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from heave_bags.analyse.run_record import RunRecord
 
 LEAST_SHARE = 0.9
-"""Compensation that was in force for a smaller share of the evaluation window is worth a line of its own."""
+"""Compensation that was active for a smaller share of the evaluation window is worth a line of its own."""
 
 FAILED, PASSED, NO_VERDICT = "FAILED", "passed", "none"
-"""What a verdict can be."""
+"""Verdicts."""
 
 RELATIONS = {"<=": "at most", "<": "below", ">=": "at least", ">": "above"}
 """The relations of criteria in words."""
@@ -83,7 +83,7 @@ class Verdict:
     judged : the criteria of the scenario
     required : those of the command line
     time_in_modes : share of the evaluation window in each mode of the controller, 0 to 1; empty: none was recorded
-    share : of the evaluation window in which compensation was in force, 0 to 1, not counting the time in which it
+    share : of the evaluation window in which compensation was active, 0 to 1, not counting the time in which it
         rested since somebody had asked for that; NaN: unknown, or not required
     alarms : number of errors that came
     is_judged : the run is longer than its transient
@@ -214,7 +214,7 @@ def judge_loads(loads: Sequence[LoadCheck]) -> Verdict:
 
 
 def share_in_force(record: RunRecord, values: Mapping[str, float]) -> float:
-    """Return the share of the time in which compensation was in force, of that in which nobody wanted it to rest.
+    """Return the share of the time in which compensation was active, of that in which nobody wanted it to rest.
 
     Parameters
     ----------

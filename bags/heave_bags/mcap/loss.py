@@ -76,7 +76,7 @@ class LossAccount:
         ----------
         position : in the file [bytes]
         reason : in words
-        messages : lost; None until something tells their number
+        messages : lost; None until their number is known
         start, end : of the time in which they lie, where it is known [ns]
         """
         self._losses.append(Loss(self._path, position, reason, start, end, messages))
@@ -121,7 +121,7 @@ class LossAccount:
         return [*before, *behind]
 
     def _adding_up_to(self, total: int, losses: list[Loss]) -> list[Loss]:
-        """Return the losses with numbers that add up to `total`; those that cannot be told apart are merged."""
+        """Return the losses with numbers that add up to `total`; those that cannot be distinguished are merged."""
         unknown = [loss for loss in losses if loss.messages is None]
         rest = total - sum(loss.messages or 0 for loss in losses)
         if rest == 0 or (rest > 0 and len(unknown) == 1):

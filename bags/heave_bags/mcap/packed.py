@@ -20,7 +20,7 @@ from heave_bags.mcap.bounds import LARGEST_RECORD, unpack, unpack_part
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 """Begins what zstd has compressed. No serialised message begins so: the first byte of its encapsulation is 0."""
 SUFFIX = ".zstd"
-"""What rosbag2 puts behind the name of a file that it compresses."""
+"""Suffix that rosbag2 appends to the name of a file that it compresses."""
 _MOST_UNPACKED = 1000
 """A file may unpack to so many times its size; sound bags come to a tenth."""
 _ALWAYS_ALLOWED = 64 << 20

@@ -106,7 +106,7 @@ class Bag:
 
     @property
     def run(self) -> dict[str, str]:
-        """What the bag says of its run: scenario, seed, versions, git commit; empty for bags of others."""
+        """Description of the run in the bag: scenario, seed, versions, git commit; empty for bags of others."""
         return self._record(RUN_RECORD)
 
     @property

@@ -1,6 +1,6 @@
 """The records of an MCAP file by position: which bytes are a record, and where the next one begins after damage.
 
-A record is believed only if its length agrees with the lengths of its parts, since one flipped bit in a length would
+A record is accepted only if its length agrees with the lengths of its parts, since one flipped bit in a length would
 otherwise skip sound records without a word.
 """
 
@@ -38,7 +38,7 @@ _PRIVATE = 0x80
 """Opcodes from here on belong to applications, and readers pass over them."""
 
 UNPARSEABLE = (McapError, struct.error, UnicodeDecodeError)
-"""What reading the parts of a record raises where it is damaged."""
+"""Errors that reading the parts of a damaged record raises."""
 
 ParsedRecord = Schema | Channel | Metadata | Attachment
 _TYPES: dict[int, type[ParsedRecord]] = {
@@ -59,7 +59,7 @@ _PARTS: dict[int, tuple[int, str] | tuple[int, str, int]] = {
     Opcode.METADATA: (0, "sb"),
     Opcode.DATA_END: (4, ""),
 }
-"""What the body of a record is made of: a number of bytes, then names (s), bytes (b) and bytes with a long length (B),
+"""Body of each record: a number of bytes, then names (s), bytes (b) and bytes with a long length (B),
 then a number of bytes again.
 """
 

@@ -63,7 +63,7 @@ def reindex(folder: str | Path) -> Bag:
     """Write `metadata.yaml` of a bag again from its files; return the bag, whose `losses` name files that hold nothing.
 
     Raises BagError if `folder` is not a bag folder, or if a file in it is damaged, compressed or of an earlier version
-    of this project: `ros2 bag` could not open it, what `repair` makes of it can be opened.
+    of this project: `ros2 bag` could not open it, the repaired one can be opened.
     """
     bag = Bag(folder)
     if not bag.path.is_dir():

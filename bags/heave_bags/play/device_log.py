@@ -45,7 +45,7 @@ def device_signals(source: Path, device: DeviceMap, wanted: Sequence[str], findi
     wanted : quantities of the map
     findings : takes what is said
 
-    Raises BagError for a log that cannot be read, holds nothing that the map wants, or tells no time.
+    Raises BagError for a log that cannot be read, holds nothing that the map wants, or has no time.
     """
     try:
         data = read_given(source)

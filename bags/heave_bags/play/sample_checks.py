@@ -25,7 +25,7 @@ class Findings:
 
     Attributes
     ----------
-    accepts : doubtful figures are taken as they are: what would be asked is said
+    accepts : implausible figures are taken as they are, and noted
     notes : what was found out, left out or bridged, one line each
     questions : figures that cannot well be, one line each
     """

@@ -65,7 +65,7 @@ def import_sea(
     source : bag, or text file with columns
     mapping : where to find what; a text is the name of one topic of a bag
     window : what of the record is wanted
-    accept_implausible : take all samples as they are; what is doubtful is in the notes
+    accept_implausible : take all samples as they are; what is implausible is in the notes
 
     Raises BagError if something named is missing, if nothing is in the window, if there are fewer than 10 samples, or
     for figures that cannot well be (`heave_node.files.plausible`).
@@ -110,13 +110,13 @@ def _signals(source: Path, mapping: SeaMapping, findings: Findings, *, is_log: b
 
 
 def _refuse(source: Path, findings: Findings) -> None:
-    """Raise BagError for what is doubtful, unless that is accepted."""
+    """Raise BagError for what is implausible, unless that is accepted."""
     if findings.questions:
         raise BagError(f"{source}: {refusal(findings.questions, ACCEPT)}")
 
 
 def _sea_question(heave: Array, period: float) -> str:
-    """Return what is doubtful about heave [m] at samples `period` [s] apart as that of a ship in a sea."""
+    """Return what is implausible about heave [m] at samples `period` [s] apart as that of a ship in a sea."""
     doubt = question("four standard deviations of heave", 4.0 * float(heave.std()))
     try:
         found = height_and_period(heave, period)
@@ -250,7 +250,7 @@ def _backward_words(time: Array) -> str:
 
 
 def _gravity_question(name: str, acceleration: Array) -> str:
-    """Return what is doubtful about the mean of a vertical acceleration: gravity, or none, in m/s^2."""
+    """Return what is implausible about the mean of a vertical acceleration: gravity, or none, in m/s^2."""
     mean = float(np.mean(acceleration)) if acceleration.size else 0.0
     if 0.97 < abs(mean) < 1.03:
         return f"{name}: the mean acceleration is {mean:.3f}: in g? then give scale 9.80665;"

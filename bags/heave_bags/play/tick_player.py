@@ -23,7 +23,7 @@ from heave_bags.mcap.reader import Bag, RawMessage
 from heave_bags.play.playback import in_order_of, publisher_of
 
 TickOf = Callable[[RawMessage], int]
-"""Tells in which tick of the bag a message was published."""
+"""Finds in which tick of the bag a message was published."""
 
 STAMPED_AT_THE_END = frozenset(
     topic.name for topic in (topics.BOOM_TIP, topics.VESSEL_ODOMETRY, topics.WAVE_ELEVATION, topics.WINCH_STATE)

@@ -1,4 +1,4 @@
-"""Asks the nodes of a run for their parameters, so that a bag carries the values that were in force, defaults
+"""Asks the nodes of a run for their parameters, so that a bag carries the values that were active, defaults
 included.
 """
 

@@ -42,7 +42,7 @@ class LiveDevice:
     ----------
     adapter : what was made of what came
     link : the way to it; None: topics alone
-    orders : what it is told
+    orders : for the device
 
     Raises CommandError where its link, or the type of one of its topics, cannot be had.
     """

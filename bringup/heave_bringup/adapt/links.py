@@ -153,7 +153,7 @@ class Sender:
             self._reader.start()
 
     def send(self, data: bytes) -> None:
-        """Send `data`; what cannot be sent is told in `problem`."""
+        """Send `data`; what cannot be sent is named in `problem`."""
         if self._reader is not None:
             self._reader.send(data)
             self.problem = self._reader.problem

@@ -28,7 +28,7 @@ def installed_type(name: str, where: str) -> type[Any]:
 
 
 def winch_state(reading: WinchReading, order: WinchOrder, handshake: WinchHandshake) -> WinchState:
-    """Return the state of a drive: what it says itself, and, where it does not, what it was told.
+    """Return the state of a drive: as reported by the drive, else as ordered.
 
     Parameters
     ----------

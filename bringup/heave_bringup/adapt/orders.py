@@ -1,4 +1,4 @@
-"""What a winch behind a map is told: the controller's commands, kept to the contract of a winch, and when to stop."""
+"""Orders for a winch behind a map: the controller's commands, kept to the contract of a winch, and when to stop."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ class Orders:
         return since is not None and now - since > self._timeout
 
     def _pass_on(self, order: WinchOrder) -> None:
-        """Send an order in the drive's own payout; a drum that is to stop is told to stay where it is.
+        """Send an order in the drive's own payout; a drum that is to stop is ordered to stay where it is.
 
         So nothing is sent to a position loop before the drive has said where it is.
         """

@@ -25,11 +25,11 @@ class World(Protocol):
 
 @dataclass(frozen=True)
 class Problem:
-    """One run's world, what an entrant is told about it, and all that defines it, for the digest.
+    """One run's world, what an entrant knows of it, and all that defines it, for the digest.
 
     Attributes
     ----------
-    facts : what the entrant is told
+    facts : what the entrant knows
     world : to run once
     definition : all that defines the world, for the digest; the facts come to it
     motion : of the boom tip, for references that may look ahead; None where there is none to give

@@ -1,4 +1,4 @@
-"""What an entrant is told beforehand, what it measures and what it commands: plain data, no ROS.
+"""What an entrant knows beforehand, what it measures and what it commands: plain data, no ROS.
 
 An entrant is a class. It is created for each run with the facts of the case, and asked once per sample time:
 
@@ -83,7 +83,7 @@ class WinchReading:
 
 
 NO_WINCH_READING = WinchReading(payout=0.0, payout_rate=0.0, brake=True)
-"""In the first measurement of a run, where the winch has reported nothing yet."""
+"""The winch in the first measurement of a run, before it has reported anything."""
 
 
 @dataclass(frozen=True)

@@ -44,10 +44,10 @@ SHIPS_ACCELEROMETER = SensorFacts(0.01, 0.01, 0.5, 0.0, 0.02, 0.1, 0.001, 500.0)
 one without noise reads the same again and again on a slack rope, as one that is dead."""
 
 RIGID_ROPE: dict[str, object] = {"cable.axial_stiffness": 1e12, "cable_model.damping": 1e-3}
-"""What this suite's controller is told of a rope that does not stretch: its load swings on it not even for a tick."""
+"""What this suite's controller assumes of a rope that does not stretch: its load does not swing on it for a tick."""
 
 ONE_PERIOD: dict[str, object] = {"sea.spectrum": "jonswap", "sea.peak_enhancement": 10.0}
-"""MAS410: its wave has one period, as its task says. That is the narrowest sea that can be believed in."""
+"""MAS410: its wave has one period, as its task says. That is the narrowest sea that can be assumed."""
 
 TICK = 0.05
 QUICK = 0.005
@@ -58,7 +58,7 @@ RAMP = 10.0
 ROLL_OFF = 3.0
 """Frequency above which a boom tip is assumed to follow the waves less and less, over the peak frequency."""
 MAS409_PEAK_PERIOD = 10.0 / (0.8 * 0.44) ** 0.25
-"""Of the spectrum A/w^5 exp(-B/w^4) with B = 0.44 w1^4 and a mean period T1 = 10 s: w_p^4 = 4 B/5 [s]."""
+"""Peak period of A/w^5 exp(-B/w^4) with B = 0.44 w1^4 and a mean period T1 = 10 s: w_p^4 = 4 B/5 [s]."""
 
 ZINAGE_SEAS: dict[str, tuple[float, float, dict[str, float]]] = {
     "slight": (0.11, 6.0, {}),
@@ -107,7 +107,7 @@ def _problem(
 
 
 def _belief(winch: WinchFacts, sea: SeaFacts, sensors: SensorFacts, mass: float, **more: object) -> dict[str, object]:
-    """Return what this suite's controller is told: a load on a short stiff rope in air, the winch and the sea.
+    """Return what this suite's controller assumes: a load on a short stiff rope in air, the winch and the sea.
 
     The boom tip is said to move as a sea of that height would, which is what its heave is expected to be, but not with
     waves far shorter than the longest: a hull does not follow waves shorter than itself.

@@ -35,7 +35,7 @@ class HeaveRecord:
     ----------
     time : [s], shape (n,), equally spaced from 0
     heave : [m], shape (n,), positive up
-    digest : tells records apart
+    digest : identifies the record
     """
 
     time: Array

@@ -105,7 +105,7 @@ def run_all(tasks: Sequence[Task], processes: int | None) -> Generator[Result, N
 
 
 class _Checked:
-    """An entrant whose commands are looked at: what is no Command is told in words that name the mistake.
+    """An entrant whose commands are checked: what is no Command is refused in words that name the mistake.
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ def _world_of(scenario: Scenario) -> dict[str, object]:
 
 
 def facts_of(name: str, scenario: Scenario) -> Facts:
-    """Return what the scenario of the case `name` tells a controller."""
+    """Return what a controller knows by the scenario of the case `name`."""
     belief: WinchControllerParameters = scenario.parameters["winch_controller"]
     winch, sensors, sea = belief.winch, belief.sensors, belief.sea
     return Facts(

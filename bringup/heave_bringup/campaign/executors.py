@@ -16,7 +16,7 @@ from heave_bringup.errors import CommandError
 from heave_bringup.workers.pool import worker_pool
 
 DIED = "its process ended without a result, twice: it was killed, or out of memory"
-"""What is said of a case that takes its process with it."""
+"""Reason given for a case that ends its process."""
 
 IN_HAND = 2
 """Cases that a worker process has in hand: one runs, one waits."""

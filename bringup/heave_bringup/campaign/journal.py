@@ -15,7 +15,7 @@ from heave_bringup.campaign.runs import CaseResult, Task
 
 
 def digest_of(tasks: Sequence[Task], version: str, files: Iterable[str] = ()) -> str:
-    """Return what tells campaigns apart: every value of every case, the files they read, the version of the program.
+    """Return what identifies a campaign: every value of every case, the files they read, the version of the program.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def digest_of(tasks: Sequence[Task], version: str, files: Iterable[str] = ()) ->
 
 
 def mark_of(digest: str, *, has_baseline: bool) -> dict[str, str]:
-    """Return what a file of results says of its campaign: its `digest`, and whether each case `has_baseline`."""
+    """Return the header of a file of results: its `digest`, and whether each case `has_baseline`."""
     return {"digest": digest, "baseline": "yes" if has_baseline else "no"}
 
 
@@ -42,7 +42,7 @@ def refuse_other(path: Path, found: Mapping[str, str], wanted: Mapping[str, str]
     Parameters
     ----------
     path : of the file
-    found, wanted : what it says of its campaign, and what it should say
+    found, wanted : its header, and what that should be
     """
     if found.get("digest") != wanted["digest"]:
         raise ParameterError(
@@ -69,7 +69,7 @@ class Journal:
     Parameters
     ----------
     path : of the file
-    mark : what tells its campaign
+    mark : of its campaign
 
     Attributes
     ----------

@@ -43,7 +43,7 @@ SHOWN = {
 }
 """Figures of merit in the table for people, with their headings, the weightiest first; all of them are in files."""
 ALWAYS = 3
-"""Of these a table has so many however narrow the terminal."""
+"""Least number of columns of figures, however narrow the terminal."""
 
 SUMMARY = {
     "cases": "cases",
@@ -59,7 +59,7 @@ SUMMARY = {
     "p90_over_nominal": "90th percentile over nominal",
     "worse": "largest over uncompensated",
 }
-"""What the summary shows, by its key in JSON: counts, then motion, then ratios."""
+"""Rows of the summary, by their key in JSON: counts, then motion, then ratios."""
 MOST_REMARKS = 20
 """Cases of which the lines below the table say what went wrong."""
 MOST_GROUPS = 8

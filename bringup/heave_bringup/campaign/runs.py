@@ -26,7 +26,7 @@ BOUND = "kappa"
 """Figure that needs bounds, seconds of work: computed only where a criterion asks for it."""
 
 WITH_THE_END = 0.2
-"""An alarm that comes so soon after compensation ended still tells why [s]."""
+"""Time after compensation ended within which an alarm still counts as its reason [s]."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Task:
 
     @property
     def text(self) -> str:
-        """All values in force as a scenario file has them: what repeats the case."""
+        """All active values as a scenario file has them: what repeats the case."""
         return sections_text(stored_sections(self.scenario), title=stored_title(self.scenario))
 
     @property

@@ -71,12 +71,12 @@ def settings_of(frame: pandas.DataFrame) -> list[str]:
 
 
 def provenance(campaign: Campaign, mark: Mapping[str, str]) -> dict[str, str]:
-    """Return what the file of a table says of itself.
+    """Return the header of a table's file.
 
     Parameters
     ----------
     campaign : that was run
-    mark : what tells it from others
+    mark : its identity
     """
     found = {name: version for name, version in versions().items() if version}
     return {

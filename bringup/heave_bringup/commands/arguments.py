@@ -48,7 +48,7 @@ def add_bags(parser: argparse.ArgumentParser) -> None:
 
 
 SAME_SEA = "the efficiency of law industrial in the same sea, with the same seed"
-"""What stands beside the efficiency, in the words of the help."""
+"""The reference beside the efficiency, in the words of the help."""
 
 
 def add_baseline(parser: argparse.ArgumentParser) -> None:

@@ -147,7 +147,7 @@ class WinchTrial:
     Attributes
     ----------
     time : since the trial began [s]
-    told : number of the newest command sent
+    told : sequence number of the newest command sent
     taken : number of the newest command it has taken
     brake, fault, release : as it says
     """
@@ -187,7 +187,7 @@ class Plan:
 
 
 def judge_winch(plan: Plan, trial: Sequence[WinchTrial]) -> list[Finding]:
-    """Return how a winch behaved in `trial` on brake, release and silence as in `plan`; it is never told to move."""
+    """Return how a winch behaved in `trial` on brake, release and silence as in `plan`; it is never ordered to move."""
 
     def late(start: float, end: float) -> list[WinchTrial]:
         return [said for said in trial if min(start + REACTION, end - 0.2) <= said.time < end]

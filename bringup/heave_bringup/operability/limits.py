@@ -25,12 +25,12 @@ CONFIDENCE = 0.9
 """Two-sided, of the interval about a mean limit."""
 
 FEWEST_SEEDS, USEFUL_SEEDS = 3, 5
-"""Seeds from which on a spread is told, and from which on half its interval is no wider than the standard deviation of
-one seed's limit. Of two seeds Student's t has one degree of freedom: 4.5 standard deviations, which tell nothing.
+"""Seeds from which on a spread is stated, and from which on half its interval is at most the standard deviation of
+one seed's limit. Of two seeds Student's t has one degree of freedom: 4.5 standard deviations, which say nothing.
 """
 
 LOST_LIMIT = "compensation lost"
-"""What limits where compensation is given up, or a case cannot be run."""
+"""Name of the limit where compensation is lost, or a case cannot be run."""
 
 CALM = {
     "dynamic_amplification": 1.0,

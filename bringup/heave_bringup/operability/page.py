@@ -27,7 +27,7 @@ this page."""
 
 @dataclass(frozen=True)
 class About:
-    """What a page says of its study.
+    """Head of the page of a study.
 
     Attributes
     ----------

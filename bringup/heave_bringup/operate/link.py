@@ -51,7 +51,7 @@ SURVEY_PERIOD = 2.0
 MOVE = "controller/move_to_depth"
 
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-"""For what only the newest matters of: a screen never holds a run up."""
+"""Quality of service where only the newest message matters: a screen never delays a run."""
 
 
 class RunLink:

@@ -28,7 +28,7 @@ NODE_OF_DEVICE = {
     "encoder": WINCH,
     "winch": WINCH,
 }
-"""Which node simulates each device."""
+"""The node that simulates each device."""
 
 
 def plain_answer(response: Any) -> Answer:
@@ -86,7 +86,7 @@ def request_factor(factor: float) -> Request:
 
 @dataclass(frozen=True)
 class WinchLimits:
-    """Limits of the winch as the controller believes them; NaN: unknown.
+    """Limits of the winch as the controller assumes them; NaN: unknown.
 
     Attributes
     ----------

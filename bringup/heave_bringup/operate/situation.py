@@ -14,7 +14,7 @@ UNKNOWN = math.nan
 
 @dataclass
 class RunStatus:
-    """How the run goes, as its clock master tells.
+    """How the run goes, as reported by its clock master.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class ControllerStatus:
     ----------
     time : simulated time of the tick [s]
     mode, law, reason : as in heave_msgs/ControllerState
-    authority : share of the sea that is compensated, 0 to 1
+    authority : authority of compensation, 0 to 1
     unit_heave, boom_tip_heave, uncompensated_heave : estimated, about their means, positive up [m]
     mean_payout : about which compensation works, positive lowers [m]
     limits : that shape the command
@@ -62,7 +62,7 @@ class ControllerStatus:
 
 @dataclass
 class WinchStatus:
-    """What the winch says of itself.
+    """What the winch reports of itself.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ class Situation:
 
     @property
     def time(self) -> float:
-        """Newest simulated time that anybody has told [s]."""
+        """Newest simulated time that any node has reported [s]."""
         return max((part.time for part in (self.run, self.controller, self.winch) if part is not None), default=0.0)
 
     @property

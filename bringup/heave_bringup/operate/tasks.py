@@ -308,7 +308,7 @@ class Lowering:
         return None
 
     def _told_limit(self) -> str:
-        """Return what the controller tells of a limit of this speed; empty: nothing, or nothing yet."""
+        """Return what the controller reports about a limit of this speed; empty: nothing, or nothing yet."""
         told = self._link.situation.troubles.get(ALARMS_PART)
         found = [] if told is None else alarms_in(told.message)
         return next((one.text for one in found if one.code == OPERATOR_SPEED_LIMITED), "")

@@ -47,7 +47,7 @@ class Trend:
         self._slot = -1
 
     def note(self, time: float, value: float) -> None:
-        """Take the `value` at a simulated `time` [s]; a run that begins anew begins a new trend."""
+        """Take the `value` at a simulated `time` [s]; a run that restarts begins a new trend."""
         slot = int(time / self._step)
         if slot < self._slot:
             self._values.clear()

@@ -65,7 +65,7 @@ class History:
         self._slot = -1
 
     def note(self, situation: Situation) -> None:
-        """Take a `situation`; a run that begins anew begins a new history."""
+        """Take a `situation`; a run that restarts begins a new history."""
         slot = int(situation.time / STEP)
         if slot == self._slot:
             return

@@ -47,7 +47,7 @@ class Picture:
     alarms : the gravest first
     under_way : names of what was requested and is not done
     log : answers, the newest first
-    limits : of the winch as the controller believes them
+    limits : of the winch as the controller assumes them
     """
 
     situation: Situation = field(default_factory=Situation)

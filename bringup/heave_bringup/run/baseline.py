@@ -42,7 +42,7 @@ def baseline_signals(scenario: Scenario, progress: Progress = no_progress) -> Ru
     Parameters
     ----------
     scenario : of the run
-    progress : told the share that is done, 0 to 1
+    progress : called with the share that is done, 0 to 1
 
     Raises DesignError where that law cannot be designed for it.
     """
@@ -66,7 +66,7 @@ def add_baseline(record: RunRecord, bag: Path, given: Scenario | None = None, pr
     record : of the run
     bag : folder that it was read from, with the scenario in it
     given : scenario of the run, where the bag carries none
-    progress : told the share that is done, 0 to 1, where there is work
+    progress : called with the share that is done, 0 to 1, where there is work
     """
     scenario = scenario_of(bag) or given
     if scenario is not None and _is_its_own(record, scenario):
@@ -120,7 +120,7 @@ def parameters_of(scenario: Scenario) -> NodeParameters:
 
 
 def digest_of(scenario: Scenario) -> str:
-    """Return what tells baselines apart: every value of the scenario, versions and commit of the software."""
+    """Return what identifies a baseline: every value of the scenario, versions and commit of the software."""
     text = json.dumps([parameters_of(scenario), versions(), git_commit()], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 

@@ -6,7 +6,7 @@ import difflib
 import re
 
 from heave_bags.analyse.kpi_set import DEFINITION_OF
-from heave_node.criteria import Criterion, parse_criterion
+from heave_node.criteria import Criterion, end_of, parse_criterion
 from heave_node.parameters import Given, ParameterError
 
 _REQUIREMENT = re.compile(r"\s*(\w+)\s*([<>]=?.*)")
@@ -20,7 +20,9 @@ def parse_requirement(text: str) -> Criterion:
     option = f"--require {text!r}"
     found = _REQUIREMENT.fullmatch(text)
     if found is None:
-        raise ParameterError(f"{option}: must be KPI<VALUE, KPI<=VALUE, KPI>VALUE or KPI>=VALUE")
+        raise ParameterError(
+            f"{option}: must be KPI<VALUE, KPI<=VALUE, KPI>VALUE or KPI>=VALUE, as in significant_residual<5cm"
+        )
     criterion = parse_criterion(Given(found[2], found[1], option))
     refuse_unknown(criterion, option)
     return criterion
@@ -29,6 +31,9 @@ def parse_requirement(text: str) -> Criterion:
 def refuse_unknown(criterion: Criterion, where: str) -> None:
     """Raise ParameterError, naming `where` it is, for a criterion on what is not a figure of merit."""
     if criterion.kpi not in DEFINITION_OF:
+        ratio = criterion.kpi.removesuffix(end_of(criterion.kpi))
+        if ratio in DEFINITION_OF:
+            raise ParameterError(f"{where}: {ratio} is a ratio or a count, its bound takes no unit but %")
         near = difflib.get_close_matches(criterion.kpi, DEFINITION_OF)
         helps = f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(DEFINITION_OF)}"
         raise ParameterError(f"{where}: {criterion.kpi} is not a figure of merit; {helps}")

@@ -72,7 +72,7 @@ def bounds_of(scenario: Scenario, boom_tip: Array, step: float) -> tuple[float, 
     """Return s_est and s_act [m] of a scenario in the sea that its boom tip met.
 
     Winch, sensors, cable and unit are those of the simulators, the spectrum is the record's own: what the controller
-    believes, and how it is tuned, has no part in it but for the choice of sensors.
+    assumes, and how it is tuned, has no part in it but for the choice of sensors.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def bounds_of(scenario: Scenario, boom_tip: Array, step: float) -> tuple[float, 
 
 
 def true_parameters(scenario: Scenario) -> WinchControllerParameters:
-    """Return what a controller would believe that knows ship, winch, cable and sensors of `scenario` as they are."""
+    """Return the parameters of a controller whose ship, winch, cable and sensors are those of `scenario`."""
     sea, plant, winch = (scenario.parameters[name] for name in ("wave_vessel", "cable_sim", "virtual_winch"))
     believed: WinchControllerParameters = scenario.parameters["winch_controller"]
     known = {info.name for info in describe(WinchModelParameters)}

@@ -17,7 +17,7 @@ WINDOW = 60.0
 LEAST_TIME = 20.0
 """Simulated time before which there is no figure [s]: three waves."""
 LEAST_SAMPLES = 32
-"""Of a run much faster than real time few samples are seen: the window is longer then."""
+"""Least samples of a window: of a run much faster than real time few samples are seen, and the window is longer."""
 
 
 class LiveFigures:
@@ -27,7 +27,7 @@ class LiveFigures:
     ----------
     mode, reason : of the controller, newest; "" before the first
     is_landed : the bottom carries the unit
-    has_truth : a simulator has told where the unit is
+    has_truth : a simulator has reported where the unit is
     """
 
     def __init__(self) -> None:
@@ -50,7 +50,7 @@ class LiveFigures:
         return loss_words(time, mode, reason)
 
     def note_modes(self, time: float, words: str, told: Mapping[str, str]) -> list[str]:
-        """Take what the controller tells of its mode in diagnostics.
+        """Take what the controller reports about its mode in diagnostics.
 
         Parameters
         ----------
@@ -69,7 +69,7 @@ class LiveFigures:
 
     @property
     def is_told(self) -> bool:
-        """Whether the mode is one that compensation was lost into, for the reason that was told then."""
+        """Whether the mode is one that compensation was lost into, for the reason that was reported then."""
         is_same = without_figures(self.reason) == without_figures(self._loss_reason)
         return self.mode not in COMPENSATES and bool(self._loss_reason) and is_same
 

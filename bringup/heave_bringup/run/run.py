@@ -190,7 +190,7 @@ def _remove_unused(folder: RunFolder) -> None:
 def only_run_in_domain(namespace: str = "") -> Iterator[bool]:
     """Claim a ROS domain, or a `namespace` in it, of this user on this machine; tell whether no other run has it.
 
-    Runs that begin together do not see each other yet; the lock of a file, which ends with its process, tells which one
+    Runs that begin together do not see each other yet; the lock of a file, which ends with its process, shows which one
     was first.
     """
     place = "-".join([os.environ.get("ROS_DOMAIN_ID", "0"), *namespace.strip("/").split("/")]).rstrip("-")
@@ -236,7 +236,7 @@ def nodes_to_start(scenario: Scenario, foreign: Sequence[str] = ()) -> list[str]
 
 
 def store_scenario(scenario: Scenario, folder: RunFolder, replaced: Sequence[str] = ()) -> None:
-    """Write the parameter file that the nodes get and the bag carries: all values in force.
+    """Write the parameter file that the nodes get and the bag carries: all active values.
 
     Parameters
     ----------
@@ -333,7 +333,7 @@ def _record_the_stop(scenario: Scenario, monitor: Monitor) -> None:
 def _cause(failed: Sequence[NodeProcess], monitor: Monitor) -> str:
     """Return the line that says why a run failed.
 
-    A node that was killed goes before those that only missed it, then what a node says of itself, then whom the clock
+    A node that was killed goes before those that only missed it, then a node's own report, then whom the clock
     master missed. What the recorder did not get is the last of the consequences.
     """
     endings = {node.name: node.how_it_ended() for node in failed}

@@ -49,7 +49,7 @@ PARTICULARS = (
     Particular(POWER, "system.winch.power_limit", "kW", (0.1, 0.2, 0.4), scale=1e-3),
     Particular(DELAY, "system.winch.command_delay", "s", (2.0, 4.0), costs_when_small=True),
 )
-"""In the order of `Candidate.values`; the shares of power are ones of static tension times speed limit."""
+"""Particulars in the order of `Candidate.values`; shares of power refer to static tension times speed limit."""
 
 STOP = "virtual_winch.stop_deceleration"
 """Place of the deceleration of a stop, which cannot be above the acceleration limit."""

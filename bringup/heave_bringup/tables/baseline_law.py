@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 BASELINE_LAW = "industrial"
-"""By its name in the registry of laws: what makers of winches do."""
+"""Law of the baseline, by its name in the registry: what makers of winches do."""
 
 LAW = "winch_controller.law"
 """Place of the law among the parameters of a case."""

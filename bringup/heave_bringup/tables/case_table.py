@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 ENDING = ".parquet"
 CASE, SCENARIO, FILES = "case", "scenario", "files"
-"""Columns with the number of a case, with all its values in force as a scenario file has them, and with the files that
+"""Columns with the number of a case, with all its active values as a scenario file has them, and with the files that
 these name: JSON of digests (SHA-256) by path. The files themselves are in the table's metadata, each once.
 """
 
@@ -34,7 +34,7 @@ def write_cases(frame: pandas.DataFrame, path: Path, about: Mapping[str, str], f
     ----------
     frame : one row for each case
     path : of the file
-    about : what the file says of itself, by name
+    about : header of the file, by name
     files : that the cases read
 
     Raises ParameterError without pyarrow.
@@ -49,7 +49,7 @@ def write_cases(frame: pandas.DataFrame, path: Path, about: Mapping[str, str], f
 
 
 def read_cases(path: Path) -> tuple[pandas.DataFrame, dict[str, str]]:
-    """Return the cases of the file at `path`, and what it says of itself; raise ParameterError for any other file."""
+    """Return the cases of the file at `path`, and its header; raise ParameterError for any other file."""
     table = _read(path)
     metadata = table.schema.metadata or {}
     about = {

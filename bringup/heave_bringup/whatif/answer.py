@@ -22,7 +22,7 @@ COVERED = 1.645
 """Half the width of a band of 90 % over a standard deviation."""
 
 MODEL_LEAST, MODEL_MOST = 0.004, 0.04
-"""Relative error of the twin in what it adds to a record: no less than its mesh and drag make, no more than is told."""
+"""Relative error of the twin in what it adds to a record: at least that of its mesh and drag; at most as stated."""
 
 KEYS = (
     "unit_efficiency",

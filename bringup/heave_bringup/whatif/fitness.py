@@ -1,4 +1,4 @@
-"""Whether a record can carry an answer, and what it tells."""
+"""Whether a record can carry an answer, and what it shows."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ READ_SHARE = 0.5
 """Share of the record in which a sensor must have read."""
 
 LARGEST_CHI2 = 6.0
-"""Mean square of what is left of the depth over its noise, above which cable and unit are something else."""
+"""Mean square of the depth's residual over its noise, above which cable and unit differ from the model."""
 
 LARGEST_LEFT = 20.0
-"""The same of the twin over the whole record, its start too."""
+"""Largest such mean square of the twin over the whole record, its start included."""
 
 DOUBTFUL_CHI2 = 1.5
-"""And above which a report warns."""
+"""Mean square of the depth's residual over its noise, above which a report warns."""
 
 SAME_PAYOUT = 1e-3
 """Error of payout up to which the same law gives the record again [m]."""
 
 LARGEST_WINCH_ERROR = 0.03
-"""Payout that the model of the winch leaves, above which it is another winch [m]."""
+"""Largest residual of payout under the model of the winch; above it the winch is another one [m]."""
 
 
 def check_record(record: SensorRecord, start: float, where: str) -> None:

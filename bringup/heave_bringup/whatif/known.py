@@ -42,7 +42,7 @@ MOVES = 1e-3
 """Standard deviation of the payout rate from which on a winch has shown how it answers [m/s]."""
 
 WINCH_SPREAD = (0.2, 0.03, 0.02)
-"""What a data sheet leaves open of a winch that has not moved, 1 sigma: logarithm of its lag, delay [s], logarithm of
+"""Spread of a winch that has not moved, 1 sigma, as a data sheet leaves it: logarithm of lag, delay [s], logarithm of
 its gain."""
 
 STIFFNESS_PRIOR = 0.1
@@ -57,7 +57,7 @@ def quiet(words: str, share: float) -> None:
 
 @dataclass(frozen=True)
 class Known:
-    """What a record has told.
+    """What a record has shown.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ def learn(
     told: tuple[Mapping[str, float], Mapping[str, float]] = (PRIOR, {}),
     show: Show = quiet,
 ) -> Known:
-    """Return what a `record` tells.
+    """Return what a `record` shows.
 
     Parameters
     ----------

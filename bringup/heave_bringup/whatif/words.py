@@ -1,4 +1,4 @@
-"""Answers in words: the table for a terminal, what the record tells, and the values for a machine."""
+"""Answers in words: the table for a terminal, what the record shows, and the values for a machine."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ from cable_sim_node.line.layout import (
 from cable_sim_node.physics.drag import Vector
 
 Carried = tuple[Block, Vector]
-"""What an eliminated node takes from its neighbour: U S^-1 U of the block, U S^-1 r of the right side."""
+"""Terms that an eliminated node takes from its neighbour: U S^-1 U of the block, U S^-1 r of the right side."""
 
 
 @inlined_kernel

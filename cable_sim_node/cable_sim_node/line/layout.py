@@ -17,7 +17,7 @@ import numpy as np
 TILE = 64
 SHIFT, LANES = 6, TILE - 1
 STRIDE = 72
-"""More than TILE for the border; not a power of two, for which the columns would share the sets of a cache."""
+"""Length of a row: above TILE for the border; no power of two, for which columns would share the sets of a cache."""
 
 
 NONE, ONE = np.int64(0), np.int64(1)

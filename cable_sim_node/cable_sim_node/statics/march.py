@@ -38,15 +38,15 @@ class SegmentState(NamedTuple):
     """One segment on the way: what is known at its start, and what is found for it."""
 
     position: Array
-    """Of its start [m]."""
+    """Position of the segment's start [m]."""
     tension: Array
     """Tension vector at its start [N]."""
     span: Array
     """From its start to its end [m]."""
     force: Array
-    """Its drag [N/m]."""
+    """Drag on the segment [N/m]."""
     load: Array
-    """Its drag and weight [N/m]."""
+    """Drag and weight of the segment [N/m]."""
     by_tension: Array
     """Derivative of the span by the tension, shape (3, 3) [m/N]."""
     by_load: Array

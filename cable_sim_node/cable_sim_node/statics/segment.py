@@ -18,7 +18,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel, kernel
 
 SERIES_BELOW = 0.2
-"""Below this `a` the power series in a^2 replace the closed forms, which would cancel."""
+"""Value of `a` below which power series in a^2 replace the closed forms, which would cancel."""
 
 SERIES_TERMS = 14
 

@@ -27,7 +27,7 @@ class CableTables(NamedTuple):
     current: Array
     """Profile of `physics.current`."""
     factor: float
-    """What the current is multiplied by."""
+    """Factor on the current."""
     feed: float
     """Speed at which the cable runs along itself towards s = 0 [m/s], as when it is laid."""
     frozen: bool

@@ -17,7 +17,7 @@ State: payout u [m] (positive lets out) and its rate v [m/s], both 0 at the star
 The command of tick k takes effect exactly at t_k + tau, tau = command_delay, also where that falls inside a tick; with
 command_jitter each has a tau of its own, uniform about it, but none takes effect before the one sent before it.
 
-What a drive may do otherwise than its controller believes: limits towards hauling in that are lower than those towards
+What a drive may do otherwise than its controller assumes: limits towards hauling in that are lower than those towards
 paying out, a gain other than 1 from set-point to speed, a dead zone of the set-point, play in the encoder's gear, and
 a cable that lies at another radius than the drive and its encoder count by (limits then hold at the nominal radius).
 

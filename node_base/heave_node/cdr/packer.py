@@ -312,7 +312,7 @@ class Packer:
 
 
 _Step = tuple[Callable[[Any, list[Any], list[int]], None], int | slice]
-"""What puts values in a row, and which ones."""
+"""A function that puts values in a row, and the values that it takes."""
 
 
 def _steps(parts: Sequence[tuple[str, _Part]], fields: Sequence[str], constants: Mapping[str, Any]) -> Iterator[_Step]:

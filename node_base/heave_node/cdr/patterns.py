@@ -26,7 +26,7 @@ def picker(spans: Sequence[tuple[int, int]]) -> struct.Struct:
 
 
 class _Pattern(Generic[Made]):
-    """How to recognise the messages of a layout among those of its size, and what was made of it.
+    """How to recognise the messages of a layout among those of its size, and its compiled form.
 
     Attributes
     ----------

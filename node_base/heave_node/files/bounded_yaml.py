@@ -146,7 +146,7 @@ def parse_yaml(text: str | bytes, *, only_true_and_false: bool = False, most_val
 
 
 def _check_events(text: str, most_values: int) -> None:
-    """Hold a text to the bounds before anything is made of it."""
+    """Hold a text to the bounds before anything is parsed."""
     depth = 0
     for number, event in enumerate(yaml.parse(text, Loader=_RosLoader)):
         if number > most_values:

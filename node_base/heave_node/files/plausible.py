@@ -82,7 +82,7 @@ def is_plausible(quantity: str, value: float) -> bool:
 
 
 def question(quantity: str, value: float, where: str = "") -> str:
-    """Return what is doubtful about a figure, in one line; "" where it is plausible.
+    """Return what is implausible about a figure, in one line; "" where it is plausible.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def question(quantity: str, value: float, where: str = "") -> str:
 
 
 def sea_question(significant_wave_height: float, zero_crossing_period: float, peak_period: float) -> str:
-    """Return what is doubtful about a sea, in one line; "" where it is plausible.
+    """Return what is implausible about a sea, in one line; "" where it is plausible.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def sea_question(significant_wave_height: float, zero_crossing_period: float, pe
 
 
 def refusal(questions: Sequence[str], option: str) -> str:
-    """Return the one line with which a reader refuses doubtful figures.
+    """Return the one line with which a reader refuses implausible figures.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ class WinchLimit(enum.IntFlag):
 
 
 class MruStatus(enum.IntEnum):
-    """What the motion reference unit says of its own sample: heave_msgs/MruSample STATUS_."""
+    """What the motion reference unit reports of its own sample: heave_msgs/MruSample STATUS_."""
 
     OK = 0
     SETTLING = 1
@@ -62,7 +62,7 @@ RELEASE_WORDS = {
     WinchRelease.STANDSTILL: "waiting for the drum to stop, then for a command with brake off",
     WinchRelease.COMMAND: "waiting for a command with brake off",
 }
-"""What a latched fault waits for, in words."""
+"""Action that a latched fault waits for, in words."""
 
 COMMANDS, LATE = "commands", "late"
 """Part of the controller's diagnostics about its commands, and the value in it that counts those that came late."""
@@ -96,18 +96,18 @@ WINCH_MODEL_UPDATED, OPERATOR_SPEED_LIMITED = "WINCH_MODEL_UPDATED", "OPERATOR_S
 
 
 def told_at(time: float) -> str:
-    """Return the key of a value that tells what happened at a simulated `time` [s]."""
+    """Return the key of a value for an event at a simulated `time` [s]."""
     return f"t = {time:.2f} s"
 
 
 def time_of(key: str) -> float | None:
-    """Return the simulated time [s] of which a `key` tells; None for any other key."""
+    """Return the simulated time [s] of the event of a `key`; None for any other key."""
     found = _TOLD_AT.fullmatch(key)
     return None if found is None else float(found[1])
 
 
 def told_in(message: str) -> list[tuple[float, str]]:
-    """Return simulated time [s] and words of all that a `message` tells: "t = 1.00 s: this; t = 2.00 s: that"."""
+    """Return simulated time [s] and words of all events in a `message`: "t = 1.00 s: this; t = 2.00 s: that"."""
     _, *found = re.split(rf"(?:^|; ){_TOLD_AT.pattern}: ", message)
     return [(float(time), words) for time, words in zip(found[::2], found[1::2], strict=True)]
 
@@ -117,7 +117,7 @@ _FIGURES = re.compile(r"[0-9.]+")
 
 
 def without_figures(message: str) -> str:
-    """Return a `message` of diagnostics without what changes in it while it tells the same, as a countdown does."""
+    """Return a `message` of diagnostics without what changes in it while its report stays the same, as a countdown."""
     return _FIGURES.sub("", message)
 
 

@@ -29,5 +29,5 @@ class HeavePreview:
         return HeavePreview(self.ahead - (now - self.stamp) * 1e-9, self.heave, now)
 
     def covers(self, first: float, last: float) -> bool:
-        """Return whether it tells of all times from `first` to `last` after its stamp [s]."""
+        """Return whether it covers all times from `first` to `last` after its stamp [s]."""
         return bool(len(self.ahead) and self.ahead[0] <= first + _CLOSE and self.ahead[-1] >= last - _CLOSE)

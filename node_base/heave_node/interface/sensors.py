@@ -1,8 +1,8 @@
 """The sensors of the suite: name and topic of each, and what its readings are on the wire, both ways.
 
 On the wire a reading is a stamp in whole nanoseconds and the numbers in certain fields of a message. `Sensor.to_wire`
-makes them of what the sensor says in the actual water; the controller decodes them with the water it believes
-in. Fields are named by text, so that this table is pure; `messages` puts the numbers into messages and takes
+makes them of what the sensor says in the actual water; the controller decodes them with the water it assumes
+Fields are named by text, so that this table is pure; `messages` puts the numbers into messages and takes
 them out again. The loop in one process hands over what is on the wire and leaves only the message out: it reads what
 the loop over ROS reads, to the last bit.
 
@@ -191,7 +191,7 @@ _MRU_FIELDS = (
     *("heave", "heave_rate", "roll", "pitch", "status", "sequence"),
     *("heave_acceleration", "heave_sigma", "heave_rate_sigma"),
 )
-"""Of the message, and in this order of `MruReading` after its time."""
+"""Fields of the message, in the order of `MruReading` after its time."""
 
 _numbers_of_mru = attrgetter(*_MRU_FIELDS)
 

@@ -10,5 +10,5 @@ ATMOSPHERIC_PRESSURE = 101_325.0
 """Mean pressure at the sea surface [Pa]."""
 
 LARGEST_STRAIN = 0.1
-"""Beyond it a cable is said to be strained too much: no steel wire or umbilical gets there, few ropes do, and the plant
-takes its strain for small."""
+"""Strain above which a cable counts as overstrained [-]: no steel wire or umbilical gets there, few ropes do, and
+the plant takes its strain for small."""

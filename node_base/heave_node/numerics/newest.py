@@ -34,7 +34,7 @@ class Newest:
         self._count = min(self._count + 1, self._length)
 
     def clear(self) -> None:
-        """Forget all of them."""
+        """Discard all of them."""
         self._end = self._count = 0
 
     def last(self, count: int | None = None) -> Array:

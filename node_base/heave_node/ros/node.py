@@ -412,7 +412,7 @@ class HeaveNode(LifecycleNode):
         )
 
     def begin_outputs(self) -> None:
-        """Forget on every output the messages of the previous tick."""
+        """Discard on every output the messages of the previous tick."""
         for output in self._ports.outputs:
             output.begin_tick()
 
@@ -441,7 +441,7 @@ class HeaveNode(LifecycleNode):
         self.fail_on_error(self.on_reset)
 
     def has_urgent_news(self) -> bool:
-        """Whether the health of this node must be told in this tick; for a node to say otherwise."""
+        """Whether the health of this node must be reported in this tick; for a node to say otherwise."""
         return False
 
     def publish_diagnostics(self, tick: Tick) -> None:

@@ -87,7 +87,7 @@ def _given(node: Node, files: Sequence[tuple[Path, Sections]]) -> dict[str, Give
 
 
 def _declare(node: Node, built: NodeParameters, infos: Iterable[ParameterInfo], given: Iterable[str]) -> None:
-    """Declare what was not given by its own name with the value in force, and describe everything."""
+    """Declare what was not given by its own name with the active value, and describe everything."""
     values = {**flatten(built.run), **flatten(built.own)}
     given = set(given)
     for info in infos:

@@ -38,7 +38,7 @@ class ParticipantNode(HeaveNode):
 
     A node sets `name`, `parameters_type` and `after`, makes its component, inputs and outputs in `on_build`, and does
     its part of a tick in `on_tick`. `lag` is the number of ticks that it may be behind the others (a recorder).
-    `punctuality` tells, in real time, whether ticks began late or this node was. A node that is behind in real time
+    `punctuality` reports, in real time, whether ticks began late or this node was. A node that is behind in real time
     makes up for the ticks that it missed, and, where that takes too long, jumps to the newest one: `on_left_out` gets
     those between. One that `does_every_tick` never jumps.
     """

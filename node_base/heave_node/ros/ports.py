@@ -28,7 +28,7 @@ class Output:
     """A topic that a node publishes within ticks. It counts its messages and keeps those of this tick for a resend.
 
     `publish` sends at once: for what the next node waits for. `publish_deferred` counts at once, but makes and sends
-    the message only after this node has told the others that its part of the tick is done, so that they work meanwhile.
+    the message only after this node has reported its part of the tick done, so that the others work meanwhile.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class Output:
         self.publisher.publish(data)
 
     def begin_tick(self) -> None:
-        """Forget the messages of the previous tick."""
+        """Discard the messages of the previous tick."""
         self._sent_this_tick.clear()
 
     def resend(self) -> None:
@@ -194,7 +194,7 @@ class Input:
         return contents
 
     def reset(self) -> None:
-        """Forget the previous run."""
+        """Discard the previous run."""
         self.latest = None
         self._ahead.clear()
         self._last_stamp = 0

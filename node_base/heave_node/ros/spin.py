@@ -27,7 +27,7 @@ SERVICE_SLICE = 0.006
 _WITH_INFORMATION = inspect.Signature(
     [inspect.Parameter(name, inspect.Parameter.POSITIONAL_ONLY) for name in ("message", "information")]
 )
-"""A callback with two arguments tells rclpy to pass the sender."""
+"""A callback with two arguments makes rclpy pass the sender."""
 
 
 def sender_callback(handle: Callable[[Any, str], object]) -> Callable[..., None]:

@@ -9,7 +9,7 @@ class ClockRule(Enum):
     """How the stamps of an external node are read."""
 
     DETECT = "detect"
-    """By its first message."""
+    """The clock is detected by the first message."""
     SIMULATED = "simulated"
     OWN = "own"
     NONE = "none"

@@ -45,7 +45,7 @@ class ExternalClock:
 
     Attributes
     ----------
-    rule : in force; DETECT until the first message
+    rule : active; DETECT until the first message
     violation : why what comes does not fit the rule, in words; "" while it fits
     violations : messages that did not fit
     """
@@ -164,7 +164,7 @@ class ExternalClock:
         return _spread(self._delays)
 
     def describe(self) -> str:
-        """Return the rule in force, and what was estimated, in words."""
+        """Return the active rule, and what was estimated, in words."""
         if self.rule is ClockRule.DETECT:
             return "nothing received yet"
         if self.rule is ClockRule.NONE:

@@ -14,7 +14,7 @@ from typing import Any
 from heave_node.tick.speakers import ANYONE, Speakers, Standing
 
 _STAMP = slice(4, 12)
-"""Where a message that begins with a Header (or is a Clock) carries its stamp, behind the 4 bytes of encapsulation."""
+"""Bytes of the stamp in a message that begins with a Header (or is a Clock), after 4 bytes of encapsulation."""
 _NO_STAMP = bytes(8)
 _REMEMBERED = 16
 _HELD = 1000
@@ -92,7 +92,7 @@ class Inbox:
         return True
 
     def end_run(self) -> None:
-        """Forget the bytes of past messages: the next run may begin with the same ones."""
+        """Discard the bytes of past messages: the next run may begin with the same ones."""
         self._recent.clear()
 
     def take(self, expected: int) -> list[Any]:
@@ -105,7 +105,7 @@ class Inbox:
 
 
 class TickGate:
-    """Tells whether a node has everything of the tick it is in.
+    """Decides whether a node has everything of the tick it is in.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ class TickGate:
             self._count_anew()
 
     def _count_anew(self) -> None:
-        """Forget what was worked out of the counts: one of them has changed."""
+        """Discard the results of the counts: one of them has changed."""
         self._expected = {}
         self._lacking = None
 

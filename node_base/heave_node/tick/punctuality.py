@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 
 RECENT, REMEMBERED = 3_000_000_000, 10_000_000_000
-"""Wall time for which a delay is told, and over which the least one counts as none [ns]."""
+"""Wall time for which a delay is reported, and over which the least one counts as none [ns]."""
 
 _SECOND = 1e9
 

@@ -57,7 +57,7 @@ class Roster:
         self._entries: list[tuple[str, str]] = []
 
     def join(self, participant: Participant) -> None:
-        """Take what a `participant` says of itself; its progress is kept."""
+        """Take what a `participant` reports of itself; its progress is kept."""
         known = self.participants.get(participant.name)
         if known is not None:
             participant.answered, participant.published = known.answered, known.published

@@ -1,7 +1,7 @@
 """Simulated time between ticks, as the wall clock carries it on.
 
 In real time the master begins tick k when k periods of wall time have passed, or later where the machine is busy, and
-then catches up: never earlier. So of the last ticks the one that began with the least delay tells what time it is; one
+then catches up: never earlier. So of the last ticks the one that began with the least delay gives the time; one
 that was late would put the clock back for as long as it is the newest.
 """
 

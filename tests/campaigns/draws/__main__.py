@@ -18,7 +18,7 @@ judged.
 
 Ends with status 1 where the promise is broken. few, seas, lifts: at most 1.05 in 97 %, at most 1.2 in 99.5 %, none
 lost, healthy parts blamed and never begun without a true reason in 1 % each. stacked: at most 1.05 in 85 %, 1.5 in
-97 %, and never without an alarm. Efficiency at least 0.95 of that of a controller that is told (--told).
+97 %, and never without an alarm. Efficiency at least 0.95 of that of an informed controller (--informed).
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ from tests.campaigns.draws.journal import ROOT, Heading, Journal, JournalError, 
 from tests.campaigns.draws.workers import Task, run_tasks
 
 FOLDER = Path("runs") / "draws"
-"""Where journals are."""
+"""Folder of journals."""
 
 SHOWN = 5
-"""So many of the worst draws are printed at the end."""
+"""Number of the worst draws that are printed at the end."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

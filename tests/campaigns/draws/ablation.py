@@ -53,7 +53,7 @@ LEARNING = {
         for name in ("_look_at_winch", "_is_time_to_judge", "_look_at_sea")
     ],
 }
-"""What the adviser finds."""
+"""Findings of the adviser."""
 
 REFLEXES = {
     "encoder reflex": lambda: [
@@ -68,7 +68,7 @@ REFLEXES = {
     "share by the sea": lambda: [Switch("supervision.supervisor:UNKNOWN_SEA_SHARE", 1.0)],
     "share by the limits": lambda: [Switch("supervision.guard:HarmGuard.authority_limit", _gives(1.0))],
 }
-"""What the core does within a tick."""
+"""Reflexes of the core within a tick."""
 
 CHECKS = {
     "gates": lambda: [Switch("supervision.supervisor:Supervisor._closed_gates", _gives(""))],
@@ -83,7 +83,7 @@ CHECKS = {
         for switch in CHECKS[name]()
     ],
 }
-"""What supervision checks."""
+"""Checks of supervision."""
 
 ALL = {**LEARNING, **REFLEXES, **CHECKS}
 """Everything that can be switched off, by name."""

@@ -27,7 +27,7 @@ SCENARIOS = (
 LAWS = ("lqg", "mpc")
 
 DURATION = 390.0
-"""Of a run [s]."""
+"""Duration of a run [s]."""
 
 OPERATED = 0.35
 """Share of the draws with deviations in which an operation is under way besides."""
@@ -43,7 +43,7 @@ class Case:
     scenario, law, seed : of the run
     deviations : names of what differs, and of the operation under way; a lift in words
     settings : of the run, but for law, seed and length
-    told : what the controller would be told of it; None: there is something that it cannot be told
+    told : what an informed controller would have of it; None: it has no parameter for some of it
     parts : what a finding may blame
     lost : sensors of which a fault leaves nothing to read, each with the times from and to [s]
     excused, actions : see `Deviation`
@@ -72,7 +72,7 @@ class Case:
         return f"{self.index:3d} {self.scenario} {self.law} seed {self.seed}: {'; '.join(self.deviations)}{shown}"
 
     def as_told(self) -> Case:
-        """Return the same case with a controller that is told; raises ValueError where it cannot be."""
+        """Return the same case with an informed controller; raises ValueError where it has no parameter for it."""
         if self.told is None:
             raise ValueError(f"draw {self.index} cannot be told")
         return replace(self, settings={**self.settings, **self.told}, told={})

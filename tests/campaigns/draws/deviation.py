@@ -13,7 +13,7 @@ from tests.campaigns.draws.chance import Chance
 Settings = Mapping[str, object]
 
 BELIEF = "winch_controller"
-"""Node whose parameters are what the controller is told."""
+"""Node whose parameters an informed controller gets."""
 
 
 @dataclass(frozen=True)
@@ -96,9 +96,9 @@ class Deviation:
     ----------
     name : of the row
     settings : of the simulated ship
-    told : what the controller would be told of it; empty: nothing helps; None: it has no parameter for that
+    told : parameters of an informed controller; empty: nothing helps; None: it has no parameter for that
     faults : scheduled besides
-    excused : times, from and to, that are not judged [s]: the trouble has just begun or ended, or a stop is requested
+    excused : times, from and to, that are not judged [s]: the fault has just begun or ended, or a stop is requested
     actions : of an operator: time [s], what, value
     """
 

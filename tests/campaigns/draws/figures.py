@@ -30,7 +30,7 @@ class Figures:
     tick_p50, tick_p999, tick_max : of the controller's ticks [ms]: median of the draws, largest of the draws' 99.9 %,
         largest
     efficiency : median
-    told_cases, efficiency_of_these, told : draws that were told as well, their median efficiency, and that when told
+    told_cases, efficiency_of_these, told : draws also run with an informed controller, and both median efficiencies
     """
 
     cases: int
@@ -132,7 +132,7 @@ SELDOM = 0.01
 """Share of the draws in which a healthy part may be blamed, and in which compensation may never begin for no reason."""
 
 LEAST_OF_TOLD = 0.95
-"""Median efficiency over that of the same cases with a controller that is told."""
+"""Median efficiency over that of the same cases with an informed controller."""
 
 
 def table(kind: str, figures: Figures) -> str:
@@ -208,7 +208,7 @@ def comparison(drawn: Sequence[Drawn], before: Mapping[int, Outcome]) -> str:
 
 
 MOST_CHANGED = 8
-"""So many of those that changed most are printed."""
+"""Number of draws that changed most, which are printed."""
 
 
 def as_values(kind: str, figures: Figures) -> dict[str, object]:

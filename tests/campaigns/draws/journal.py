@@ -15,7 +15,7 @@ from tests.campaigns.draws.run import Outcome
 ROOT = Path(__file__).parents[3]
 PACKAGES = ("node_base", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "bringup/heave_bringup")
 DRAWING = ("chance", "deviation", "table", "seas", "operations", "lifts", "cases", "findings", "run")
-"""Where the code is that an outcome depends on: packages, and files beside this one."""
+"""Places of the code that an outcome depends on: packages, and files beside this one."""
 
 
 class JournalError(ValueError):
@@ -23,7 +23,7 @@ class JournalError(ValueError):
 
 
 def sources_digest() -> str:
-    """Return a digest of the code, by which two commits with changes are told apart."""
+    """Return a digest of the code, by which two commits with changes are distinguished."""
     digest = hashlib.sha256()
     paths = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
     for path in [*paths, *(Path(__file__).with_name(f"{name}.py") for name in DRAWING)]:
@@ -41,7 +41,7 @@ class Heading:
     commit, sources : of the code
     kind, day : of the draws
     latency : of what the controller finds [s], or "true"; empty: its own
-    is_told : those draws that can be are run with a controller that is told as well
+    is_told : the draws for which that is possible are run with an informed controller as well
     without : part of the controller that is switched off; empty: none
     """
 

@@ -81,7 +81,7 @@ OPERATIONS = (
     Row("stop and restart", (), _stop_and_restart),
     *CHANGING_SEAS,
 )
-"""What may be under way besides; none is a reason to blame anything."""
+"""Operations that may be under way besides; none is a reason to blame anything."""
 
 
 class Operator:

@@ -24,7 +24,7 @@ ALARMED = 1.5
 """Ratio to off that is not reached without an alarm."""
 
 TICK = 0.05
-"""Of all scenarios [s]."""
+"""Tick period of all scenarios [s]."""
 
 MOVE_LAG = 0.35
 """Delay and time constant of the winch of all scenarios [s]."""
@@ -33,7 +33,7 @@ LOOK = 20
 """Ticks from one look to the next at why there is no compensation."""
 
 LOST_TIME = 60.0
-"""Compensation is lost that is not in force for so long at the end [s]."""
+"""Compensation is lost that is not active for so long at the end [s]."""
 
 
 @dataclass(frozen=True)
@@ -44,17 +44,17 @@ class Outcome:
     ----------
     worst, at : largest ratio of the unit to the uncompensated one over a minute, and where that begins [s]; NaN: no
         minute could be judged
-    worst_of_all : the same with the times that are excused
+    worst_of_all : the same with the allowed times
     begin : when compensation began [s]; NaN: never
     reason : why it never began, or too late to be judged; empty: it was judged
     has_true_reason : a sensor that the reason names gave nothing to read
     given_up : how often compensation was faded out that nobody had asked to end
-    is_lost : compensation was not in force at the end, though nobody had asked for that and all could be read
+    is_lost : compensation was not active at the end, though nobody had asked for that and all could be read
     right, wrong : findings that blame what differs, and what does not
     is_alarmed : there was an alarm before the ratio reached `ALARMED`; None: it never did
     ticks : time that the controller's ticks took: median, 99.9 % and largest [ms]
     efficiency : of the unit, from 30 s after the beginning on; 0: it never began
-    told : the same where the controller was told; NaN: not run
+    told : the same with an informed controller; NaN: not run
     refused : what an operator asked for in vain
     failure : why the case could not be run; empty: it could
     seconds : that it took
@@ -92,7 +92,7 @@ def set_latency(latency: str) -> None:
 
 
 def run_case(case: Case, *, is_told: bool = False, duration: float = DURATION) -> Outcome:
-    """Run a case for a `duration` [s]; where `is_told`, once more with a controller that is told, if it can be."""
+    """Run a case for a `duration` [s]; where `is_told`, once more with an informed controller, if there can be one."""
     began = clock.monotonic()
     found = _run(case, duration)
     if is_told and case.told is not None and not found.failure:

@@ -1,6 +1,6 @@
 """The table of what can differ from the nominal: winch, encoder, cable and unit, MRU, depth sensor, faults, sea.
 
-A row draws one deviation. Its settings are of the simulated ship; what the controller would have to be told of them, if
+A row draws one deviation. Its settings are of the simulated ship; what an informed controller would get of them, if
 it has a parameter for that, stands beside them.
 """
 
@@ -19,7 +19,7 @@ MRU, DEPTH = "wave_vessel.mru", "cable_sim.sensors.depth"
 
 
 def of_winch(told: str, value: Callable[[Chance, Nominal], Mapping[str, float]]) -> Drawing:
-    """Return how settings of the winch are drawn of which the first may be `told`; empty: it cannot be."""
+    """Return how settings of the winch are drawn; an informed controller gets the first as `told`; empty: none."""
 
     def draw(chance: Chance, nominal: Nominal) -> Deviation:
         drawn = value(chance, nominal)
@@ -30,7 +30,7 @@ def of_winch(told: str, value: Callable[[Chance, Nominal], Mapping[str, float]])
 
 
 def with_nothing_to_tell(values: Callable[[Chance], Settings]) -> Drawing:
-    """Return how settings are drawn of which the controller needs to be told nothing."""
+    """Return how settings are drawn that an informed controller need not know."""
     return lambda chance, _: Deviation("", values(chance), {})
 
 

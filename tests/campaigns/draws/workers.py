@@ -26,7 +26,7 @@ class Task:
     Attributes
     ----------
     case : of the campaign
-    is_told : it is run with a controller that is told as well
+    is_told : it is run with an informed controller as well
     """
 
     case: Case

@@ -151,7 +151,7 @@ class SeaStateEstimator:
         return float(density.sum() * (self._omega[1] - self._omega[0]))
 
     def _sea(self, motion: Array) -> tuple[Array, float]:
-        """Return the spectrum of the sea where the vessel tells it (nan elsewhere), and m_0 with the tail continued."""
+        """Return the spectrum of the sea where the vessel responds (nan elsewhere), and m_0 with the tail continued."""
         seen = (self._vessel > _LEAST_RESPONSE * self._vessel.max()) & (self._vessel > 1e-12)
         seen &= motion * self._unit > 0.5 * self._noise_density
         sea = np.where(seen, motion / np.maximum(self._vessel, 1e-12), np.nan)

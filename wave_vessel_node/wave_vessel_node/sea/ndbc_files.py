@@ -69,7 +69,7 @@ class _Row:
 
 
 class _Findings:
-    """Counts of each repair, with the line of the first and what is doubtful about it."""
+    """Counts of each repair, with the line of the first and what is implausible about it."""
 
     def __init__(self, path: str, accepts: bool) -> None:
         self._path = path

@@ -92,7 +92,7 @@ def tabulated_from_hertz(frequency: Array, density: Array, *, name: str) -> Tabu
 
 
 def doubt_of(spectrum: TabulatedSpectrum) -> str:
-    """Return what is doubtful about a measured `spectrum` as that of a sea, in one line; "" where it is plausible."""
+    """Return what is implausible about a measured `spectrum` of a sea, in one line; "" where it is plausible."""
     return sea_question(spectrum.significant_wave_height, spectrum.zero_crossing_period, spectrum.peak_period)
 
 

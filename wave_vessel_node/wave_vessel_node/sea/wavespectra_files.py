@@ -1,6 +1,6 @@
 """Spectra from files that the library `wavespectra` reads (extra `wavespectra`): NetCDF of five makers, SWAN's text.
 
-Which reader a file needs is told by the names of its variables; what comes out is checked. Wave models end at a
+Which reader a file needs is known by the names of its variables; what comes out is checked. Wave models end at a
 frequency beyond which they count on a tail of f^-5 (as in their own significant wave heights); it is added here.
 Measured spectra (NDBC) have none.
 """

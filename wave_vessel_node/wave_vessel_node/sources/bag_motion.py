@@ -23,7 +23,7 @@ Sample = tuple[float, float, float, float]
 """Stamp [s] and x, y, z [m]."""
 
 _DAMAGE = (McapError, struct.error, zstandard.ZstdError, RuntimeError, ValueError, EOFError, OSError, MemoryError)
-"""What the readers of MCAP and of its compressions raise for a file that is cut off or damaged."""
+"""Errors that the readers of MCAP and of its compressions raise for a file that is cut off or damaged."""
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 _UNPACK = "heave repair BAG --output NEW makes a bag that can be read here"
 

@@ -14,7 +14,7 @@ from wave_vessel_node.parameters import PreviewParameters
 
 
 class PreviewSource:
-    """Tells at each tick the heave of all ticks to come within its length.
+    """Gives at each tick the heave of all ticks to come within its length.
 
     A moment is seen with the same error again and again: that of a measurement which was made once.
 

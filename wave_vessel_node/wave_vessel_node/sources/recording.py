@@ -110,7 +110,7 @@ def _checked(path: Path, samples: Array, lost: list[str], accept: bool) -> Recor
 
 
 def _questions(time: Array, heave: Array) -> list[str]:
-    """Return what is doubtful about heave or elevation [m] over time [s]."""
+    """Return what is implausible about heave or elevation [m] over time [s]."""
     about = heave - np.median(heave)
     worst = int(np.argmax(np.abs(about)))
     asked = (

@@ -97,7 +97,7 @@ def _heave_on_course(vessel: VesselOnCourse, changed: int) -> CubicSpline:  # no
     Parameters
     ----------
     vessel : and its course
-    changed : when the file of RAOs was: a new file is read anew
+    changed : when the file of RAOs was: a new file is read again
     """
     table = read_rao(vessel.rao_file, sorted({0.0, vessel.speed}), vessel.accept_implausible)
     heave = boom_tip_heave_response(table, table.frequency, vessel.heading, vessel.speed, np.array(vessel.boom_tip_arm))

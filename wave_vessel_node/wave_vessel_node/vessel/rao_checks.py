@@ -14,20 +14,20 @@ from wave_vessel_node.vessel.motion import DEGREES_OF_FREEDOM
 from wave_vessel_node.vessel.rao import RaoError, ResponseTable
 
 _LONG_WAVES = 0.3
-"""Up to this frequency waves (of 690 m or more) are long to a ship [rad/s]."""
+"""Frequency up to which waves (of 690 m or more) are long to a ship [rad/s]."""
 
 
 def judged(path: Path, table: ResponseTable, questions: Sequence[str] = (), *, accept: bool) -> ResponseTable:
-    """Return a table that can well be, or is accepted; what is doubtful then joins its warnings.
+    """Return a table that is plausible, or accepted; what is implausible then joins its warnings.
 
     Parameters
     ----------
     path : of its file
     table : as read
     questions : of its reader, which come first
-    accept : take what is doubtful
+    accept : take what is implausible
 
-    Raises RaoError for what is doubtful and not accepted.
+    Raises RaoError for what is implausible and not accepted.
     """
     doubts = [*questions, *response_questions(table)]
     if doubts and not accept:
@@ -36,7 +36,7 @@ def judged(path: Path, table: ResponseTable, questions: Sequence[str] = (), *, a
 
 
 def response_questions(table: ResponseTable) -> list[str]:
-    """Return what is doubtful about a table, one line each."""
+    """Return what is implausible about a table, one line each."""
     asked = [
         question("lowest wave frequency", float(table.frequency[0])),
         question("highest wave frequency", float(table.frequency[-1])),

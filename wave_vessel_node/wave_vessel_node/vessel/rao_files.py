@@ -104,7 +104,7 @@ def _numbers(path: Path, table: Columns) -> Array:
 
 
 def _phase_questions(values: Array, lines: Sequence[int]) -> list[str]:
-    """Return what is doubtful about the phases: of each motion the largest."""
+    """Return what is implausible about the phases: of each motion the largest."""
     worst = np.argmax(np.abs(values[:, 4::2]), axis=0)
     largest = values[worst, np.arange(4, values.shape[1], 2)]
     asked = (

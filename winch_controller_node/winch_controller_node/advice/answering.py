@@ -43,7 +43,7 @@ class Answering:
     def answer(self, message: Any) -> bytes:
         """Return the answer to a heave_msgs/Observations, the `message`, as a serialised heave_msgs/Beliefs.
 
-        It is stamped with the start of the last tick before it comes into force. Raises WireError for a message that
+        It is stamped with the start of the last tick before it becomes active. Raises WireError for a message that
         makes no sense, DesignError where the adviser has no design for its nominal.
         """
         observations = observations_of(message)

@@ -40,7 +40,7 @@ def observations_message(observations: Observations, nominal: str, stamp: int) -
     Parameters
     ----------
     observations : the batch
-    nominal : parameters in force without any belief, as `parameters_text` gives them
+    nominal : active parameters without any belief, as `parameters_text` gives them
     stamp : start of the last tick [ns]
     """
     o = observations

@@ -1,4 +1,4 @@
-"""Whether the adviser answers, and in time: what is said of it, without ROS."""
+"""Whether the adviser answers, and in time: its alarms, without ROS."""
 
 from __future__ import annotations
 

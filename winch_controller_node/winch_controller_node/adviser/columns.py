@@ -57,7 +57,7 @@ def in_columns(
     ----------
     excerpt : with the readings of `measurements` only, numbered as there
     measurements : of the model
-    history : what the sensors are believed to have been; delays of now are made up for
+    history : assumed corrections of the sensors over the record; present delays are compensated
     onsets : times before its end [s]
     """
     readings, dt = excerpt.readings, excerpt.dt

@@ -63,11 +63,11 @@ UNCERTAIN_GAIN = 0.25
 """Logarithm of a gain over the nominal one from which on it may as well be the encoder's scale."""
 
 CAUTIOUS = 0.3
-"""Share of the sea that is compensated while winch and encoder are not told apart."""
+"""Authority over the sea while a change of the winch and one of its encoder cannot be distinguished (0 to 1)."""
 
 
 class Looks:
-    """When hypotheses are tried: where the sensors read otherwise than foreseen, and something is new about it."""
+    """When hypotheses are tried: where the sensors read otherwise than predicted, and something is new about it."""
 
     def __init__(self) -> None:
         self._before: Hypothesis | None = None
@@ -88,7 +88,7 @@ class Looks:
         return self._before if second - self._best_since >= JUDGED_EVERY else None
 
     def note(self, best: Hypothesis | None) -> None:
-        """Remember the best hypothesis of this look, that was not accepted; None: what is believed was the best."""
+        """Remember the best hypothesis of this look that was not accepted; None: the present beliefs were the best."""
         self._before = best
 
 
@@ -113,7 +113,7 @@ class Adviser:
             self._compile()
 
     def _begin(self, nominal: WinchControllerParameters, beliefs: Beliefs) -> None:
-        """Go by `nominal` parameters and what is believed otherwise, for another sea or length of cable."""
+        """Go by `nominal` parameters under the present beliefs, for another sea or length of cable."""
         self._nominal = nominal
         self._is_scheduled = is_scheduled(nominal)
         self._beliefs = beliefs
@@ -137,11 +137,11 @@ class Adviser:
 
     @property
     def parameters(self) -> WinchControllerParameters:
-        """Parameters under what is believed."""
+        """Parameters under the present beliefs."""
         return parameters_under(self._beliefs, self._nominal)
 
     def advise(self, observations: Observations) -> Beliefs:
-        """Return what is believed after a batch of `observations`; in force LATENCY after its last tick."""
+        """Return the beliefs after a batch of `observations`; active LATENCY after its last tick."""
         if observations.restated != self._restated:
             self._restated = observations.restated
             nominal = self._first
@@ -187,7 +187,7 @@ class Adviser:
             self._take_winch(answer)
 
     def _take_winch(self, answer: WinchAnswer) -> None:
-        """Believe what was found of the winch; a gain far off only once it cannot be the encoder's scale."""
+        """Accept what was found of the winch; a gain far off only once it cannot be the encoder's scale."""
         changed = dict(answer.changed)
         gain = changed.get("winch.speed_gain")
         nominal = QUANTITIES["winch.speed_gain"].nominal_in(self._nominal)
@@ -209,7 +209,7 @@ class Adviser:
         return self._gain_is_winch
 
     def _take_encoder(self, since: int, factor: float, sigma: float, step: float, nats: float) -> None:
-        """Believe that the encoder has read `factor` times as much as believed `since` a tick, after a `step` [m]."""
+        """Accept that the encoder has read `factor` times as much as assumed `since` a tick, after a `step` [m]."""
         held = self._history, self._beliefs
         self._rescale(since, factor * self._history.encoder_scale, step)
         belief = Belief(ENCODER_SCALE, self._history.encoder_scale, sigma, nats, since)
@@ -263,7 +263,7 @@ class Adviser:
         )
 
     def _judge(self) -> None:
-        """Look for the sensor, or the cable, that is not what it is believed to be."""
+        """Look for the sensor, or the cable, that differs from what is assumed."""
         judge = Judge(self._record.last(min(MINUTE, self._record.duration)), self._believed())
         present, used = judge.present, judge.used
         self._gain_is_winch = False
@@ -290,7 +290,7 @@ class Adviser:
             self._take_hypothesis(found, present)
 
     def _take_hypothesis(self, found: Hypothesis, present: Hypothesis) -> None:
-        """Believe a hypothesis, and go on from the state that it leads to."""
+        """Accept a hypothesis, and continue from the state that it leads to."""
         held = self._history, self._beliefs
         values = dict(self._beliefs.values)
         nats = present.total - found.total
@@ -321,12 +321,12 @@ class Adviser:
         self._history = self._history._replace(corrections=(*self._history.corrections, *added))
 
     def _adopt_present(self) -> None:
-        """Have the core go on from the state that the last minute leads to under what is believed."""
+        """Have the core continue from the state that the last minute leads to under the present beliefs."""
         if self._record.duration >= SHORTEST:
             self._leads_to = Judge(self._record.last(min(MINUTE, self._record.duration)), self._believed()).present
 
     def _adopt(self) -> None:
-        """Have the core go on from the state at the end of the record that what is believed by now leads to, if any."""
+        """Have the core continue from the state at the end of the record that the present beliefs lead to, if any."""
         found, model = self._leads_to, self._design.model
         if found is None:
             return
@@ -341,7 +341,7 @@ class Adviser:
     # the sea
 
     def _look_at_sea(self, observations: Observations) -> None:
-        """Follow the sea that is seen, where that is another one and foresees the readings better."""
+        """Follow the sea that is seen, where that is another one and predicts the readings better."""
         parameters = self.parameters
         if not parameters.estimator.sea_adaptation or not parameters.sea.follows_spectrum:
             return
@@ -381,12 +381,12 @@ class Adviser:
         other = min(others, default=math.inf)
         return other > judge.present.total - AGAIN or judge.total_with(sea) < other
 
-    # what is believed
+    # beliefs
 
     def _believe(self, values: Mapping[str, Belief], *, excluded: str | None = None) -> bool:
-        """Believe other `values`, and design for them where the model is another one; return whether that can be.
+        """Take over other `values`, and design for them where the model is another one; return whether that succeeds.
 
-        Where it cannot nothing new is believed.
+        Where it does not, the beliefs stay as they are.
         """
         before = self.parameters
         beliefs = replace(
@@ -409,7 +409,7 @@ class Adviser:
         return True
 
     def _designed(self, parameters: WinchControllerParameters) -> ControllerDesign:
-        """Return the design for `parameters` on the nominal cable, its inertia and damping as believed."""
+        """Return the design for `parameters` on the nominal cable, its inertia and damping as assumed."""
         nominal, cable = self._nominal.cable_model, self._nominal_cable
         inertia = parameters.cable_model.inertia_factor / nominal.inertia_factor
         damping = parameters.cable_model.damping_factor / nominal.damping_factor

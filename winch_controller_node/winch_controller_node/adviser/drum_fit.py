@@ -56,7 +56,7 @@ SHOWN_OVER = 0.3
 """Time over which speeds are taken that a drum has shown [s]."""
 
 LAGS = (0.4, 1.0, 2.5, 6.0)
-"""Lags over the believed one at which a fit is begun again where much is left."""
+"""Lags over the assumed one at which a fit is restarted where much is left."""
 
 UNEXPLAINED = 4e-3
 """Standard deviation that is much [m]."""
@@ -220,10 +220,10 @@ def identify(record: DrumRecord, prior: DrumPrior, believed: Array) -> DrumFit:
     Parameters
     ----------
     record, prior : what was read, and what can be
-    believed : of the drum so far, shape (FIELDS + 1,)
+    believed : the drum assumed so far, shape (FIELDS + 1,)
     """
     start = begun(record, believed)
-    # what is believed is found anew, but limits stay where the record does not reach them
+    # what is assumed is fitted again, but limits stay where the record does not reach them
     kept = [i for i in (DEADBAND, BACKLASH, HAULING, CREEP) if start[i] != prior.nominal[i]]
     best = fit_drum(record, prior, start, (*ALWAYS, *kept))
     others = _other_starts(prior, start) if best.residual > UNEXPLAINED else []
@@ -245,7 +245,7 @@ def _other_starts(prior: DrumPrior, start: Array) -> list[Array]:
 
 
 def begun(record: DrumRecord, believed: Array) -> Array:
-    """Return theta of a drum as it is `believed`, shape (FIELDS + 1,), that begins where the `record` does."""
+    """Return theta of a drum as `believed`, shape (FIELDS + 1,), that begins where the `record` does."""
     first = record.readings[record.seen]
     rate = (first[min(4, len(first) - 1)] - first[0]) / (4.0 * record.dt)
     return np.concatenate([believed, [first[0], rate]])
@@ -266,7 +266,7 @@ def _price(group: tuple[int, ...], held: set[int]) -> float:
 
 
 def _sudden(record: DrumRecord, prior: DrumPrior, believed: Array) -> list[int]:
-    """Return readings from which on the encoder may read otherwise: before them the drum did as it is `believed` to.
+    """Return the readings from which on the encoder may differ: before them the drum did what was `believed` of it.
 
     A drum does not change all at once; but one that is not known, or at a limit, is weak before its encoder is wrong.
     """
@@ -369,7 +369,7 @@ def shown_limits(record: DrumRecord) -> dict[int, float]:
 def _without_passengers(prior: DrumPrior, best: DrumFit, freed: Iterable[tuple[int, ...]], believed: Array) -> DrumFit:
     """Return the fit without those of the `freed` groups, and of their parts, that it does not need beside the rest.
 
-    They are as `believed` again.
+    They return to their `believed` values.
     """
     found = {index for group in freed for index in group}
     for group in sorted(group for group in PRICES if set(group) <= found):

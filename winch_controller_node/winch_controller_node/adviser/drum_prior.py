@@ -18,7 +18,7 @@ SMALLEST_LAG, LARGEST_LAG = 0.005, 2.0
 """Least time constant of a servo, and the most that it is above the nominal one [s]."""
 
 GAINS, LARGEST_DEADBAND, LARGEST_BACKLASH, LOWEST_LIMIT = (0.25, 4.0), 0.2, 0.2, 0.05
-"""What a drum can be at all: gain [-], dead zone [m/s], play [m], limits over the nominal ones [-]."""
+"""Range of a drum: gain [-], dead zone [m/s], play [m], limits over the nominal ones [-]."""
 
 LARGEST_UNEVENNESS, LARGEST_CREEP = 2.0, 0.2
 """Largest factor between the gains of paying out and hauling in [-], and creep beyond the nominal one [m/s]."""
@@ -31,7 +31,7 @@ LARGEST_FACTOR = 5.0
 
 
 def prior_of(winch: WinchModelParameters, largest: float) -> DrumPrior:
-    """Return what can be believed of a drum like the nominal `winch`; its delay differs by `largest` [s] at most."""
+    """Return the prior of a drum like the nominal `winch`; its delay differs by `largest` [s] at most."""
     nominal = drum_of(winch)
     limits = ("speed_out", "speed_in", "acceleration_out", "acceleration_in")
     lowest = nominal._replace(

@@ -26,7 +26,7 @@ class DrumRecord:
     payouts, rates : set-points of the ticks, oldest first, more of them than readings by the longest delay [m], [m/s]
     late : by how much later than usual each took effect [ticks]
     tensions : at the top at the end of each of these ticks [N]; NaN: unknown
-    readings : of the encoder at the end of the last ticks, as payout under what is believed of it [m]; NaN: none
+    readings : of the encoder at the end of the last ticks, as payout by its assumed scale [m]; NaN: none
     limited : the winch says that a limit acted in the tick, same shape
     position_gain : of the servo's position loop [1/s]
     dt : tick period [s]
@@ -118,7 +118,7 @@ def drum_record(excerpt: Excerpt, window: float, ahead: int, history: SensorHist
     excerpt : longer than the window by the ticks ahead
     window : length of the record [s]
     ahead : the longest delay [ticks]
-    history : what the encoder is believed to have been
+    history : assumed scales of the encoder over the record
     gain : of the servo's position loop [1/s]
     """
     braked = np.flatnonzero(excerpt.tick_column("brake") > 0.0)

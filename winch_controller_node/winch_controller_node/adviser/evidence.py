@@ -11,7 +11,7 @@ from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
 FACTORS = np.concatenate([-np.geomspace(4.0, 0.2, 30), np.geomspace(0.2, 4.0, 90)])
-"""Readings over the truth that are tried first: also the wrong sign [-]."""
+"""Readings over the truth that are tried first: also a sign error [-]."""
 
 ITERATIONS = 8
 """Iterations of the reweighted least squares that refine a correction."""
@@ -85,7 +85,7 @@ class Evidence:
         columns : to be weighed
         starts : weights at which to begin; the best of them is refined by reweighted least squares
         factors : share of each measurement on which a weight w of the column is a factor 1 + w, (k, columns); None: of
-            none. What counts is the noise of what was read, that of what a factor makes of it over the factor: else
+            none. What counts is the noise of what was read, that of its product with a factor over the factor: else
             what is divided by ever more would be explained ever better.
         """
         shares = np.zeros((len(self.counts), len(columns))) if factors is None else factors
@@ -129,7 +129,7 @@ def evidence(innovations: Array, variances: Array, which: NDArray[np.int64], cou
 
     Parameters
     ----------
-    innovations : normalised, of the judged readings (m, c); variances : foreseen (m,)
+    innovations : normalised, of the judged readings (m, c); variances : predicted (m,)
     which : judged measurement of each (m,)
     count : judged measurements
     seconds : in which each was taken, a whole number (m,)

@@ -248,7 +248,7 @@ def _innovation(row: Array, noise: float, x: Array, P: Array, left: Array, acros
 def _follow(motion: Motion, reads: Reads, commands: Array, x: Array, P: Array) -> tuple[Array, Array]:
     """Kalman filter of one model, readings one after the other; x (n, c) and P (n, n) are changed in place.
 
-    Returns the innovations over the standard deviation that was foreseen (m, c), and its square (m,).
+    Returns the innovations over the standard deviation that was predicted (m, c), and its square (m,).
     """
     n, c = x.shape
     innovations, variances = np.empty_like(reads.values), np.empty(len(reads.values))

@@ -1,7 +1,7 @@
-"""The judge: which sensor is not what it is believed to be, or the cable, by the likelihood of one record.
+"""The judge: which sensor, or the cable, differs from what is assumed, by the likelihood of one record.
 
 A hypothesis is a correction of what one sensor has read, another model, or both; each thing that it holds otherwise
-than nominal has its price in nats. One rule accepts: enough nats better than what is believed, at once or twice
+than nominal has its price in nats. One rule accepts: enough nats better than the present beliefs, at once or twice
 running, clearly better than with any other culprit, and the record explained.
 """
 
@@ -64,11 +64,11 @@ USUAL = {MRU_OFFSET: 0.5, MRU_DELAY: 0.2}
 """Standard deviation of what is not a ratio and not nominal, in its unit."""
 
 REVERSED = 4.0
-"""Further price of a wrong sign [nats]."""
+"""Further price of a sign error [nats]."""
 
 RADIUS_SPREAD, GAIN, IMPOSSIBLE = 0.03, 12.0, 100.0
 """Standard deviation of the logarithm of a winch's gain over the nominal one, as by another radius of the drum; the
-price of another gain, which is then as likely as a scale; and of one that goes the other way."""
+price of another gain, which is then as likely as a scale; and of a reversed one."""
 
 EXCLUSION = 18.0
 """Prior of excluding a sensor [nats]: an exclusion explains nothing."""
@@ -77,7 +77,7 @@ ONSET = 3.0
 """Prior of an onset within the record [nats]: there are some moments at which it may be."""
 
 ACCEPTED, AGAIN = 48.0, 8.0
-"""A hypothesis is accepted that is so many nats better than what is believed: at once, or where it was the best a look
+"""A hypothesis is accepted that is so many nats better than the beliefs: at once, or where it was the best a look
 before as well."""
 
 CLEARLY = 5.0
@@ -108,7 +108,7 @@ STARTS = {
     STEP: np.array([-1.0, -0.3, 0.0, 0.3, 1.0]),
     DELAY: np.array([-0.2, -0.1, 0.0, 0.1, 0.2, 0.3]),
 }
-"""What is tried first: factors less 1, offsets [m], further delays [s]."""
+"""First values tried: factors less 1, offsets [m], further delays [s]."""
 
 LEAST_FACTOR = 0.1
 """A sensor that is to read ten times as much as it should has another fault."""
@@ -153,7 +153,7 @@ class Hypothesis:
 
     Attributes
     ----------
-    changes : against what is believed, by quantity
+    changes : against the present beliefs, by quantity
     excluded : sensor that is left out; empty: none
     loss, price : of the record, and of all that is held other than nominal [nats]
     misfits : mean squared normalised innovation by measurement
@@ -193,13 +193,13 @@ class Believed:
     Attributes
     ----------
     nominal : parameters
-    parameters : under what is believed
-    cable : two-state cable of the length that is out, under what is believed
-    design : in force: states at the start are as uncertain as its
-    values : believed other than nominal, by quantity
+    parameters : under the present beliefs
+    cable : two-state cable of the length that is out, under the present beliefs
+    design : the active one: states at the start are as uncertain as its
+    values : assumed other than nominal, by quantity
     history : of the sensors
     excluded : sensor that is left out; empty: none
-    drum_gain : of the winch by the encoder as it reads, over its nominal one; a gain is as good as believed
+    drum_gain : of the winch by the encoder as it reads, over its nominal one; a gain counts as assumed
         as it is near to nominal
     """
 
@@ -213,12 +213,12 @@ class Believed:
     drum_gain: float = 1.0
 
     def value(self, quantity: str) -> float:
-        """Return what is believed of a `quantity`."""
+        """Return the assumed value of a `quantity`."""
         nominal = QUANTITIES[quantity].nominal_in(self.nominal)
         return self.values.get(quantity, nominal)
 
     def price(self, changes: Mapping[str, Change], excluded: str) -> float:
-        """Return what it costs to hold what is believed with some `changes` and the sensor `excluded` [nats]."""
+        """Return the price of the present beliefs with some `changes` and the sensor `excluded` [nats]."""
         held = {**self.values, **{name: change.value for name, change in changes.items()}}
         price = EXCLUSION if excluded else 0.0
         for name, value in held.items():
@@ -246,12 +246,12 @@ class Judge:
     Parameters
     ----------
     excerpt : the last minute
-    believed : what is believed so far
+    believed : the beliefs so far
     onsets : times before its end from which on something may be wrong [s]
 
     Attributes
     ----------
-    present : what is believed, judged
+    present : the present beliefs, judged
     """
 
     def __init__(self, excerpt: Excerpt, believed: Believed, onsets: tuple[float, ...] = ONSETS) -> None:
@@ -298,17 +298,17 @@ class Judge:
 
     @staticmethod
     def rules_out_encoder(ranked: list[Hypothesis]) -> bool:
-        """Tell whether the encoder's scale is what it is believed to be: the best of `ranked` with another is worse."""
+        """Return whether the encoder's scale is as assumed: the best of `ranked` with another is worse."""
         with_it = [one.total for one in ranked if "encoder" in one.culprits]
         without = [one.total for one in ranked if "encoder" not in one.culprits]
         return min(with_it, default=math.inf) >= min(without) + CLEARLY
 
     def total_with(self, values: Mapping[str, float]) -> float:
-        """Return the total of what is believed with other `values`, as of another sea [nats]."""
+        """Return the total of the present beliefs with other `values`, as of another sea [nats]."""
         return self._of_model(values, self._believed.excluded, corrections=False)[0].total
 
     def best(self) -> list[Hypothesis]:
-        """Return the best hypothesis of each set of culprits, the best of all first; what is believed is one."""
+        """Return the best hypothesis of each set of culprits, the best of all first; the present beliefs are one."""
         found = self._of_model({}, self._believed.excluded)
         for sensor in ("mru", "depth"):
             if sensor in self._sensors and sensor != self._believed.excluded:
@@ -511,7 +511,7 @@ def pass_model(
 ) -> tuple[PassModel, LinearModel]:
     """Return the model of `parameters` with a two-state `cable` for a pass, and as it is sampled.
 
-    The state at the start is as uncertain as in the `design` in force, or as START says. `boom_tip` is another white
+    The state at the start is as uncertain as in the active `design`, or as START says. `boom_tip` is another white
     noise to boom tip than that of the sea and vessel of the parameters, as of a sea that is tried; None: it is that.
     """
     inputs = replace(model_inputs(parameters, cable), boom_tip=boom_tip)
@@ -524,7 +524,7 @@ def pass_model(
     new, old = [model.state(name) for name in known], [design.model.state(name) for name in known]
     start[np.ix_(new, new)] = design.initial_covariance[np.ix_(old, old)]
     if model.has_state(MRU_BIAS):
-        # as large as it is believed to be: a larger one would explain what is an offset
+        # as large as assumed: a larger one would explain what is an offset
         bias = model.state(MRU_BIAS)
         start[bias, :] = start[:, bias] = 0.0
         start[bias, bias] = parameters.sensors.mru.bias_sigma**2
@@ -541,13 +541,13 @@ def pass_model(
 def accepted(
     ranked: list[Hypothesis], present: Hypothesis, before: Hypothesis | None, used: Iterable[str]
 ) -> Hypothesis | None:
-    """Return the hypothesis that is to be believed from now on; None: what is believed stays.
+    """Return the hypothesis to accept from now on; None: the present beliefs stay.
 
     Parameters
     ----------
     ranked : the best of each culprit, the best first
-    present : what is believed
-    before : the best of the looks of the last seconds; None: there was none, or it was what is believed
+    present : the present beliefs
+    before : the best of the looks of the last seconds; None: there was none, or it was the present beliefs
     used : measurements that are used
     """
     # what is as good with fewer culprits is better; one more beside them is no other explanation

@@ -23,7 +23,7 @@ SENSOR_OF = {row.name: name for name, sensor in KnownSensors().by_name().items()
 """Sensor of each measurement."""
 
 LENGTH = 120.0
-"""Longest record that is kept [s]: what tells the sea."""
+"""Longest record that is kept [s]: the sea is identified from it."""
 
 
 class Record:
@@ -118,7 +118,7 @@ class Excerpt:
         return np.asarray(self.readings[:, ROW] == self.rows.index(name))
 
     def corrected(self, believed: SensorHistory) -> Array:
-        """Return what was read, with the mean payout's share in it, as it is `believed` to be; delays are left in."""
+        """Return the readings under the `believed` corrections, the mean payout's share included; delays are kept."""
         values, ticks = self.readings[:, VALUE].copy(), self.readings[:, TICK]
         for sensor, since, correction in believed.corrections:
             mine = self.is_of(sensor) & (ticks >= since)
@@ -131,7 +131,7 @@ class Excerpt:
 
 
 class SensorHistory(NamedTuple):
-    """What the sensors are believed to have been.
+    """Assumed corrections of the sensors over the record.
 
     Attributes
     ----------

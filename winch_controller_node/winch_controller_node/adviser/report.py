@@ -1,4 +1,4 @@
-"""What is new of what is believed, as findings: each once, and of the winch once it has settled."""
+"""Changes of the beliefs as findings: each reported once, those of the winch once it has settled."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ LARGEST = 50.0
 """Largest weight of one squared innovation."""
 
 WORTH, FARTHER = 10.0, 60.0
-"""Another sea is believed where the record is so many nats likelier, and so many more for each factor of e by which its
+"""Another sea is assumed where the record is so many nats likelier, and so many more for each factor of e by which its
 periods differ from the nominal ones: two minutes are some fifteen waves, by chance of another period."""
 
 REFINEMENTS = (1.2, 1.1)
@@ -59,7 +59,7 @@ class SeaLooks:
 
     Parameters
     ----------
-    design : in force
+    design : the active one
     """
 
     def __init__(self, design: ControllerDesign) -> None:
@@ -96,14 +96,14 @@ def likeliest_sea(
     excerpt: Excerpt,
     history: SensorHistory,
 ) -> SeaModelParameters | None:
-    """Return the sea that foresees a record best; None where that in force does about as well.
+    """Return the sea that predicts a record best; None where the active one does about as well.
 
     Parameters
     ----------
-    parameters, design : in force
+    parameters, design : the active ones
     seas : that may be there
-    excerpt : the record; a short one tells nothing, and what the moments say is returned
-    history : what the sensors are believed to have been
+    excerpt : the record; one too short is not evaluated, and what the moments say is returned
+    history : assumed corrections of the sensors over the record
     """
     # its scale and lever arm are known by the motion of the unit alone
     mru = replace(parameters.sensors.mru, scale_sigma=0.0, lever_arm_sigma=0.0)
@@ -166,7 +166,7 @@ def _boom_tip(sea: SeaModelParameters, vessel: VesselModelParameters) -> LinearM
 def _best(
     seas: PossibleSeas, fits: Callable[[SeaModelParameters], float], vessel: VesselModelParameters
 ) -> SeaModelParameters | None:
-    """Return that of the `seas` and neighbours that `fits` best; None: that in force does about as well."""
+    """Return that of the `seas` and neighbours that `fits` best; None: the active one does about as well."""
 
     def best_of(trials: Sequence[tuple[float, SeaModelParameters]]) -> tuple[float, SeaModelParameters]:
         return max(trials, key=lambda trial: trial[0])

@@ -1,4 +1,4 @@
-"""The winch as it is: what the drum's record says against what is believed of it, second by second."""
+"""Identification of the winch: the drum's record against the assumed winch, second by second."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ PATIENCE = 60.0
 """Time for which a limit that is not reached stands before it is relaxed [s]."""
 
 OFF = 2e-3
-"""A record of which less is left under what is believed is looked at every CHECKED seconds only [m]."""
+"""Residual under the present beliefs [m]; a record that leaves less is evaluated every CHECKED seconds only."""
 
 CHECKED = 5
 """Seconds."""
@@ -88,13 +88,13 @@ class WinchAnswer:
 
     Attributes
     ----------
-    changed : beliefs by quantity; empty: what is believed is as good
+    changed : beliefs by quantity; empty: the present beliefs are as good
     nominal : quantities that are as nominal again
-    factor : tick since which the encoder reads otherwise, its factor on what is believed of it, the standard deviation
-        of that, and by how much it has jumped there [m]; None: as believed
-    gain : of the drum under what is believed of the encoder, over the nominal one
+    factor : tick since which the encoder reads otherwise, its factor on its assumed scale, the standard deviation
+        of that, and by how much it has jumped there [m]; None: as assumed
+    gain : of the drum by the encoder's assumed scale, over the nominal one
     nats : by how much better the record is explained
-    residual : what is left of it under what is believed [m]
+    residual : of the record under the present beliefs [m]
     """
 
     changed: Mapping[str, Belief] = field(default_factory=dict)
@@ -139,7 +139,7 @@ class WinchIdentifier:
         Parameters
         ----------
         excerpt : of `length`, or what there is
-        history : what the encoder is believed to have been
+        history : assumed scales of the encoder over the record
         believed : of the winch, by quantity
         """
         record = drum_record(excerpt, self._lag.window, self._ahead, history, self._winch.position_gain)

@@ -1,6 +1,6 @@
-"""What is believed of winch, sensors, cable and sea: the one home of belief, the adviser's answer to the core.
+"""Beliefs: the assumed winch, sensors, cable and sea. The one home of what differs from nominal.
 
-The nominal is what the parameters say (an operator's redesign is another nominal); a `Beliefs` names what is believed
+Nominal is what the parameters say (an operator's redesign is another nominal). `Beliefs` names what is assumed
 otherwise, with the evidence, and brings the design for it. What it does not name is nominal.
 """
 
@@ -33,7 +33,7 @@ USED = 0.97
 
 
 class Belief(NamedTuple):
-    """A quantity that is believed to be other than nominal.
+    """A quantity that is assumed to be other than nominal.
 
     Attributes
     ----------
@@ -107,14 +107,14 @@ class Beliefs:
 
     Attributes
     ----------
-    asked : last tick of the observations that it answers; in force from LATENCY later on
+    asked : last tick of the observations that it answers; active from LATENCY later on
     number : grows with each answer that differs from the one before
-    values : what is believed other than nominal, by quantity
+    values : assumed other than nominal, by quantity
     encoder : scale of the encoder, and from where on; None: it has always been nominal
     excluded : sensor that is in use and contradicts all others: its readings are a cross-check only; empty: none
-    authority : largest share of the sea that may be compensated with what is known [-]
+    authority : largest authority allowed with what is known [-]
     findings : new in this answer
-    design : for these beliefs; None: that in force stays (limits and gains of the winch need none)
+    design : for these beliefs; None: the active one stays (limits and gains of the winch need none)
     adopted : None: the core carries its own estimate over
     """
 
@@ -129,13 +129,13 @@ class Beliefs:
     adopted: Adopted | None = None
 
     def value(self, quantity: str, nominal: WinchControllerParameters) -> float:
-        """Return what is believed of a `quantity` where the parameters say `nominal`."""
+        """Return the assumed value of a `quantity` whose `nominal` value the parameters say."""
         belief = self.values.get(quantity)
         return QUANTITIES[quantity].nominal_in(nominal) if belief is None else belief.value
 
 
 def parameters_under(beliefs: Beliefs, nominal: WinchControllerParameters) -> WinchControllerParameters:
-    """Return the parameters under `beliefs`: the `nominal` ones, with what is believed otherwise in its place.
+    """Return the parameters under `beliefs`: the `nominal` ones, with the assumed values in their place.
 
     Of a limit that was identified a little less is used, and the weaker direction counts.
     """
@@ -164,7 +164,7 @@ LIMITS = tuple(name for group in LIMIT_GROUPS for name in group)
 
 
 def latency_ticks(tick_period: float) -> int:
-    """Return after how many ticks of `tick_period` [s] an answer is in force: LATENCY, and two ticks at least.
+    """Return after how many ticks of `tick_period` [s] an answer is active: LATENCY, and two ticks at least.
 
     In the first the observations are on their way, in the second the answer.
     """

@@ -1,4 +1,4 @@
-"""The winch that is believed in as a drum: the nominal one of the parameters, with what is believed otherwise."""
+"""The assumed winch as a drum: the nominal one of the parameters, with the values that the beliefs replace."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ QUANTITY_OF = {
 
 
 def drum_of(winch: WinchModelParameters, believed: Mapping[str, float] | None = None) -> Drum:
-    """Return the drum of the nominal `winch`, with what is `believed` of it by quantity."""
+    """Return the drum of the nominal `winch` with the `believed` values, by quantity, in their place."""
     drum = Drum(
         lag=winch.time_constant,
         delay=winch.command_delay,

@@ -1,4 +1,4 @@
-"""What can be believed: one table of quantities, each with its unit and its place in the parameters.
+"""What the beliefs may replace: one table of quantities, each with its unit and its place in the parameters.
 
 A quantity that no belief names has its nominal value, which is what the parameters say.
 """
@@ -86,7 +86,7 @@ RESTATED = (
     "sea.swell.significant_wave_height",
     "sea.swell.peak_period",
 )
-"""Parameters that an operator's redesign states anew."""
+"""Parameters that an operator's redesign restates."""
 
 
 def restated(first: WinchControllerParameters, now: WinchControllerParameters) -> tuple[tuple[str, float], ...]:

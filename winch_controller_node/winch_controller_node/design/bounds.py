@@ -113,7 +113,7 @@ def recorded_spectrum(heave: Array, step: float) -> TabulatedSpectrum:
 def sensor_bound(truth: WinchControllerParameters, tick_period: float, boom_tip: WaveSpectrum) -> float:
     """Return s_est [m] for a winch, sensors and a cable as they are, in a sea as it was.
 
-    Nothing but sea and sensor noise drives the model: what a controller is told to distrust moves no bound.
+    Nothing but sea and sensor noise drives the model: parameters of a controller's robustness move no bound.
 
     Parameters
     ----------

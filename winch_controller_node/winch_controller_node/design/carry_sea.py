@@ -1,4 +1,4 @@
-"""Taking an estimate over to a design for another sea: waves are told by the boom-tip motion that they bring about.
+"""Carrying an estimate over to a design for another sea: waves are carried by the boom-tip motion that they cause.
 
 The states of a shaping filter mean something else in each sea. What must go on without a step is the boom tip's motion
 of the next seconds, which is all that the command depends on.
@@ -13,14 +13,14 @@ from heave_node.numerics.linear_model import LinearModel
 from winch_controller_node.design.design import ControllerDesign
 
 FORESEEN = 12.0
-"""Time over which the boom tip shall move as it was foreseen [s]: most of a swell's period."""
+"""Time over which the boom tip shall move as it was predicted [s]: most of a swell's period."""
 
 EVERY = 2
 """Ticks from one compared moment to the next."""
 
 EXACTNESS, LOOSENING = 1e-3, 2.6
 """How far the two may differ at first, over the standard deviation of the boom tip's heave, and the time [s] in which
-that grows by a factor of e: another sea must foresee something else in the end."""
+that grows by a factor of e: another sea must predict something else in the end."""
 
 
 def carry_sea(old: ControllerDesign, new: ControllerDesign) -> tuple[Array, Array]:

@@ -27,7 +27,7 @@ UNLIMITED = 1e6
 """Stands for a bound that is infinite [SI]."""
 
 X, PAYOUT, RATE = 0, 2, 3
-"""Of the states unit heave, its rate, payout, payout rate."""
+"""Indices in the states unit heave, its rate, payout, payout rate."""
 
 
 def clairvoyant_heave(cable: CableModel, bounds: tuple[float, float, float], tip: Array, step: float) -> Array:

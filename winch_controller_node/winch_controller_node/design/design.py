@@ -136,7 +136,7 @@ class ControllerDesign:
 
     @property
     def limits(self) -> WinchLimits:
-        """Limits of the winch in force."""
+        """Active limits of the winch."""
         return winch_limits(self.parameters.winch, self.parameters.limits, self.cable.static_tension)
 
     def make_law(self) -> ControlLaw:
@@ -165,7 +165,7 @@ class ControllerDesign:
         return LawDesign(self.model, p.winch, self.limits, p.weights, self.gain, self.own_gains)
 
     def make_governor(self) -> CommandGovernor:
-        """Return the governor that keeps the limits in force."""
+        """Return the governor that keeps the active limits."""
         return CommandGovernor(self.model, self.parameters.winch, self.limits)
 
 
@@ -371,7 +371,7 @@ def _check_observability(
     """Refuse a sensor set that does not determine the state.
 
     Scale and lever arm show only in motion, so that a constant linear test cannot judge them: they need a sensor on the
-    unit or the cable that tells how much the boom tip really moves.
+    unit or the cable that shows how much the boom tip really moves.
     """
     use = parameters.sensors.use
     in_motion = (MRU_SCALE, LEVER_ARM_X, LEVER_ARM_Y)

@@ -37,7 +37,7 @@ class WinchDemand:
     torque : static tension at the drum radius [N m]; the drum's own inertia comes on top
     power : static tension times the largest speed [W]
     mean_hauling_power : static tension times the mean speed while hauling [W]
-    within_limits : the believed winch can do it
+    within_limits : the assumed winch can do it
     """
 
     significant_wave_height: float
@@ -65,7 +65,7 @@ def boom_tip_moments(sea: SeaModelParameters, vessel: VesselModelParameters) -> 
 
     Parameters
     ----------
-    sea, vessel : that are believed
+    sea, vessel : assumed
     """
     omega = np.linspace(1e-3, BAND, POINTS)
     density = boom_tip_density(sea, vessel, omega)

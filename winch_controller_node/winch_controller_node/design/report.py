@@ -155,7 +155,7 @@ def _finite(values: dict[str, float]) -> dict[str, float | None]:
 def design_report(
     parameters: WinchControllerParameters, *, tick_period: float, seed: int = 1, length: float | None = None
 ) -> DesignReport:
-    """Design a controller and return all there is to say of it.
+    """Design a controller and return its report.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ GROUP_SHARE = 0.8
 """A few waves may be so much lower than the group that they belong to."""
 
 PATIENCE = 200.0
-"""A sea is not held to be lower than believed before so much has been seen [s]."""
+"""Time of observation before a sea may be assumed lower than at first [s]."""
 
 STEP = 0.15
 """The noise is changed when the height has changed by this share since the last time."""
@@ -64,10 +64,10 @@ LONGEST = 2.5
 """Largest factor of the period that is concluded from the height alone."""
 
 SCATTER = 0.9
-"""Three standard deviations of the logarithm of the period that one wave tells, growing seas included."""
+"""Three standard deviations of the logarithm of the period as estimated from one wave, growing seas included."""
 
 LIKELY = SCATTER / 3.0
-"""One standard deviation of the logarithm of the period that one wave tells."""
+"""One standard deviation of the logarithm of the period as estimated from one wave."""
 
 LEAST_HEAVE = 0.03
 """Standard deviation of the boom tip's heave below which its period is not judged [m]: noise has one as well."""
@@ -109,10 +109,10 @@ class PossibleSeas:
     Attributes
     ----------
     seen : what all of them must explain
-    believed : at first
+    believed : the sea assumed at first
     in_force : that of the design, as high as was seen
-    stretched : that believed at first, as long and as high as was seen; None: that in force is as good
-    parts : of which one part, swell or wind sea, is as believed, and that move the boom tip as was seen
+    stretched : that assumed at first, as long and as high as was seen; None: the active one is as good
+    parts : of which one part, swell or wind sea, is as assumed, and that move the boom tip as was seen
     """
 
     seen: SeaSeen
@@ -123,7 +123,7 @@ class PossibleSeas:
 
     @property
     def others(self) -> list[SeaModelParameters]:
-        """All but that in force."""
+        """All but the active one."""
         return [*([] if self.stretched is None else [self.stretched]), *self.parts]
 
 
@@ -166,7 +166,7 @@ class SeaTracker:
         """
         self._seen += self._dt
         self._since_judged += self._dt
-        # a plain mean at first, then one that forgets
+        # a plain mean at first, then one with fading memory
         share = self._dt / min(self._seen, MEMORY)
         self._variance += share * (heave**2 - self._variance)
         self._rate_variance += share * (rate**2 - self._rate_variance)
@@ -213,7 +213,7 @@ class SeaTracker:
 
     @property
     def waves(self) -> float:
-        """Waves that have been seen and not forgotten; in a sea that has just grown only the last ones count.
+        """Waves in the fading memory; in a sea that has just grown only the last ones count.
 
         Of a normal sea the fourth moment is three times the variance squared; where heights differ more, fewer count.
         """
@@ -228,7 +228,7 @@ def sigma_and_frequency(sea: SeaModelParameters, vessel: VesselModelParameters) 
 
     Parameters
     ----------
-    sea, vessel : that are believed
+    sea, vessel : assumed
     """
     heave, rate, _ = boom_tip_moments(sea, vessel)
     return math.sqrt(heave), math.sqrt(rate / heave)
@@ -237,19 +237,19 @@ def sigma_and_frequency(sea: SeaModelParameters, vessel: VesselModelParameters) 
 def sea_that_was_seen(
     seen: SeaSeen, believed: SeaModelParameters, in_force: SeaModelParameters, vessel: VesselModelParameters
 ) -> SeaModelParameters | None:
-    """Return the sea that moves the boom tip as was seen, or None where the one in force is as good.
+    """Return the sea that moves the boom tip as was seen, or None where the active one is as good.
 
-    All its periods and heights are those believed at first times one factor each, so that wind sea and swell stay
-    what they are to each other. A few waves tell little: the believed period counts for some waves as well.
+    All its periods and heights are those assumed at first times one factor each, so that wind sea and swell stay
+    what they are to each other. A few waves carry little information: the assumed period counts for some waves as well.
 
     Parameters
     ----------
     seen : what was seen
-    believed, in_force : seas believed at first, and of the design in force
-    vessel : that is believed
+    believed, in_force : seas assumed at first, and of the active design
+    vessel : assumed
     """
     weight = seen.waves / (seen.waves + (REFUTED_WAVES if seen.is_refuted else DOUBT_WAVES))
-    # a higher sea than believed is most likely as steep, and so longer
+    # a higher sea than assumed is most likely as steep, and so longer
     higher = max(seen.heave / sigma_and_frequency(believed, vessel)[0], 1.0)
     expected = sigma_and_frequency(_changed(believed, min(math.sqrt(higher), LONGEST), 1.0), vessel)[1]
     wanted = expected * (seen.frequency / expected) ** weight
@@ -266,7 +266,7 @@ def possible_seas(
 
     Parameters
     ----------
-    seen, believed, in_force, vessel : as for `sea_that_was_seen`
+    seen, believed, in_force, vessel : see `sea_that_was_seen`
     """
     stretched = sea_that_was_seen(seen, believed, in_force, vessel)
     parts = _of_two_parts(seen, believed, vessel)
@@ -278,14 +278,14 @@ def neighbours(
 ) -> list[SeaModelParameters]:
     """Return seas whose wind sea is a `factor` longer and shorter, and its cube higher and lower than beside the swell.
 
-    Those whose mean frequency was not seen are none: a sea more regular than any model of it is foreseen best by the
+    Those whose mean frequency was not seen are none: a sea more regular than any model of it is predicted best by the
     longest of all.
 
     Parameters
     ----------
-    sea, factor : as told
+    sea, factor : the hypothesis, and its factor on all periods
     seen : what all of them must explain
-    vessel : that is believed
+    vessel : assumed
     """
     changes = [(factor, 1.0), (1.0 / factor, 1.0)]
     changes += [(1.0, factor**3), (1.0, factor**-3)] if _has_swell(sea) else []
@@ -310,7 +310,7 @@ def as_high_as_seen(sea: SeaModelParameters, seen: SeaSeen, vessel: VesselModelP
 
 
 def no_lower_while_it_grows(sea: SeaModelParameters, seas: PossibleSeas) -> SeaModelParameters:
-    """Return a `sea` of the possible `seas`, no lower than believed at first while it may still grow."""
+    """Return a `sea` of the possible `seas`, no lower than assumed at first while it may still grow."""
     if seas.seen.is_settled:
         return sea
     return _changed(sea, 1.0, max(seas.believed.significant_wave_height / sea.significant_wave_height, 1.0))
@@ -319,7 +319,7 @@ def no_lower_while_it_grows(sea: SeaModelParameters, seas: PossibleSeas) -> SeaM
 def _of_two_parts(
     seen: SeaSeen, believed: SeaModelParameters, vessel: VesselModelParameters
 ) -> list[SeaModelParameters]:
-    """Return the seas that move the boom tip as was seen and of which one part, swell or wind sea, is as believed."""
+    """Return the seas that move the boom tip as was seen and of which one part, swell or wind sea, is as assumed."""
     if not _has_swell(believed):
         return []
     wind_alone, swell_alone = _changed_swell(believed, 1.0, 0.0), _changed_wind(believed, 1.0, 0.0)

@@ -2,7 +2,7 @@
 
 Payout P = mean + p and unit X = -mean + x stay what they are when the mean goes down by d: p' = p - d, x' = x + d. The
 pull x0 - p - x of the cable stays too, so that no law sees a step. A unit that has just been lifted off stood still:
-the estimate of a hanging unit means nothing then, and begins anew from what the load cell says of the pull.
+the estimate of a hanging unit means nothing then, and restarts from what the load cell says of the pull.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from winch_controller_node.interface.sensors import DEPTH_BIAS
 from winch_controller_node.model.estimator import begin_anew
 
 PULL_SIGMA = 0.1
-"""Doubt in the pull of the cable [m] of a unit that has just been lifted off: 5 % of a weight on a long cable."""
+"""Standard deviation of the cable's pull [m] on a unit that was just lifted off: 5 % of a weight on a long cable."""
 
 STANDING_SIGMA = 0.01
-"""Doubt in its rate [m/s]: it stood."""
+"""Standard deviation of the rate of such a unit [m/s]: it stood."""
 
 SEEN_SIGMA = 0.05
-"""Doubt in payout [m], heave [m] and rates [m/s] of drum and unit as the depth sensor has seen them over a wave."""
+"""Standard deviation of payout [m], heave [m] and rates [m/s] of drum and unit, seen by the depth sensor for a wave."""
 
 
 @dataclass(frozen=True)

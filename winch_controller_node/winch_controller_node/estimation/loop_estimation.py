@@ -35,7 +35,7 @@ NOISE_SWING = 4.0
 """Motion of the boom tip that may be noise, for a unit that swings freely, over the error of its estimate."""
 
 TIP_BACK = 1.0
-"""Time after which an MRU that was lost tells the boom tip again [s]: compensation goes on then."""
+"""Time for which an MRU that was lost must deliver again before the boom tip counts as measured [s]."""
 
 TAUT_TIME = 20.0
 """Time in which a unit that had a taut cable goes over to one that had not [s]: near the resonance of the cable it
@@ -54,7 +54,7 @@ class TipWatch:
 
     Attributes
     ----------
-    knows_tip : the boom tip is measured by a sensor that is believed, or can be predicted still
+    knows_tip : the boom tip is measured by a sensor that is not excluded, or can be predicted still
     """
 
     def __init__(self, tick_period: float) -> None:
@@ -69,7 +69,7 @@ class TipWatch:
         ----------
         coast_time : for which it is predicted [s]
         is_lost : the sensor gives nothing to read
-        is_doubted : what it reads is not believed: from then on nothing is predicted
+        is_doubted : it is excluded: its readings contradict all others, and from then on nothing is predicted
         """
         if is_doubted or is_lost:
             self._lost, self._back = math.inf if is_doubted else self._lost + self._dt, 0.0
@@ -91,7 +91,7 @@ class LoopEstimation:
     estimator, observer : the filter and the gates in front of it
     motion : mean payout and what it brings about
     log : of what is observed, for the adviser
-    surprise : how far readings are from what was foreseen
+    surprise : consistency of the readings with their predictions
     mean_tension : over the waves
     """
 
@@ -229,7 +229,7 @@ class LoopEstimation:
         self._hanging_unit.continue_at(unit)
 
     def forget_sea(self) -> None:
-        """Look at the sea anew: the boom tip was not where it was taken to be."""
+        """Look at the sea again: the boom tip was not where it was taken to be."""
         self._sea = SeaTracker(self._design)
         self._tip_power = 0.0
 
@@ -243,7 +243,7 @@ class LoopEstimation:
         self.begin_share()
 
     def forget_readings(self) -> None:
-        """Forget what was read: it tells nothing of the state from now on."""
+        """Discard the readings of the past: they hold nothing about the state from now on."""
         self.log.break_record()
         self._recent.clear()
         self.surprise.restart()
@@ -315,7 +315,7 @@ class LoopEstimation:
     def _begin(self, payout: float) -> None:
         """Take the `payout` [m] at which the drum stands when the encoder is first read for the mean one.
 
-        Drum and unit may hang anywhere: cable has been paid out by hand, or a controller is started anew. A payout
+        Drum and unit may hang anywhere: cable has been paid out by hand, or a controller is restarted. A payout
         that is not near 0 must be read twice.
         """
         before, self._first_payout = self._first_payout, payout
@@ -355,7 +355,7 @@ class LoopEstimation:
 
     @property
     def knows_tip(self) -> bool:
-        """Tell whether the boom tip is measured by a sensor that is believed, or was a moment ago."""
+        """Return whether the boom tip is measured by a sensor that is not excluded, or was a moment ago."""
         return self._tip_watch.knows_tip
 
     def _watch_tip(self) -> None:
@@ -376,7 +376,7 @@ class LoopEstimation:
 
     @property
     def _tells_sea(self) -> bool:
-        """Tell whether the sea is followed: the boom tip tells it, as long as its sensor is there and not doubted."""
+        """Return whether the sea is followed: its sensor, of the boom tip's motion, delivers and is not excluded."""
         is_seen = self.knows_tip and self.observer.doubted != "mru"
         return self._design.parameters.estimator.sea_adaptation and is_seen
 
@@ -401,7 +401,7 @@ class LoopEstimation:
     # going on from another place
 
     def refreshed(self, tick: LoopTick) -> LoopTick:
-        """Return the tick after the loop has been told to go on from another place."""
+        """Return the tick after the loop has been moved to another state."""
         return replace(
             tick,
             estimate=self.estimator.estimate,

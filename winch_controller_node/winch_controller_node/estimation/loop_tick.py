@@ -95,7 +95,7 @@ class LoopTick:
     number : of the tick
     sensed : after the gates
     rows : of the model whose states these are
-    command : in force until now
+    command : active until now
     estimate : state of the loop without the mean payout's own motion, shape (n,)
     mean_state : state that the mean payout alone brings about, shape (n,)
     mean_command : share of the next command that moves the mean payout, in the terms of the model
@@ -107,7 +107,7 @@ class LoopTick:
     hanging_heave : of a unit that only hangs on its cable, whatever the depth sensor has read of it [m]
     knows_sea : some waves have been seen
     is_sea_refuted : the sea of the design predicts badly what the motion reference unit reads
-    doubt : why what is read cannot be believed yet; empty where it can
+    doubt : why the readings are not consistent yet; empty where they are
     knows_tip : the boom tip is measured; what is known of it otherwise is not to be acted upon
     mean_tension : at the top, over the waves since the unit and the mean payout are where they are
     missing_push : by how much more the linear model would push the unit down than a slack cable does [m]

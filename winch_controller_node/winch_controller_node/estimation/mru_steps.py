@@ -16,20 +16,20 @@ LARGEST_STEP, SIGMAS = 0.3, 8.0
 """A step is more than the first [m], and than so many standard deviations of its noise."""
 
 LONGEST_GAP = 0.5
-"""After a longer gap [s] it begins anew."""
+"""Longest gap between samples; after a longer one the comparison restarts [s]."""
 
 MEMORY = 60.0
 """Time over which the mean of the heave is taken [s]."""
 
 LARGEST_HEAVE = 100.0
-"""More than any ship's [m]."""
+"""Heave that no ship reaches [m]."""
 
 NEAR_MEAN, LEAST_NEAR = 0.25, 0.1
-"""After a step it is read again once its mean is as near to the one before: standard deviations, and metres."""
+"""Distance of the mean to the one before within which an MRU is read again after a step: standard deviations, [m]."""
 
 
 class MruSteps:
-    """Tells whether the heave of an MRU has stepped away from what its rate says.
+    """Detects that the heave of an MRU has stepped away from the integral of its rate.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class MruSteps:
         self._new_mean = self._new_square = self._new_time = 0.0
 
     def restart(self) -> None:
-        """Begin anew: what comes next need not go on from what came last."""
+        """Restart: what comes next need not go on from what came last."""
         self._last = None
 
     def is_off(self, reading: MruReading, noise: float) -> bool:

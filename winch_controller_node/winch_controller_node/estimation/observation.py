@@ -36,7 +36,7 @@ from winch_controller_node.model.estimator import KalmanEstimator, Measurement
 from winch_controller_node.parameters.laws import HealthParameters
 
 NEGLIGIBLE = 1e-4
-"""A noise that is believed to be no larger than this, in the sensor's unit, is never too large."""
+"""Nominal noise up to which a sensor is never reported as quieter than nominal, in the sensor's unit."""
 
 HEAVE_ALONE = "heave alone: it measures no rate"
 """How an MRU is seen that has no fault and states no heave rate."""
@@ -74,8 +74,8 @@ class Observer:
     tension : newest accepted top tension [N]; NaN before the first
     mru_rate : newest accepted heave rate of the MRU [m/s]; NaN: it measures none
     depths : stamp [s] and depth, positive down [m], of the depth readings accepted in this tick
-    witnessed : readings of this tick that the estimator does not take, in its terms: they tell which sensor is wrong
-    doubted : sensor in use whose readings are only witnesses: they contradict all others; empty: none
+    witnessed : readings of this tick that the estimator does not take, in its terms: a cross-check for the adviser
+    doubted : sensor in use that is excluded: it contradicts all others and is a cross-check only; empty: none
     terms : in which the estimator takes readings
     observed : readings of this tick as they were read, before corrections, for the adviser
     """
@@ -113,11 +113,11 @@ class Observer:
         self._attitude: tuple[float, float, float] | None = None
 
     def doubt(self, sensor: str) -> None:
-        """Take the readings of a `sensor` as those of a witness only from now on; empty: of none that is in use."""
+        """Exclude a `sensor` in use: from now on its readings are a cross-check only; empty: exclude none."""
         self.doubted = sensor
 
     def trust(self) -> None:
-        """Try a frozen encoder and a doubted depth sensor again: an operator asks for it, and any harm is found again.
+        """Try a frozen encoder and an excluded depth sensor again, at an operator's request; harm is detected again.
 
         A motion reference unit that contradicts all others must agree with them first.
         """
@@ -126,7 +126,7 @@ class Observer:
             self.doubt("")
 
     def _doubt_first(self, sensor: str) -> None:
-        """Doubt a `sensor` in use that has jumped: it must agree with all others before it is used again."""
+        """Exclude a `sensor` in use that has jumped: it must agree with all others before it is used again."""
         if sensor in self._sensors.in_use and not self.doubted:
             self.doubt(sensor)
 
@@ -187,7 +187,7 @@ class Observer:
         Parameters
         ----------
         estimator : that has taken the readings of this tick in
-        surprise : by them and those before: what has been foreseen badly for long is no spike
+        surprise : with them and those before: readings that have been inconsistent for long are no spikes
         """
         self._quiet = [
             self._quiet_alarm(name, estimator.measurements[name].sensor, mean)
@@ -226,7 +226,7 @@ class Observer:
         )
 
     def lost(self) -> dict[str, str]:
-        """Return why each lost sensor counts as lost, by name; a doubted MRU does: nothing else tells the boom tip."""
+        """Return why each lost sensor counts as lost, by name; an excluded MRU does: no other measures the boom tip."""
         lost = {name: gate.reason for name, gate in self.gates.items() if gate.level is SensorLevel.LOST}
         return {"mru": CONTRADICTS, **lost} if self.doubted == "mru" else lost
 
@@ -343,7 +343,7 @@ class Observer:
         return taken
 
     def _sigma(self, measurement: str, value: float) -> float | None:
-        """Return the standard deviation of a reading's noise; None: as believed, a static tension is not known."""
+        """Return the standard deviation of a reading's noise; None: as assumed, a static tension is not known."""
         noise = self._noise.get(measurement)
         return None if noise is None else noise.add(value)
 
@@ -355,7 +355,7 @@ class Observer:
         return self.terms.corrected(reading, share)
 
     def as_believed(self, observed: Observed) -> Measurement:
-        """Return a reading `observed` in the last seconds in the estimator's terms, as it is believed to be now."""
+        """Return a reading `observed` in the last seconds in the estimator's terms, by the corrections assumed now."""
         reading = observed.reading
         if reading.name == "payout":
             reading = reading._replace(value=self.encoder.payout_at(observed.value))
@@ -367,7 +367,7 @@ class Observer:
 
 
 def _as_doubted(state: SensorState) -> SensorState:
-    """Return the `state` of a sensor that is doubted."""
+    """Return the `state` of a sensor that is excluded."""
     alarm = state.alarm or ALARMS.alarm(f"{state.sensor.upper()}_EXCLUDED")
     level, reason = max(state.level, SensorLevel.SUSPECT), state.reason or CONTRADICTS
     return state._replace(level=level, reason=reason, alarm=alarm)

@@ -29,7 +29,7 @@ class ObservationLog:
     Attributes
     ----------
     epoch : tick with which the record begins: readings before and after do not belong together, nor do those before and
-        after the controller was started anew
+        after the controller was restarted
     """
 
     def __init__(self, tick_period: float) -> None:
@@ -61,8 +61,8 @@ class ObservationLog:
         loop : what is known of it; its command is that of the tick before
         observer : with the readings of the tick
         order : of the tick before; None: none yet
-        winch : what the winch says of itself at the tick; None: nothing came
-        authority : share of the sea that is compensated
+        winch : the winch's own report at the tick; None: nothing came
+        authority : authority of compensation
         compensates : the mode is compensating
         """
         if not self._ticks:
@@ -103,10 +103,10 @@ class ObservationLog:
 
         Parameters
         ----------
-        beliefs : number of those in force
+        beliefs : number of the active ones
         excluded : sensor that has been set aside
         is_trusted : depth sensor and estimate agree
-        restated : parameters that an operator has stated anew
+        restated : parameters that an operator has restated
         """
         if len(self._ticks) < self._batch:
             return None

@@ -1,4 +1,4 @@
-"""Whether a preview of the boom tip can be believed: whole, recent, long enough, and come true so far."""
+"""Whether a preview of the boom tip can be used: well-formed, recent, long enough, and proved by what came."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WORST_SHARE, WORST_NOISE = 0.5, 3.0
 
 
 class PreviewWatch:
-    """Holds the newest preview and tells whether it is to be used.
+    """Holds the newest preview and decides whether it is used.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class PreviewWatch:
         return None if self.fault else seen
 
     def _compare(self, seen: HeavePreview | None, boom_tip: float | None) -> None:
-        """Hold what was told some time ago against what has come."""
+        """Compare what was predicted some time ago with what has come."""
         told_for_now = self._told[0]
         reaches = seen is not None and seen.covers(self._lead, self._lead)
         self._told.append(float(np.interp(self._lead, seen.ahead, seen.heave)) if seen and reaches else math.nan)
@@ -86,7 +86,7 @@ class PreviewWatch:
         self._heave_square += weight * (boom_tip**2 - self._heave_square)
 
     def _doubt(self, noise: float) -> str:
-        """Return why a well-formed preview of a stated `noise` [m] is not to be believed; empty where it is."""
+        """Return why a well-formed preview of a stated `noise` [m] is not used yet; empty where it is."""
         if self._compared * self._dt < PROOF_TIME:
             return f"compared with the motion for {PROOF_TIME:g} s before it is used"
         error, heave = math.sqrt(self._error_square), math.sqrt(self._heave_square)

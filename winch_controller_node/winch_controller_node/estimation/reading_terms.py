@@ -29,7 +29,7 @@ class SensorsWatched(NamedTuple):
     ----------
     in_use : whose readings the estimator takes
     watched : these, and those that are always watched
-    rows_of : what the estimator is told of each
+    rows_of : measurements that the estimator takes of each
     row, sensor_of : each row by its name, and its sensor
     """
 
@@ -56,7 +56,7 @@ class ReadingTerms:
 
     Parameters
     ----------
-    design : in force, for its cable
+    design : the active one, for its cable
     sensors : that are watched
 
     Attributes
@@ -87,7 +87,7 @@ class ReadingTerms:
             self._zeros[name] = self._zero_from(zero, self._sensors.watched[name])
 
     def correct(self, corrections: dict[str, Correction]) -> None:
-        """Take off what is believed to be wrong with readings, `corrections` by sensor, from now on."""
+        """Correct readings by `corrections`, by sensor, from now on."""
         self._corrections = corrections
 
     def remember_share(self, tick: int, mean_state: Array) -> None:
@@ -95,7 +95,7 @@ class ReadingTerms:
         self._shares.append((tick, mean_state))
 
     def forget_shares(self) -> None:
-        """Forget the shares noted so far: the states are counted otherwise from now on."""
+        """Discard the shares noted so far: the states are counted otherwise from now on."""
         self._shares.clear()
 
     @property

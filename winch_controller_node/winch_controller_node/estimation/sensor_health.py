@@ -1,7 +1,7 @@
 """Gates in front of the estimator: which readings may be used, and how each sensor is seen.
 
-A reading is refused for what can be told from it alone: not a number, a status of the sensor's own, a stamp that
-cannot be, a value that does not change. What only the estimate can tell (a spike) comes back from the innovations.
+A reading is refused for what it shows alone: not a number, a status of the sensor's own, a stamp that
+cannot be, a value that does not change. What only the estimate can show (a spike) comes back from the innovations.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ CONTRADICTS = "contradicts all others"
 """How a sensor is seen that is excluded and has no other fault."""
 
 BAD_IN_A_ROW = 3
-"""So many refused readings in a row make a sensor lost: alarm within 3 samples."""
+"""Number of refused readings in a row that make a sensor lost: alarm within 3 samples."""
 
 FIRST_SAMENESS, SAMENESS_MEMORY = 0.01, 200.0
 """Share of readings that are like the one before, of a sensor that does not read in steps, and readings over which that
@@ -141,7 +141,7 @@ class SensorGate:
 
     @property
     def alarm(self) -> Alarm:
-        """What is wrong with the sensor, where it is suspect or lost."""
+        """Fault of the sensor, where its level is `suspect` or `lost`."""
         if not self.is_lost:
             return ALARMS.alarm(f"{self.sensor.upper()}_READING_REJECTED", reason=self.reason)
         return lost_alarm(self.sensor, self.reason, age=self._age, limit=self._largest_age)
@@ -176,7 +176,7 @@ class SensorGate:
 
         Parameters
         ----------
-        is_spike : such readings have been foreseen well until now; where they have not, which is told otherwise, one
+        is_spike : such readings were predicted well until now; where they were not, which is reported elsewhere, one
             more says nothing new of the sensor
         """
         before = (self.level, self.reason)
@@ -349,7 +349,7 @@ class EncoderGate:
     offset : sum of the jumps found so far [m]
     jump : the last one [m]
     play : that its gear seems to have [m]
-    as_read : payout as the encoder reads it, jumps taken off, whatever its scale is believed to be [m]
+    as_read : payout as the encoder reads it, jumps taken off, whatever its assumed scale [m]
     """
 
     def __init__(self, timing: SensorTiming, parameters: HealthParameters, *, tick_period: float) -> None:

@@ -17,10 +17,10 @@ FEWEST = 30
 """Readings from which on it is judged."""
 
 UNKNOWN = 5.0
-"""Noise until then, over the believed: a sensor that is worse than believed must not be taken for one that errs."""
+"""Noise until then, over the assumed one: a sensor noisier than assumed must not be taken for one with an error."""
 
 WORSE = 2.0
-"""Noise so many times as large as believed, or as last told, is worth telling, once it has been seen for READINGS."""
+"""Ratio to the assumed noise, or to that last reported, from which on noise is reported, once seen for READINGS."""
 
 UPDATED = 10
 """Readings from one judgement to the next."""
@@ -33,13 +33,13 @@ LONGEST_PERIOD = 0.25
 
 
 class SensorNoise:
-    """Standard deviation of a sensor's noise: as believed, or as stated or seen where that is more.
+    """Standard deviation of a sensor's noise: as assumed, or as stated or seen where that is more.
 
-    Before it is seen `add` returns several times the believed one.
+    Before it is seen `add` returns several times the assumed one.
 
     Parameters
     ----------
-    believed : standard deviation, in the sensor's unit
+    believed : assumed standard deviation, in the sensor's unit
     period : between readings [s]
 
     Attributes
@@ -82,11 +82,11 @@ class SensorNoise:
 
     @property
     def seen(self) -> float | None:
-        """Standard deviation that the readings show, also where it is less than believed; None: not known."""
+        """Standard deviation that the readings show, also where it is below the assumed one; None: not known."""
         return self._seen if math.isfinite(self._seen) else None
 
     def news(self) -> float:
-        """Return how many times as large as believed the noise is, when it has become much larger; else 0."""
+        """Return the ratio of the noise to the assumed one when it has become much larger; else 0."""
         is_sure = math.isnan(self._seen) or self._worse >= READINGS
         if not is_sure or self.sigma < WORSE * self._told:
             return 0.0

@@ -59,11 +59,11 @@ class Surprise:
         self._time = self._time + self._dt if max(self._means.values(), default=1.0) > SURPRISING else 0.0
 
     def is_surprised_by(self, name: str) -> bool:
-        """Tell whether what a measurement of a `name` reads has been foreseen badly of late, not in one reading."""
+        """Return whether readings of the measurement `name` have been inconsistent of late, not in one reading."""
         return self._means.get(name, 1.0) > SURPRISING
 
     def newly_quiet(self) -> dict[str, float]:
-        """Return the measurements that are nearer to what is foreseen than their noise allows, for a minute.
+        """Return the measurements that are nearer to their prediction than their noise allows, for a minute.
 
         They come by name with the mean of their normalised innovations squared, each once.
         """
@@ -74,7 +74,7 @@ class Surprise:
 
     @property
     def worst(self) -> tuple[str, float]:
-        """Measurement that is foreseen worst, and the mean of its normalised innovations squared."""
+        """Measurement that is predicted worst, and the mean of its normalised innovations squared."""
         return max(self._means.items(), key=lambda pair: pair[1], default=("", 1.0))
 
     @property
@@ -91,7 +91,7 @@ class Surprise:
 
     @property
     def time(self) -> float:
-        """Time since which readings have been foreseen badly without a pause [s]."""
+        """Time since which readings have been inconsistent without a pause [s]."""
         return self._time
 
     def news(self) -> list[Alarm]:

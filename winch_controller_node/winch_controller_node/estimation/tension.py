@@ -1,7 +1,7 @@
 """The top tension: low-passed, and its mean over waves, which is what stays of it under a brake.
 
 Over waves the mean is the weight that the cable carries, for the mean acceleration of a unit that goes nowhere is 0:
-it tells one that stands from one that hangs, where a reading, or a low-pass of a second, tells the wave.
+it distinguishes one that stands from one that hangs, where a reading, or a low-pass of a second, shows the wave.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class TensionMean(NamedTuple):
 
 
 NO_MEAN = TensionMean()
-"""Before the first reading."""
+"""The mean before the first reading."""
 
 
 class MeanTension:
@@ -57,7 +57,7 @@ class MeanTension:
         return TensionMean(self._value, math.sqrt(self._variance), self._count * self._dt)
 
     def restart(self) -> None:
-        """Forget what was: the situation is another one."""
+        """Discard the past: the situation is another one."""
         self._count, self._value, self._variance = 0, math.nan, 0.0
 
     def add(self, tension: float, mean_payout: float, *, unit_stands: bool) -> None:

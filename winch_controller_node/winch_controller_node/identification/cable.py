@@ -41,7 +41,7 @@ class Identification:
     residual_sigma : [m]
     iterations : Gauss-Newton steps taken
     time, measured, model : the record and the model's answer [s], [m], [m]
-    note : what makes the numbers doubtful, in words; empty: nothing
+    note : reservation about the figures, in words; empty: none
     """
 
     drag: str

@@ -26,7 +26,7 @@ CUT_TIME = 0.5
 class LateCommands:
     """Notices that the winch takes commands later than modelled, by the sequence numbers that it acknowledges.
 
-    That they have just become late is seen within three ticks, long before the record of the drum tells. An alarm is
+    That they have just become late is seen within three ticks, long before the record of the drum shows it. An alarm is
     given where it is more than a hiccup: by the median over some seconds, and by the share of a minute.
 
     Parameters

@@ -35,7 +35,7 @@ _KNOWN = KnownSensors().by_name()
 
 
 WINCH_STATE = ("encoder_payout", "encoder_payout_rate", "brake", "fault", "command_sequence", "limits_hit")
-"""What the winch measures of itself; the truth in its state is not looked at."""
+"""Fields that the winch measures; the truth in its state is not read."""
 _winch_values = attrgetter(*WINCH_STATE)
 
 _ORDER_FIELDS = WinchOrder._fields
@@ -57,13 +57,13 @@ def winch_reading(state: Any, nanoseconds: int) -> WinchReading:
 
 
 def winch_reading_of(reading: WireReading) -> WinchReading:
-    """Return what a `reading` of the fields WINCH_STATE tells."""
+    """Return the state in a `reading` of the fields WINCH_STATE."""
     payout, rate, brake, fault, sequence, limits = reading.numbers
     return WinchReading(reading.time, payout, rate, bool(brake), int(fault), int(sequence), int(limits))
 
 
 def heave_preview(message: Any) -> HeavePreview:
-    """Return what a heave_msgs/HeavePreview, the `message`, tells; whether it can be used is judged later."""
+    """Return the preview in a heave_msgs/HeavePreview, the `message`; whether it can be used is decided later."""
     return HeavePreview(
         np.asarray(message.ahead, dtype=float),
         np.asarray(message.heave, dtype=float),
@@ -78,13 +78,13 @@ def measurements(
     preview: HeavePreview | None = None,
     lateness: Lateness = ON_TIME,
 ) -> Measurements:
-    """Return what came in a tick, read by the water that the controller believes in.
+    """Return what came in a tick, converted with the water that the controller assumes.
 
     Parameters
     ----------
     delivered : readings as they travelled, by sensor; those that the controller does not know are left out
     winch : newest state of the winch; None: none came
-    water : believed in
+    water : assumed
     preview : newest one of the boom tip; None: none came
     lateness : of the ticks
     """
@@ -109,7 +109,7 @@ def command_message(order: WinchOrder, stamp: int) -> bytes:
 
 
 def state_message(report: Report, stamp: int, execution_time: float = math.nan) -> bytes:
-    """Return the `report` of what the controller believes and does as a message of `stamp` [ns].
+    """Return the `report` of the controller's estimates and actions as a message of `stamp` [ns].
 
     `execution_time` is the wall time that it took [s].
     """

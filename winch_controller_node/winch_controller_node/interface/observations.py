@@ -19,7 +19,7 @@ TICK_COLUMNS = (
     "taken",  # number of the newest order in effect at the tick, as the winch says; NaN: no state came
     "limits_hit",  # heave_node.interface.codes.WinchLimit; 0: none
     "tension",  # at the top, the newest that the load cell read [N]; NaN: none yet
-    "authority",  # share of the sea that is compensated [-]
+    "authority",  # authority of compensation [-]
     "compensates",  # mode compensating, 0 or 1
     "tip_heave",  # estimated heave of the boom tip [m]
     "tip_rate",  # and its rate [m/s]
@@ -32,7 +32,7 @@ READING_COLUMNS = (
     "delivered",  # tick at which it was delivered
     "tick",  # to which it belongs
     "row",  # index in `rows`
-    "value",  # as read about its zero, in the sign of the model; corrections that are believed not applied
+    "value",  # as read about its zero, in the sign of the model; assumed corrections not applied
     "share",  # of it that the mean payout brings about
     "offset",  # how much later than its tick it was measured [ticks]
     "sigma",  # standard deviation of its noise
@@ -53,10 +53,10 @@ class Observations:
     rows : names of the measurements that readings refer to
     readings : table, in the order of delivery, shape (m, len(READING_COLUMNS))
     epoch : tick with which the record begins: the state jumped there, or the mean, or the controller was started
-    beliefs : number of the beliefs in force at the end of the batch
+    beliefs : number of the active beliefs at the end of the batch
     excluded : sensor that a reflex of the core has set aside; empty: none
     is_trusted : depth sensor and estimate agree, as the guard sees it
-    restated : parameters that an operator's redesigns have stated anew since the start, by path
+    restated : parameters that an operator's redesigns have restated since the start, by path
     """
 
     first: int

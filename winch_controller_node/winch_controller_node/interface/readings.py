@@ -22,7 +22,7 @@ class ScalarReading(NamedTuple):
 
 
 class WinchReading(NamedTuple):
-    """What the winch says of itself, as in heave_msgs/WinchState.
+    """The winch's own report, as in heave_msgs/WinchState.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Lateness:
 
 
 ON_TIME = Lateness()
-"""No tick was late."""
+"""Lateness where no tick was late."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Measurements:
         [m/s]; `imu`, its vertical acceleration without gravity [m/s^2]; `load_cell`, the top tension [N]
     winch : newest state of the winch; None: none came
     preview : newest one of the boom tip; None: none came
-    lateness : of the ticks, so that a command timeout is told with its cause
+    lateness : of the ticks, so that a command timeout is reported with its cause
     """
 
     mru: tuple[MruReading, ...] = ()
@@ -112,7 +112,7 @@ class SensorState(NamedTuple):
     reason : why, empty when OK
     age : of the newest accepted reading [s], infinite before the first
     accepted, refused : readings so far
-    alarm : what is wrong, where it is suspect or lost
+    alarm : its fault, where its level is `suspect` or `lost`
     """
 
     sensor: str
@@ -125,7 +125,7 @@ class SensorState(NamedTuple):
 
 
 class Report(NamedTuple):
-    """See heave_msgs/ControllerState, whose names these are: what the controller believes and does.
+    """See heave_msgs/ControllerState, whose names these are: the controller's estimates and actions.
 
     `is_inhibited`, for diagnostics: compensation is harmful, or would, and is kept off.
     """
@@ -186,7 +186,7 @@ class Outputs(NamedTuple):
     make_report : returns the report of the tick
     kpi : once a second; None else
     alarms : raised in this tick
-    requests : what an operator has asked for since the last tick, one line each; modes are told by themselves
+    requests : what an operator has asked for since the last tick, one line each; mode changes are reported apart
     observations : for the adviser, once a second; None else
     """
 
@@ -202,5 +202,5 @@ class Outputs(NamedTuple):
 
     @property
     def report(self) -> Report:
-        """What is believed and done in the tick, made when it is looked at: in many loops nobody does."""
+        """Estimates and actions of the tick, made only when they are read."""
         return self.make_report()

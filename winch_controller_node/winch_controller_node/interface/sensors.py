@@ -1,4 +1,4 @@
-"""The sensors as the controller sees them: what it believes of each, and what of its readings the estimator is told.
+"""The sensors as the controller assumes them, and the measurements that the estimator takes of their readings.
 
 To add one, write a class here and name it in `KnownSensors`; its name is that of the table
 `heave_node.interface.sensors`, which says what its readings are. Inputs of the node, gates, health, measurements of the
@@ -31,7 +31,7 @@ LEVER_ARM_DRIFT = 1e-5
 
 
 class MeasurementRow(NamedTuple):
-    """A scalar that the estimator is told: (1 + scale_state) (output + state), with white noise.
+    """A scalar that the estimator takes: (1 + scale_state) (output + state), with white noise.
 
     Attributes
     ----------
@@ -71,20 +71,20 @@ class Zero(Enum):
     """What a reading counts from."""
 
     OWN = "own"
-    """As it is."""
+    """The unit is the reading's own."""
     FIRST_READING = "first_reading"
     """The first reading is zero, as the mean depth is not known."""
     STATIC_TENSION = "static_tension"
-    """The static tension of the cable believed in, which is also the unit of noise and slow states."""
+    """The static tension of the assumed cable, which is also the unit of noise and slow states."""
 
 
 @dataclass(frozen=True)
 class SensorModelParameters(abc.ABC):
-    """What is believed of a sensor: a class of its own for each.
+    """Assumed properties of a sensor: a class of its own for each.
 
     Class attributes
     ----------------
-    sees : what it tells of: boom_tip, unit, cable or drum
+    sees : what it measures: boom_tip, unit, cable or drum
     component : which value of a reading counts
     includes_gravity : at rest that value is the acceleration of gravity
     zero : what it counts from
@@ -109,7 +109,7 @@ class SensorModelParameters(abc.ABC):
 
     @abc.abstractmethod
     def rows(self) -> tuple[MeasurementRow, ...]:
-        """Return what the estimator is told."""
+        """Return the measurements that the estimator takes."""
 
     def slow_states(self) -> tuple[SlowState, ...]:
         """Return the sensor's errors that the estimator follows."""
@@ -191,7 +191,7 @@ class MruModelParameters(SampledSensorParameters):
         )
 
     def slow_states(self) -> tuple[SlowState, ...]:
-        """Follow scale, mean and lever arm, where they are in doubt."""
+        """Follow scale, mean and lever arm, where they are uncertain."""
         states: list[SlowState] = []
         if self.scale_sigma > 0.0:
             states.append(SlowState(MRU_SCALE, SCALE_DRIFT, self.scale_sigma))
@@ -252,7 +252,7 @@ class EncoderModelParameters(SensorModelParameters):
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the payout.
 
-        A servo other than believed moves the drum otherwise, at the winch's limits by centimetres in a second: refusing
+        A servo other than assumed moves the drum otherwise, at the winch's limits by centimetres in a second: refusing
         the encoder would leave the loop blind when it is needed most; jumps are found by a gate of its own.
         """
         return (MeasurementRow("payout", "payout", self.noise, is_gated=False),)
@@ -332,7 +332,7 @@ class LoadCellModelParameters(SampledSensorParameters):
 
 @dataclass(frozen=True)
 class KnownSensors:
-    """Every sensor that the controller knows, with what it believes of it."""
+    """Every sensor that the controller knows, with its assumed properties."""
 
     mru: MruModelParameters = group(MruModelParameters)
     depth: DepthModelParameters = group(DepthModelParameters)
@@ -342,7 +342,7 @@ class KnownSensors:
     load_cell: LoadCellModelParameters = group(LoadCellModelParameters)
 
     def by_name(self) -> dict[str, SensorModelParameters]:
-        """Return what is believed of each sensor, in the order of this table."""
+        """Return the assumed properties of each sensor, in the order of this table."""
         return {name: getattr(self, name) for name in KNOWN_SENSORS}
 
 
@@ -362,12 +362,12 @@ def sensors_that_see(*seen: str) -> list[str]:
 
 @dataclass(frozen=True)
 class SensorsModelParameters(KnownSensors):
-    """Which sensors the estimator uses, and what it believes of them."""
+    """Which sensors the estimator uses, and their assumed properties."""
 
     use: tuple[str, ...] = parameter(
         ("mru", "depth", "encoder"), unit="", choices=KNOWN_SENSORS, description="Sensors that the estimator uses."
     )
 
     def in_use(self) -> dict[str, SensorModelParameters]:
-        """Return what is believed of the sensors that the estimator takes."""
+        """Return the assumed properties of the sensors that the estimator takes."""
         return {name: sensor for name, sensor in self.by_name().items() if name in self.use}

@@ -117,7 +117,7 @@ class ControlLaw(ABC):
         """Return the command at `state`."""
 
     def take_limits(self, limits: WinchLimits) -> None:  # noqa: B027  # most laws leave them to the governor
-        """Keep other limits from now on: the winch has been found to be weaker, or stronger, than believed."""
+        """Keep other limits from now on: the winch has been found to be weaker, or stronger, than assumed."""
 
     def reset(self) -> None:  # noqa: B027  # most laws remember nothing
         """Start again; a law that remembers nothing has nothing to do."""

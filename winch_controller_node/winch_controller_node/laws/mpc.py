@@ -133,7 +133,7 @@ class ConstrainedLaw(ControlLaw):
 
     Attributes
     ----------
-    gain : in force, shape (n,): between that of the plan and that away from the limits
+    gain : the active one, shape (n,): between that of the plan and that away from the limits
     """
 
     name: ClassVar[str] = "mpc"
@@ -207,7 +207,7 @@ class ConstrainedLaw(ControlLaw):
         return disturbances
 
     def reset(self) -> None:
-        """Forget the plan and the solver's warm start."""
+        """Discard the plan and the solver's warm start."""
         self._solver.restart()
         self._plan = np.zeros(self._basis.shape[1])
         self._plan_age = 0

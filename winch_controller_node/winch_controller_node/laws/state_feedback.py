@@ -9,7 +9,7 @@ from winch_controller_node.laws.parts.loop_state import LoopState
 
 
 class StateFeedback(ControlLaw):
-    """u = -gain x, with the share of the unit's own error bounded. What the estimator is told, see `governor`.
+    """u = -gain x, with the share of the unit's own error bounded. For the estimator's input, see `governor`.
 
     A large error of the unit would ask a winch at its limits for a bang-bang motion that, late as it is, swings the
     unit up instead of down. Less feedback of the unit only takes damping away from a plant that is stable by itself: a

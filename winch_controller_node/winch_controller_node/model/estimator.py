@@ -20,7 +20,7 @@ from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.model.drag_kernel import Drag
 from winch_controller_node.model.kalman import IMPLEMENTATIONS, KalmanFilter
-from winch_controller_node.model.kalman_kernel import WEIGHTS, FilterModel, Gate, Told
+from winch_controller_node.model.kalman_kernel import WEIGHTS, FilterModel, Gate, RunInputs
 from winch_controller_node.model.slack_kernel import Slack, no_slack
 
 AT_ONCE = 20
@@ -89,7 +89,7 @@ class Innovation(NamedTuple):
 
 
 class RecordedTick(NamedTuple):
-    """What the estimator is told at a tick.
+    """Inputs of the estimator at a tick.
 
     Attributes
     ----------
@@ -165,7 +165,7 @@ class KalmanEstimator:
 
     @property
     def streams(self) -> dict[str, float]:
-        """Innovation of the last accepted reading, by name: what continues it is believed."""
+        """Innovation of the last accepted reading, by name: a reading that continues it is accepted."""
         found = zip(self.measurements, self._filter.streams.tolist(), strict=True)
         return {name: stream for name, stream in found if not math.isnan(stream)}
 
@@ -185,7 +185,7 @@ class KalmanEstimator:
         """
         offset, which = reading.offset, self._which.get(reading.name)
         if which is None:
-            # what is only witnessed is an output of the model
+            # a cross-check is an output of the model only
             row, change, bend = _with_differences(self.model.row(reading.name), self.model)
         else:
             table = self._filter_model
@@ -246,7 +246,7 @@ class KalmanEstimator:
         covariance: Array | None = None,
         streams: Mapping[str, float] | None = None,
     ) -> None:
-        """Begin anew at `estimate` (default: zero) with `covariance` (default: the initial one).
+        """Restart at `estimate` (default: zero) with `covariance` (default: the initial one).
 
         `streams` are those of an estimator that this one takes the place of.
         """
@@ -295,8 +295,8 @@ class KalmanEstimator:
             if last is not None and tick.number <= last:
                 raise ValueError(f"estimator: tick {tick.number} is not after the last one, {last}")
             last = tick.number
-        names, told = self._told(record)
-        said = zip(names, self._filter.run(told).tolist(), strict=True)
+        names, inputs = self._inputs(record)
+        said = zip(names, self._filter.run(inputs).tolist(), strict=True)
         followed = [
             {
                 name: Innovation(value, sigma, nis, bool(accepted))
@@ -307,7 +307,7 @@ class KalmanEstimator:
         self.innovations = followed[-1] if followed else {}
         return followed
 
-    def _told(self, record: Sequence[RecordedTick]) -> tuple[list[str], Told]:
+    def _inputs(self, record: Sequence[RecordedTick]) -> tuple[list[str], RunInputs]:
         """Return a `record` as arrays, after the names of its readings as they are taken in."""
         names: list[str] = []
         steps: list[tuple[int, float, int]] = []
@@ -328,7 +328,7 @@ class KalmanEstimator:
             table[:, :WEIGHTS] = numbers
         for row, column, weight in weights:
             table[row, column] = weight
-        return names, Told(np.array(steps, dtype=float).reshape(-1, 3), table)
+        return names, RunInputs(np.array(steps, dtype=float).reshape(-1, 3), table)
 
 
 def _with_differences(row: Array, model: LinearModel) -> tuple[Array, Array, Array]:

@@ -26,7 +26,7 @@ from winch_controller_node.model.kalman_kernel import (
     FilterModel,
     Gate,
     Memory,
-    Told,
+    RunInputs,
     run,
 )
 from winch_controller_node.model.slack_kernel import slack_variance, with_slack
@@ -51,8 +51,8 @@ class KalmanFilter(Protocol):
     @property
     def tick(self) -> int | None: ...  # noqa: D102
 
-    def run(self, told: Told) -> Array:
-        """Go through a run of ticks; return what each reading said, shape (len(told.readings), 4)."""
+    def run(self, inputs: RunInputs) -> Array:
+        """Go through a run of ticks, `inputs`; return the result of each reading, shape (number of readings, 4)."""
         ...
 
 
@@ -82,16 +82,16 @@ class CompiledKalmanFilter:
         )
         self.streams, self.refusals = self._memory.streams, self._memory.refusals
         # compiled (or fetched from the cache) here, not in the first tick of a run in real time
-        self.run(Told(np.zeros((0, 3)), np.zeros((0, WEIGHTS + n))))
+        self.run(RunInputs(np.zeros((0, 3)), np.zeros((0, WEIGHTS + n))))
 
     @property
     def tick(self) -> int | None:
         """Newest tick; None before the first."""
         return int(self._memory.span[0]) if self._memory.span[1] else None
 
-    def run(self, told: Told) -> Array:
+    def run(self, inputs: RunInputs) -> Array:
         """See KalmanFilter."""
-        self.x, self.P, self._used, said = run(self.model, self._gate, self._memory, self._used, self.x, self.P, told)
+        self.x, self.P, self._used, said = run(self.model, self._gate, self._memory, self._used, self.x, self.P, inputs)
         return said
 
 
@@ -144,12 +144,12 @@ class ReferenceKalmanFilter:
     def _set_state(self, x: Array, P: Array) -> None:
         self._filter.x, self._filter.P = np.array(x, dtype=float)[:, None], np.array(P, dtype=float)
 
-    def run(self, told: Told) -> Array:
+    def run(self, inputs: RunInputs) -> Array:
         """See KalmanFilter."""
         said: list[tuple[float, float, float, bool]] = []
-        for tick, command, end in told.steps.tolist():
+        for tick, command, end in inputs.steps.tolist():
             self._advance(int(tick), command)
-            delivered = told.readings[len(said) : int(end)]
+            delivered = inputs.readings[len(said) : int(end)]
             for measured in sorted(set(delivered[:, TICK])):
                 said += self._take(int(measured), delivered[delivered[:, TICK] == measured])
         return np.array(said).reshape(-1, 4)

@@ -86,7 +86,7 @@ class Memory(NamedTuple):
     refusals: NDArray[np.int64]
 
 
-class Told(NamedTuple):
+class RunInputs(NamedTuple):
     """A run of ticks.
 
     Attributes
@@ -193,7 +193,7 @@ def _judged(
 
 @inner_kernel
 def _begun(memory: Memory, tick: int, x: Array, P: Array) -> None:
-    """Keep the prediction for a tick that begins, and forget the tick that has its place."""
+    """Keep the prediction for a tick that begins, and discard the tick that has its place."""
     place = tick % len(memory.x)
     memory.x[place], memory.P[place], memory.counts[place] = x, P, 0
     memory.span[0], memory.span[1] = tick, min(memory.span[1] + 1, len(memory.x))
@@ -241,7 +241,7 @@ def _taken(
 
 @kernel
 def run(
-    model: FilterModel, gate: Gate, memory: Memory, used: Array, x: Array, P: Array, told: Told
+    model: FilterModel, gate: Gate, memory: Memory, used: Array, x: Array, P: Array, inputs: RunInputs
 ) -> tuple[Array, Array, Array, Array]:
     """Go through a run of ticks.
 
@@ -251,15 +251,15 @@ def run(
     memory : of its past, changed in place
     used : ring of the tables of the readings used of each tick (k, most, 6 + n)
     x, P : state (n,) and covariance (n, n) of the newest tick, or to begin with
-    told : in the run
+    inputs : of the run
 
     Returns
     -------
     x, P, used : at the end of the run
-    said : what each reading said, shape (len(told.readings), 4)
+    said : result of each reading, shape (number of readings, 4)
     """
-    said, first = np.empty((len(told.readings), 4)), 0
-    for step in told.steps:
+    said, first = np.empty((len(inputs.readings), 4)), 0
+    for step in inputs.steps:
         number, command, last = int(step[0]), step[1], int(step[2])
         F, B, Q = with_drag(model.drag, x, model.F, model.B, model.Q)
         F, Q = with_slack(model.slack, x, F, Q)
@@ -274,8 +274,8 @@ def run(
             _begun(memory, tick, x, P)
         while first < last:
             end = first + 1
-            while end < last and told.readings[end, TICK] == told.readings[first, TICK]:
+            while end < last and inputs.readings[end, TICK] == inputs.readings[first, TICK]:
                 end += 1
-            x, P, used = _taken(now, gate, memory, used, x, P, told.readings[first:end], said[first:end])
+            x, P, used = _taken(now, gate, memory, used, x, P, inputs.readings[first:end], said[first:end])
             first = end
     return x, P, used, said

@@ -17,7 +17,7 @@ class LoopRows:
     Attributes
     ----------
     payout, payout_rate : rows of payout [m] and its rate [m/s], shape (n,)
-    payout_rate_through : what the command in force adds to that rate: not 0 for a first-order winch without delay
+    payout_rate_through : what the active command adds to that rate: not 0 for a first-order winch without delay
     winch : payout and its rate without that, shape (2, n); tip : heave of the boom tip [m] and its rate, shape (2, n)
     unit_states : indices of unit heave and rate in the state
     """
@@ -30,7 +30,7 @@ class LoopRows:
     unit_states: NDArray[np.int64]
 
     def drum(self, state: Array, command: float) -> Array:
-        """Return payout [m] and rate [m/s] in a `state`, shape (n,), under the `command` in force, shape (2,)."""
+        """Return payout [m] and rate [m/s] in a `state`, shape (n,), under the `command` that is active, shape (2,)."""
         return np.asarray(self.winch @ state + [0.0, self.payout_rate_through * command])
 
 

@@ -49,7 +49,7 @@ def weighted_cost(weights: WeightParameters, model: LinearModel) -> QuadraticCos
 def acceleration_size(model: LinearModel, size: float) -> float:
     """Return the scale of the payout's acceleration in a cost, `size` [m/s^2] for a slow servo; 0 leaves it out.
 
-    The model tells the acceleration at the start of a tick. A servo with a lag T shorter than the tick has gained its
+    The model gives the acceleration at the start of a tick. A servo with a lag T shorter than the tick has gained its
     speed long before the end: that is dt/T times what the drum gains over the tick, and its scale grows with it. A
     winch of first order has no acceleration.
     """

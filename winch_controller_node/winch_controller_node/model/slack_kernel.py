@@ -28,7 +28,7 @@ class Slack(NamedTuple):
     Attributes
     ----------
     pull : of the cable on the unit about that at rest, as a row on the state, in metres of boom tip (n,)
-    reads : what each measurement tells of that pull, in its unit over metres (m,)
+    reads : sensitivity of each measurement to that pull, in its unit over metres (m,)
     rate : index of the unit's heave rate in the state
     inertia : of the cable model [s^2]
     largest : pull downwards at which the cable is slack, the weight of the unit in water over the stiffness [m]
@@ -72,6 +72,6 @@ def with_slack(slack: Slack, x: Array, F: Array, Q: Array) -> tuple[Array, Array
 def slack_variance(slack: Slack, x: Array, which: int) -> float:
     """Return the variance that a reading of measurement `which` has besides its noise at a state x (n,).
 
-    The stretch tells nothing of the pull of a slack cable: it errs by as much as the cable is slack.
+    The stretch says nothing about the pull of a slack cable: it errs by as much as the cable is slack.
     """
     return float((slack.reads[which] * missing_push(slack, x)) ** slack.power)

@@ -71,7 +71,7 @@ class OperatorSpeed:
         self._asked, self._age = speed, 0.0
 
     def drop(self) -> None:
-        """Forget what was asked for."""
+        """Discard the request."""
         self._asked, self._age = 0.0, math.inf
 
     def advance(self, point: MovePoint, bounds: OperatorRange) -> float:

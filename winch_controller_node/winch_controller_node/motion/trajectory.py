@@ -143,7 +143,7 @@ class MeanPayout:
         self._deceleration, self._driven = deceleration, None
 
     def drive(self, rate: float, acceleration: float) -> None:
-        """Go to a `rate` [m/s] and keep it until told otherwise; 0 ends the motion.
+        """Go to a `rate` [m/s] and keep it until another command; 0 ends the motion.
 
         It is done with no more than an `acceleration` [m/s^2], which builds up as that of a move does.
         """

@@ -1,1 +1,1 @@
-"""The controller's parameters: what is believed of plant, winch, sea and sensors, and how laws and modes act."""
+"""The controller's parameters: the assumed plant, winch, sea and sensors, and how laws and modes act."""

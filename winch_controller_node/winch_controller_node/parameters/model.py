@@ -1,4 +1,4 @@
-"""What the controller believes of plant, winch and sea; of the sensors: `interface.sensors`.
+"""The assumed plant, winch and sea; for the sensors see `interface.sensors`.
 
 Names are those of the plant's own parameters where both have one.
 """
@@ -52,7 +52,7 @@ class CableModelParameters:
 
 @dataclass(frozen=True)
 class WinchModelParameters:
-    """The winch as the controller believes it: law, lags, delay and limits."""
+    """The winch as the controller assumes it: law, lags, delay and limits."""
 
     law: str = parameter(
         "speed_servo",
@@ -174,7 +174,7 @@ class SeaModelParameters(SeaParameters):
 
 @dataclass(frozen=True)
 class VesselModelParameters:
-    """The vessel as the controller believes it: of second order (thesis Eq. 6.25), also where fitted to RAOs."""
+    """The vessel as the controller assumes it: of second order (thesis Eq. 6.25), also where fitted to RAOs."""
 
     model: str = parameter(
         "second_order",

@@ -40,7 +40,7 @@ class CommandTimeouts:
     Parameters
     ----------
     tick_period : [s]
-    resumes : compensation may go on by itself
+    resumes : compensation may resume automatically
     """
 
     def __init__(self, tick_period: float, *, resumes: bool) -> None:
@@ -61,8 +61,8 @@ class CommandTimeouts:
 
         Parameters
         ----------
-        fault : of the winch, as it told last
-        wants_compensation : the winch compensated up to now, or was to begin or to go on by itself
+        fault : of the winch, as reported last
+        wants_compensation : the winch compensated up to now, or was to begin or to resume automatically
         is_stopped : the mode is stopped
         is_well : the link to the winch and all sensors are well, these for long enough where the winch was stopped for
             them

@@ -134,7 +134,7 @@ class EntryGates:
         )
 
     def _settling_time(self, name: str) -> float:
-        """Return after how long the innovations of a measurement are small enough, if they are as foreseen [s]."""
+        """Return after how long the innovations of a measurement are small enough, if they are as predicted [s]."""
         excess, allowed = self._mean_squares[name] - 1.0, self._parameters.innovation**2 - 1.0
         readings = math.log(max(excess / max(allowed, LEAST_EXCESS), 1.0)) / INNOVATION_WEIGHT
         return readings * self._interval(name)

@@ -8,7 +8,7 @@ the guard must not wait for waves. Over seconds it checks
   there first, long before the heavy unit has answered;
 - the swing of the unit, z^2 + a z'^2, against that of the uncompensated one;
 - the heave that the depth sensor reads, against the uncompensated one;
-- the depth sensor against the estimate: where they disagree (a motion reference unit of the wrong sign), the estimate
+- the depth sensor against the estimate: where they disagree (a motion reference unit with a sign error), the estimate
   is not to be trusted, and compensation stays off until they agree again.
 
 Compensation that does harm is faded out. After a hold time, which becomes longer each time, it is tried again once the
@@ -65,14 +65,14 @@ class WaveComparison:
         self.restart()
 
     def restart(self) -> None:
-        """Begin anew."""
+        """Restart."""
         self._unit, self._free_unit = (RunningSigma(self._parameters.window, self._dt) for _ in range(2))
         self.time = 0.0
 
     def harm(self, motions: GuardedMotions, authority: float) -> Alarm | None:
         """Take in the `motions` of a tick; return what harm there is; None: there is none.
 
-        Of a share of the sea, `authority`, no more can be asked than that share of what the whole has to gain.
+        Under `authority` no more can be asked than that share of what the whole has to gain.
         """
         self._unit.add(motions.unit.heave)
         self._free_unit.add(motions.free_unit.heave)
@@ -112,7 +112,7 @@ class HarmGuard:
         self.forget_sea()
 
     def forget_sea(self) -> None:
-        """Begin to compare anew: what was seen until now was another sea."""
+        """Restart the comparison: what was seen until now was another sea."""
         window = self._parameters.window
         self._demand = WinchDemand(window, tick_period=self._dt)
         self._waves = WaveComparison(self._parameters, self._dt)
@@ -159,7 +159,7 @@ class HarmGuard:
         return self._demand.largest_share(self._loop.limits, self._loop.effort, self._parameters.limit_use)
 
     def take_loop(self, loop: GuardedLoop) -> None:
-        """Watch another loop from now on: another design is in force."""
+        """Watch another loop from now on: another design is active."""
         self._loop = loop
 
     def allow_catch_up(self) -> None:
@@ -208,7 +208,7 @@ class HarmGuard:
         Parameters
         ----------
         motions : of the tick
-        authority : share of the sea that is compensated now
+        authority : authority of compensation now
         target : share it goes to; compensation is judged over waves when that is (nearly) reached
         """
         self._demand.add(motions.boom_tip.rate)
@@ -228,7 +228,7 @@ class HarmGuard:
                 self._hold.is_kept_after(self._waves.time)
 
     def _check(self, motions: GuardedMotions, authority: float) -> None:
-        """Take the motions of a tick into the checks over seconds; doubt the estimate where the depth sensor does."""
+        """Take the motions of a tick into the checks; reject an estimate that the depth sensor contradicts."""
         change, self._authority_before = authority - self._authority_before, authority
         inertia = self._loop.inertia
         swings = Swings.of(motions, inertia)

@@ -27,7 +27,7 @@ MISMATCH = AmplitudeLimit(time=8.0, ratio=0.8, floor=math.inf)
 """Depth sensor less estimate, against the uncompensated heave [m]."""
 
 FLOOR_FACTOR = 10.0
-"""These checks ignore heave below so many times `guard.floor`: that is left to the comparison over waves."""
+"""Multiple of `guard.floor` below which these checks ignore heave: that is left to the comparison over waves."""
 
 CATCH_UP_TIME = 15.0
 """Time that the drum is not checked after a lost sensor is back [s]: the law has to catch up with what it missed."""
@@ -154,7 +154,7 @@ class DrumCheck:
         ----------
         motions : of it
         loop : that is watched
-        authority : share of the sea that is compensated now
+        authority : authority of compensation now
         change : of the authority in this tick
         swings : of unit and uncompensated unit
         """
@@ -225,7 +225,7 @@ class UnitCheck:
         self._is_corrected = True
 
     def forget_mismatch(self) -> None:
-        """Compare depth sensor and estimate anew: one of them has been corrected."""
+        """Compare depth sensor and estimate again: one of them has been corrected."""
         self._mismatch.restart()
         self._error = DetrendedHeave(self._dt)
 
@@ -238,7 +238,7 @@ class UnitCheck:
         ----------
         motions : of it
         inertia : a of the cable [s^2]
-        authority : share of the sea that is compensated now
+        authority : authority of compensation now
         swings : of it
         is_out_of_reach : the sea is beyond the winch's limits
         """

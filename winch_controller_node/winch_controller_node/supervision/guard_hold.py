@@ -77,7 +77,7 @@ class HarmHold:
             self.alarm, self._is_unexplained = ALARMS.alarm("DEPTH_MRU_EXPLAINED", part=belief), False
 
     def is_kept_after(self, judged_time: float) -> None:
-        """Forget the harm of before where compensation has done none for long, of a `judged_time` [s]."""
+        """Reset the record of harm where compensation has done none for long, of a `judged_time` [s]."""
         if judged_time > 4.0 * self._hold_time:
             self._hold_time = self._parameters.hold_time
 
@@ -97,7 +97,7 @@ class HarmHold:
 
         Parameters
         ----------
-        authority : share of the sea that is compensated still
+        authority : authority of compensation still
         demand : of the sea, over the winch's limits
         """
         self._since += self._dt

@@ -5,7 +5,7 @@ still and its cable of stiffness k loses k v of tension each second, until it is
 mean payout tell, each by its trend over a window in which the winch lowers by some centimetres. Soft and long cables
 are known to have landed long before they are unloaded.
 
-Without depth readings the tension alone tells, and later: whatever a hanging unit does in waves, on average over a
+Without depth readings the tension alone shows it, and later: whatever a hanging unit does in waves, on average over a
 whole swing its cable carries the weight.
 
 What else does both at once is ruled out. While lowering gains speed, the inertia of a hanging unit keeps it behind for
@@ -181,7 +181,7 @@ class Landing:
     Attributes
     ----------
     unit_stands : on the seabed
-    is_suspected : the unit may just have landed: the estimate of a hanging unit is not to be judged by it
+    is_suspected : the unit may just have landed: its readings are no check on the estimate of a hanging unit
     """
 
     def __init__(self, parameters: TensionLawParameters, load: HangingLoad) -> None:
@@ -230,7 +230,7 @@ class Landing:
         ----------
         time : of the tick [s]
         sensed : in this tick
-        mode : in force
+        mode : the active one
         """
         share = self._load.weight_share(sensed.filtered_tension)
         if not self.unit_stands and self._touches_down(time, sensed, share, mode):

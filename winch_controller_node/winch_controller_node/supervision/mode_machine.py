@@ -69,7 +69,7 @@ class ModeMachine:
 
     @property
     def authority(self) -> float:
-        """Share of the sea that is compensated, 0 to 1."""
+        """Authority of compensation, 0 to 1."""
         return self._memory.authority
 
     @property
@@ -79,7 +79,7 @@ class ModeMachine:
 
     @property
     def may_resume(self) -> bool:
-        """Tell whether compensation that a lost sensor has ended may go on by itself: all are back for long enough."""
+        """Return whether compensation that a lost sensor has ended may resume: all are back for long enough."""
         return MAY_RESUME.holds(self._view)
 
     @property

@@ -48,7 +48,7 @@ RELEASE_TIME = 0.5
 """Time that the brake stays on before a braked winch is moved [s]: it acknowledges a latched fault."""
 
 RELEASED_TIME = 2.0
-"""A fault that was latched may still be told for so long after the brake was released [s]: commands take time."""
+"""Time after release of the brake for which a latched fault may still be reported [s]: commands take time."""
 
 BACK_TIME = 1.0
 """A lost sensor that has been back for so long [s] ends the fade-out that its loss has caused."""
@@ -101,7 +101,7 @@ REQUESTS = {
 
 
 class Situation(NamedTuple):
-    """What the mode machine is told each tick.
+    """Inputs of the mode machine at each tick.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class Situation(NamedTuple):
     harm : the guard's reason to fade out, empty when there is none
     prospect : when compensation is tried again after harm, in words
     speed : speed of the winch as commanded [m/s], absolute
-    authority_limit : share of the sea that the winch can follow under this law
+    authority_limit : largest authority that the winch can follow under this law
     is_settled : the unit moves as it would with the winch locked, or cannot be damped: the winch may stop
     is_damped_blind : the unit is damped by the depth sensor, and how it would move with the winch locked is not known
     closed_gates : why compensation may not begin now, with figures; empty when it may
@@ -136,7 +136,7 @@ class Situation(NamedTuple):
 
 
 NOTHING_KNOWN = Situation(lost="", has_estimate=False, winch_fault=WinchFault.NONE, harm="", speed=0.0)
-"""Before the first tick."""
+"""Inputs before the first tick."""
 
 
 class Memory(NamedTuple):
@@ -147,7 +147,7 @@ class Memory(NamedTuple):
     wants_compensation : compensation is to begin, or to go on, by itself
     may_resume : also after the winch was stopped for a lost sensor
     rest : mode in which a fade-out or a stop ends, standby or stopped
-    authority : share of the sea that is compensated, 0 to 1
+    authority : authority of compensation, 0 to 1
     """
 
     wants_compensation: bool
@@ -212,7 +212,7 @@ TICK_EVENTS: dict[Event, Callable[[View], bool]] = {
     Event.FADED: _has_faded,
     Event.AT_REST: lambda view: view.situation.speed < STANDSTILL or view.time > STOPPING_LIMIT,
 }
-"""What is looked for each tick, in this order."""
+"""Conditions checked each tick, in this order."""
 
 
 # guards
@@ -225,7 +225,7 @@ class Guard:
     Attributes
     ----------
     name : what must hold, in words
-    holds : tells whether it does
+    holds : returns whether it does
     why_not : says why it does not, with figures; None: the name says enough
     """
 
@@ -413,8 +413,8 @@ class ModeOutput(NamedTuple):
 
     Attributes
     ----------
-    mode : that is in force; reason : why, empty when there is nothing to say
-    authority : share of the sea that is compensated, 0 to 1
+    mode : the active one; reason : why, empty when there is nothing to say
+    authority : authority of compensation, 0 to 1
     brake : is to be on
     before : mode of the tick before; None: the same
     """

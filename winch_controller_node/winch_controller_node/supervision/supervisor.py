@@ -37,7 +37,7 @@ HANGING_SHARES = (0.7, 1.3)
 """A unit hangs whose cable carries on average a share of its weight between these, and that has not landed."""
 
 STANDING_TIME = 30.0
-"""Time over which the tension must have been averaged before it tells that a unit stands which no landing told of [s]:
+"""Averaging time of the tension after which it shows that a unit stands whose landing was not detected [s]:
 it holds a wave and a half of the longest swell, of 20 s."""
 
 MEAN_ERROR = 0.3
@@ -51,7 +51,7 @@ TRANSPORT_HOLD = 5.0
 """Time for which compensation stays off after commands were late for long [s]: the transport is not the loop's harm."""
 
 UNKNOWN_SEA_SHARE = 0.3
-"""Share of a sea that is compensated while it is predicted badly."""
+"""Authority of compensation while the sea is predicted badly."""
 
 SETTLED_AT_REST = 0.01
 """Swing of the unit at which a fade-out may end in calm water [m]; a sea adds its own, up to what a law can settle."""
@@ -64,7 +64,7 @@ LONGEST_WAIT = 2.0
 
 
 class WinchSituation(NamedTuple):
-    """What supervision is told of the winch and its commands.
+    """Inputs of supervision about the winch and its commands.
 
     Attributes
     ----------
@@ -72,10 +72,10 @@ class WinchSituation(NamedTuple):
     speed : as commanded [m/s], absolute
     mean_payout : that the winch goes to [m]
     settled_swing : swing of the unit at which a fade-out may end [m]
-    share : largest share of the sea that may be compensated with what is known of the winch
+    share : largest authority with the winch as it is known
     inhibition : why compensation must be off; None: it need not
     fault_cause : why the winch has its fault, in words; empty: unknown
-    is_contrary : drum or encoder go the other way than it is sent: it is brought to rest until an operator asks for it
+    is_contrary : drum or encoder are reversed: the winch is brought to rest until an operator releases it
     mean_acceleration : with which the winch goes there [m/s^2]
     """
 
@@ -122,7 +122,7 @@ class Supervisor:
 
     Parameters
     ----------
-    design : in force; law : of it
+    design : the active one; law : of it
 
     Attributes
     ----------
@@ -157,7 +157,7 @@ class Supervisor:
         self._refer_to(design, law)
 
     def forget_sea(self) -> None:
-        """Look at the sea anew: what was seen until now was another one."""
+        """Look at the sea again: what was seen until now was another one."""
         self.guard.forget_sea()
         self._watch_sea()
 
@@ -245,7 +245,7 @@ class Supervisor:
         wants_compensation = self.modes.wants_compensation
         is_stopped = self.modes.mode is Mode.STOPPED
         is_well = is_stopped and not self._lost(tick) and (self.modes.may_resume or not wants_compensation)
-        # also the link must be: what is told is that commands reach the winch again
+        # also the link must be: the report is that commands reach the winch again
         is_well = is_well and not winch.inhibition
         advice = self.timeouts.update(
             winch.fault, wants_compensation=wants_compensation, is_stopped=is_stopped, is_well=is_well
@@ -292,7 +292,7 @@ class Supervisor:
         Parameters
         ----------
         mode : of the tick
-        authority_limit : largest share of the sea that may be compensated
+        authority_limit : largest authority allowed
         """
         if mode.mode is not Mode.COMPENSATING or mode.before is not Mode.STANDBY:
             return ()
@@ -348,7 +348,7 @@ class Supervisor:
         return self._gates.for_tension(payout, self._limits, self.guard.demand)
 
     def _may_hang(self, tension: TensionMean) -> str:
-        """Return why a unit of which no landing has told counts as hanging, by the mean `tension`; empty: it stands."""
+        """Return why a unit whose landing was missed counts as hanging, by the mean `tension`; empty: it stands."""
         share, error = self._load.weight_share(tension.value), MEAN_ERROR * tension.sigma / self._load.weight
         least, most = HANGING_SHARES
         if least - error < share < most + error:
@@ -367,7 +367,7 @@ class Supervisor:
     def _may_damp(self, tick: LoopTick, lost: str) -> bool:
         """Tell whether the unit is to be damped in a fade-out: after harm, or without the encoder (`lost`).
 
-        What the winch was sent tells the payout for the while, and MRU and depth sensor the rest.
+        For that time payout is known from the commands sent, and the rest from MRU and depth sensor.
         """
         is_known = tick.sensed.has_depth and "depth" not in tick.sensed.lost and "mru" not in lost
         return self.guard.trusts_estimate and (self.guard.inhibits if not lost else is_known)
@@ -415,7 +415,7 @@ class Supervisor:
 
 
 def _known_share(tick: LoopTick) -> float:
-    """Return the largest share of the sea that may be compensated with what is known of it."""
+    """Return the largest authority by what is known of it."""
     return UNKNOWN_SEA_SHARE if tick.is_sea_refuted else 1.0
 
 

@@ -33,7 +33,7 @@ WRONG_INDEX = "its index states wrong times: some messages are not in the order 
 
 Times = tuple[int, int]
 _NOTHING = -1
-"""Before every sequence number."""
+"""A number below every sequence number."""
 
 
 class Span(NamedTuple):
@@ -69,7 +69,7 @@ class _FirstTimes:
 
 
 class ClockWatch:
-    """Tells a simulation's clock that was reset from messages that were written late, in bounded memory.
+    """Distinguishes a simulation's clock that was reset from messages that were written late, in bounded memory.
 
     After a reset, topics have messages at the very times of the earlier run, which are ticks. Late messages have their
     own times; and where messages come in no order at all, time goes back more often than any clock is reset.

@@ -30,7 +30,7 @@ from heave_bags.mcap.summary import MAGIC, Summary, ends_properly, has_interim_e
 from heave_bags.mcap.writer import LIBRARY
 
 DAMAGED_CHUNK = (struct.error, zstandard.ZstdError, RuntimeError, ValueError, MemoryError)
-"""What unpacking a chunk raises where it is damaged; lz4 raises RuntimeError."""
+"""Errors that unpacking a damaged chunk raises; lz4 raises RuntimeError."""
 
 IN_JOURNAL = -1
 """Position of messages that lie in the journal beside a file."""

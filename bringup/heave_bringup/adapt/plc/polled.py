@@ -1,4 +1,4 @@
-"""A PLC that is asked for its values and told its orders, by a thread of its own that opens the link again."""
+"""A PLC that is polled for its values and sent its orders, by a thread of its own that opens the link again."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ class PolledLink:
                 )
 
     def _try(self, what: str, act: Callable[[], None]) -> None:
-        """Read or write; what the PLC refuses is told and counted, and tried again."""
+        """Read or write; what the PLC refuses is reported and counted, and tried again."""
         try:
             act()
         except (RefusedError, ValueError) as error:

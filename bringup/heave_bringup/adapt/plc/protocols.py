@@ -10,7 +10,7 @@ from heave_bringup.errors import CommandError
 
 
 def exchange_of(device: DeviceMap) -> Exchange:
-    """Return what asks the PLC of a `device` for the fields of its map, and tells it the orders.
+    """Return what asks the PLC of a `device` for the fields of its map, and sends it the orders.
 
     Raises CommandError where the library of its protocol is not installed.
     """

@@ -38,7 +38,7 @@ INSISTENCE = 10
 COASTING = 1.0
 """The filter coasts this long without a reading before the winch stops [s]."""
 REPEATED = 3
-"""This many equal readings in a row count as none."""
+"""Number of equal readings in a row that count as none."""
 LANDED = 0.8
 """Share of the first tension at which a unit that is lowered has landed."""
 TENSION_TIME = 4.0

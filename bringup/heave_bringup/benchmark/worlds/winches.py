@@ -34,7 +34,7 @@ class Winch(Protocol):
         ...
 
     def reading(self) -> WinchReading:
-        """Return what the winch says of itself now."""
+        """Return what the winch reports of itself now."""
         ...
 
     def step(self, tick: int, command: Command, tension: float) -> None:

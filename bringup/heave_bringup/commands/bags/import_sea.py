@@ -79,7 +79,7 @@ def _add_log_options(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Write the boom-tip motion as CSV, a scenario that believes it, and say how to run, as `options` say."""
+    """Write the boom-tip motion as CSV, a scenario of that sea, and say how to run, as `options` say."""
     from heave_bags.mcap.read.folder import bag_of
     from heave_bags.play.sea_import import import_sea, write_sea
     from heave_bags.play.ship_time import time_words
@@ -165,7 +165,7 @@ def _how_to_run(
 def _write_scenario(
     options: argparse.Namespace, source: Path, estimate: HeightAndPeriod | None, duration: float
 ) -> None:
-    """Write a scenario whose boom tip moves as recorded, and whose controller believes height and period of that."""
+    """Write a scenario whose boom tip moves as recorded, and whose controller assumes its height and period."""
     from heave_node.scenario import WILDCARD
 
     from heave_bringup.pages.commented_scenario import commented_scenario
@@ -201,7 +201,7 @@ def _write_scenario(
 
 
 def _mru_of(sections: Sections) -> dict[str, object]:
-    """Return what a scenario says of its motion reference unit, which stays the same in another sea."""
+    """Return the parameters of a scenario's motion reference unit, which stay the same in another sea."""
     section = next((values for name, values in sections.items() if name.endswith("wave_vessel")), {})
     return {name: value for name, value in section.items() if name.startswith("mru.")}
 

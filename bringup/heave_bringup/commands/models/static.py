@@ -32,7 +32,7 @@ BELONGS = {
     "payout_speed": ("laying",),
     "bottom_tension": ("laying",),
 }
-"""Which problems each option belongs to."""
+"""Problems to which each option belongs."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

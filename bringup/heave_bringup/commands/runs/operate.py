@@ -198,7 +198,7 @@ def _tell_status(options: argparse.Namespace, link: RunLink) -> None:
     link.listen(LISTENING_TIME)
     situation = link.situation
     if not situation.is_paused and not math.isfinite(situation.depth):
-        link.spin(LISTENING_TIME)  # alarms and depth are told once per simulated second
+        link.spin(LISTENING_TIME)  # alarms and depth are reported once per simulated second
     write_result(options, status_line(situation), asdict(situation))
 
 

@@ -90,7 +90,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KPI<VALUE",
-        help="a criterion of the verdict beside the scenario's own, for a run of any length; a verdict that is FAILED "
+        help="a criterion of the verdict beside the scenario's own, as significant_residual<5cm; a FAILED verdict "
         "is exit status 3",
     )
     parser.add_argument(

@@ -11,7 +11,7 @@ from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 
 DEFAULT_PORT = 8765
-"""That Foxglove offers by itself."""
+"""Port that Foxglove offers by default."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

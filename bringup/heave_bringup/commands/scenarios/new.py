@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from heave_bringup.scenarios import Scenario
 
 STRENGTHS = {"cable": ("breaking_force", "safety_factor"), "unit": (), "winch": ("rated_pull",)}
-"""What another cable or winch does not take over from the model's, whether its entry states it or not."""
+"""Values of the model that another cable or winch does not take over, whether its entry states them or not."""
 
 
 class Quantity(NamedTuple):
@@ -66,7 +66,7 @@ def execute(options: argparse.Namespace) -> None:
     if path.exists() and not options.force:
         raise CommandError(f"{path}: is there already; --force writes over it")
     model = find_scenario(options.like)
-    known = load_scenario(options.like, needs_files=False)  # what is wrong with it is said of it, not of what follows
+    known = load_scenario(options.like, needs_files=False)  # an error in it is reported of it, not of what follows
     sections = _with_lift(_changed(sections_for(model, path.parent), options), options, known)
     changed = _changes(options)
     origin = f"{model.stem}, {changed}" if changed else description_of(model).rstrip(".") or model.stem

@@ -28,7 +28,11 @@ def add_grid(parser: argparse.ArgumentParser, seeds: int) -> None:
     parser.add_argument("--seeds", type=int, default=seeds, metavar="N", help=f"seeds of each sea (default: {seeds})")
     parser.add_argument("--duration", type=float, metavar="S", help="simulated time of a case, not the scenario's")
     parser.add_argument(
-        "--require", action="append", default=[], metavar="KPI<VALUE", help="a criterion beside the scenario's own"
+        "--require",
+        action="append",
+        default=[],
+        metavar="KPI<VALUE",
+        help="a criterion beside the scenario's own, as dynamic_amplification<1.2 or tension_max<400kN",
     )
     parser.add_argument(
         "--record",
@@ -55,7 +59,7 @@ def add_files(parser: argparse.ArgumentParser, name: str, result: str) -> None:
 
 
 def check_files(options: argparse.Namespace) -> None:
-    """Refuse endings of the files in `options` that would surprise, before anything is run."""
+    """Refuse endings of the files in `options` that name no format, before anything is run."""
     from heave_bringup.output import check_output
 
     check_output("--report", options.report, (".html",))
@@ -102,7 +106,7 @@ def sea_grid(
 def study_cases(
     options: argparse.Namespace, table: Path, campaign: Callable[[Mapping[str, object]], Campaign]
 ) -> tuple[pandas.DataFrame, dict[str, str]]:
-    """Return the table of the cases, run or read, and what it says of itself.
+    """Return the table of the cases, run or read, and what it reports of itself.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ from heave_bringup.whatif.twin.winch import PastWinch
 INERTIA, DAMPING, SCALE, DELAY = "cable.inertia_factor", "cable.damping_factor", "mru.scale", "mru.delay"
 
 PRIOR = {INERTIA: 0.15, DAMPING: 0.8, SCALE: 0.02, DELAY: 0.04}
-"""Standard deviation of each about what is believed: of the logarithm of a factor or a scale [-], of a delay [s]."""
+"""Standard deviation of each about what is assumed: of the logarithm of a factor or a scale [-], of a delay [s]."""
 
 BAND = (0.25, 4.0)
 """Angular frequencies that are judged [rad/s]."""
@@ -40,7 +40,7 @@ INDEPENDENT = 0.6
 """Independent values a frequency under a Hann taper."""
 
 TELLS = 0.5
-"""A quantity whose standard deviation is less than so much of its prior is told by the record."""
+"""A quantity whose standard deviation is less than so much of its prior is identified by the record."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +49,12 @@ class CableFit:
 
     Attributes
     ----------
-    values : by name in PRIOR, about what is believed: factors and scale [-], delay [s]
+    values : by name in PRIOR, about what is assumed: factors and scale [-], delay [s]
     covariance : of the logarithms of factors and scale, and of the delay, in that order
     prior : its standard deviations
-    mru : scale, mean and delay of the MRU, with what was believed of it
+    mru : scale, mean and delay of the MRU, with what was assumed of it
     high_pass_period : of the MRU [s]; 0: none
-    nats : by how much better the record is explained than by what is believed
+    nats : by how much better the record is explained than by what is assumed
     chi2 : mean square of what is left of the depth readings over their noise [-]
     """
 
@@ -84,7 +84,7 @@ class CableLikelihood:
     record : with MRU and depth sensor
     nominal : parameters of the controller
     winch : what the drum did
-    mru : believed of the MRU
+    mru : assumed of the MRU
     depth_scale : reading over truth [-]
     prior : standard deviation of each value, by name
     centre : value that each is likely to have, in the terms of `values_at`
@@ -173,7 +173,7 @@ class CableLikelihood:
 def fit_cable(likelihood: CableLikelihood, high_pass: HighPass) -> CableFit:
     """Return the values at which the `likelihood` of the record and the prior together are largest.
 
-    `high_pass` is what the MRU is believed to have; another is taken where it is worth its price.
+    `high_pass` is assumed of the MRU; another is taken where it is worth its price.
     """
     start = likelihood._centre.copy()
     least = {high_pass.period: _least(likelihood, start, high_pass)}

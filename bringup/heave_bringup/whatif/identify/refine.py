@@ -1,6 +1,6 @@
 """Cable and unit by the twin itself: output error in time, where the boom tip is known far better than it moves.
 
-The likelihood in the frequency domain has a linear drag and forgets what lies before its taper; near a resonance whose
+The likelihood in the frequency domain has a linear drag and discards what lies before its taper; near a resonance whose
 memory is as long as the record both matter. Where the outlet hardly moves, the error of the boom tip would bias least
 squares, and the likelihood stands.
 """

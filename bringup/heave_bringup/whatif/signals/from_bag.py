@@ -38,7 +38,7 @@ SELECTION: dict[str, tuple[str, ...]] = {
     BELIEFS: ("asked",),
     **{SENSORS[name].topic.name: SENSORS[name].values for name in INPUTS},
 }
-"""What is read of a bag, and nothing else: sensors, orders, and what the controller said."""
+"""Topics that are read of a bag, and no others: sensors, orders, and the controller's reports."""
 
 _SECOND = 1_000_000_000
 

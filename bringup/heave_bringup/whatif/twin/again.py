@@ -42,7 +42,7 @@ class Again:
 def observed_again(
     record: SensorRecord, parameters: WinchControllerParameters, on_tick: Callable[[int], None] | None = None
 ) -> Again:
-    """Have a controller of the `parameters` in force read a `record` as it stands.
+    """Have a controller of the active `parameters` read a `record` as it stands.
 
     Parameters
     ----------

@@ -63,7 +63,7 @@ class Replayed:
     payout, rate : of the cable at each tick (n,) [m], [m/s]
     set_point : mean payout that the controller worked about (n,) [m]
     unit, tension : of the twin at each tick (n,) [m], [N]
-    authority : share of the sea that was compensated (n,) [-]
+    authority : authority of compensation (n,) [-]
     modes, alarms : of the controller in each tick; and time [s] and alarm
     limits_hit : of the winch in each tick, sums of WinchLimit (n,)
     order_error : largest difference of the rate set-point from that of the record so far (n,) [m/s]

@@ -3,8 +3,8 @@
 A layout is the list of fields in their order, each with its kind. Names with a meaning of their own:
 
 - `sequence` counts datagrams and begins again after its largest number. A datagram that is not newer than the newest
-  one is not used; after 100 that are missing backwards, two in a row begin anew, as RFC 3550, appendix A.1, has it for
-  a sender that was started again.
+  one is not used; after 100 that are missing backwards, two in a row restart, as in RFC 3550, appendix A.1, after
+  a restart of the sender.
 - `time_ms`, `time_us` : the sender's clock, in milliseconds or microseconds.
 - `crc` : last, over all bytes before it; `crc32` (ISO-HDLC, as in Ethernet and zlib) or `crc16` (as in Modbus RTU).
 
@@ -25,7 +25,7 @@ DATAGRAM = "datagram"
 LARGEST = 1400
 """Bytes of a datagram that one packet of Ethernet holds."""
 MISORDER = 100
-"""A datagram at most so many behind the newest one is late; one further behind is of a sender that began anew."""
+"""A datagram at most so many behind the newest one is late; one further behind is of a sender that restarted."""
 CLOCKS = {"time_ms": 1e-3, "time_us": 1e-6}
 """Fields that hold the sender's time, with their unit [s]."""
 _CHECKS = {"crc32": 4, "crc16": 2}

@@ -171,7 +171,7 @@ SENTENCES: Mapping[str, Callable[[Fields, Quality], Sample | None]] = {
     "PENCR": _pencr,
     "ZDA": _zda,
 }
-"""By name, without `$`: what reads its fields. None, or an exception: the sentence is unknown, or malformed."""
+"""Decoder of each sentence, by name without `$`. None, or an exception: the sentence is unknown, or malformed."""
 WITHOUT_CHECKSUM = frozenset(["PENCR"])
 """Sentences that their makers send without a checksum."""
 UNSIGNED = {"PASHR.heave": "makers of PASHR do not agree on the sign of heave (SBG: positive down; WASSP: positive up)"}

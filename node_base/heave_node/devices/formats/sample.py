@@ -24,7 +24,7 @@ class TimeBase(Enum):
     """What a device's own time counts from."""
 
     NONE = "none"
-    """It has none: the time of arrival counts."""
+    """The sample has no time: that of its arrival counts."""
     UNIX = "unix"
     """UTC, from 1970."""
     DAY = "day"

@@ -24,7 +24,7 @@ _PLAIN = {sensors.DEPTH.topic.name: "pressure", sensors.LOAD_CELL.topic.name: "t
 
 
 class WinchReading(NamedTuple):
-    """What a drive says of itself; NaN where it does not.
+    """What a drive reports of itself; NaN where it does not.
 
     Attributes
     ----------

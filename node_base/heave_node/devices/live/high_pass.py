@@ -13,7 +13,7 @@ DEFAULT_PERIOD = 300.0
 """Period of the filter, where a map says none [s]: a swell of 12 s leads by 3 degrees."""
 _DAMPING = 0.7
 _LONGEST_STEP = 5.0
-"""After a gap longer than this it starts again [s]."""
+"""Longest gap between samples; after a longer one the filter restarts [s]."""
 
 
 class HighPass:

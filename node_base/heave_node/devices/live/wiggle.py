@@ -13,11 +13,11 @@ from itertools import pairwise
 from typing import NamedTuple
 
 MOVE_TIME = 4.0
-"""Of one way [s]."""
+"""Duration of a move one way [s]."""
 REST_TIME = 2.0
-"""At rest before, between and behind the moves, in which the drum comes to rest [s]."""
+"""Duration of a rest before, between and after the moves, in which the drum comes to rest [s]."""
 _LOOK = 0.5
-"""Of a rest the last part counts [s]."""
+"""Last part of a rest, which is evaluated [s]."""
 LEAST, LARGEST = 1e-3, 0.1
 """Lengths of a move [m]."""
 _SHARE = 0.2

@@ -8,7 +8,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from heave_node.devices.maps.quantities import QUANTITIES, UNITS
+from heave_node.devices.maps.quantities import QUANTITIES
+from heave_node.files.units import UNITS
 
 EULER_PARTS = ("roll", "pitch", "yaw")
 DEFAULT_CUT_OFF = 2.0 * math.pi / 40.0

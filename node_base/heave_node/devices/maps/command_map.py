@@ -17,7 +17,7 @@ from heave_node.devices.maps.link import Link, read_link
 
 _FORM = re.compile(r"[ +-]?0?\d{0,2}(\.\d{1,2})?[a-zA-Z]?")
 ORDERS = ("payout", "payout_rate", "brake", "enable", "reset", "sequence", "watchdog")
-"""What can be sent to a winch: set-points, brake (1: stop and brake) and its opposite `enable`, `reset` (1: a latched
+"""Orders for a winch: set-points, brake (1: stop and brake), its opposite `enable`, `reset` (1: a latched
 fault is acknowledged), the number of the controller's command, and `watchdog`, which counts what is sent.
 """
 COUNTERS = ("sequence", "watchdog")
@@ -53,8 +53,8 @@ class CommandMap:
     layout : of a datagram; None: something else
     topic, type : of a message; "": something else
     orders : what is set in the message, in the datagram, or in the registers or nodes of the map's source
-    timeout : without a command for so long the winch is told to stop and brake [s]
-    supervision : where drum or brake do not follow their orders for so long it is told the same [s]; 0: not supervised
+    timeout : without a command for so long the winch is ordered to stop and brake [s]
+    supervision : where drum or brake do not follow their orders for so long it is stopped and braked [s]; 0: not done
     """
 
     link: Link | None = None

@@ -6,39 +6,8 @@ not used.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-
-from heave_node.numerics.constants import STANDARD_GRAVITY
-
-_DEGREE = math.radians(1.0)
-_POUND = 0.45359237 * STANDARD_GRAVITY
-UNITS: Mapping[str, Mapping[str, float]] = {
-    "length": {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "ft": 0.3048},
-    "speed": {"m/s": 1.0, "cm/s": 0.01, "mm/s": 0.001, "m/min": 1.0 / 60.0, "ft/s": 0.3048, "ft/min": 0.3048 / 60.0},
-    "acceleration": {"m/s^2": 1.0, "cm/s^2": 0.01, "mm/s^2": 0.001, "g": STANDARD_GRAVITY},
-    "angle": {"rad": 1.0, "deg": _DEGREE, "mrad": 0.001},
-    "turn rate": {"rad/s": 1.0, "deg/s": _DEGREE, "deg/min": _DEGREE / 60.0},
-    "force": {
-        "N": 1.0,
-        "daN": 10.0,
-        "kN": 1e3,
-        "MN": 1e6,
-        "kgf": STANDARD_GRAVITY,
-        "kg": STANDARD_GRAVITY,
-        "t": 1e3 * STANDARD_GRAVITY,
-        "tf": 1e3 * STANDARD_GRAVITY,
-        "lbf": _POUND,
-        "kip": 1e3 * _POUND,
-    },
-    "pressure": {
-        **{"Pa": 1.0, "hPa": 100.0, "mbar": 100.0, "kPa": 1e3, "dbar": 1e4, "bar": 1e5, "MPa": 1e6},
-        "psi": _POUND / 0.0254**2,
-    },
-    "number": {"": 1.0},
-}
-"""Sizes of units in SI units, by dimension."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +16,7 @@ class Quantity:
 
     Attributes
     ----------
-    dimension : name in UNITS
+    dimension : name in `heave_node.files.units.UNITS`
     largest : magnitude beyond which a value is not used, in the SI unit
     ways : words for a positive direction, with the sign that turns it into the suite's
     """
@@ -79,7 +48,7 @@ QUANTITIES: Mapping[str, Quantity] = {
     "fault": Quantity("number", 1e9),
     "watchdog": Quantity("number", 1e19),
 }
-"""By name; SI units, signs of `sample`."""
+"""Quantities by name; SI units, signs of `sample`."""
 NED_WAYS = {
     "heave": "down",
     "heave_rate": "down",
@@ -87,7 +56,7 @@ NED_WAYS = {
     "pitch": "bow up",
     "pitch_rate": "bow up",
 }
-"""What is positive where x is forward, y to starboard and z down; what is not here is as in the suite's own axes."""
+"""Positive direction of each where x is forward, y to starboard and z down; others are as in the suite's own axes."""
 
 OUTPUTS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "mru": ("heave", ("heave_rate", "heave_acceleration", "roll", "pitch", "roll_rate", "pitch_rate")),

@@ -16,10 +16,10 @@ from pathlib import Path
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 STATIC_PEERS = "ROS_STATIC_PEERS"
 LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"
-"""What says LOCALHOST on ROS 2 Jazzy and older, where it goes before RANGE."""
+"""Variable that stands for LOCALHOST on ROS 2 Jazzy and older, where it takes precedence over RANGE."""
 
 PROFILE_VARIABLE = {2: "FASTRTPS_DEFAULT_PROFILES_FILE", 3: "FASTDDS_DEFAULT_PROFILES_FILE"}
-"""Where Fast DDS looks for its profiles, by its major version."""
+"""Variable with the profiles of Fast DDS, by its major version."""
 ROS_PACKAGE = {2: "fastrtps", 3: "fastdds"}
 """Fast DDS as a ROS package, by its major version."""
 

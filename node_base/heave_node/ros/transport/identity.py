@@ -3,7 +3,7 @@
 The identifier of a publisher (GID) begins, in every DDS, with the prefix of its participant: one per process. A sender
 cannot choose it, and no two processes share it. Fast DDS writes a number of the host into it, which it makes from the
 host's addresses: the same for all processes of a machine (of a container, where that has addresses of its own), but no
-name. A name is known only of hosts on which a node of this suite has told it (TickJoin). The number of a machine is
+name. A name is known only of hosts on which a node of this suite has reported it (TickJoin). The number of a machine is
 printed there by `python -m heave_node.ros.transport.identity`.
 """
 
@@ -29,7 +29,7 @@ _OF_DDS = ("fastrtps", "cyclonedds", "connextdds")
 UNKNOWN_SENDER = "a node that has left"
 NAMELESS_SENDER = "a program without a ROS node name"
 _NO_NAME = "_NODE_NAME_UNKNOWN_"
-"""What the graph calls a publisher of a DDS program that is no ROS node, or whose node it does not know yet."""
+"""Name in the graph of a publisher that is no ROS node, or whose node is not known yet."""
 _FAST_DDS = bytes([0x01, 0x0F])
 """Vendor number at the start of Fast DDS's prefixes; 2 bytes for the host and 2 for the process follow."""
 
@@ -48,7 +48,7 @@ def own_identity(node: Node) -> str:
 
 
 def identity_of_endpoint(info: Any) -> str:
-    """Return the identity of the process of a publisher by what the graph says of it, `info`."""
+    """Return the identity of the process of a publisher by the graph's entry for it, `info`."""
     return _identity(info.endpoint_gid)
 
 

@@ -29,7 +29,7 @@ class GovernedCommand(NamedTuple):
 
     Attributes
     ----------
-    value : command in the terms of the linear model: what the estimator is told
+    value : command in the terms of the linear model: the estimator's input
     active : names of the limits that shaped it
     sent : the same for the winch, whose acceleration limiter acts within the tick, and which has a gain of its own
     """
@@ -84,7 +84,7 @@ class CommandGovernor:
     ----------
     model : the design's augmented model, one input
     winch : its law and lags
-    limits : in force
+    limits : the active ones
     """
 
     def __init__(self, model: LinearModel, winch: WinchModelParameters, limits: WinchLimits) -> None:

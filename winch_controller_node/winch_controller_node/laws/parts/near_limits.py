@@ -13,7 +13,7 @@ BEGINS, ENDS = 0.8, 0.4
 """Share of a limit from which on it is near, and below which it is no longer: a sea at the limits comes in groups."""
 
 MEMORY = 30.0
-"""Time constant with which a wave, or a swing of the unit, is forgotten [s]: a few groups."""
+"""Time constant with which a wave, or a swing of the unit, decays [s]: a few groups."""
 
 
 class NearLimits:
@@ -38,7 +38,7 @@ class NearLimits:
         self._limits = limits
 
     def reset(self) -> None:
-        """Forget the waves that were seen."""
+        """Discard the waves that were seen."""
         self._share = 0.0
         self._are_near = False
 

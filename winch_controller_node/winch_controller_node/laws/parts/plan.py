@@ -1,7 +1,7 @@
 """The plan of law mpc: the winch's limits as rows of it, and the solver that corrects it.
 
 A row gives a constrained quantity at a tick of the horizon from the state now, from the correction, and from what a
-preview tells beyond the state.
+preview predicts beyond the state.
 """
 
 from __future__ import annotations
@@ -235,7 +235,7 @@ class PlanSolver:
         self.restart()
 
     def restart(self) -> None:
-        """Forget the warm start."""
+        """Discard the warm start."""
         rows, columns = self._forced.shape
         self._solver = daqp.Model()
         self._solver.settings = self._settings

@@ -31,8 +31,8 @@ class PreviewUse:
 
     Attributes
     ----------
-    first, last : it must tell of all times ahead from the one to the other [s]
-    noise : standard deviation of its error that is believed [m]
+    first, last : it must cover all times ahead from the one to the other [s]
+    noise : assumed standard deviation of its error [m]
     """
 
     first: float
@@ -41,7 +41,7 @@ class PreviewUse:
 
 
 class PreviewReader:
-    """Tells what a preview says beyond the estimate.
+    """Returns what a preview predicts beyond the estimate.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class PreviewReader:
 
     Attributes
     ----------
-    disturbances : of the states at each tick, per surprise, shape (ticks, n, m)
+    disturbances : of the states at each tick, per innovation of the preview, shape (ticks, n, m)
     use : what it wants of a preview
     """
 
@@ -78,7 +78,7 @@ class PreviewReader:
     def surprise(self, preview: HeavePreview | None, x: Array) -> Array | None:
         """Return heave ahead less that predicted from `x`, shape (m,) [m]; None where a preview does not reach so far.
 
-        `preview` and `x` are of the same share of the sea.
+        `preview` and `x` have the same authority.
         """
         if preview is None or not preview.covers(self.use.first, self.use.last):
             return None
@@ -89,7 +89,7 @@ class PreviewReader:
 def feedforward(
     model: LinearModel, gain: Array, sizes: Mapping[str, float], command_size: float, disturbances: Array
 ) -> Array:
-    """Return the best commands to come per surprise, shape (ticks, m), on top of u = -gain x.
+    """Return the best commands to come per innovation of the preview, shape (ticks, m), on top of u = -gain x.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ mean of the tension over t has zeros there, and is k (1 + exp(-s t))/2 times the
 
     mean tension over t / k + (payout now + payout t ago)/2 = (boom tip now + boom tip t ago)/2 + a constant,
 
-the boom tip t/2 ago, whatever the winch does. A Kalman filter of the sea believed in foretells it from there.
+the boom tip t/2 ago, whatever the winch does. A Kalman filter with the assumed sea predicts it from there.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ WAVE_KEPT = 0.98
 """Share of an axial wave that comes back from a unit on hard ground, at least damping: 0.3 % of critical in mode 1."""
 
 WAVE_TIME_SHARES = (0.95, 1.0, 1.05)
-"""Time of a wave over the believed one: a stiffness 10 % off changes it so. Windows are tried at the same shares."""
+"""Time of a wave over the assumed one: a stiffness 10 % off changes it so. Windows are tried at the same shares."""
 
 RESONANCE = np.linspace(-8.0, 8.0, 49)
 """Frequencies about a resonance at which its circle in the Nyquist diagram is followed, over its half-width."""
@@ -40,7 +40,7 @@ SLOWEST = 0.02
 """Frequency below which the loop is the correction's integral alone [rad/s]."""
 
 NOISE_SHARES = tuple(0.1 * 2.0**step for step in range(9))
-"""Noise of a reading over the boom tip's standard deviation, from the least that is believed."""
+"""Noise of a reading over the boom tip's standard deviation, from the least that is assumed."""
 
 OFFSET_DRIFT = 0.02
 """Random walk of the constant in a reading [m/sqrt(s)]."""
@@ -112,7 +112,7 @@ class WireLoop(NamedTuple):
 
     @property
     def lateness(self) -> float:
-        """Time from the motion that a mean tension tells of to what the winch does about it [s]."""
+        """Time from the motion that a mean tension measures to what the winch does about it [s]."""
         return 0.5 * self.round_trip + self.delay + self.lag
 
     def frequencies(self, wave_time: float) -> ComplexArray:
@@ -159,14 +159,14 @@ def hanging_time_constant(loop: WireLoop, cable: CableModel) -> float:
 class TipByTension:
     """Foretells the boom tip's rate from tension and payout.
 
-    The noise that is believed of a reading is the least with which the loop keeps its gain margin over the wave
-    equation, also where stiffness and wave's time are not quite as believed: its Nyquist diagram cuts the real axis
+    The assumed noise of a reading is the least with which the loop keeps its gain margin over the wave
+    equation, also where stiffness and wave's time are not quite as assumed: its Nyquist diagram cuts the real axis
     nowhere left of -1/GAIN_MARGIN. Each mode adds to it a circle through 0, the larger the less it is damped and the
     less exactly the mean is over its own period. Delay and lag of the winch turn it.
 
     Parameters
     ----------
-    model : sampled augmented model of the design, whose waves and vessel it believes in
+    model : sampled augmented model of the design, whose waves and vessel it assumes
     loop : wire and winch
     correction : rate that is asked besides for a metre of tension over stiffness, at most [1/s]
 
@@ -219,9 +219,9 @@ class TipByTension:
         return min(self._cut(gain, correction, window, share) for share in WAVE_TIME_SHARES)
 
     def _cut(self, gain: Array, correction: float, window: float, wave_share: float) -> float:
-        """Return the same for a wave's time that is `wave_share` of the believed one.
+        """Return the same for a wave's time that is `wave_share` of the assumed one.
 
-        What the drum's own motion adds to the reading is known; only what the wire makes of it otherwise comes back.
+        What the drum's own motion adds to the reading is known; only the wire's further response to it comes back.
         """
         loop, trip = self._loop, self._loop.round_trip
         s = loop.frequencies(wave_share * trip)

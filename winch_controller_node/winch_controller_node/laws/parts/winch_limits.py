@@ -1,4 +1,4 @@
-"""The limits of the winch that are in force: its own, less what the controller does not use."""
+"""The active limits of the winch: its own, less what the controller does not use."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from winch_controller_node.parameters.model import WinchModelParameters
 
 @dataclass(frozen=True)
 class WinchLimits:
-    """Limits in force: the winch's own less what the controller does not use.
+    """Active limits: the winch's own less what the controller does not use.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class WinchLimits:
 
 
 def winch_limits(winch: WinchModelParameters, limits: LimitParameters, static_tension: float) -> WinchLimits:
-    """Return the limits in force for a `winch`, of which `limits` are used, under a `static_tension` at the top [N]."""
+    """Return the active limits for a `winch`, of which `limits` are used, under a `static_tension` at the top [N]."""
     span = winch.payout_maximum - winch.payout_minimum
     highest = limits.maximum_tension_ratio
     margin = min(limits.payout_margin, 0.25 * span)

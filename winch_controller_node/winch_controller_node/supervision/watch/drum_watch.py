@@ -27,7 +27,7 @@ LEAST_SEEN = 0.8
 """Least fraction of the encoder readings that a comparison needs."""
 
 SETTLED = 5.0
-"""Time constants after which a servo has forgotten how it began."""
+"""Time constants after which the initial state of a servo has decayed."""
 
 LONGEST = 12.0
 """Time for which orders and readings are kept [s]."""
@@ -62,7 +62,7 @@ class Ordered(NamedTuple):
     is_limited: bool = False
 
     def is_reversed(self, *, was: bool) -> bool:
-        """Tell whether the encoder goes the other way, and if it `was` so, still does."""
+        """Return whether the encoder is reversed, and if it `was` so, still is."""
         return self.share < NOT_REVERSED if was else self.share < REVERSED and self.left < STRAIGHT
 
     def is_sudden(self, *, was: bool) -> bool:
@@ -87,7 +87,7 @@ class DrumWatch:
     Parameters
     ----------
     winch : nominal
-    largest : most by which its delay may be believed to be longer [s]
+    largest : most by which the assumed delay may be longer [s]
     tick_period : [s]
     """
 
@@ -102,11 +102,11 @@ class DrumWatch:
         self._error_after(np.zeros(3))
 
     def take(self, believed: Mapping[str, float]) -> None:
-        """Go by what is `believed` of the winch from now on, by quantity."""
+        """Go by the `believed` winch from now on, by quantity."""
         self._drum = np.array(drum_of(self._nominal, believed), dtype=float)
 
     def reset(self, payout: float = 0.0) -> None:
-        """Begin anew with the drum at rest at `payout` [m]."""
+        """Restart with the drum at rest at `payout` [m]."""
         self._payouts.clear()
         self._rates.clear()
         self._tensions.clear()
@@ -117,7 +117,7 @@ class DrumWatch:
             self._tensions.append(math.nan)
 
     def restart(self) -> None:
-        """Begin anew with the drum in motion, after something that no drum does."""
+        """Restart with the drum in motion, after something that no drum does."""
         self._readings.clear()
         self._limits.clear()
 
@@ -146,7 +146,7 @@ class DrumWatch:
         self._readings.append(math.nan if encoder is None else encoder)
 
     def error(self) -> float:
-        """Return how far the drum is off what was foreseen a second ago [m]; 0 where unknown.
+        """Return how far the drum is off what was predicted a second ago [m]; 0 where unknown.
 
         Payout and rate of then are those that explain the second before it best: at a limit an error of the rate stays.
         """
@@ -163,7 +163,7 @@ class DrumWatch:
         return float(readings[-1] - predicted_reading(*sent, readings, self._drum, gain, half, self._dt))
 
     def ordered(self) -> Ordered | None:
-        """Return what the encoder reads of what the winch was ordered, as it is believed to be; None: unknown."""
+        """Return what the encoder reads of what the winch was ordered, with its assumed scale; None: unknown."""
         count = round(ORDERED_TIME / self._dt)
         readings = self._readings.last(count + 1)
         seen = np.isfinite(readings)

@@ -1,6 +1,6 @@
-"""The reflex about the encoder: one that goes the other way than the winch is ordered is set aside within a second.
+"""The reflex about the encoder: a reversed one is set aside within a second.
 
-A loop that believes it is unstable. What it reads instead is the adviser's to find.
+A loop that uses it is unstable. Its scale is identified by the adviser.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class EncoderReflex:
         return ALARMS.alarm("ENCODER_REVERSED" if self._is_reversed else "ENCODER_SCALE_STEP")
 
     def restart(self) -> None:
-        """Begin anew: an operator asks for the encoder to be tried, or it is believed to be another."""
+        """Restart: an operator asks for the encoder to be tried, or another scale is assumed."""
         self.is_unresolved = False
         self._looks, self._aside_time = 0, 0.0
 

@@ -53,7 +53,7 @@ class HighestTension:
         ratio : highest tension over the static one [-]
         tension_per_metre : of stretch, over the static one [1/m]
         peak_use : peak of the boom tip over the winch's limits [-]
-        brake : is on: compensation begins anew
+        brake : is on: compensation restarts
         """
         self._stretch.add(stretch)
         least = self.least_ratio(tension_per_metre, peak_use)

@@ -25,7 +25,7 @@ def rope_strength(parameters: WinchControllerParameters) -> Strength | None:
 
 
 class Episode:
-    """Tells the beginning of something that comes and goes.
+    """Reports the beginning of something that comes and goes.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ that has lasted for the first time.
 
 
 class ShareNews:
-    """Tells what holds compensation back, at most once a minute, and once that it is over.
+    """Reports what limits compensation, at most once a minute, and once that it is over.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class ShareNews:
 
         Parameters
         ----------
-        share : largest share of the sea that may be compensated, 0 to 1
+        share : largest authority allowed, 0 to 1
         code : of the alarm that says why it is no larger
         authority, factor : share that is compensated, and the largest that is asked for: that is all
         compensates : the mode is that of compensation
@@ -40,7 +40,7 @@ class ShareNews:
         if self._held_time >= HELD_TIME:
             self._held_time, self._is_told = -TOLD_AGAIN, True
             return ALARMS.alarm(code, percent=100.0 * share)
-        # whatever ends compensation is told by its mode
+        # whatever ends compensation is reported with its mode
         self._is_told = self._is_told and compensates
         self._free_time = self._free_time + self._dt if self._is_told and not is_held else 0.0
         if self._free_time < HELD_TIME or authority < factor:

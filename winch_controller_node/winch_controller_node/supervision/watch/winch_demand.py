@@ -27,7 +27,7 @@ GROWING_PEAK = 2.35
 """Peak amplitude over standard deviation of its last waves then: the next ones are higher."""
 
 FIRST_LOOK = 120.0
-"""Time for which that is asked [s]: from then on what was seen before tells the one from the other."""
+"""Time for which that is asked [s]: from then on the earlier record distinguishes the two."""
 
 
 class WinchDemand:
@@ -87,7 +87,7 @@ class WinchDemand:
         return max(speed / limits.usual_speed, acceleration / limits.acceleration)
 
     def largest_share(self, limits: WinchLimits, effort: Effort, limit_use: float) -> float:
-        """Return the largest share of the sea, up to 1, whose peaks take up no more than `limit_use` of the limits.
+        """Return the largest authority, up to 1, whose peaks take up no more than `limit_use` of the limits.
 
         `effort` is that of the law, over what the boom tip's own motion asks for.
         """

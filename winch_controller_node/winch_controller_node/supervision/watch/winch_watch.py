@@ -1,4 +1,4 @@
-"""Watching the winch: whether it does what is foreseen of it, and takes commands in time."""
+"""Watching the winch: whether it does what is predicted of it, and takes commands in time."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ TOLERATED_SHARE = 0.5
 """Further delay with which compensation is tried, over lag and delay of the model, where these are not identified."""
 
 ALARMING = 0.04
-"""Error of the drum after a second that cuts the share of the sea [m]."""
+"""Error of the drum after a second that cuts authority [m]."""
 
 CAUTIOUS_SHARE = 0.3
-"""Share of the sea that is compensated with a winch that does what nobody understands."""
+"""Authority of compensation with a winch whose behaviour is unexplained."""
 
 CAUTIOUS_TIME = 3.0
 """Time that the share stays cut after the drum was last off [s]."""
@@ -47,7 +47,7 @@ class TransportReport(NamedTuple):
 
 
 class WinchWatch:
-    """Compares what the winch was ordered with what it made of it.
+    """Compares what the winch did with what it was ordered.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class WinchWatch:
         self._cautious = 0.0
 
     def take(self, believed: Mapping[str, float]) -> None:
-        """Go by what is `believed` of the winch from now on, by quantity."""
+        """Go by the `believed` winch from now on, by quantity."""
         self.drum.take(believed)
         self._cautious = 0.0
 
@@ -83,7 +83,7 @@ class WinchWatch:
 
     @property
     def share(self) -> float:
-        """Largest share of the sea that may be compensated with what is known of the winch."""
+        """Largest authority with the winch as it is known."""
         return CAUTIOUS_SHARE if self._cautious > 0.0 else 1.0
 
     def fault_cause(self, lateness: Lateness) -> str:
@@ -105,10 +105,10 @@ class WinchWatch:
 
         Parameters
         ----------
-        winch : what the winch says of itself; None: nothing came
+        winch : the winch's own report; None: nothing came
         payout : accepted encoder reading [m]; None: none
         tension : at the top, measured [N]; NaN: not known
-        parameters : with the model of the winch in force
+        parameters : with the active model of the winch
         """
         given = self._given
         report = TransportReport()
