@@ -189,7 +189,7 @@ class Line(asyncio.DatagramProtocol):
         if len(data) != struct.calcsize(ORDER) + 4 or struct.pack(">I", zlib.crc32(data[:-4])) != data[-4:]:
             return
         mark, sequence, _, order, control = struct.unpack(ORDER, data[:-4])
-        is_alone = time.monotonic() - self.plc.heard > WATCHDOG  # then the sender may have begun anew
+        is_alone = time.monotonic() - self.plc.heard > WATCHDOG  # then the sender may have restarted
         is_newer = self.newest is None or is_alone or 0 < (sequence - self.newest) % 2**32 < 2**31
         if mark != ORDER_MARK or not is_newer:
             return
