@@ -17,6 +17,7 @@ from heave_node.parameters import describe
 
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.beliefs_in_force import BeliefsInForce
+from winch_controller_node.crane.tip_carry import TipCarry
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design.schedule import identifies_winch
@@ -89,6 +90,7 @@ class WinchController:
         self._in_force = DesignInForce(parameters, tick_period=tick_period)
         design, law = self._in_force.design, self._in_force.law
         self._estimation = LoopEstimation(design)
+        self.crane = TipCarry(parameters.crane, parameters.sensors.mru)
         self._supervisor = Supervisor(design, law)
         self._command = LoopCommand(design, law)
         self._winch = WinchWatch(design)
@@ -353,7 +355,7 @@ class WinchController:
 
     def step(self, tick: int, measurements: Measurements) -> Outputs:
         """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
-        self._alarms = []
+        measurements, self._alarms = self.crane.carried(tick * self._dt, measurements)
         self._run_programme(tick * self._dt)
         self._follow_operator()
         self._follow_beliefs(tick)
