@@ -10,7 +10,6 @@ import math
 from operator import attrgetter
 
 from heave_node.cdr.packer import Packer
-from heave_node.crane.pose import POSE_FIELDS, CranePose, pose_to_wire
 from heave_node.interface import topics
 from heave_node.interface.preview import HeavePreview
 from heave_node.numerics import kinematics
@@ -27,7 +26,6 @@ _IN_WORLD = {"header.frame_id": WORLD}
 _BOOM_TIP = Packer(topics.BOOM_TIP.type, (_STAMP, "position", "velocity", "acceleration"), _IN_WORLD)
 _ELEVATION = Packer(topics.WAVE_ELEVATION.type, (_STAMP, "elevation"), _IN_WORLD)
 _PREVIEW = Packer(topics.HEAVE_PREVIEW.type, (_STAMP, "ahead", "heave", "heave_sigma"), _IN_WORLD)
-_CRANE = Packer(topics.CRANE_POSE.type, (_STAMP, *POSE_FIELDS), {"header.frame_id": VESSEL})
 _ODOMETRY = Packer(
     topics.VESSEL_ODOMETRY.type, (_STAMP, "pose.pose", "twist.twist"), {**_IN_WORLD, "child_frame_id": VESSEL}
 )
@@ -60,12 +58,6 @@ def elevation_message(elevation: float, stamp: int) -> bytes:
 def preview_message(preview: HeavePreview, noise: float) -> bytes:
     """Return a `preview` of the boom tip and its error, `noise` [m], 1 sigma."""
     return _PREVIEW.pack(preview.stamp, preview.ahead, preview.heave, noise)
-
-
-def crane_message(pose: CranePose) -> bytes:
-    """Return the `pose` of the crane as measured."""
-    reading = pose_to_wire(pose)
-    return _CRANE.pack(reading.stamp, *reading.numbers)
 
 
 def odometry_message(motion: VesselMotion, stamp: int) -> bytes:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 
+from heave_node.crane.messages import pose_message
+from heave_node.crane.pose import pose_to_wire
 from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.codes import MruStatus
@@ -73,7 +75,7 @@ class WaveVesselNode(ParticipantNode):
         if self.preview is not None and outputs.preview is not None:
             self.preview.publish(messages.preview_message(outputs.preview, self.parameters.preview.noise))
         if self.crane is not None and outputs.crane is not None:
-            self.crane.publish(messages.crane_message(outputs.crane))
+            self.crane.publish(pose_message(pose_to_wire(outputs.crane)))
         end = tick.end_nanoseconds
         self.boom_tip.publish_deferred(lambda: messages.boom_tip_message(outputs.boom_tip, end))
         self.odometry.publish_deferred(lambda: messages.odometry_message(outputs.vessel, end))

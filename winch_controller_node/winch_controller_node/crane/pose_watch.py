@@ -84,9 +84,15 @@ class PoseWatch:
             self._accept(now, pose.time, joints, pose.rates)
 
     def _known(self, pose: CranePose) -> Joints:
-        """Return the joints of a `pose`, those that are not measured as in the reference pose."""
+        """Return the joints of a `pose`, those that are not measured as in the reference pose.
+
+        An encoder begins again after a turn: the slew is that nearest to the one before.
+        """
         given = zip(pose.joints, self._measured, self._parameters.reference, strict=True)
-        return tuple(joint if is_measured else reference for joint, is_measured, reference in given)
+        slew, *others = (joint if is_measured else reference for joint, is_measured, reference in given)
+        before = self._recent[-1][1][0] if self._recent else self._parameters.slew
+        turns = round((before - slew) / math.tau) if math.isfinite(slew) else 0
+        return (slew + turns * math.tau, *others)
 
     def _has_jumped(self, time: float, joints: Joints) -> bool:
         """Tell whether `joints` read at a `time` [s] cannot be where the crane was, and do not go on from a jump."""

@@ -1,0 +1,129 @@
+"""The MRU's motion at a boom tip that moves, against a rotation matrix and its differences."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from heave_node.crane.kinematics import Crane
+from heave_node.crane.pose import CranePose
+from heave_node.interface.sensors import MruReading
+from winch_controller_node.component import WinchController
+from winch_controller_node.crane.tip_carry import APPROACH, TipCarry
+from winch_controller_node.interface.readings import Measurements
+from winch_controller_node.interface.sensors import MruModelParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.crane import CraneModelParameters
+
+DT = 0.05
+CRANE = CraneModelParameters(boom_length=22.0, jib_length=8.0, offset=1.5, slew=1.5, luff=0.8, knuckle=-0.6)
+
+
+def joints(t):
+    return (1.5 + 0.02 * t, 0.8 + 0.05 * math.sin(0.1 * t), -0.6, 0.0)
+
+
+def rates(t):
+    return (0.02, 0.005 * math.cos(0.1 * t), 0.0, 0.0)
+
+
+def attitude(t):
+    return 0.05 * math.sin(0.7 * t), 0.03 * math.sin(0.6 * t + 1.0)
+
+
+def raised(t):
+    """Return how high the tip is above where it is in the reference pose: the third component of R_y R_x arm."""
+    roll, pitch = attitude(t)
+    x_turn = np.array([[1, 0, 0], [0, math.cos(roll), -math.sin(roll)], [0, math.sin(roll), math.cos(roll)]])
+    y_turn = np.array([[math.cos(pitch), 0, math.sin(pitch)], [0, 1, 0], [-math.sin(pitch), 0, math.cos(pitch)]])
+    return float((y_turn @ x_turn @ np.array(Crane(CRANE).tip(joints(t)).arm))[2])
+
+
+def delivered(t, pose=True, still=False):
+    roll, pitch = (0.0, 0.0) if still else attitude(t)
+    poses = (CranePose(t, joints(t), rates(t)),) if pose else ()
+    return Measurements(mru=(MruReading(t, 0.3, 0.1, roll, pitch),), crane=poses)
+
+
+def carried(carry, times, **given):
+    """Return the readings of the tip at `times`."""
+    return [carry.carried(t, delivered(t, **given))[0].mru[0] for t in times]
+
+
+def test_heave_and_rate_are_those_of_the_tip():
+    times = np.arange(0.0, 40.0, DT).tolist()
+    found = carried(TipCarry(CRANE, MruModelParameters()), times)
+    for t, reading in list(zip(times, found, strict=True))[20:]:
+        assert reading.heave == pytest.approx(0.3 + raised(t) - raised(0.0), abs=1e-9)
+        rate = (raised(t + 1e-5) - raised(t - 1e-5)) / 2e-5
+        # roll and pitch rates are a parabola's of 0.6 s: 1 % of 0.7 rad/s times 0.05 rad, on an arm of 20 m
+        assert reading.heave_rate == pytest.approx(0.1 + rate, abs=0.01)
+        assert math.isnan(reading.heave_acceleration)
+
+
+def test_without_a_pose_what_was_delivered_stays_the_same_object():
+    carry = TipCarry(CRANE, MruModelParameters())
+    given = delivered(1.0, pose=False)
+    assert carry.carried(1.0, given) == (given, [])
+    assert carry.carried(1.0, given)[0] is given
+
+
+def test_an_mru_without_rate_has_none_at_the_tip_either():
+    carry = TipCarry(CRANE, MruModelParameters())
+    given = delivered(1.0)
+    alone = replace(given, mru=(given.mru[0]._replace(heave_rate=math.nan),))
+    assert math.isnan(carry.carried(1.0, alone)[0].mru[0].heave_rate)
+
+
+def test_a_stale_pose_holds_the_tip_and_one_that_is_back_elsewhere_does_not_step():
+    """The tip is up to 0.3 m higher by pitch after a minute of slewing: a step would be that of the arm at once."""
+    carry = TipCarry(CRANE, MruModelParameters())
+    carried(carry, np.arange(0.0, 5.0, DT).tolist())
+    lost = carried(carry, np.arange(5.0, 65.0, DT).tolist(), pose=False)
+    assert carry.pose.fault == "CRANE_POSE_STALE"
+    back = carried(carry, np.arange(65.0, 90.0, DT).tolist())
+    heave = [reading.heave for reading in (*lost, *back)]
+    rate = [reading.heave_rate for reading in (*lost, *back)]
+    # heave has no step that its own rate does not say: 0.05 s of the rate's error of 0.01 m/s, and of its changes
+    error = np.diff(heave) - 0.5 * DT * (np.array(rate[1:]) + rate[:-1])
+    assert np.abs(error).max() < 0.01
+    # at last the arm is where the pose says, and no height was added for what moved unseen
+    carry_now = carry.place.arm
+    assert carry_now == pytest.approx(Crane(CRANE).tip(joints(89.95)).arm)
+    assert APPROACH < 25.0
+
+
+def test_what_is_added_passes_the_high_pass_of_the_mru():
+    """A luff by a sine: the high-pass of the second order has gain and phase of its formula."""
+    period, omega = 40.0, 2.0 * math.pi / 10.0
+    crane = CraneModelParameters(boom_length=22.0, slew=1.5, luff=0.8)
+    carry = TipCarry(crane, MruModelParameters(high_pass_period=period))
+    heave = []
+    times = np.arange(0.0, 400.0, DT)
+    for t in times.tolist():
+        luff, rate = 0.8 + 0.01 * math.sin(omega * t), 0.01 * omega * math.cos(omega * t)
+        pose = CranePose(t, (1.5, luff, 0.0, 0.0), (0.0, rate, 0.0, 0.0))
+        given = Measurements(mru=(MruReading(t, 0.0, 0.0),), crane=(pose,))
+        heave.append(carry.carried(t, given)[0].mru[0].heave)
+    cut = 2.0 * math.pi / period
+    response = -(omega**2) / (cut**2 - omega**2 + 2j * 0.7071 * cut * omega)
+    luffs = 22.0 * (np.sin(0.8 + 0.01 * np.sin(omega * times)) - math.sin(0.8))
+    last = times > 200.0
+    phasor = 2.0 * np.mean(np.array(heave)[last] * np.exp(-1j * omega * times[last]))
+    given = 2.0 * np.mean(luffs[last] * np.exp(-1j * omega * times[last]))
+    # trapezoids of 0.05 s: (cut h)^2 / 12 = 5e-6; the sine's mean over 20 whole periods has no error of its own
+    assert phasor / given == pytest.approx(response, abs=1e-3)
+
+
+def test_a_pose_for_a_crane_without_lengths_is_told_once_and_not_used():
+    carry = TipCarry(CraneModelParameters(), MruModelParameters())
+    taken, alarms = carry.carried(1.0, delivered(1.0))
+    assert [alarm.code for alarm in alarms] == ["CRANE_LENGTHS_MISSING"]
+    assert taken.mru[0].heave == 0.3
+    assert carry.carried(1.05, delivered(1.05))[1] == []
+
+
+def test_the_controller_gives_the_alarms_of_the_pose_in_its_tick():
+    controller = WinchController(WinchControllerParameters(crane=CRANE), tick_period=DT)
+    codes = [alarm.code for tick in range(1, 4) for alarm in controller.step(tick, delivered(tick * DT)).alarms]
+    assert codes == ["CRANE_POSE_USED"]
