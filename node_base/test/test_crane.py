@@ -27,7 +27,7 @@ KNUCKLE = CraneParameters(boom_length=20.0, jib_length=10.0, offset=2.0, slew=0.
 def test_places_of_the_tip_by_hand(joints, place):
     slew, luff, knuckle, extension = joints
     tip = Crane(KNUCKLE).tip((slew * DEGREE, luff * DEGREE, knuckle * DEGREE, extension))
-    assert np.array(tip.arm) + (32.0, 0.0, 0.0) == pytest.approx(place, abs=1e-12)
+    assert np.add(tip.arm, (32.0, 0.0, 0.0)) == pytest.approx(place, abs=1e-12)
 
 
 def test_in_the_reference_pose_the_tip_is_where_the_arm_says_and_a_slew_by_60_degrees_is_a_chord():

@@ -9,14 +9,23 @@ from heave_node.crane.kinematics import Crane
 from heave_node.crane.pose import CranePose
 from heave_node.interface.sensors import MruReading
 from winch_controller_node.component import WinchController
+from winch_controller_node.crane.lift import LiftOrders
 from winch_controller_node.crane.tip_carry import APPROACH, TipCarry
-from winch_controller_node.interface.readings import Measurements
+from winch_controller_node.interface.readings import Measurements, WinchOrder, WinchReading
 from winch_controller_node.interface.sensors import MruModelParameters
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.crane import CraneModelParameters
+from winch_controller_node.parameters.model import WinchModelParameters
 
 DT = 0.05
 CRANE = CraneModelParameters(boom_length=22.0, jib_length=8.0, offset=1.5, slew=1.5, luff=0.8, knuckle=-0.6)
+
+
+WINCH = WinchModelParameters(time_constant=0.3, command_delay=0.2)
+
+
+def carry_of(crane, mru=None):
+    return TipCarry(crane, mru or MruModelParameters(), WINCH, DT)
 
 
 def joints(t):
@@ -52,7 +61,7 @@ def carried(carry, times, **given):
 
 def test_heave_and_rate_are_those_of_the_tip():
     times = np.arange(0.0, 40.0, DT).tolist()
-    found = carried(TipCarry(CRANE, MruModelParameters()), times)
+    found = carried(carry_of(CRANE), times)
     for t, reading in list(zip(times, found, strict=True))[20:]:
         assert reading.heave == pytest.approx(0.3 + raised(t) - raised(0.0), abs=1e-9)
         rate = (raised(t + 1e-5) - raised(t - 1e-5)) / 2e-5
@@ -62,14 +71,14 @@ def test_heave_and_rate_are_those_of_the_tip():
 
 
 def test_without_a_pose_what_was_delivered_stays_the_same_object():
-    carry = TipCarry(CRANE, MruModelParameters())
+    carry = carry_of(CRANE)
     given = delivered(1.0, pose=False)
     assert carry.carried(1.0, given) == (given, [])
     assert carry.carried(1.0, given)[0] is given
 
 
 def test_an_mru_without_rate_has_none_at_the_tip_either():
-    carry = TipCarry(CRANE, MruModelParameters())
+    carry = carry_of(CRANE)
     given = delivered(1.0)
     alone = replace(given, mru=(given.mru[0]._replace(heave_rate=math.nan),))
     assert math.isnan(carry.carried(1.0, alone)[0].mru[0].heave_rate)
@@ -77,7 +86,7 @@ def test_an_mru_without_rate_has_none_at_the_tip_either():
 
 def test_a_stale_pose_holds_the_tip_and_one_that_is_back_elsewhere_does_not_step():
     """The tip is up to 0.3 m higher by pitch after a minute of slewing: a step would be that of the arm at once."""
-    carry = TipCarry(CRANE, MruModelParameters())
+    carry = carry_of(CRANE)
     carried(carry, np.arange(0.0, 5.0, DT).tolist())
     lost = carried(carry, np.arange(5.0, 65.0, DT).tolist(), pose=False)
     assert carry.pose.fault == "CRANE_POSE_STALE"
@@ -93,30 +102,60 @@ def test_a_stale_pose_holds_the_tip_and_one_that_is_back_elsewhere_does_not_step
     assert APPROACH < 25.0
 
 
-def test_what_is_added_passes_the_high_pass_of_the_mru():
-    """A luff by a sine: the high-pass of the second order has gain and phase of its formula."""
+def test_what_the_ship_adds_passes_the_high_pass_of_the_mru():
+    """A boom slewed by 60 degrees on a ship that rolls by a sine: gain and phase are those of the formula."""
     period, omega = 40.0, 2.0 * math.pi / 10.0
     crane = CraneModelParameters(boom_length=22.0, slew=1.5, luff=0.8)
-    carry = TipCarry(crane, MruModelParameters(high_pass_period=period))
-    heave = []
-    times = np.arange(0.0, 400.0, DT)
+    carry = carry_of(crane, MruModelParameters(high_pass_period=period))
+    pose, times, heave = (1.5 + math.pi / 3.0, 0.8, 0.0, 0.0), np.arange(0.0, 400.0, DT), []
     for t in times.tolist():
-        luff, rate = 0.8 + 0.01 * math.sin(omega * t), 0.01 * omega * math.cos(omega * t)
-        pose = CranePose(t, (1.5, luff, 0.0, 0.0), (0.0, rate, 0.0, 0.0))
-        given = Measurements(mru=(MruReading(t, 0.0, 0.0),), crane=(pose,))
+        reading = MruReading(t, 0.0, 0.0, roll=0.01 * math.sin(omega * t))
+        given = Measurements(mru=(reading,), crane=(CranePose(t, pose),))
         heave.append(carry.carried(t, given)[0].mru[0].heave)
     cut = 2.0 * math.pi / period
     response = -(omega**2) / (cut**2 - omega**2 + 2j * 0.7071 * cut * omega)
-    luffs = 22.0 * (np.sin(0.8 + 0.01 * np.sin(omega * times)) - math.sin(0.8))
     last = times > 200.0
     phasor = 2.0 * np.mean(np.array(heave)[last] * np.exp(-1j * omega * times[last]))
-    given = 2.0 * np.mean(luffs[last] * np.exp(-1j * omega * times[last]))
-    # trapezoids of 0.05 s: (cut h)^2 / 12 = 5e-6; the sine's mean over 20 whole periods has no error of its own
-    assert phasor / given == pytest.approx(response, abs=1e-3)
+    y = Crane(crane).tip(pose).arm[1]
+    # the phasor of sin is -i; a parabola over 0.6 s has a slope at its end that errs by 0.1 (omega 0.6 s)^2 = 1.4 %, of
+    # the share 2 zeta cut / omega = 0.35 that is taken off: 0.005; trapezoids err by (omega h)^2 / 12 = 8e-5
+    assert phasor / (-1j * 0.01 * y) == pytest.approx(response, abs=6e-3)
+
+
+def test_a_boom_that_lifts_the_tip_has_the_winch_pay_out_and_the_unit_stay():
+    """A drum that follows orders with delay and lag, exactly as the nominal one: the loop sees it stand, and what the
+    drum is behind is heave of the tip: rate (delay + T) once the boom moves steadily."""
+    carry, drum, speed, orders = carry_of(CRANE), 0.0, 0.0, [0.0] * 4
+    share = -math.expm1(-DT / 0.3)
+    seen = []
+    for n in range(81):
+        t = n * DT
+        pose = CranePose(t, (1.5, 0.8, -0.6, 0.2 * t), (0.0, 0.0, 0.0, 0.2))
+        given = Measurements((MruReading(t, 0.0, 0.0),), winch=WinchReading(t, drum, speed, brake=False), crane=(pose,))
+        taken = carry.carried(t, given)[0]
+        seen.append((taken.winch.encoder_payout, taken.mru[0].heave))
+        order = carry.ordered(WinchOrder(n, 0.0, 0.0, brake=False), follows=True)
+        orders.append(order.payout_rate)
+        before = speed
+        speed += share * (orders[n] - speed)
+        drum += 0.5 * DT * (before + speed)
+    lift_rate = 0.2 * math.sin(0.2)  # of the jib at 0.8 - 0.6 rad
+    assert order.payout_rate == pytest.approx(lift_rate)
+    # what leaks into payout in 4 s: at most the lag times 4 s / 30 s
+    leak = lift_rate * 0.5 * 4.0 / 30.0
+    assert [payout for payout, _ in seen] == pytest.approx([0.0] * 81, abs=leak)
+    assert seen[-1][1] == pytest.approx(lift_rate * (0.2 + 0.3), abs=leak + 0.5 * DT * lift_rate)
+    assert order.payout == pytest.approx(lift_rate * 4.05, abs=leak)
+
+
+def test_a_winch_that_is_to_rest_is_not_ordered_to_follow_and_the_payout_is_the_boom_s():
+    lift = LiftOrders(WINCH, DT)
+    assert lift.step(0.5, 0.1, follows=False) == 0.0
+    assert (lift.made, lift.rate) == (pytest.approx(0.505), 0.1)
 
 
 def test_a_pose_for_a_crane_without_lengths_is_told_once_and_not_used():
-    carry = TipCarry(CraneModelParameters(), MruModelParameters())
+    carry = carry_of(CraneModelParameters())
     taken, alarms = carry.carried(1.0, delivered(1.0))
     assert [alarm.code for alarm in alarms] == ["CRANE_LENGTHS_MISSING"]
     assert taken.mru[0].heave == 0.3

@@ -53,6 +53,9 @@ DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
 OPERATED = (Mode.COMPENSATING, Mode.MANUAL)
 """Modes in which an operator may ask for a speed."""
 
+LIFTED = (Mode.COMPENSATING, Mode.FADE_OUT, Mode.MANUAL, Mode.CONSTANT_TENSION)
+"""Modes in which the winch follows the rate at which a crane lifts the boom tip."""
+
 COMING_TO_REST = (Mode.FADE_OUT, Mode.STOPPING)
 """Modes in which no move begins."""
 
@@ -90,7 +93,7 @@ class WinchController:
         self._in_force = DesignInForce(parameters, tick_period=tick_period)
         design, law = self._in_force.design, self._in_force.law
         self._estimation = LoopEstimation(design)
-        self.crane = TipCarry(parameters.crane, parameters.sensors.mru)
+        self.crane = TipCarry(parameters.crane, parameters.sensors.mru, parameters.winch, tick_period)
         self._supervisor = Supervisor(design, law)
         self._command = LoopCommand(design, law)
         self._winch = WinchWatch(design)
@@ -376,6 +379,7 @@ class WinchController:
         self._watch_load(loop, measurements.winch, command)
         order = self._command.order(command, decision.mode, self._estimation.set_point)
         self._winch.give(order)
+        order = self.crane.ordered(order, follows=decision.mode.mode in LIFTED)
         self._note_kpi(loop)
         told = ControllerTick(
             loop=loop,
