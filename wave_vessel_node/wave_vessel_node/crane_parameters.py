@@ -8,10 +8,7 @@ from heave_node.crane.kinematics import CraneParameters
 from heave_node.crane.pose import JOINTS
 from heave_node.parameters import parameter
 
-
-def _targets(joint: str, unit: str, largest: float) -> tuple[float, ...]:
-    words = f"{joint.capitalize()} after each of move_times; none: it stays."
-    return parameter((), unit=unit, minimum=-largest, maximum=largest, description=words)
+_WHERE = "after each of move_times; none: it stays."
 
 
 @dataclass(frozen=True)
@@ -21,10 +18,14 @@ class CraneMotionParameters(CraneParameters):
     move_times: tuple[float, ...] = parameter(
         (), unit="s", minimum=0.0, description="Simulated times at which moves of the crane begin, ascending."
     )
-    move_slew: tuple[float, ...] = _targets("slew", "rad", 6.3)
-    move_luff: tuple[float, ...] = _targets("luff", "rad", 1.6)
-    move_knuckle: tuple[float, ...] = _targets("knuckle", "rad", 3.2)
-    move_extension: tuple[float, ...] = _targets("extension", "m", 100.0)
+    move_slew: tuple[float, ...] = parameter((), unit="rad", minimum=-6.3, maximum=6.3, description=f"Slew {_WHERE}")
+    move_luff: tuple[float, ...] = parameter((), unit="rad", minimum=-1.6, maximum=1.6, description=f"Luff {_WHERE}")
+    move_knuckle: tuple[float, ...] = parameter(
+        (), unit="rad", minimum=-3.2, maximum=3.2, description=f"Knuckle {_WHERE}"
+    )
+    move_extension: tuple[float, ...] = parameter(
+        (), unit="m", minimum=-100.0, maximum=100.0, description=f"Extension {_WHERE}"
+    )
     turn_rate: float = parameter(
         0.035, unit="rad/s", minimum=1e-4, maximum=1.0, description="Largest rate of an angle during a move."
     )
