@@ -2,8 +2,13 @@
 
 import numpy as np
 import pytest
+from domain_coordinator import domain_id
+from heave_bags.mcap.reader import Bag
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.scenarios import load_scenario
+
+from tests.loop_runs import HAS_RUN, give
+from tests.test_one_loop import compare
 
 SLEWED = 180.0
 """Time at which the slew is over [s]: it begins at 120 s and takes 1.875 * 1.047 rad / 0.035 rad/s = 56 s."""
@@ -34,3 +39,21 @@ def test_with_the_pose_a_slewed_lift_is_held_and_without_it_is_not():
     for start, end in ((120.0, SLEWED), (SLEWED, 300.0)):
         assert heaves(with_pose, start, end)[2] < 0.1
         assert heaves(without, start, end)[0] > 4.0 * heaves(with_pose, start, end)[0]
+
+
+@pytest.mark.slow
+@pytest.mark.long
+def test_over_ros_it_is_the_same_to_the_last_bit_and_the_pose_is_in_the_bag(tmp_path):
+    settings = ["all.transient=5", "wave_vessel.ramp=3", "wave_vessel.crane.move_times=[2.0]"]
+    options = [part for setting in settings for part in ("--set", setting)]
+    with domain_id() as domain:
+        folder = str(tmp_path / "run")
+        run = give(
+            domain, "run", "crane_slew", "--duration", "12", "--composed", "--no-report", "--bag", folder, *options
+        )
+    assert run.returncode in HAS_RUN, run.stderr
+    bag = tmp_path / "run" / "bag"
+    poses = [message for _, message in Bag(bag).decoded(["crane/pose"])]
+    assert len(poses) == 12.0 / 0.05
+    assert poses[-1].slew > poses[0].slew == 1.5708
+    compare(bag)
