@@ -47,10 +47,8 @@ def test_over_ros_it_is_the_same_to_the_last_bit_and_the_pose_is_in_the_bag(tmp_
     settings = ["all.transient=5", "wave_vessel.ramp=3", "wave_vessel.crane.move_times=[2.0]"]
     options = [part for setting in settings for part in ("--set", setting)]
     with domain_id() as domain:
-        folder = str(tmp_path / "run")
-        run = give(
-            domain, "run", "crane_slew", "--duration", "12", "--composed", "--no-report", "--bag", folder, *options
-        )
+        options += ["--no-report", "--bag", str(tmp_path / "run")]
+        run = give(domain, "run", "crane_slew", "--duration", "12", "--composed", *options)
     assert run.returncode in HAS_RUN, run.stderr
     bag = tmp_path / "run" / "bag"
     poses = [message for _, message in Bag(bag).decoded(["crane/pose"])]
