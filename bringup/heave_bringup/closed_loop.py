@@ -18,6 +18,7 @@ from cable_sim_node.sensors.suite import SensorReadings
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
+from heave_node.crane.pose import pose_of, pose_to_wire
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.sensors import MRU, STANDARD_WATER, Water, all_to_wire
 from heave_node.numerics.arrays import Array
@@ -195,7 +196,8 @@ class ClosedLoop:
         # the state at t_k is that of the tick before; before the first tick there was none
         now = self.tick * self._tick_nanoseconds
         winch = winch_reading(self.winch.state, now) if self.tick > 1 else None
-        return measurements(delivered, winch, self._believed_water, vessel.preview)
+        crane = () if vessel.crane is None else (pose_of(pose_to_wire(vessel.crane)),)
+        return measurements(delivered, winch, self._believed_water, vessel.preview, crane=crane)
 
     def run(self, on_tick: Callable[[int, Outputs], None] | None = None) -> LoopRecord:
         """Run to the end; `on_tick` sees each tick's number and outputs."""

@@ -193,6 +193,30 @@ def test_joint_states_become_a_winch(name, scale):
     assert second.payout_rate == pytest.approx(scale * 0.4)
 
 
+def test_joint_states_become_the_pose_of_a_crane():
+    adapter = Adapter(find_map("crane_joint_states"))
+    joints = {"telescope": 2.5, "knuckle": -0.4, "slew": 1.2, "luff": 0.7}
+    state = SimpleNamespace(name=list(joints), position=list(joints.values()), velocity=[])
+    ((topic, pose),) = adapter.on_message("/crane/joint_states", state, 10**9, 0.0)
+    assert (topic, pose.stamp, pose.numbers[:4]) == ("crane/pose", 10**9, (1.2, 0.7, -0.4, 2.5))
+    assert all(map(math.isnan, pose.numbers[4:])), "no rate is measured"
+    state.name.remove("luff")
+    ((_, later),) = adapter.on_message("/crane/joint_states", state, 3 * 10**9, 2.0)
+    assert math.isnan(later.numbers[1]), "one that is older than the timeout is not known"
+
+
+def test_pencr_becomes_the_pose_of_a_crane_by_the_signs_of_the_map():
+    """SMC IMU-108 User Guide rev. 3.1, 4.10.7: 3FFF, 2000, 0FA0 are 90, 45 and 22 degrees of base, first and second
+    knuckle, 03E8 is 10 m; it gives no sign, so that of the base is the map's: clockwise."""
+    device = find_map("pencr")
+    adapter = Adapter(device)
+    samples = device.decoder().feed(b"$PENCR,3FFF,2000,0FA0,03E8,0000\r\n")
+    ((topic, pose),) = adapter.on_samples(samples, 5.0)
+    assert (topic, pose.stamp) == ("crane/pose", 0), "the time of arrival counts"
+    assert np.degrees(pose.numbers[:3]) == pytest.approx([-90.0, 45.0, 22.0], abs=0.1)
+    assert pose.numbers[3] == 10.0
+
+
 def test_each_shipped_map_says_what_it_is_for_and_can_be_read():
     names = shipped_maps()
     assert len(names) >= 15

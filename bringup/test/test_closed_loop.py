@@ -25,6 +25,8 @@ from heave_bags.analyse import kpi_set
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, loop_parameters
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import make_scenario
+from heave_node.crane.messages import pose_message
+from heave_node.crane.pose import POSE_FIELDS, pose_of, pose_to_wire
 from heave_node.interface import topics
 from heave_node.interface.faults import FAULTS, LARGEST_DELAY, faults_of
 from heave_node.interface.messages import MessageReader, SensorMessages
@@ -77,7 +79,9 @@ class LoopOverMessages:
         }
         winch = self.winch_state
         reading = winch_reading_of(heard(topics.WINCH_STATE, WINCH_STATE, winch)) if winch is not None else None
-        taken = measurements(delivered, reading, self.water)
+        poses = [] if vessel.crane is None else [pose_message(pose_to_wire(vessel.crane))]
+        crane = [pose_of(heard(topics.CRANE_POSE, POSE_FIELDS, pose)) for pose in poses]
+        taken = measurements(delivered, reading, self.water, crane=crane)
         outputs = self.controller.step(number, taken)
         ordered = command_message(outputs.order, tick.start_nanoseconds)
         command = winch_command_of(heard(topics.WINCH_COMMAND, WINCH_COMMAND, ordered))

@@ -29,6 +29,7 @@ _SEA = (
     *("spectrum", "significant_wave_height", "peak_period", "peak_enhancement", "shape", "direction"),
     *("spectrum_file", "spectrum_record", "spectrum_time"),
 )
+_CRANE = ("boom_length", "jib_length", "offset", "slew", "luff", "knuckle", "extension")
 _COURSE = ("heading", "speed")
 _MRU = ("noise", "rate_noise", "high_pass_period", "high_pass_damping")
 _DEPTH = ("noise", "rate", "latency")
@@ -79,6 +80,7 @@ SHARED: tuple[Shared, ...] = (
     _shared("sea.filter_form", wave_vessel="filter.form", winch_controller="sea.filter_form"),
     _shared("sea.filter_states", wave_vessel="filter.states", winch_controller="sea.filter_states"),
     _shared("vessel.", wave_vessel="vessel.", winch_controller="vessel."),
+    *(_shared(f"crane.{name}", wave_vessel=f"crane.{name}", winch_controller=f"crane.{name}") for name in _CRANE),
     *(_shared(f"course.{name}", wave_vessel=f"course.{name}", winch_controller=f"vessel.{name}") for name in _COURSE),
     *(
         _shared(f"sensors.mru.{name}", wave_vessel=f"mru.{name}", winch_controller=f"sensors.mru.{name}")

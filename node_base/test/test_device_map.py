@@ -45,6 +45,7 @@ REFUSED = [
     ({**PSXN, "heave": "PSXN23.heve"}, "heave: unknown entry PSXN23.heve; did you mean PSXN23.heave?"),
     ({**PSXN, "format": "nmea2"}, "format = 'nmea2' must be one of nmea, tss1"),
     ({**PSXN, "heave": {"field": "PASHR.heave"}}, "say positive: up or positive: down"),
+    ({"format": "nmea", "slew": "PENCR.angle_1"}, "say positive: anticlockwise or positive: clockwise"),
     ({**PSXN, "heave": {"field": "PSXN23.heave", "positive": "down"}}, "of known sign already"),
     ({**PSXN, "heave": {"field": "PSXN23.heave", "topic": "/t"}}, "has a topic, but the map has a format"),
     ({**PSXN, "lever_arm": [1, 2]}, "lever_arm = .1, 2. must have three numbers"),

@@ -67,6 +67,7 @@ def test_the_node_publishes_every_topic_that_is_its_own():
         "boom_tip",
         "mru",
         "vessel/heave_preview",
+        "crane/pose",
     }
 
 

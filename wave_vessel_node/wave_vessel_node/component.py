@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from heave_node.crane.pose import CranePose
 from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
@@ -20,6 +21,7 @@ from wave_vessel_node.sources.layers import ChangingSource, CourseSource, Drifti
 from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.sources.preview import PreviewSource
 from wave_vessel_node.sources.scene import Scene, build_scene
+from wave_vessel_node.vessel.crane_motion import CraneMotion
 from wave_vessel_node.vessel.fit import VesselFit
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
 
@@ -39,6 +41,7 @@ class WaveVesselOutputs:
     wave_elevation : sea surface below the boom tip at t_{k+1} [m]
     estimate : a new sea-state estimate from the MRU readings up to t_k, when one is due and the record long enough
     preview : of the boom tip from t_k on; None: there is none
+    crane : pose of the crane at t_k; None: there is none, or it is not measured
     """
 
     mru: MruReading | None
@@ -47,6 +50,7 @@ class WaveVesselOutputs:
     wave_elevation: float
     estimate: SeaStateEstimate | None = None
     preview: HeavePreview | None = None
+    crane: CranePose | None = None
 
 
 class WaveVessel:
@@ -74,6 +78,7 @@ class WaveVessel:
         waves: MotionSource = SOURCES[parameters.boom_tip_source].load()(self._scene)
         self._source = _with_change_course_drift_and_ramp(waves, self._scene)
         self._lever = lever_arm_matrix(self._scene.boom_tip_arm)
+        self._crane = self._build_crane()
         self._sea_state = describe_sea(parameters, self._scene.spectrum, waves.nominal_sea(), seed)
         self.mru = MotionReferenceUnit(parameters.mru, seed=seed, tick_period=tick_period)
         self._estimator = self._build_estimator()
@@ -110,10 +115,11 @@ class WaveVessel:
         """
         if tick != self._next_tick:
             raise ValueError(f"ticks must come in order: expected {self._next_tick}, got {tick}")
-        here = self._boom_tip
+        here = self._boom_tip if self._crane is None else self._point_of_mru(self._motion)
         height = self.parameters.boom_tip_height
         heave = np.array([here.position[2] - height, here.velocity[2], here.acceleration[2]])
         reading = self.mru.step(tick, heave, self._motion)
+        pose = self._pose(self._motion.time)
         self._motion = self._source.motion(tick + 1)
         self._next_tick = tick + 1
         self._boom_tip = self._point(self._motion)
@@ -121,9 +127,26 @@ class WaveVessel:
             self._estimator.add(reading)
         estimate = self._estimator.estimate() if tick % self._ticks_between_estimates == 0 else None
         preview = None if self._preview is None else self._preview.step(tick)
-        return WaveVesselOutputs(reading, self._boom_tip, self._motion, self._motion.elevation, estimate, preview)
+        return WaveVesselOutputs(reading, self._boom_tip, self._motion, self._motion.elevation, estimate, preview, pose)
+
+    def _build_crane(self) -> CraneMotion | None:
+        crane = self.parameters.crane
+        return (
+            CraneMotion(crane, self._scene.boom_tip_arm, self.parameters.boom_tip_height) if crane.is_fitted else None
+        )
+
+    def _pose(self, time: float) -> CranePose | None:
+        """Return the pose of the crane as measured at a `time` [s]; None where it is not."""
+        if self._crane is None or not self.parameters.crane.publishes_pose:
+            return None
+        return self._crane.pose(time)
 
     def _point(self, motion: VesselMotion) -> PointMotion:
+        """Return the motion of the boom tip."""
+        return self._point_of_mru(motion) if self._crane is None else self._crane.point(motion)
+
+    def _point_of_mru(self, motion: VesselMotion) -> PointMotion:
+        """Return the motion of the point that the MRU reads: the boom tip in the crane's reference pose."""
         return point_motion(motion, self._lever, self.parameters.boom_tip_height)
 
     def _build_preview(self) -> PreviewSource:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 
+from heave_node.crane.messages import pose_message
+from heave_node.crane.pose import pose_to_wire
 from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.codes import MruStatus
@@ -25,7 +27,7 @@ _MRU_SILENCE = 1.0  # s without a reading that diagnostics calls an error
 
 class WaveVesselNode(ParticipantNode):
     """Publishes in tick k the MRU reading delivered at t_k, and the boom tip, vessel and surface at t_{k+1};
-    with `preview.time` above 0 also a preview of the boom tip from t_k on.
+    with `preview.time` above 0 also a preview of the boom tip from t_k on, with a crane its pose at t_k.
 
     Service `wave_vessel/inject_fault` makes the MRU misbehave from the next tick on.
     """
@@ -47,6 +49,8 @@ class WaveVesselNode(ParticipantNode):
         self.mru = self.add_output(MRU.topic)
         previews = self.parameters.preview.time > 0.0
         self.preview = self.add_output(topics.HEAVE_PREVIEW) if previews else None
+        crane = self.parameters.crane
+        self.crane = self.add_output(topics.CRANE_POSE) if crane.is_fitted and crane.publishes_pose else None
         self._mru_messages = SensorMessages(MRU)
         self._last_reading_time = 0.0
         self._last_status: int = MruStatus.OK
@@ -70,6 +74,8 @@ class WaveVesselNode(ParticipantNode):
             self._last_reading_time, self._last_status = tick.time, reading.status
         if self.preview is not None and outputs.preview is not None:
             self.preview.publish(messages.preview_message(outputs.preview, self.parameters.preview.noise))
+        if self.crane is not None and outputs.crane is not None:
+            self.crane.publish(pose_message(pose_to_wire(outputs.crane)))
         end = tick.end_nanoseconds
         self.boom_tip.publish_deferred(lambda: messages.boom_tip_message(outputs.boom_tip, end))
         self.odometry.publish_deferred(lambda: messages.odometry_message(outputs.vessel, end))

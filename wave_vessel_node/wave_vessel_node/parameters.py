@@ -8,6 +8,7 @@ from heave_node.interface.faults import FaultParameters
 from heave_node.parameters import group, parameter
 from heave_node.registry import describe_choices
 
+from wave_vessel_node.crane_parameters import CraneMotionParameters
 from wave_vessel_node.sea_registry import AUTO, FILTER_FORMS, SPECTRA, SPECTRUM_FILE
 from wave_vessel_node.source_registry import SOURCES
 
@@ -424,6 +425,7 @@ class WaveVesselParameters(SeaParameters):
     )
     filter: ShapingFilterParameters = group(ShapingFilterParameters)
     vessel: VesselParameters = group(VesselParameters)
+    crane: CraneMotionParameters = group(CraneMotionParameters)
     course: CourseParameters = group(CourseParameters)
     drift: DriftParameters = group(DriftParameters)
     mru: MruParameters = group(MruParameters)

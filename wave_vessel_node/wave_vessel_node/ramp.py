@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 from heave_node.numerics.arrays import Array
 
+PEAK_OF_RAMP = 1.875
+"""Largest rate of the ramp over its mean rate."""
+
 
 def smooth_ramp(time: float, duration: float) -> tuple[float, float, float]:
     """Return the quintic ramp r(time / duration) from 0 to 1 and its first two time derivatives.

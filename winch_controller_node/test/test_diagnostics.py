@@ -20,9 +20,10 @@ def parts_of(mode, *, is_inhibited=False, reason="", sensors=(), asked=None, adv
     report = SimpleNamespace(
         mode=mode, is_inhibited=is_inhibited, reason=reason, authority=0.0, sensors=sensors, solver_status="free"
     )
+    crane = SimpleNamespace(pose=SimpleNamespace(has_come=False, fault=""))
     node = SimpleNamespace(
         outputs_of_tick=SimpleNamespace(report=report),
-        controller=SimpleNamespace(depth=300.0, preview=SimpleNamespace(has_come=False)),
+        controller=SimpleNamespace(depth=300.0, preview=SimpleNamespace(has_come=False), crane=crane),
         _changes={},
         _told={},
         _asked=asked or {},

@@ -62,7 +62,7 @@ WINGS = (
     ("motion",),
     ("laws",),
     ("node_parameters",),
-    ("design",),
+    ("design", "crane"),
     ("beliefs",),
     ("estimation", "adviser"),
     ("identification",),
@@ -95,7 +95,16 @@ def test_arrows_between_the_wings_run_downwards():
     assert not upward
 
 
-CORE = ("component", "estimation", "supervision", "beliefs_in_force", "design_in_force", "loop_command", "state_report")
+CORE = (
+    "component",
+    "crane",
+    "estimation",
+    "supervision",
+    "beliefs_in_force",
+    "design_in_force",
+    "loop_command",
+    "state_report",
+)
 """Modules that a ship's controller runs in a tick."""
 
 

@@ -17,6 +17,7 @@ from heave_node.parameters import describe
 
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.beliefs_in_force import BeliefsInForce
+from winch_controller_node.crane.tip_carry import TipCarry
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design.schedule import identifies_winch
@@ -51,6 +52,9 @@ DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
 
 OPERATED = (Mode.COMPENSATING, Mode.MANUAL)
 """Modes in which an operator may ask for a speed."""
+
+LIFTED = (Mode.COMPENSATING, Mode.FADE_OUT, Mode.MANUAL, Mode.CONSTANT_TENSION)
+"""Modes in which the winch follows the rate at which a crane lifts the boom tip."""
 
 COMING_TO_REST = (Mode.FADE_OUT, Mode.STOPPING)
 """Modes in which no move begins."""
@@ -89,6 +93,7 @@ class WinchController:
         self._in_force = DesignInForce(parameters, tick_period=tick_period)
         design, law = self._in_force.design, self._in_force.law
         self._estimation = LoopEstimation(design)
+        self.crane = TipCarry(parameters.crane, parameters.sensors.mru, parameters.winch, tick_period)
         self._supervisor = Supervisor(design, law)
         self._command = LoopCommand(design, law)
         self._winch = WinchWatch(design)
@@ -353,7 +358,7 @@ class WinchController:
 
     def step(self, tick: int, measurements: Measurements) -> Outputs:
         """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
-        self._alarms = []
+        measurements, self._alarms = self.crane.carried(tick * self._dt, measurements)
         self._run_programme(tick * self._dt)
         self._follow_operator()
         self._follow_beliefs(tick)
@@ -374,6 +379,7 @@ class WinchController:
         self._watch_load(loop, measurements.winch, command)
         order = self._command.order(command, decision.mode, self._estimation.set_point)
         self._winch.give(order)
+        order = self.crane.ordered(order, follows=decision.mode.mode in LIFTED)
         self._note_kpi(loop)
         told = ControllerTick(
             loop=loop,

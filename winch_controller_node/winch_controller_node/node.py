@@ -12,6 +12,7 @@ from typing import Any
 from geometry_msgs.msg import TwistStamped
 from heave_msgs.msg import TickStatus
 from heave_msgs.srv import Redesign, SetMode
+from heave_node.crane.pose import POSE_FIELDS, pose_of
 from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.codes import (
@@ -102,6 +103,7 @@ class WinchControllerNode(ParticipantNode):
         self.sensors = {name: self._add_measurement(SENSORS[name].topic, SENSORS[name].values) for name in INPUTS}
         self.winch_state = self._add_measurement(topics.WINCH_STATE, conversions.WINCH_STATE)
         self.preview = self.add_input(topics.HEAVE_PREVIEW, check_stamps=False, holds_ahead=True)
+        self.crane_pose = self._add_measurement(topics.CRANE_POSE, POSE_FIELDS)
         self.create_service(SetMode, "controller/set_mode", self._serve_set_mode)
         self.create_service(Redesign, "controller/redesign", self._serve_redesign)
         self.add_on_set_parameters_callback(self._take_parameters)
@@ -152,7 +154,8 @@ class WinchControllerNode(ParticipantNode):
         previews = self.take(self.preview)
         preview = conversions.heave_preview(previews[-1]) if previews else None
         lateness = Lateness(self.punctuality.of_clock, self.punctuality.of_node)
-        measurements = conversions.measurements(delivered, winch, water, preview, lateness)
+        crane = map(pose_of, self.take(self.crane_pose))
+        measurements = conversions.measurements(delivered, winch, water, preview, lateness, crane)
         answers = self.take(self.beliefs)
         began = wall.perf_counter()
         for answer in answers:
@@ -229,6 +232,9 @@ class WinchControllerNode(ParticipantNode):
         preview = self.controller.preview
         if preview.has_come:
             parts.append(Health("preview", Level.WARN if preview.fault else Level.OK, preview.words))
+        crane = self.controller.crane.pose
+        if crane.has_come or crane.fault:
+            parts.append(Health("crane", Level.WARN if crane.fault else Level.OK, crane.words))
         if report.solver_status.startswith("not solved"):
             parts.append(alarm_health("solver", ALARM_TABLE.alarm("SOLVER_FAILED", status=report.solver_status)))
         told, self._told = {time: "; ".join(words) for time, words in self._told.items()}, {}

@@ -11,6 +11,7 @@ from heave_node.parameters import ParameterError, group, parameter
 
 from winch_controller_node.interface.sensors import KNOWN_SENSORS, SensorsModelParameters
 from winch_controller_node.laws.registry import LAWS, describe_laws
+from winch_controller_node.parameters.crane import CraneModelParameters
 from winch_controller_node.parameters.laws import (
     AlarmParameters,
     EntryParameters,
@@ -84,6 +85,7 @@ class WinchControllerParameters(LawGroups):
     winch: WinchModelParameters = group(WinchModelParameters)
     sea: SeaModelParameters = group(SeaModelParameters)
     vessel: VesselModelParameters = group(VesselModelParameters)
+    crane: CraneModelParameters = group(CraneModelParameters)
     sensors: SensorsModelParameters = group(SensorsModelParameters)
     weights: WeightParameters = group(WeightParameters)
     estimator: EstimatorParameters = group(EstimatorParameters)

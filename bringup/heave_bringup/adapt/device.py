@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from heave_node.crane.messages import pose_message
 from heave_node.devices.formats.sample import Counters, Decoder, Sample
 from heave_node.devices.live.adapter import WINCH_STATE, Adapter, WinchReading
 from heave_node.devices.live.winch_handshake import WinchOrder
@@ -160,6 +161,8 @@ class LiveDevice:
                 self.orders.rate = reading.payout_rate
                 order = self.orders.handshake.order(time.monotonic())
                 self._publishers[name].publish(winch_state(reading, order, self.orders.handshake))
+            elif name == topics.CRANE_POSE.name:
+                self._publishers[name].publish(pose_message(reading))
             else:
                 self._publishers[name].publish(self._encode[name].message(reading))
 

@@ -13,12 +13,14 @@ from dataclasses import dataclass
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.cdr.definitions import schema_text
 from heave_node.cdr.layout import SEPARATOR
+from heave_node.crane.pose import LARGEST, RATES
 from heave_node.interface import sensors, topics
 from heave_node.interface.topic import Role, Topic
 from heave_node.ros.participant import CATCH_UP_LIMIT
 from heave_node.run_parameters import RunParameters
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.beliefs.beliefs import LATENCY
+from winch_controller_node.crane.pose_watch import CONFIRMED_AFTER
 from winch_controller_node.estimation.preview_watch import MAXIMUM_AGE, PROOF_TIME
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.command_timeouts import MOST, PERIOD, WAIT
@@ -28,6 +30,7 @@ WINCH = WinchParameters()
 WATCHDOG = WINCH.command_timeout
 BOOM_TIP_HEIGHT = WaveVesselParameters().boom_tip_height
 MODES = WinchControllerParameters().modes
+CRANE = WinchControllerParameters().crane
 COAST, RESUME = MODES.coast_time, MODES.resume_time
 
 
@@ -111,6 +114,15 @@ HEAVE_PREVIEW = Port(
     "optional: `heave` of the boom tip at the times `ahead` of the stamp, from waves measured up-sea or by radar",
     (("heave_sigma", 10.0),),
 )
+CRANE_POSE = Port(
+    topics.CRANE_POSE,
+    5.0,
+    False,
+    "optional: joints of the crane, by which the boom tip is elsewhere on the ship, and their rates; NaN where one is "
+    "not measured",
+    (*LARGEST, *((rate, 10.0) for rate in RATES)),
+    may_be_missing=(*(joint for joint, _ in LARGEST), *RATES),
+)
 BOOM_TIP = Port(
     topics.BOOM_TIP,
     1.0 / TICK,
@@ -153,7 +165,7 @@ CONTRACTS: tuple[Contract, ...] = (
         "winch_controller",
         "a controller",
         publishes=(COMMAND, OBSERVATIONS),
-        hears=(CLOCK, MRU, HEAVE_PREVIEW, STATE, *SENSORS_OF_SHIP, BELIEFS),
+        hears=(CLOCK, MRU, HEAVE_PREVIEW, CRANE_POSE, STATE, *SENSORS_OF_SHIP, BELIEFS),
         when_late=f"A winch that gets no fresh command for {WATCHDOG:g} s stops with its own deceleration and brakes. "
         "A command older than that on arrival is not used.",
         handshake="The winch starts with its brake on: it is released by a fresh command with `brake: false`. "
@@ -202,7 +214,7 @@ CONTRACTS: tuple[Contract, ...] = (
     Contract(
         "wave_vessel",
         "a motion reference unit, or a vessel with one",
-        publishes=(MRU, BOOM_TIP, HEAVE_PREVIEW),
+        publishes=(MRU, BOOM_TIP, HEAVE_PREVIEW, CRANE_POSE),
         hears=(CLOCK,),
         when_late=f"The controller runs on prediction for {COAST:g} s, then damps the unit by the depth sensor and "
         "goes on compensating 1 s after readings are good again; on a short stiff cable, and without a depth sensor, "
@@ -214,7 +226,11 @@ CONTRACTS: tuple[Contract, ...] = (
         "and `acceleration.z` those of the heave. An MRU alone fills it from its own readings. Begin near rest, or "
         "within 1 m of it. `vessel/heave_preview` may come from a process of its own, such as a wave radar's, at a "
         "rate of its own: law `mpc` uses it where `mpc.preview_time` is set, once it has come true for "
-        f"{PROOF_TIME:g} s, while it is at most {MAXIMUM_AGE:g} s old and tells of all times up to `mpc.preview_time`.",
+        f"{PROOF_TIME:g} s, while it is at most {MAXIMUM_AGE:g} s old and tells of all times up to `mpc.preview_time`. "
+        "`crane/pose` may come from a process of its own too, at a rate of its own: `mru` is then that of the boom tip "
+        "in the reference pose, `system.crane`, and the controller carries it to where the tip is. A pose older than "
+        f"{CRANE.pose_timeout:g} s is stale, and the last one is held; one that is elsewhere is used once it has gone "
+        f"on for {CONFIRMED_AFTER:g} s.",
     ),
     Contract(
         "cable_sim",

@@ -17,6 +17,7 @@ VESSEL_ODOMETRY = Topic("vessel/odometry", "nav_msgs/msg/Odometry", "wave_vessel
 BOOM_TIP = Topic("boom_tip", "heave_msgs/msg/PointMotion", "wave_vessel", is_needed=True)
 MRU = sensors.MRU.topic
 HEAVE_PREVIEW = Topic("vessel/heave_preview", "heave_msgs/msg/HeavePreview", "wave_vessel")
+CRANE_POSE = Topic("crane/pose", "heave_msgs/msg/CranePose", "wave_vessel")
 WINCH_COMMAND = Topic("winch/command", "heave_msgs/msg/WinchCommand", "winch_controller", Role.COMMAND, is_needed=True)
 WINCH_STATE = Topic("winch/state", "heave_msgs/msg/WinchState", "virtual_winch", is_needed=True)
 CABLE_STATE = Topic("cable/state", "heave_msgs/msg/CableState", "cable_sim")

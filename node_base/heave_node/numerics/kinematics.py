@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -36,3 +38,34 @@ def euler_part(part: str, x: Array, y: Array, z: Array, w: Array) -> Array:
     if part == "pitch":
         return np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
     return np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+def height_of(arm: Sequence[float], roll: float, pitch: float) -> float:
+    """Return how high the end of an arm is above its start: the third component of R_y(pitch) R_x(roll) arm [m].
+
+    -x sin(pitch) + (y sin(roll) + z cos(roll)) cos(pitch); a velocity in the ship's frame in the place of the arm gives
+    its vertical component.
+
+    Parameters
+    ----------
+    arm : x forward, y to port, z up, in the ship's frame (REP-103) [m]
+    roll, pitch : about x, starboard down positive, then about y, bow down positive [rad]
+    """
+    x, y, z = arm
+    return -x * math.sin(pitch) + (y * math.sin(roll) + z * math.cos(roll)) * math.cos(pitch)
+
+
+def height_rate_of(arm: Sequence[float], roll: float, pitch: float, turning: Sequence[float]) -> float:
+    """Return the rate of `height_of` of an arm that is fixed to the ship, by the chain rule [m/s].
+
+    Parameters
+    ----------
+    arm : x forward, y to port, z up, in the ship's frame [m]
+    roll, pitch : as in `height_of` [rad]
+    turning : their rates [rad/s]
+    """
+    x, y, z = arm
+    raised = y * math.sin(roll) + z * math.cos(roll)
+    by_roll = (y * math.cos(roll) - z * math.sin(roll)) * math.cos(pitch)
+    by_pitch = -x * math.cos(pitch) - raised * math.sin(pitch)
+    return by_roll * turning[0] + by_pitch * turning[1]

@@ -10,9 +10,8 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 
 from wave_vessel_node.parameters import CourseParameters
-from wave_vessel_node.ramp import smooth_ramp
+from wave_vessel_node.ramp import PEAK_OF_RAMP, smooth_ramp
 
-_PEAK_OF_RAMP = 1.875  # largest rate of the quintic ramp over its mean rate
 _CELL = 0.5  # s, of the table of positions within manoeuvres
 
 
@@ -38,7 +37,7 @@ class Course:
 
     def __init__(self, parameters: CourseParameters) -> None:
         self._parameters = parameters
-        self._turn_duration = _PEAK_OF_RAMP * abs(parameters.turn_angle) / parameters.turn_rate
+        self._turn_duration = PEAK_OF_RAMP * abs(parameters.turn_angle) / parameters.turn_rate
         self.legs = self._legs()
         self._knots = np.zeros(1)
         self._places = np.zeros((1, 2))

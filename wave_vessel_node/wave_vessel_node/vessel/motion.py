@@ -50,7 +50,7 @@ def lever_arm_matrix(arm: Array) -> Array:
     return np.hstack((np.eye(3), cross))
 
 
-def point_motion(motion: VesselMotion, lever: Array, mean_height: float) -> PointMotion:
+def point_motion(motion: VesselMotion, lever: Array, mean_height: float, own: Array | None = None) -> PointMotion:
     """Return the motion of a point in frame world, whose origin is below the mean point.
 
     Parameters
@@ -58,11 +58,15 @@ def point_motion(motion: VesselMotion, lever: Array, mean_height: float) -> Poin
     motion : of the vessel's reference point
     lever : `lever_arm_matrix` of the point
     mean_height : mean z of the point [m]
+    own : what the point moves by itself, vessel axes: position from the mean point, velocity, acceleration, shape
+        (3, 3); None: it does not
 
     The frame travels with the mean position of the vessel: forward speed is not in it.
     """
     six = np.array((motion.displacement, motion.velocity, motion.acceleration))
     vessel = six @ lever.T
+    if own is not None:
+        vessel += own
     if motion.turn_rate != 0.0:
         _add_turning(vessel, motion.turn_rate, motion.turn_acceleration)
     if motion.heading != 0.0:

@@ -293,7 +293,46 @@ MODES = (
     ),
 )
 
-ALARMS: AlarmTable = alarm_table(*SENSORS, *READINGS, *IDENTIFIED, *LOAD, *COMMANDS, *HARM, *MODES)
+CRANE = (
+    AlarmRow(
+        "CRANE_POSE_USED", EVENT, "crane", "the pose of the crane is used", "The MRU's motion is carried to the tip"
+    ),
+    AlarmRow(
+        "CRANE_POSE_STALE",
+        HIGH,
+        "crane",
+        "no usable pose for {age:.1f} s, limit {limit:g} s",
+        "Compensation continues with the last pose held",
+        "Stop the crane; check encoders, network and clock",
+    ),
+    AlarmRow(
+        "CRANE_POSE_INVALID",
+        MEDIUM,
+        "crane",
+        "a pose is rejected: {reason}",
+        "The last usable pose is carried on, and held once it is stale",
+        "Stop the crane if it lasts; check encoders and clock",
+    ),
+    AlarmRow(
+        "CRANE_POSE_JUMP",
+        HIGH,
+        "crane",
+        "{joint} has jumped by {jump:.3f} {unit}, more than the crane can move",
+        "The last pose is held; one that goes on without a further jump is used after 5 s, approached in 10 s",
+        "Stop the crane; check the encoder",
+    ),
+    AlarmRow("CRANE_POSE_RESTORED", EVENT, "crane", "usable poses of the crane come again"),
+    AlarmRow(
+        "CRANE_LENGTHS_MISSING",
+        HIGH,
+        "crane",
+        "a pose of the crane is received, but crane.boom_length is 0",
+        "It is not used: the boom tip is taken to stand still on the ship",
+        "State the crane's lengths and its reference pose (system.crane)",
+    ),
+)
+
+ALARMS: AlarmTable = alarm_table(*SENSORS, *READINGS, *IDENTIFIED, *LOAD, *COMMANDS, *HARM, *CRANE, *MODES)
 """All of them, by code."""
 
 HARMFUL = frozenset(row.code for row in HARM)

@@ -83,6 +83,8 @@ def _check_topics(bag: Bag) -> None:
     for topic, why in needed.items():
         if not bag.has(topic):
             raise CommandError(f"{bag.path}: holds no {topic}: {why}; record it")
+    if bag.has(topics.CRANE_POSE.name):
+        raise CommandError(f"{bag.path}: holds {topics.CRANE_POSE.name}: of a crane that moves no answer can be given")
 
 
 def _period(bag: Bag) -> int:

@@ -13,7 +13,8 @@ Sources of fields, units and signs:
 - PNORSUB, PNORSUB2: Norwegian Subsea MRU, API documentation "NORSUB" and "NORSUB2": z down, so heave and heave velocity
   positive down, roll positive port side up, pitch positive bow up; bit 0 of the status: OK; T1 in milliseconds.
 - PENCR: SMC IMU-108 User Guide rev. 3.1, section 4.10.7: up to five encoders of a crane as hexadecimal numbers, a turn
-  is 65536, an extension is in centimetres; sent without a checksum.
+  is 65536, an extension is in centimetres; sent without a checksum. The first is the rotation of the base, the others
+  knuckles or telescopes in their order. It says neither which way is positive nor what is zero: a map must say it.
 - ZDA: NMEA 0183, UTC and date.
 """
 
@@ -174,5 +175,11 @@ SENTENCES: Mapping[str, Callable[[Fields, Quality], Sample | None]] = {
 """Decoder of each sentence, by name without `$`. None, or an exception: the sentence is unknown, or malformed."""
 WITHOUT_CHECKSUM = frozenset(["PENCR"])
 """Sentences that their makers send without a checksum."""
-UNSIGNED = {"PASHR.heave": "makers of PASHR do not agree on the sign of heave (SBG: positive down; WASSP: positive up)"}
+UNSIGNED = {
+    "PASHR.heave": "makers of PASHR do not agree on the sign of heave (SBG: positive down; WASSP: positive up)",
+    **{
+        f"PENCR.angle_{number}": "the document of PENCR leaves the sign and the zero of an encoder to the crane"
+        for number in range(1, 6)
+    },
+}
 """Fields whose sign a map must say, and why."""

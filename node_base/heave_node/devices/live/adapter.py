@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 
 from heave_node.devices.formats.device_time import DeviceTime
 from heave_node.devices.formats.sample import Sample
+from heave_node.devices.live.crane_maker import CraneMaker
 from heave_node.devices.live.link_watch import LinkWatch
 from heave_node.devices.live.mru_maker import MruMaker
 from heave_node.devices.live.recent_motion import RecentMotion
 from heave_node.devices.live.taker import Taken, Taker
 from heave_node.devices.maps.device_map import DeviceMap
-from heave_node.interface import sensors
+from heave_node.interface import sensors, topics
 from heave_node.interface.sensors import WireReading
 
 NO_STAMP = 0
@@ -66,6 +67,7 @@ class Adapter:
         self.newest: dict[str, float] = {}
         self.published = dict.fromkeys(device.outputs, 0)
         self._mru = MruMaker(device)
+        self._crane = CraneMaker(device.timeout)
         self._time = DeviceTime()
         self._payout = RecentMotion()
         self._beside: dict[str, float] = {}
@@ -144,6 +146,9 @@ class Adapter:
             return WireReading(stamp, sensors.MRU.encode(sample, sensors.STANDARD_WATER))
         if topic == WINCH_STATE:
             return self._winch(taken, stamp)
+        if topic == topics.CRANE_POSE.name:
+            pose = self._crane.take(taken)
+            return None if pose is None else WireReading(stamp, pose)
         name = _PLAIN[topic]
         if name not in taken.values:
             return None

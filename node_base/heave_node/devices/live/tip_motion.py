@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from heave_node.devices.live.recent_motion import RecentMotion
+from heave_node.numerics.kinematics import height_of, height_rate_of
 
 FIRST_MEAN_TIME, MEAN_TIME = 20.0, 300.0
 """Time constant of the running mean [s]: it grows from the one to the other with the time since the start."""
@@ -44,28 +45,16 @@ class TipMotion:
         """
         if self._is_here:
             return heave, rate
-        share = self._share(*attitude)
+        share = height_of(self._arm, *attitude) - self._arm[2]
         if not math.isfinite(share):
             return math.nan, math.nan
         self._recent.add(time, share)
-        turned = self._share_rate(*attitude, *turning)
+        turned = height_rate_of(self._arm, *attitude, turning)
         if not math.isfinite(turned):
             recent = self._recent.at(time)
             turned = math.nan if recent is None else recent[1]
         self._update_mean(time, share)
         return heave + share - self._mean, rate + turned
-
-    def _share(self, roll: float, pitch: float) -> float:
-        """Return how much higher than at rest the tip is above the sensor [m]."""
-        x, y, z = self._arm
-        return -x * math.sin(pitch) + (y * math.sin(roll) + z * math.cos(roll)) * math.cos(pitch) - z
-
-    def _share_rate(self, roll: float, pitch: float, roll_rate: float, pitch_rate: float) -> float:
-        x, y, z = self._arm
-        raised = y * math.sin(roll) + z * math.cos(roll)
-        by_roll = (y * math.cos(roll) - z * math.sin(roll)) * math.cos(pitch)
-        by_pitch = -x * math.cos(pitch) - raised * math.sin(pitch)
-        return by_roll * roll_rate + by_pitch * pitch_rate
 
     def _update_mean(self, time: float, share: float) -> None:
         if not math.isfinite(self._first):

@@ -287,7 +287,8 @@ def _check_fields(device: DeviceMap) -> None:
             refuse_unknown(quantity, {device.bit_of(name)[0]: None}, known)
         why = UNSIGNED.get(channel.field)
         if why and not channel.positive:
-            raise MapError(f"{quantity}: say positive: up or positive: down, after your device's manual: {why}")
+            ways = " or ".join(f"positive: {way}" for way in QUANTITIES[quantity].ways)
+            raise MapError(f"{quantity}: say {ways}, after your device's manual: {why}")
         if (channel.positive or channel.unit) and not device.has_names and not why:
             raise MapError(
                 f"{quantity}: {channel.field} is in SI units and of known sign already: leave unit and positive out"

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from heave_node.crane.pose import JOINTS, RATES
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -29,6 +31,7 @@ class Quantity:
 _UP = {"up": 1.0, "down": -1.0}
 _ROLL = {"starboard down": 1.0, "port up": 1.0, "port down": -1.0, "starboard up": -1.0}
 _PITCH = {"bow down": 1.0, "bow up": -1.0}
+_TURN = {"anticlockwise": 1.0, "clockwise": -1.0}
 _OUT = {"out": 1.0, "in": -1.0}
 QUANTITIES: Mapping[str, Quantity] = {
     "heave": Quantity("length", 30.0, _UP),
@@ -47,6 +50,14 @@ QUANTITIES: Mapping[str, Quantity] = {
     "brake": Quantity("number", 1e9),
     "fault": Quantity("number", 1e9),
     "watchdog": Quantity("number", 1e19),
+    "slew": Quantity("angle", 7.0, _TURN),
+    "luff": Quantity("angle", 3.2, _UP),
+    "knuckle": Quantity("angle", 3.2, _UP),
+    "extension": Quantity("length", 100.0, _OUT),
+    "slew_rate": Quantity("turn rate", 3.0, _TURN),
+    "luff_rate": Quantity("turn rate", 3.0, _UP),
+    "knuckle_rate": Quantity("turn rate", 3.0, _UP),
+    "extension_rate": Quantity("speed", 10.0, _OUT),
 }
 """Quantities by name; SI units, signs of `sample`."""
 NED_WAYS = {
@@ -58,15 +69,16 @@ NED_WAYS = {
 }
 """Positive direction of each where x is forward, y to starboard and z down; others are as in the suite's own axes."""
 
-OUTPUTS: Mapping[str, tuple[str, tuple[str, ...]]] = {
-    "mru": ("heave", ("heave_rate", "heave_acceleration", "roll", "pitch", "roll_rate", "pitch_rate")),
-    "unit/pressure": ("pressure", ()),
-    "winch/load_cell": ("tension", ()),
-    "winch/state": ("payout", ("payout_rate", "tension", "brake", "fault", "watchdog")),
+OUTPUTS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "mru": (("heave",), ("heave_rate", "heave_acceleration", "roll", "pitch", "roll_rate", "pitch_rate")),
+    "unit/pressure": (("pressure",), ()),
+    "winch/load_cell": (("tension",), ()),
+    "winch/state": (("payout",), ("payout_rate", "tension", "brake", "fault", "watchdog")),
+    "crane/pose": (JOINTS, RATES),
 }
-"""Topics of the suite: the quantity that makes one be published, and those that it takes besides."""
+"""Topics of the suite: quantities of which one makes it be published, and those that it takes besides."""
 
 
 def outputs_of(quantities: Mapping[str, object]) -> tuple[str, ...]:
     """Return the topics that a map with these `quantities` publishes."""
-    return tuple(topic for topic, (needed, _) in OUTPUTS.items() if needed in quantities)
+    return tuple(topic for topic, (needed, _) in OUTPUTS.items() if not quantities.keys().isdisjoint(needed))

@@ -1,0 +1,55 @@
+"""The pose of a crane as it travels: joints, their rates, a stamp. See heave_msgs/CranePose for units and signs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from heave_node.interface.sensors import WireReading
+
+JOINTS = ("slew", "luff", "knuckle", "extension")
+"""Joints of a crane: three angles [rad] and a length [m]."""
+RATES = tuple(f"{joint}_rate" for joint in JOINTS)
+"""Their time derivatives [rad/s], [m/s]."""
+POSE_FIELDS = (*JOINTS, *RATES)
+"""Fields of heave_msgs/CranePose, in this order."""
+LARGEST = (("slew", 7.0), ("luff", 3.2), ("knuckle", 3.2), ("extension", 100.0))
+"""Joints with the largest magnitude that is plausible, for who checks a publisher."""
+
+
+class CranePose(NamedTuple):
+    """Where the joints of a crane are.
+
+    Attributes
+    ----------
+    time : of the measurement [s]
+    joints : slew, luff, knuckle [rad], extension [m]; NaN: not measured
+    rates : their time derivatives [rad/s], [m/s]; NaN: not measured
+    """
+
+    time: float
+    joints: tuple[float, ...]
+    rates: tuple[float, ...] = (math.nan,) * len(JOINTS)
+
+
+def pose_to_wire(pose: CranePose) -> WireReading:
+    """Return a `pose` as it travels."""
+    return WireReading(round(pose.time * 1e9), (*pose.joints, *pose.rates))
+
+
+def pose_of(reading: WireReading) -> CranePose:
+    """Return the pose that a `reading` of POSE_FIELDS carried."""
+    return CranePose(reading.time, reading.numbers[: len(JOINTS)], reading.numbers[len(JOINTS) :])
+
+
+def moved(joints: Sequence[float], rates: Sequence[float], elapsed: float) -> tuple[float, ...]:
+    """Return where joints are an `elapsed` time later [s] at constant rates.
+
+    Parameters
+    ----------
+    joints : [rad], [m]
+    rates : [rad/s], [m/s]
+    elapsed : [s]; may be negative
+    """
+    return tuple(joint + rate * elapsed for joint, rate in zip(joints, rates, strict=True))

@@ -1,0 +1,54 @@
+"""The parameters of the simulated crane: its lengths, its programme of moves, what is measured of its pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from heave_node.crane.kinematics import CraneParameters
+from heave_node.crane.pose import JOINTS
+from heave_node.parameters import parameter
+
+_WHERE = "after each of move_times; none: it stays."
+
+
+@dataclass(frozen=True)
+class CraneMotionParameters(CraneParameters):
+    """The crane of the simulated ship: it begins in the reference pose, moves by a programme, and measures its pose."""
+
+    move_times: tuple[float, ...] = parameter(
+        (), unit="s", minimum=0.0, description="Simulated times at which moves of the crane begin, ascending."
+    )
+    move_slew: tuple[float, ...] = parameter((), unit="rad", minimum=-6.3, maximum=6.3, description=f"Slew {_WHERE}")
+    move_luff: tuple[float, ...] = parameter((), unit="rad", minimum=-1.6, maximum=1.6, description=f"Luff {_WHERE}")
+    move_knuckle: tuple[float, ...] = parameter(
+        (), unit="rad", minimum=-3.2, maximum=3.2, description=f"Knuckle {_WHERE}"
+    )
+    move_extension: tuple[float, ...] = parameter(
+        (), unit="m", minimum=-100.0, maximum=100.0, description=f"Extension {_WHERE}"
+    )
+    turn_rate: float = parameter(
+        0.035, unit="rad/s", minimum=1e-4, maximum=1.0, description="Largest rate of an angle during a move."
+    )
+    extension_rate: float = parameter(
+        0.2, unit="m/s", minimum=1e-4, maximum=10.0, description="Largest rate of the extension during a move."
+    )
+    publishes_pose: bool = parameter(
+        True, unit="", description="The pose is measured and published as crane/pose in each tick."
+    )
+    angle_resolution: float = parameter(
+        0.0, unit="rad", minimum=0.0, maximum=0.1, description="Step of the measured angles; 0 means none."
+    )
+
+    def __post_init__(self) -> None:
+        if list(self.move_times) != sorted(self.move_times):
+            raise ValueError(f"crane.move_times must be ascending; got {list(self.move_times)}")
+        for joint in JOINTS:
+            targets = getattr(self, f"move_{joint}")
+            if targets and len(targets) != len(self.move_times):
+                raise ValueError(f"crane.move_{joint} must be empty or have as many values as crane.move_times")
+        if self.move_times and not self.is_fitted:
+            raise ValueError("crane.move_times needs a crane: give crane.boom_length")
+
+    def largest_rate(self, joint: str) -> float:
+        """Return the largest rate of a `joint` during a move [rad/s], [m/s]."""
+        return self.extension_rate if joint == "extension" else self.turn_rate

@@ -1,0 +1,80 @@
+"""The simulated crane: a programme of moves of its joints, the boom tip that moves with them, and the pose as measured.
+
+Each move is a quintic ramp, at rest before and after, acceleration continuous, whose largest rate is the parameter's.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from heave_node.crane.kinematics import Crane, TipPlace
+from heave_node.crane.pose import JOINTS, CranePose
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.kinematics import PointMotion
+from heave_node.numerics.quantisation import quantised
+
+from wave_vessel_node.crane_parameters import CraneMotionParameters
+from wave_vessel_node.ramp import PEAK_OF_RAMP, smooth_ramp
+from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
+
+
+class CraneMotion:
+    """The crane in a run.
+
+    Parameters
+    ----------
+    parameters : see CraneMotionParameters
+    arm : boom tip in the reference pose from the point whose motion is known [m], shape (3,)
+    mean_height : of the boom tip in the reference pose above still water [m]
+    """
+
+    def __init__(self, parameters: CraneMotionParameters, arm: Array, mean_height: float) -> None:
+        self._parameters = parameters
+        self._crane = Crane(parameters)
+        self._arm = arm
+        self._mean_height = mean_height
+        self._ramps = [self._ramps_of(joint) for joint in JOINTS]
+
+    def _ramps_of(self, joint: str) -> list[tuple[float, float, float]]:
+        """Return start [s], change [rad], [m] and duration [s] of each move of a `joint`."""
+        before, ramps = getattr(self._parameters, joint), []
+        for start, target in zip(self._parameters.move_times, getattr(self._parameters, f"move_{joint}"), strict=False):
+            change, before = target - before, target
+            ramps.append((start, change, PEAK_OF_RAMP * abs(change) / self._parameters.largest_rate(joint)))
+        return ramps
+
+    def joints(self, time: float) -> Array:
+        """Return the joints at a `time` [s], their rates and accelerations, shape (3, 4)."""
+        state = np.zeros((3, len(JOINTS)))
+        state[0] = self._parameters.reference
+        for joint, ramps in enumerate(self._ramps):
+            for start, change, duration in ramps:
+                if change != 0.0:
+                    state[:, joint] += np.multiply(change, smooth_ramp(time - start, duration))
+        return state
+
+    def place(self, time: float) -> TipPlace:
+        """Return where the boom tip is in the ship's frame at a `time` [s]."""
+        return self._crane.tip(*self.joints(time).tolist())
+
+    def pose(self, time: float) -> CranePose:
+        """Return the pose as measured at a `time` [s]: joints in steps of the resolution, and their rates."""
+        joints, rates, _ = self.joints(time)
+        angle = self._parameters.angle_resolution
+        steps = np.array([angle, angle, angle, 0.0])
+        return CranePose(time, tuple(quantised(joints, steps).tolist()), tuple(rates.tolist()))
+
+    def point(self, motion: VesselMotion) -> PointMotion:
+        """Return the boom tip's motion in frame world at the time of the vessel's `motion`.
+
+        x = s + r + theta x r,  v = s' + r' + theta' x r + theta x r',
+        a = s'' + r'' + theta'' x r + 2 theta' x r' + theta x r'', to the first order in the vessel's motion (s, theta),
+        as in `point_motion`. The frame's origin stays below the boom tip of the reference pose.
+        """
+        place = self.place(motion.time)
+        own = np.array((place.arm, place.velocity, place.acceleration))
+        turn, turn_rate = motion.displacement[3:], motion.velocity[3:]
+        acceleration = own[2] + 2.0 * np.cross(turn_rate, own[1]) + np.cross(turn, own[2])
+        own[1] += np.cross(turn, own[1])
+        own[2] = acceleration
+        lever = lever_arm_matrix(self._arm + np.array(place.arm))
+        return point_motion(motion, lever, self._mean_height, own)

@@ -1,0 +1,210 @@
+"""The MRU's motion carried to the boom tip of a crane that moves: rigid-body motion, and the crane's own.
+
+The MRU states heave of the boom tip in the crane's reference pose. With the arm r from there to where the tip is now,
+in the ship's frame, and R the rotation by pitch and roll, the tip moves by
+
+    z_tip = z_mru + [R r]_z,    z_tip' = z_mru' + [R' r]_z + [R r']_z
+
+([R' r]_z is that of omega x r). It is taken in two parts. What the ship does to the arm, [R r]_z - r_z, is heave of
+the boom tip and is added to the MRU's. The crane's own lift l = r_z is no wave: the winch pays out what a boom lifts,
+so that the unit keeps its depth. What it has paid out for that, m, is taken off the encoder's payout, and what is
+ordered for it is added to the order, see `lift`; l - m, which is left meanwhile, is heave of the boom tip as well.
+
+Rates of roll and pitch are those of the last 0.6 s of the MRU's attitude. The lift is counted from the first pose. A
+pose that comes back elsewhere after a hold is approached in 10 s, and the lift is counted from it again: the unit is
+not moved by it. What the ship adds to heave passes the MRU's own high-pass, where it has one: the estimator knows it to
+be in what is read.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+from heave_node.crane.kinematics import Crane, TipPlace, Vector
+from heave_node.crane.pose import CranePose
+from heave_node.devices.live.recent_motion import RecentMotion
+from heave_node.interface.alarm import Alarm
+from heave_node.interface.sensors import MruReading
+from heave_node.numerics.kinematics import height_of, height_rate_of
+
+from winch_controller_node.crane.lift import LiftOrders
+from winch_controller_node.crane.pose_watch import PoseWatch
+from winch_controller_node.interface.alarms import ALARMS
+from winch_controller_node.interface.readings import Measurements, WinchOrder, WinchReading
+from winch_controller_node.interface.sensors import MruModelParameters
+from winch_controller_node.parameters.crane import CraneModelParameters
+from winch_controller_node.parameters.model import WinchModelParameters
+
+APPROACH = 10.0
+"""Time in which a pose that has come back elsewhere is approached [s]."""
+
+LONGEST_STEP = 1.0
+"""After a longer gap between readings the high-pass starts again [s]."""
+
+
+class AddedHighPass:
+    """What the MRU's high-pass takes off a motion: e'' + 2 zeta w e' + w^2 e = 2 zeta w x' + w^2 x, by trapezoids.
+
+    Parameters
+    ----------
+    period : 2 pi / w [s]; 0: there is none
+    damping : zeta
+    """
+
+    def __init__(self, period: float, damping: float) -> None:
+        frequency = 2.0 * math.pi / period if period > 0.0 else 0.0
+        self._stiffness, self._damping = frequency**2, 2.0 * damping * frequency
+        self._last = -math.inf
+        self._off = self._off_rate = self._left = self._left_rate = 0.0
+
+    def passed(self, time: float, value: float, rate: float) -> tuple[float, float]:
+        """Return a motion `value` [m] and its `rate` [m/s] at a `time` [s] as the high-pass lets them through."""
+        if self._stiffness == 0.0:
+            return value, rate
+        step = time - self._last
+        if not 0.0 < step <= LONGEST_STEP:
+            self._off, self._off_rate = 0.0, 0.0
+        else:
+            # with z = x - e the right side less the left is e'' = d z' + k z, implicit in the new e and e'
+            half, d, k = 0.5 * step, self._damping, self._stiffness
+            before = d * self._left_rate + k * self._left
+            known = self._off_rate + half * (before + d * rate + k * (value - self._off - half * self._off_rate))
+            off_rate = known / (1.0 + half * d + half * half * k)
+            self._off += half * (self._off_rate + off_rate)
+            self._off_rate = off_rate
+        self._last, self._left, self._left_rate = time, value - self._off, rate - self._off_rate
+        return self._left, self._left_rate
+
+
+class Approach(NamedTuple):
+    """The way in the horizontal to a boom tip that the pose has found elsewhere.
+
+    Attributes
+    ----------
+    breaks : of the pose so far, by which the next one is known
+    since : time of the last one [s]
+    start, end : boom tip before and after it, from its place in the reference pose [m]
+    """
+
+    breaks: int = 0
+    since: float = -math.inf
+    start: Vector = (0.0, 0.0, 0.0)
+    end: Vector = (0.0, 0.0, 0.0)
+
+    def on_the_way(self, time: float, place: TipPlace) -> TipPlace:
+        """Return a `place` of the boom tip at a `time` [s] with what is left of the way."""
+        left = 1.0 - max(time - self.since, 0.0) / APPROACH
+        if left <= 0.0:
+            return place
+        (x, y, z), (vx, vy, vz) = place.arm, place.velocity
+        off_x, off_y = self.start[0] - self.end[0], self.start[1] - self.end[1]
+        velocity = (vx - off_x / APPROACH, vy - off_y / APPROACH, vz)
+        return place._replace(arm=(x + left * off_x, y + left * off_y, z), velocity=velocity)
+
+
+class TipCarry:
+    """Carries the readings of MRU and encoder to the boom tip, and orders back; without a pose all stays as it is.
+
+    Parameters
+    ----------
+    parameters : of the crane
+    mru : what is known of the MRU: its high-pass
+    winch : delay and lag with which it follows the crane's lift
+    tick_period : [s]
+
+    Attributes
+    ----------
+    pose : of the crane, as watched
+    place : of the boom tip now, from its place in the reference pose; None: no pose has come
+    """
+
+    def __init__(
+        self, parameters: CraneModelParameters, mru: MruModelParameters, winch: WinchModelParameters, tick_period: float
+    ) -> None:
+        self._is_fitted = parameters.is_fitted
+        self._crane = Crane(parameters)
+        self.pose = PoseWatch(parameters)
+        self.place: TipPlace | None = None
+        self._high_pass = AddedHighPass(mru.high_pass_period, mru.high_pass_damping)
+        self._roll, self._pitch = RecentMotion(), RecentMotion()
+        self._level = self._now = 0.0
+        self._lift = LiftOrders(winch, tick_period)
+        self._approach = Approach()
+        self._is_refused = False
+
+    def carried(self, now: float, delivered: Measurements) -> tuple[Measurements, list[Alarm]]:
+        """Return what was `delivered` by `now` [s] as of the boom tip where it is, and what has changed."""
+        poses = delivered.crane
+        if not poses and not self.pose.has_come:
+            return delivered, []
+        if not self._is_fitted:
+            return delivered, self._refused(poses)
+        for pose in poses:
+            self.pose.take(now, pose)
+        self.pose.tick(now)
+        if not self.pose.has_come:
+            return delivered, self.pose.news()
+        self.place = self._place(now)
+        self._now = now
+        mru = tuple([self._at_tip(one) for one in delivered.mru])
+        return replace(delivered, mru=mru, winch=self._without_lift(delivered.winch)), self.pose.news()
+
+    def ordered(self, order: WinchOrder, *, follows: bool) -> WinchOrder:
+        """Return an `order` with the crane's lift; the winch `follows` its rate, or is to come to rest."""
+        if self.place is None:
+            return order
+        rate = self._lift.step(self._lifted(self.place), self.place.velocity[2], follows=follows)
+        return order._replace(payout=order.payout + self._lift.ordered, payout_rate=order.payout_rate + rate)
+
+    def _lifted(self, place: TipPlace) -> float:
+        """Return how much the crane has lifted the tip to a `place` since the first pose [m]."""
+        return place.arm[2] - self._level
+
+    def _made_at(self, time: float) -> float:
+        """Return what the drum has paid out for the lift by a `time` near now [m]."""
+        return self._lift.made + self._lift.rate * (time - self._now)
+
+    def _without_lift(self, winch: WinchReading | None) -> WinchReading | None:
+        """Return the state of the `winch` without what it has paid out for the crane's lift."""
+        if winch is None or not math.isfinite(winch.time):
+            return winch
+        payout, rate = winch.encoder_payout - self._made_at(winch.time), winch.encoder_payout_rate - self._lift.rate
+        return winch._replace(encoder_payout=payout, encoder_payout_rate=rate)
+
+    def _refused(self, poses: tuple[CranePose, ...]) -> list[Alarm]:
+        """Return the alarm of `poses` that come for a crane without lengths, once."""
+        is_new, self._is_refused = bool(poses) and not self._is_refused, True
+        return [ALARMS.alarm("CRANE_LENGTHS_MISSING")] if is_new else []
+
+    def _place(self, time: float) -> TipPlace:
+        """Return where the boom tip is taken to be at a `time` [s], on the way to where the pose says it is."""
+        place = self._crane.tip(*self.pose.at(time))
+        if self.place is None:
+            self._level = place.arm[2]
+        elif self.pose.breaks != self._approach.breaks:
+            self._approach = Approach(self.pose.breaks, time, self.place.arm, place.arm)
+            self._level += place.arm[2] - self.place.arm[2]
+        return self._approach.on_the_way(time, place)
+
+    def _at_tip(self, reading: MruReading) -> MruReading:
+        """Return a `reading` of the MRU at the boom tip; one that is not whole stays as it is, for the gates."""
+        time, roll, pitch = reading.time, reading.roll, reading.pitch
+        if not math.isfinite(time + roll + pitch):
+            return reading
+        place = self._place(time)
+        arm, velocity = place.arm, place.velocity
+        self._roll.add(time, roll)
+        self._pitch.add(time, pitch)
+        motions = self._roll.at(time), self._pitch.at(time)
+        turning = tuple([0.0 if motion is None else motion[1] for motion in motions])
+        height = height_of(arm, roll, pitch) - arm[2]
+        rate = height_rate_of(arm, roll, pitch, turning) + height_of(velocity, roll, pitch) - velocity[2]
+        added, added_rate = self._high_pass.passed(time, height, rate)
+        left, left_rate = self._lifted(place) - self._made_at(time), velocity[2] - self._lift.rate
+        return reading._replace(
+            heave=reading.heave + added + left,
+            heave_rate=reading.heave_rate + added_rate + left_rate,
+            heave_acceleration=math.nan,
+        )
