@@ -59,6 +59,7 @@ def test_two_viewers_operate_a_run_in_turns_and_a_dead_panel_is_seen_at_once_and
         first.click("take command")
         first.wait_for("you are in command")
         second.wait_for("viewer 1 is in command")
+        first.wait_for("estimate settled", 180.0)  # until then compensation is refused
         first.click("compensate")
         first.wait_for("Sure?")
         first.click("yes, do it")
