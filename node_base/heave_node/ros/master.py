@@ -82,6 +82,7 @@ class ClockMasterNode(HeaveNode):
         self._clock_started_at = 0.0
         now = time.monotonic()
         self._created_at = self._sent_at = self._warned_at = self._status_at = now
+        self._has_reported_late = False
         self._start_message = TickStart()
         self._clock_output = self.add_output(topics.CLOCK)
         self._roster_publisher = self.create_protocol_publisher(topics.TICK_ROSTER)
@@ -296,6 +297,7 @@ class ClockMasterNode(HeaveNode):
         self.gate.begin(self.epoch, tick.number, counters)
         self._start_message = TickStart(self.epoch, tick.number, flush, tick.start_nanoseconds, counters)
         self._start_publisher.publish(self._start_message.to_bytes())
+        self._report_recovery()
         self._sent_at = self._warned_at = time.monotonic()
         self._resend_wait = self.run.resend_period
 
@@ -522,11 +524,18 @@ class ClockMasterNode(HeaveNode):
         if waited > limit:
             self._end(TickStatus.FAILED, f"{text}: gave up after waiting {limit:g} s ({parameter})")
         elif now - self._warned_at > WARNING_PERIOD:
-            self._warned_at = now
+            is_starting = self.run_state == TickStatus.WAITING  # then it is normal that nodes are not there yet
+            self._warned_at, self._has_reported_late = now, not is_starting
             warning = str(NODE_ALARMS.alarm("PARTICIPANT_LATE", time=waited, missing=text))
             self.get_logger().warning(warning)
-            # before the run begins it is normal that nodes are not there yet
-            self.publish_protocol_notice(warning, Level.OK if self.run_state == TickStatus.WAITING else Level.ERROR)
+            self.publish_protocol_notice(warning, Level.OK if is_starting else Level.ERROR)
+
+    def _report_recovery(self) -> None:
+        """End a report of late nodes on /diagnostics once the next tick begins."""
+        if self._has_reported_late:
+            self._has_reported_late = False
+            self.get_logger().info("all nodes answer again")
+            self.publish_protocol_notice("all nodes answer again", Level.OK)
 
     def _publish_status(self) -> None:
         is_over = self.run_state in (TickStatus.ENDED, TickStatus.FAILED)
