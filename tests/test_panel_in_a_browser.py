@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -59,6 +60,7 @@ def test_two_viewers_operate_a_run_in_turns_and_a_dead_panel_is_seen_at_once_and
         first.click("take command")
         first.wait_for("you are in command")
         second.wait_for("viewer 1 is in command")
+        first.wait_for("estimate settled", 180.0)  # until then compensation is refused
         first.click("compensate")
         first.wait_for("Sure?")
         first.click("yes, do it")
@@ -78,7 +80,9 @@ def test_two_viewers_operate_a_run_in_turns_and_a_dead_panel_is_seen_at_once_and
         first.wait_for("Action: Restart the sensor")
         first.click("clear faults")
         first.wait_for("(over)", 60.0)
-        first.click("acknowledge")
+        while "MRU FROZEN (over)" in first.text:  # other alarms stand beside it on a busy machine
+            first.click("acknowledge")
+            time.sleep(0.5)
         first.wait("!document.body.innerText.includes('MRU FROZEN (over)')")
 
         second.click("ask for it")

@@ -104,11 +104,11 @@ def test_no_file_is_written_over_unless_that_is_asked_for(tmp_path, monkeypatch,
     arguments = ["import", "mru.csv", "--column", "heave", "--output", "sea.csv", "--scenario", "mine.yaml"]
     (tmp_path / "mine.yaml").write_text("mine")
     assert main(arguments) != 0
-    assert "mine.yaml: is there already; --force writes over it" in capsys.readouterr().err
+    assert "mine.yaml: exists already; --force overwrites it" in capsys.readouterr().err
     assert not (tmp_path / "sea.csv").exists()
     (tmp_path / "sea.csv").write_text("mine")
     assert main(arguments) != 0
-    assert "sea.csv: is there already" in capsys.readouterr().err
+    assert "sea.csv: exists already" in capsys.readouterr().err
     assert main([*arguments, "--force"]) == 0
     assert (tmp_path / "sea.csv").read_text().startswith("# boom-tip motion")
 

@@ -119,7 +119,7 @@ def test_the_strength_of_a_wire_is_that_of_plant_and_belief_and_goes_with_the_wi
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["new", "there"], "there.yaml: is there already; --force writes over it"),
+        (["new", "there"], "there.yaml: exists already; --force overwrites it"),
         (["new", "no/such/folder/x"], "cannot be written: No such file or directory"),
         (
             ["new", "x", "--cable", "wire_28mm_6x63"],

@@ -26,7 +26,7 @@ ALARMS = alarm_table(
             code,
             Severity.HIGH,
             "winch",
-            f"stopped by itself ({fault.name.lower().replace('_', ' ')}{{cause}})",
+            f"the winch has stopped ({fault.name.lower().replace('_', ' ')}{{cause}})",
             "The brake is on, {waits}",
             _ACTIONS[fault],
         )
@@ -37,7 +37,7 @@ ALARMS = alarm_table(
         Severity.CRITICAL,
         "cable",
         "strain {percent:.1f} %, limit {limit:.0f} %",
-        "The cable would part, or its tension law does not hold: the run proves nothing from here on",
+        "The cable would part, or its tension law does not hold: results are not valid from here on",
         "Check cable.axial_stiffness, the masses and the snaps of this run",
     ),
     AlarmRow(

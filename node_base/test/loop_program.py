@@ -78,7 +78,7 @@ class LoopNode(ParticipantNode):
         if fault == "hang":
             time.sleep(60.0)
         if fault == "late":
-            time.sleep(0.8)
+            time.sleep(1.6)
         if fault == "stop":
             subprocess.Popen(["sh", "-c", f"sleep 0.8; kill -CONT {os.getpid()}"])
             os.kill(os.getpid(), signal.SIGSTOP)

@@ -59,10 +59,12 @@ def test_participants_leave_when_the_master_dies(loop):
 
 def test_lockstep_waits_for_a_late_participant_and_asks_again(loop):
     start_all(loop, "winch_controller", fault="late")
-    status, out, _ = loop.end("cable_sim")
+    status, out, err = loop.end("cable_sim")
     assert status == 0
     assert f"sum={SUM_OF_40_TICKS}" in out
     assert "resends=0" not in out
+    late = err.index("PARTICIPANT_LATE (high): waiting for 1 s: winch_controller has not finished tick 20")
+    assert err.index("all nodes answer again", late) > late, "an alarm that stayed would hide the next one"
 
 
 def test_a_duplicated_message_is_dropped(loop):

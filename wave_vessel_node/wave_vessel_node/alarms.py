@@ -25,7 +25,7 @@ ALARMS = alarm_table(
         "FILE_REPAIRED",
         Severity.LOW,
         "files",
-        "{warnings}",
+        "values of an input file were repaired: {warnings}",
         "The repaired values are used",
         "Check the file",
     ),

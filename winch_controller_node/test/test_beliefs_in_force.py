@@ -110,12 +110,12 @@ RESET = {
     "gain of the winch": {"drum"},
     "lag of the winch": {"drum", "carried"},
     "sea": {"carried"},
-    "scale of the MRU": {"adopted", "surprise", "guard mru", "sea"},
-    "high-pass of the MRU": {"adopted", "surprise", "guard mru", "sea"},
-    "scale of the depth sensor": {"adopted", "surprise", "guard depth"},
-    "inertia of the cable": {"adopted", "surprise", "guard cable"},
-    "encoder": {"adopted", "surprise", "guard encoder", "reflex"},
-    "depth sensor left out": {"adopted", "surprise", "guard depth"},
+    "scale of the MRU": {"adopted", "consistency", "guard mru", "sea"},
+    "high-pass of the MRU": {"adopted", "consistency", "guard mru", "sea"},
+    "scale of the depth sensor": {"adopted", "consistency", "guard depth"},
+    "inertia of the cable": {"adopted", "consistency", "guard cable"},
+    "encoder": {"adopted", "consistency", "guard encoder", "reflex"},
+    "depth sensor left out": {"adopted", "consistency", "guard depth"},
 }
 """The policy: what each change restarts, and what becomes of the estimate; guard: of its corrections."""
 
@@ -137,7 +137,7 @@ def spied(controller):
     spy(estimation, "adopt", "adopted")
     spy(estimation, "carry", "carried")
     spy(estimation, "forget_sea", "sea")
-    spy(estimation.surprise, "restart", "surprise")
+    spy(estimation.consistency, "restart", "consistency")
     spy(winch.drum, "take", "drum")
     spy(controller._encoder, "restart", "reflex")
     spy(controller._supervisor.guard, "allow_correction", lambda owner: f"guard {owner}")
@@ -190,10 +190,10 @@ def test_a_sensor_that_is_left_out_is_doubted_and_used_again_with_the_next_answe
     controller = made()
     controller.take(answer(0, excluded="depth"))
     stepped(controller, 1, AFTER)
-    assert controller.observer.doubted == "depth"
+    assert controller.observer.excluded == "depth"
     controller.take(answer(AFTER, number=2))
     stepped(controller, AFTER + 1, 2 * AFTER)
-    assert controller.observer.doubted == ""
+    assert controller.observer.excluded == ""
 
 
 @pytest.mark.parametrize("aside", [True, False])
@@ -201,12 +201,12 @@ def test_an_encoder_that_a_reflex_sets_aside_is_no_concern_of_an_echo(aside):
     """A second later the adviser says what the core had done: that ends no stop, and sets nothing aside again."""
     controller = made()
     stepped(controller, 1, 10)
-    controller.observer.doubt("encoder" if aside else "")
+    controller.observer.exclude("encoder" if aside else "")
     controller._encoder.is_unresolved = aside
     for asked, excluded in ((10, "encoder"), (10 + AFTER, "")):
         assert controller.take(answer(asked, excluded=excluded, number=asked))
         stepped(controller, asked + 1, asked + AFTER)
-        assert controller.observer.doubted == ("encoder" if aside else "")
+        assert controller.observer.excluded == ("encoder" if aside else "")
         assert controller._encoder.is_unresolved is aside
 
 

@@ -111,7 +111,7 @@ def test_a_storm_blames_no_sensor_and_no_winch():
     record = loop.run()
     assert record.modes[-1] == "compensating"
     assert owners(loop) <= {"sea"}
-    assert loop.controller.observer.doubted == ""
+    assert loop.controller.observer.excluded == ""
 
 
 def owners(loop):

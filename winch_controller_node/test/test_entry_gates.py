@@ -126,10 +126,10 @@ def test_compensation_waits_for_waves_and_for_readings_that_can_be_believed():
         highest_tension=SimpleNamespace(alarm=None),
     )
 
-    def words(time, *, knows_sea, doubt=""):
-        tick = SimpleNamespace(number=round(time / DT), knows_sea=knows_sea, doubt=doubt)
+    def words(time, *, knows_sea, inconsistency=""):
+        tick = SimpleNamespace(number=round(time / DT), knows_sea=knows_sea, inconsistency=inconsistency)
         return Supervisor._closed_gates(supervisor, tick, 0.0)
 
     assert words(20.0, knows_sea=False) == "measuring the sea, at most 40 s more"
     assert words(60.0, knows_sea=False) == words(20.0, knows_sea=True) == "the sea demands too much"
-    assert words(20.0, knows_sea=True, doubt="the depth is doubted") == "the depth is doubted"
+    assert words(20.0, knows_sea=True, inconsistency="the depth is inconsistent") == "the depth is inconsistent"

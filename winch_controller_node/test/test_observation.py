@@ -6,7 +6,7 @@ import pytest
 from heave_node.interface.sensors import MruReading
 from heave_node.parameters import build_parameters
 from winch_controller_node.component import WinchController
-from winch_controller_node.estimation.surprise import Surprise
+from winch_controller_node.estimation.consistency import Consistency
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -23,5 +23,5 @@ def test_a_sample_is_refused_once_however_many_of_its_readings_are(refused):
     observer.observe(1, Measurements(mru=(sample,)), estimator, 0.0)
     assert (observer.gates["mru"].state(0.05).accepted, observer.gates["mru"].state(0.05).refused) == (1, 0)
     innovations = {name: Innovation(1.0, 0.1, 100.0, name not in refused) for name in ("mru_heave", "mru_heave_rate")}
-    observer.learn(SimpleNamespace(measurements=estimator.measurements, innovations=innovations), Surprise(0.05))
+    observer.learn(SimpleNamespace(measurements=estimator.measurements, innovations=innovations), Consistency(0.05))
     assert (observer.gates["mru"].state(0.05).accepted, observer.gates["mru"].state(0.05).refused) == (0, 1)

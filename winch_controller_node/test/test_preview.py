@@ -72,8 +72,8 @@ def test_the_commands_for_what_is_seen_are_the_best_ones(design):
     sizes = {"unit_heave": p.unit_heave, "payout": p.payout, "payout_acceleration": p.payout_acceleration}
     gain = output_gain(model, sizes, p.command)
     disturbances = PreviewReader(model, 4.0, 0.05).disturbances
-    surprise = np.sin(0.7 * np.arange(disturbances.shape[2]))
-    best = feedforward(model, gain, sizes, p.command, disturbances) @ surprise
+    innovation = np.sin(0.7 * np.arange(disturbances.shape[2]))
+    best = feedforward(model, gain, sizes, p.command, disturbances) @ innovation
 
     def cost(fed):
         """Return the sum over ten minutes of (y/size)^2 + (u/size)^2."""
@@ -85,7 +85,7 @@ def test_the_commands_for_what_is_seen_are_the_best_ones(design):
             total += float(np.sum((rows @ x + through * u) ** 2)) + (u / p.command) ** 2
             x = model.A @ x + model.B[:, 0] * u
             if k < len(disturbances):
-                x = x + disturbances[k] @ surprise
+                x = x + disturbances[k] @ innovation
         return total
 
     least = cost(best)
@@ -102,8 +102,8 @@ def test_the_commands_for_what_is_seen_are_the_best_ones(design):
 def test_a_preview_that_is_too_short_or_broken_is_not_used(design):
     reader, x = PreviewReader(design.model, 5.0, 0.05), np.zeros(design.model.order)
     ahead = DT * np.arange(1, AHEAD + 1)
-    assert reader.surprise(HeavePreview(ahead, np.ones(AHEAD)), x) == pytest.approx(np.ones(20))
-    assert reader.surprise(HeavePreview(ahead[:90], np.ones(90)), x) is None
-    assert reader.surprise(HeavePreview(ahead, np.full(AHEAD, np.nan)), x) is None
-    assert reader.surprise(HeavePreview(ahead[:0], ahead[:0]), x) is None
-    assert reader.surprise(None, x) is None
+    assert reader.innovation(HeavePreview(ahead, np.ones(AHEAD)), x) == pytest.approx(np.ones(20))
+    assert reader.innovation(HeavePreview(ahead[:90], np.ones(90)), x) is None
+    assert reader.innovation(HeavePreview(ahead, np.full(AHEAD, np.nan)), x) is None
+    assert reader.innovation(HeavePreview(ahead[:0], ahead[:0]), x) is None
+    assert reader.innovation(None, x) is None

@@ -163,10 +163,10 @@ def test_a_few_waves_change_a_sea_less_unless_it_is_refuted():
 def test_a_sea_is_refuted_by_what_it_predicts_badly_and_by_nothing_else():
     tracker = SeaTracker(design_controller(parameters(), tick_period=DT))
     for nis in np.random.default_rng(0).chisquare(1, 2000):
-        tracker.note_surprise(float(nis), 0.02)
+        tracker.note_innovation(float(nis), 0.02)
         assert not tracker.is_refuted
     for _ in range(100):
-        tracker.note_surprise(9.0, 0.02)
+        tracker.note_innovation(9.0, 0.02)
     assert tracker.is_refuted
 
 
@@ -174,7 +174,7 @@ def test_a_sea_is_not_refuted_by_errors_that_only_a_perfect_instrument_sees():
     """Errors of 6 mm/s are six times what an instrument of 1 mm/s would have, and nothing to a winch."""
     tracker = SeaTracker(design_controller(parameters(), tick_period=DT))
     for _ in range(400):
-        tracker.note_surprise(36.0, 0.001)
+        tracker.note_innovation(36.0, 0.001)
     assert not tracker.is_refuted
 
 

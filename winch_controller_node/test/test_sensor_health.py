@@ -6,6 +6,7 @@ from heave_node.interface.codes import MruStatus, SensorLevel
 from heave_node.interface.sensors import MruReading
 from hypothesis import given
 from hypothesis import strategies as st
+from winch_controller_node.estimation.consistency import Consistency
 from winch_controller_node.estimation.mru_steps import MruSteps
 from winch_controller_node.estimation.sensor_health import (
     LARGEST_PLAY,
@@ -17,7 +18,6 @@ from winch_controller_node.estimation.sensor_health import (
     judge_mru,
     lost_alarm,
 )
-from winch_controller_node.estimation.surprise import Surprise
 from winch_controller_node.interface.readings import ScalarReading
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.parameters.laws import HealthParameters
@@ -125,12 +125,12 @@ def test_a_reading_outside_a_gate_is_a_spike_only_where_those_before_were_forese
 
 
 def test_surprise_is_of_the_measurement_that_has_been_foreseen_badly():
-    surprise = Surprise(DT)
+    consistency = Consistency(DT)
     for nis in 400 * [9.0]:
-        surprise.add({"unit_heave": Innovation(0.3, 0.1, nis, True), "mru_heave": Innovation(0.1, 0.1, 1.0, True)})
-    assert surprise.is_surprised_by("unit_heave")
-    assert not surprise.is_surprised_by("mru_heave")
-    assert not surprise.is_surprised_by("tension")
+        consistency.add({"unit_heave": Innovation(0.3, 0.1, nis, True), "mru_heave": Innovation(0.1, 0.1, 1.0, True)})
+    assert consistency.is_inconsistent("unit_heave")
+    assert not consistency.is_inconsistent("mru_heave")
+    assert not consistency.is_inconsistent("tension")
 
 
 def test_an_mru_that_says_it_is_settling_is_not_used():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from winch_controller_node.estimation.consistency import Consistency
 from winch_controller_node.estimation.sensor_noise import FEWEST, READINGS, UNKNOWN, SensorNoise
-from winch_controller_node.estimation.surprise import Surprise
 from winch_controller_node.model.estimator import Innovation
 
 DT = 0.05
@@ -120,17 +120,17 @@ def test_a_depth_sensor_of_fifteen_times_the_believed_noise_is_no_reason_to_give
 
 
 def test_a_reading_that_comes_back_into_its_band_within_the_minute_is_not_told():
-    surprise = Surprise(DT)
+    consistency = Consistency(DT)
     quiet, usual = ({"mru_heave": Innovation(0.0, 1.0, nis, accepted=True)} for nis in (0.0, 1.0))
     told = []
     for seconds, innovations in ((60.0, quiet), (60.0, usual), (60.0, quiet)):
         for _ in range(round(seconds / DT)):
-            surprise.add(innovations)
-            told.append(surprise.newly_quiet())
+            consistency.add(innovations)
+            told.append(consistency.newly_quiet())
     # it takes 18 s to fall to 0.4
     assert not any(told)
     for _ in range(round(60.0 / DT)):
-        surprise.add(quiet)
-        told.append(surprise.newly_quiet())
+        consistency.add(quiet)
+        told.append(consistency.newly_quiet())
     (news,) = [news for news in told if news]
     assert list(news) == ["mru_heave"]

@@ -101,10 +101,10 @@ class BeliefsInForce:
         observer.terms.correct(corrections(beliefs, self.nominal))
         excluded, was = (one.excluded if one.excluded != OWN else "" for one in (beliefs, before))
         if excluded != was:
-            observer.doubt(excluded)
+            observer.exclude(excluded)
             changed |= {excluded, was} - {""}
         if beliefs.encoder is not None and beliefs.encoder != before.encoder:
-            observer.doubt(excluded)
+            observer.exclude(excluded)
             estimation.rescale_encoder(beliefs.encoder, tick - 1, is_adopted=beliefs.adopted is not None)
         carried = None
         if beliefs.design is not None:

@@ -176,8 +176,8 @@ class WinchController:
         self._supervisor.timeouts.cancel()
         self.observer.trust()
         self._encoder.restart()
-        if self.observer.doubted == "encoder":
-            self.observer.doubt("")
+        if self.observer.excluded == "encoder":
+            self.observer.exclude("")
         if name == Mode.CONSTANT_TENSION.value:
             measured = self._estimation.filtered_tension
             if not math.isfinite(measured):
@@ -409,7 +409,7 @@ class WinchController:
         log.add(loop, observer, self._winch.given, winch, authority=mode.authority, compensates=is_compensating)
         return log.batch(
             self._beliefs.beliefs.number,
-            excluded=observer.doubted,
+            excluded=observer.excluded,
             is_trusted=self._supervisor.guard.trusts_estimate,
             restated=self._beliefs.restated,
         )
@@ -596,12 +596,12 @@ class WinchController:
         if before >= lasting and not is_lost:
             self._estimation.find_drum(tick - 1)
         moves = self.mode in (Mode.COMPENSATING, Mode.FADE_OUT)
-        if not moves or not identifies_winch(self.parameters) or observer.doubted not in ("", "encoder"):
+        if not moves or not identifies_winch(self.parameters) or observer.excluded not in ("", "encoder"):
             return
-        ordered, is_aside = self._winch.drum.ordered(), observer.doubted == "encoder"
+        ordered, is_aside = self._winch.drum.ordered(), observer.excluded == "encoder"
         act = self._encoder.look(tick, ordered, is_aside=is_aside)
         if act is Act.USE_AGAIN:
-            observer.doubt("")
+            observer.exclude("")
         elif act is Act.SET_ASIDE and ordered is not None:
             self._estimation.set_encoder_aside(ordered.payout, tick - 1)
             self._supervisor.guard.allow_correction("encoder")

@@ -131,7 +131,7 @@ def _figure(value: float) -> str:
 def _header(situation: Situation, silence: float) -> Group:
     lines = [Text(run_words(situation.run), style="yellow" if situation.is_paused else "")]
     if silence > SILENCE:
-        lines.append(Text(f"NO WORD from the run for {silence:.0f} s: what stands here is old", style=STOPPED_STYLE))
+        lines.append(Text(f"NO WORD from the run for {silence:.0f} s: the values shown are stale", style=STOPPED_STYLE))
     controller, winch = situation.controller, situation.winch
     if controller is not None:
         style = MODE_STYLE.get(controller.mode, CHANGING_STYLE)

@@ -20,11 +20,11 @@ INDENT = "  "
 COMMENTS_AT = 50
 
 HEAD = """# {title}
-# Values are SI; what is not said here keeps its default. Any parameter: heave params NAME; cables, units and winches to
-# name here instead of their values: heave catalogue. Run it: heave run {path}
+# Values are SI; a parameter that is not listed keeps its default. All parameters: heave params. Cables, units and
+# winches that can be named here instead of their values: heave catalogue. Run it: heave run {path}
 """
 SECTION_WORDS = {
-    WILDCARD: "the run, what is wanted of it, and what ship and controller share",
+    WILDCARD: "the run, its criteria (wanted), and what ship and controller share",
     "wave_vessel": "sea and vessel, where they differ from what the controller assumes",
     "cable_sim": "cable, unit, seabed, current, sensors",
     "virtual_winch": "the winch",

@@ -58,7 +58,7 @@ body { background: #10161c; color: #dde5ec; }
 </style>
 """
 LOST = """
-<div id="lost" role="alert">NO CONNECTION to the panel: what stands here is old. The run goes on without it.
+<div id="lost" role="alert">NO CONNECTION to the panel: the values shown are stale. The run goes on without it.
 Emergency: press the button of the winch itself.</div>
 <script>
 (() => {
@@ -272,7 +272,7 @@ class Page:
         )
         is_silent = picture.silence > SILENCE and not situation.is_over
         bar.word.text = (
-            f"NO WORD from the run for {picture.silence:.1f} s: what stands here is old" if is_silent else ""
+            f"NO WORD from the run for {picture.silence:.1f} s: the values shown are stale" if is_silent else ""
         )
 
     def _show_figures(self, picture: Picture) -> None:

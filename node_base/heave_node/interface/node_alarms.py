@@ -42,7 +42,7 @@ NODE_ALARMS = alarm_table(
         Severity.HIGH,
         "node",
         "waiting for {time:.0f} s: {missing}",
-        "The run stands, and ends after participant_timeout or start_timeout",
+        "The run waits, and ends after participant_timeout or start_timeout",
         "Check that the named node runs",
     ),
     AlarmRow(

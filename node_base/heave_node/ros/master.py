@@ -300,6 +300,7 @@ class ClockMasterNode(HeaveNode):
         self.gate.begin(self.epoch, tick.number, counters)
         self._start_message = TickStart(self.epoch, tick.number, flush, tick.start_nanoseconds, counters)
         self._protocol.start.publish(self._start_message.to_bytes())
+        self._report_recovery()
         self._waits.sent(self.run.resend_period)
 
     @property
@@ -520,10 +521,18 @@ class ClockMasterNode(HeaveNode):
         if waited > limit:
             self._end(TickStatus.FAILED, f"{text}: gave up after waiting {limit:g} s ({parameter})")
         elif self._waits.is_warning_due(WARNING_PERIOD):
+            is_starting = self.run_state == TickStatus.WAITING  # then it is normal that nodes are not there yet
+            if not is_starting:
+                self._waits.note_late()
             warning = str(NODE_ALARMS.alarm("PARTICIPANT_LATE", time=waited, missing=text))
             self.get_logger().warning(warning)
-            # before the run begins it is normal that nodes are not there yet
-            self.publish_protocol_notice(warning, Level.OK if self.run_state == TickStatus.WAITING else Level.ERROR)
+            self.publish_protocol_notice(warning, Level.OK if is_starting else Level.ERROR)
+
+    def _report_recovery(self) -> None:
+        """End a report of late nodes on /diagnostics once the next tick begins."""
+        if self._waits.has_recovered():
+            self.get_logger().info("all nodes answer again")
+            self.publish_protocol_notice("all nodes answer again", Level.OK)
 
     def _publish_status(self) -> None:
         is_over = self.run_state in (TickStatus.ENDED, TickStatus.FAILED)

@@ -98,6 +98,7 @@ class MasterWaits:
         self._clock = clock
         self._made_at = self._sent_at = self._warned_at = self._status_at = clock()
         self._resend_wait = 0.0
+        self._is_late = False
 
     @property
     def age(self) -> float:
@@ -131,3 +132,12 @@ class MasterWaits:
         is_due = now - self._warned_at > period
         self._warned_at = now if is_due else self._warned_at
         return is_due
+
+    def note_late(self) -> None:
+        """Note that a node was reported late."""
+        self._is_late = True
+
+    def has_recovered(self) -> bool:
+        """Tell once, when the next tick begins, that a node which was reported late has answered."""
+        was_late, self._is_late = self._is_late, False
+        return was_late

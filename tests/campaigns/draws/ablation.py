@@ -62,7 +62,7 @@ REFLEXES = {
             _gives(import_module(f"{PACKAGE}.supervision.watch.encoder_reflex").Act.NOTHING),
         )
     ],
-    "doubt of jumps": lambda: [Switch("estimation.observation:Observer._doubt_first", _gives(None))],
+    "exclusion after jumps": lambda: [Switch("estimation.observation:Observer._exclude_first", _gives(None))],
     "sensor noise": lambda: [Switch("estimation.sensor_noise:SensorNoise.add", _gives(None))],
     "share by the drum": lambda: [Switch("supervision.watch.winch_watch:CAUTIOUS_SHARE", 1.0)],
     "share by the sea": lambda: [Switch("supervision.supervisor:UNKNOWN_SEA_SHARE", 1.0)],

@@ -16,7 +16,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel, kernel
 from numpy.typing import NDArray
 
-from winch_controller_node.model.drag_kernel import DOUBT, DOUBT_TIME, Drag
+from winch_controller_node.model.drag_kernel import UNCERTAINTY, UNCERTAINTY_TIME, Drag
 from winch_controller_node.model.slack_kernel import Slack
 
 SETTLING = 15.0
@@ -166,7 +166,7 @@ def _motion(model: PassModel, record: PassInput) -> Motion:
     """Return how the state of a `model` moves at the speed and the slack that a `record` has seen."""
     drag, slack, missing = model.drag, model.slack, record.missing_push
     excess = np.maximum(drag.quadratic * record.unit_speed - drag.damping, 0.0) / drag.inertia
-    unknown = (DOUBT * excess * record.unit_speed) ** 2 + (DOUBT * missing / slack.inertia) ** 2
+    unknown = (UNCERTAINTY * excess * record.unit_speed) ** 2 + (UNCERTAINTY * missing / slack.inertia) ** 2
     filled = [np.flatnonzero(row) for row in model.F]
     kept = np.exp(-np.minimum(0.5 * excess * drag.tick_period, STOPPED))
     gives = np.where(missing > 0.0, missing / (missing + slack.largest), 0.0) * slack.tick_period / slack.inertia
@@ -181,7 +181,7 @@ def _motion(model: PassModel, record: PassInput) -> Motion:
         # beside the drag, which takes its share of the rate after it
         gives=gives / kept,
         pull=np.ascontiguousarray(slack.pull),
-        unknown=unknown * DOUBT_TIME * drag.tick_period,
+        unknown=unknown * UNCERTAINTY_TIME * drag.tick_period,
     )
 
 

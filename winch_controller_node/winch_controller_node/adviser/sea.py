@@ -71,7 +71,7 @@ class SeaLooks:
         row = observations.rows.index("mru_heave_rate")
         readings = observations.readings[observations.readings[:, 2] == row]
         for nis in readings[np.isfinite(readings[:, -1]), -1].tolist():
-            self.tracker.note_surprise(nis, noise)
+            self.tracker.note_innovation(nis, noise)
         tip = [TICK_COLUMNS.index("tip_heave"), TICK_COLUMNS.index("tip_rate")]
         for heave, rate in observations.ticks[:, tip].tolist():
             self.tracker.update(heave, rate)

@@ -39,16 +39,16 @@ SMALLEST, LARGEST = 0.05, 20.0
 FIRST_WAVES, JUDGED_AGAIN = 2.0, 1.3
 """Waves after which the period is judged for the first time, and by what factor more for the next."""
 
-DOUBT_WAVES = 2.0
+ASSUMED_WAVES = 2.0
 """Weight of the assumed period, in waves."""
 
 REFUTED_WAVES = 0.3
 """Weight of the assumed period where the assumed sea is refuted, in waves."""
 
-SURPRISE_MEMORY, LARGEST_SURPRISE = 5.0, 30.0
+INNOVATION_MEMORY, LARGEST_NIS = 5.0, 30.0
 """Memory of the normalised innovations [s], and what one counts at most."""
 
-LEAST_SURPRISE = 0.01
+LEAST_ERROR = 0.01
 """Error of the predicted heave rate that is small in any sea [m/s]: a perfect instrument sees what no model has."""
 
 REFUTED = 3.0
@@ -139,7 +139,7 @@ class SeaTracker:
         self._seen = 0.0
         self._variance = self._rate_variance = self._fourth_moment = self._group_variance = 0.0
         self._applied = 1.0
-        self._surprise = 1.0
+        self._mean_nis = 1.0
         self._waves_judged, self._since_judged = FIRST_WAVES / JUDGED_AGAIN, 0.0
         self.refer_to(design)
 
@@ -191,7 +191,7 @@ class SeaTracker:
         heave = math.sqrt(self._variance if is_settled else max(self._variance, self._group_variance))
         return SeaSeen(waves, heave, self._frequency, is_settled, self.is_refuted)
 
-    def note_surprise(self, nis: float, sigma: float) -> None:
+    def note_innovation(self, nis: float, sigma: float) -> None:
         """Take in what a heave rate of the motion reference unit said against the prediction.
 
         Parameters
@@ -199,13 +199,13 @@ class SeaTracker:
         nis : normalised innovation squared
         sigma : standard deviation by which it was normalised [m/s]
         """
-        counted = min(nis * min(1.0, (sigma / LEAST_SURPRISE) ** 2), LARGEST_SURPRISE)
-        self._surprise += self._dt / SURPRISE_MEMORY * (counted - self._surprise)
+        counted = min(nis * min(1.0, (sigma / LEAST_ERROR) ** 2), LARGEST_NIS)
+        self._mean_nis += self._dt / INNOVATION_MEMORY * (counted - self._mean_nis)
 
     @property
     def is_refuted(self) -> bool:
         """Tell whether the sea of the design cannot be the one that is there: it predicts the heave rate badly."""
-        return self._surprise > REFUTED
+        return self._mean_nis > REFUTED
 
     @property
     def _frequency(self) -> float:
@@ -248,7 +248,7 @@ def sea_that_was_seen(
     believed, in_force : seas assumed at first, and of the active design
     vessel : assumed
     """
-    weight = seen.waves / (seen.waves + (REFUTED_WAVES if seen.is_refuted else DOUBT_WAVES))
+    weight = seen.waves / (seen.waves + (REFUTED_WAVES if seen.is_refuted else ASSUMED_WAVES))
     # a higher sea than assumed is most likely as steep, and so longer
     higher = max(seen.heave / sigma_and_frequency(believed, vessel)[0], 1.0)
     expected = sigma_and_frequency(_changed(believed, min(math.sqrt(higher), LONGEST), 1.0), vessel)[1]

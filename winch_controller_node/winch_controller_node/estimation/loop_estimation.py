@@ -14,11 +14,11 @@ from heave_node.numerics.arrays import Array
 from winch_controller_node.beliefs.beliefs import LATENCY, Adopted, EncoderScale
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.seas import FIRST_WAVES, SeaTracker
+from winch_controller_node.estimation.consistency import Consistency
 from winch_controller_node.estimation.handover import hand_over, hand_over_seen, hand_over_standing
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick, Sensed
 from winch_controller_node.estimation.observation import Observed, Observer
 from winch_controller_node.estimation.observation_log import ObservationLog
-from winch_controller_node.estimation.surprise import Surprise
 from winch_controller_node.estimation.tension import MeanTension, TensionFilter
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.interface.sensors import DEPTH_BIAS
@@ -62,17 +62,17 @@ class TipWatch:
         self._lost, self._back = 0.0, TIP_BACK
         self.knows_tip = True
 
-    def update(self, coast_time: float, *, is_lost: bool, is_doubted: bool) -> None:
+    def update(self, coast_time: float, *, is_lost: bool, is_excluded: bool) -> None:
         """Take in a tick.
 
         Parameters
         ----------
         coast_time : for which it is predicted [s]
         is_lost : the sensor gives nothing to read
-        is_doubted : it is excluded: its readings contradict all others, and from then on nothing is predicted
+        is_excluded : it is excluded: its readings contradict all others, and from then on nothing is predicted
         """
-        if is_doubted or is_lost:
-            self._lost, self._back = math.inf if is_doubted else self._lost + self._dt, 0.0
+        if is_excluded or is_lost:
+            self._lost, self._back = math.inf if is_excluded else self._lost + self._dt, 0.0
         else:
             self._back += self._dt
             self._lost = 0.0 if self._back > TIP_BACK else self._lost
@@ -91,7 +91,7 @@ class LoopEstimation:
     estimator, observer : the filter and the gates in front of it
     motion : mean payout and what it brings about
     log : of what is observed, for the adviser
-    surprise : consistency of the readings with their predictions
+    consistency : consistency of the readings with their predictions
     mean_tension : over the waves
     """
 
@@ -109,7 +109,7 @@ class LoopEstimation:
         self._has_begun, self._first_payout = False, math.nan
         self._sea = SeaTracker(design)
         self._tip_watch = TipWatch(dt)
-        self.log, self.surprise = ObservationLog(dt), Surprise(dt)
+        self.log, self.consistency = ObservationLog(dt), Consistency(dt)
         self._recent: deque[tuple[int, float, tuple[Observed, ...]]] = deque(maxlen=2 * round(LATENCY / dt))
         self._refer_to(design)
 
@@ -176,14 +176,14 @@ class LoopEstimation:
         if matrix is not None:
             self.motion.carry(matrix)
             self.observer.terms.forget_shares()
-        self.surprise.restart()
+        self.consistency.restart()
         self._refer_to(design)
         # the boom tip was another one, and so is what it does to a unit that no winch moves
         self._take_unit(self.estimator.estimate[self._rows.unit_states])
 
     def set_encoder_aside(self, payout: float, tick: int) -> None:
         """Go on after `tick` without the encoder, the drum being at a `payout` [m]."""
-        self.observer.doubt("encoder")
+        self.observer.exclude("encoder")
         moved = payout - float(self._rows.payout @ self.motion.state)
         unit = self.estimator.estimate[self._rows.unit_states]
         self._go_on(tick, payout=moved, unit=unit)
@@ -246,7 +246,7 @@ class LoopEstimation:
         """Discard the readings of the past: they hold nothing about the state from now on."""
         self.log.break_record()
         self._recent.clear()
-        self.surprise.restart()
+        self.consistency.restart()
 
     # a tick
 
@@ -272,8 +272,8 @@ class LoopEstimation:
         readings = self.observer.observe(number, measurements, estimator, rate, unit_stands=unit_stands)
         estimate = estimator.step(number, command.compensating, readings)
         self._recent.append((number, command.compensating, tuple(self.observer.observed)))
-        self.surprise.add(estimator.innovations)
-        self.observer.learn(estimator, self.surprise)
+        self.consistency.add(estimator.innovations)
+        self.observer.learn(estimator, self.consistency)
         tip = rows.tip @ estimate
         self._follow_sea(tip)
         if measurements.of("load_cell") and math.isfinite(self.observer.tension):
@@ -306,7 +306,7 @@ class LoopEstimation:
             hanging_heave=float(self.motion.state[rows.unit_states[0]] + self._hanging_unit.state[0]),
             knows_sea=self.knows_sea,
             is_sea_refuted=self._sea.is_refuted,
-            doubt=self.surprise.words,
+            inconsistency=self.consistency.words,
             knows_tip=self.knows_tip,
             mean_tension=self.mean_tension.mean,
             missing_push=missing_push(self._slack, estimate),
@@ -341,11 +341,11 @@ class LoopEstimation:
             depth_noise=observer.depth_noise,
             depth_innovation=depth.value / depth.sigma if depth is not None and is_compared else None,
             has_depth=has_depth,
-            sees_landing=has_depth and observer.doubted != "depth",
+            sees_landing=has_depth and observer.excluded != "depth",
             innovations=self.estimator.innovations,
             has_encoder=observer.gates["encoder"].state(0.0).accepted > 0,
             lost=observer.lost(),
-            faults=(*observer.new_faults(), *self.surprise.news()),
+            faults=(*observer.new_faults(), *self.consistency.news()),
         )
 
     @property
@@ -360,16 +360,16 @@ class LoopEstimation:
 
     def _watch_tip(self) -> None:
         gate, coast_time = self.observer.gates.get("mru"), self._design.parameters.modes.coast_time
-        is_doubted = self.observer.doubted == "mru"
-        self._tip_watch.update(coast_time, is_lost=gate is not None and gate.is_lost, is_doubted=is_doubted)
+        is_excluded = self.observer.excluded == "mru"
+        self._tip_watch.update(coast_time, is_lost=gate is not None and gate.is_lost, is_excluded=is_excluded)
 
     def _follow_sea(self, tip: Array) -> None:
         """Let the estimator's driving noise follow the sea that moves the boom `tip`, heave and rate, shape (2,)."""
         if not self._tells_sea:
             return
-        surprise = self.estimator.innovations.get("mru_heave_rate")
-        if surprise is not None and math.isfinite(surprise.nis):
-            self._sea.note_surprise(surprise.nis, surprise.sigma)
+        innovation = self.estimator.innovations.get("mru_heave_rate")
+        if innovation is not None and math.isfinite(innovation.nis):
+            self._sea.note_innovation(innovation.nis, innovation.sigma)
         noise = self._sea.update(*tip.tolist())
         if noise is not None:
             self.estimator.set_process_noise(noise)
@@ -377,7 +377,7 @@ class LoopEstimation:
     @property
     def _tells_sea(self) -> bool:
         """Return whether the sea is followed: its sensor, of the boom tip's motion, delivers and is not excluded."""
-        is_seen = self.knows_tip and self.observer.doubted != "mru"
+        is_seen = self.knows_tip and self.observer.excluded != "mru"
         return self._design.parameters.estimator.sea_adaptation and is_seen
 
     @property

@@ -107,7 +107,7 @@ class LoopTick:
     hanging_heave : of a unit that only hangs on its cable, whatever the depth sensor has read of it [m]
     knows_sea : some waves have been seen
     is_sea_refuted : the sea of the design predicts badly what the motion reference unit reads
-    doubt : why the readings are not consistent yet; empty where they are
+    inconsistency : why the readings are not consistent yet; empty where they are
     knows_tip : the boom tip is measured; what is known of it otherwise is not to be acted upon
     mean_tension : at the top, over the waves since the unit and the mean payout are where they are
     missing_push : by how much more the linear model would push the unit down than a slack cable does [m]
@@ -127,7 +127,7 @@ class LoopTick:
     hanging_heave: float = 0.0
     knows_sea: bool = True
     is_sea_refuted: bool = False
-    doubt: str = ""
+    inconsistency: str = ""
     knows_tip: bool = True
     mean_tension: TensionMean = NO_MEAN
     missing_push: float = 0.0

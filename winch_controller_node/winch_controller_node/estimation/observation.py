@@ -11,6 +11,7 @@ from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.estimation.consistency import Consistency
 from winch_controller_node.estimation.mru_steps import MruSteps
 from winch_controller_node.estimation.reading_terms import ReadingTerms, SensorsWatched, tick_of
 from winch_controller_node.estimation.sensor_health import (
@@ -23,7 +24,6 @@ from winch_controller_node.estimation.sensor_health import (
     judge_scalar,
 )
 from winch_controller_node.estimation.sensor_noise import SensorNoise
-from winch_controller_node.estimation.surprise import Surprise
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Measurements, ScalarReading, SensorState
 from winch_controller_node.interface.sensors import (
@@ -74,8 +74,8 @@ class Observer:
     tension : newest accepted top tension [N]; NaN before the first
     mru_rate : newest accepted heave rate of the MRU [m/s]; NaN: it measures none
     depths : stamp [s] and depth, positive down [m], of the depth readings accepted in this tick
-    witnessed : readings of this tick that the estimator does not take, in its terms: a cross-check for the adviser
-    doubted : sensor in use that is excluded: it contradicts all others and is a cross-check only; empty: none
+    cross_checked : readings of this tick that the estimator does not take, in its terms: a cross-check for the adviser
+    excluded : sensor in use that is excluded: it contradicts all others and is a cross-check only; empty: none
     terms : in which the estimator takes readings
     observed : readings of this tick as they were read, before corrections, for the adviser
     """
@@ -104,17 +104,17 @@ class Observer:
         self.tension = math.nan
         self.mru_rate = 0.0
         self.depths: list[tuple[float, float]] = []
-        self.witnessed: list[Measurement] = []
+        self.cross_checked: list[Measurement] = []
         self.observed: list[Observed] = []
-        self.doubted = ""
+        self.excluded = ""
         self._unit_heave = 0.0
         self._levels: dict[str, SensorLevel] = {}
         self._quiet: list[Alarm] = []
         self._attitude: tuple[float, float, float] | None = None
 
-    def doubt(self, sensor: str) -> None:
+    def exclude(self, sensor: str) -> None:
         """Exclude a `sensor` in use: from now on its readings are a cross-check only; empty: exclude none."""
-        self.doubted = sensor
+        self.excluded = sensor
 
     def trust(self) -> None:
         """Try a frozen encoder and an excluded depth sensor again, at an operator's request; harm is detected again.
@@ -122,13 +122,13 @@ class Observer:
         A motion reference unit that contradicts all others must agree with them first.
         """
         self.encoder.trust()
-        if self.doubted == "depth":
-            self.doubt("")
+        if self.excluded == "depth":
+            self.exclude("")
 
-    def _doubt_first(self, sensor: str) -> None:
+    def _exclude_first(self, sensor: str) -> None:
         """Exclude a `sensor` in use that has jumped: it must agree with all others before it is used again."""
-        if sensor in self._sensors.in_use and not self.doubted:
-            self.doubt(sensor)
+        if sensor in self._sensors.in_use and not self.excluded:
+            self.exclude(sensor)
 
     def observe(
         self,
@@ -153,22 +153,22 @@ class Observer:
         now = tick * self._dt
         self.depths.clear()
         taken: list[Measurement] = []
-        witnessed: list[Measurement] = []
+        cross_checked: list[Measurement] = []
         for mru in delivered.mru:
             if self._admits(mru, now):
                 if self._mru_steps.is_unproved:
-                    self._doubt_first("mru")
-                (taken if self._is_taken("mru") else witnessed).extend(self._mru(mru))
+                    self._exclude_first("mru")
+                (taken if self._is_taken("mru") else cross_checked).extend(self._mru(mru))
         taken += self._encoder(now, delivered, expected_rate)
         for name in SCALAR_SENSORS:
             if name in self._sensors.watched:
                 of_unit = self._scalar(now, name, delivered.of(name))
                 if not unit_stands:
-                    (taken if self._is_taken(name) else witnessed).extend(of_unit)
+                    (taken if self._is_taken(name) else cross_checked).extend(of_unit)
         for gate in self.gates.values():
             gate.tick(now)
         self.observed = []
-        self.witnessed = [self._in_terms(reading, estimator, is_used=False) for reading in witnessed]
+        self.cross_checked = [self._in_terms(reading, estimator, is_used=False) for reading in cross_checked]
         return [self._in_terms(reading, estimator, is_used=True) for reading in taken]
 
     def _admits(self, mru: MruReading, now: float) -> bool:
@@ -179,19 +179,19 @@ class Observer:
 
     def _is_taken(self, sensor: str) -> bool:
         """Tell whether the estimator takes what a `sensor` reads."""
-        return sensor in self._sensors.in_use and sensor != self.doubted
+        return sensor in self._sensors.in_use and sensor != self.excluded
 
-    def learn(self, estimator: KalmanEstimator, surprise: Surprise) -> None:
+    def learn(self, estimator: KalmanEstimator, consistency: Consistency) -> None:
         """Take back the samples of which the estimator refused a reading; an MRU's sample holds two.
 
         Parameters
         ----------
         estimator : that has taken the readings of this tick in
-        surprise : with them and those before: readings that have been inconsistent for long are no spikes
+        consistency : with them and those before: readings that have been inconsistent for long are no spikes
         """
         self._quiet = [
             self._quiet_alarm(name, estimator.measurements[name].sensor, mean)
-            for name, mean in surprise.newly_quiet().items()
+            for name, mean in consistency.newly_quiet().items()
             if name in self._noise and self._noise[name].believed > NEGLIGIBLE
         ]
         # one that came too late to be compared says nothing against the sensor; `stale` does, when they all are
@@ -203,7 +203,7 @@ class Observer:
         if not refused:
             return
         of_sensors = {estimator.measurements[name].sensor for name in refused}
-        spikes = {estimator.measurements[name].sensor for name in refused if not surprise.is_surprised_by(name)}
+        spikes = {estimator.measurements[name].sensor for name in refused if not consistency.is_inconsistent(name)}
         for sensor in sorted(of_sensors - {"encoder"}):
             self.gates[sensor].take_back(is_spike=sensor in spikes)
 
@@ -228,7 +228,7 @@ class Observer:
     def lost(self) -> dict[str, str]:
         """Return why each lost sensor counts as lost, by name; an excluded MRU does: no other measures the boom tip."""
         lost = {name: gate.reason for name, gate in self.gates.items() if gate.level is SensorLevel.LOST}
-        return {"mru": CONTRADICTS, **lost} if self.doubted == "mru" else lost
+        return {"mru": CONTRADICTS, **lost} if self.excluded == "mru" else lost
 
     def new_faults(self) -> list[Alarm]:
         """Return which sensors have become worse since the last call, or have another noise than the nominal one."""
@@ -259,7 +259,7 @@ class Observer:
         states = [gate.state(now) for gate in self.gates.values()]
         if math.isnan(self.mru_rate):
             states = [one._replace(reason=one.reason or HEAVE_ALONE) if one.sensor == "mru" else one for one in states]
-        return tuple([_as_doubted(state) if state.sensor == self.doubted else state for state in states])
+        return tuple([_as_excluded(state) if state.sensor == self.excluded else state for state in states])
 
     def unit_heave_reading(self, mean_state: Array, unit: int) -> float:
         """Return the newest depth as heave about that of the mean payout [m].
@@ -324,7 +324,7 @@ class Observer:
             if name == "depth":
                 read = self._depth_jumps.take_off(reading.time, reading.value, self.depth_noise)
             if name == "depth" and self._depth_jumps.is_unproved:
-                self._doubt_first("depth")
+                self._exclude_first("depth")
             if read is None:
                 self.gates[name].take_back_jump()
                 continue
@@ -366,7 +366,7 @@ class Observer:
         return self._is_taken(self._sensors.sensor_of[reading.name])
 
 
-def _as_doubted(state: SensorState) -> SensorState:
+def _as_excluded(state: SensorState) -> SensorState:
     """Return the `state` of a sensor that is excluded."""
     alarm = state.alarm or ALARMS.alarm(f"{state.sensor.upper()}_EXCLUDED")
     level, reason = max(state.level, SensorLevel.SUSPECT), state.reason or CONTRADICTS

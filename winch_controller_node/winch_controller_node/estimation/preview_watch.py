@@ -70,7 +70,7 @@ class PreviewWatch:
         seen, self.fault = _seen_from(now, self._newest, self._use)
         self._compare(seen, boom_tip)
         if seen is not None and not self.fault:
-            self.fault = self._doubt(self._use.noise)
+            self.fault = self._fault_of(self._use.noise)
         return None if self.fault else seen
 
     def _compare(self, seen: HeavePreview | None, boom_tip: float | None) -> None:
@@ -85,7 +85,7 @@ class PreviewWatch:
         self._error_square += weight * ((told_for_now - boom_tip) ** 2 - self._error_square)
         self._heave_square += weight * (boom_tip**2 - self._heave_square)
 
-    def _doubt(self, noise: float) -> str:
+    def _fault_of(self, noise: float) -> str:
         """Return why a well-formed preview of a stated `noise` [m] is not used yet; empty where it is."""
         if self._compared * self._dt < PROOF_TIME:
             return f"compared with the motion for {PROOF_TIME:g} s before it is used"

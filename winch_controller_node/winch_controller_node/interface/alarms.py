@@ -163,7 +163,7 @@ HARM = (
         "loop",
         "the depth sensor reads {heave:.3f} m of heave, more than without compensation",
         "Compensation fades out",
-        "If the unit does not move so, check depth sensor and MRU",
+        "Check depth sensor and MRU if the unit does not move that much",
     ),
     AlarmRow(
         "UNIT_SWING_HIGH",
@@ -265,7 +265,7 @@ MODES = (
         "MOVE_ENDED",
         LOW,
         "mode",
-        "the move to a payout of {target:.1f} m ends near {payout:.1f} m",
+        "the move to a payout of {target:.1f} m ended early near {payout:.1f} m",
         "",
         "Request it again once the winch compensates",
     ),

@@ -35,7 +35,7 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
         return AlarmRow(f"{prefix}_{state}", severity, sensor, words, consequence, action)
 
     frozen = ("readings do not change", "Restart the sensor or its driver")
-    jumps = "heave jumps away from what its heave rate says" if sensor == "mru" else "readings jump repeatedly"
+    jumps = "heave disagrees with the integral of its own heave rate" if sensor == "mru" else "readings jump repeatedly"
     if sensor == "encoder":
         frozen = (
             "readings do not change while the winch is commanded to turn",
@@ -79,7 +79,7 @@ def _others_of(sensor: str) -> list[AlarmRow]:
             sensor,
             "noise of {measurement} is {sigma:.3g}, {factor:.1f} times nominal",
             "The estimate relies less on it",
-            "Check the sensor, or state its noise",
+            "Check the sensor, or enter its noise (winch_controller.sensors)",
         ),
         AlarmRow(
             f"{prefix}_NOISE_LOW",
@@ -88,7 +88,7 @@ def _others_of(sensor: str) -> list[AlarmRow]:
             "innovations of {measurement} are {ratio:.2f} times their assumed size (noise {sigma:.2g} assumed, {seen} "
             "seen)",
             "Compensation continues, with less benefit from this sensor than possible",
-            "State its noise, or check its scale",
+            "Enter its noise (winch_controller.sensors), or check its scale",
         ),
         AlarmRow(
             f"{prefix}_EXCLUDED",
@@ -149,7 +149,7 @@ READINGS = (
         "LOAD_CELL_NEGATIVE",
         MEDIUM,
         "load_cell",
-        "reading {tension:.1f} kN, and no cable pushes",
+        "reads {tension:.1f} kN, but a cable cannot push",
         "Tension alarms cannot be relied on",
         "Check its sign and zero",
     ),
@@ -197,7 +197,7 @@ IDENTIFIED = (
         "mru",
         "heave has a high-pass of {value:.0f} s (nominal {nominal:.0f} s, 0 is none)",
         "Corrected",
-        "State sensors.mru.high_pass_period",
+        "Enter it as winch_controller.sensors.mru.high_pass_period",
     ),
     AlarmRow(
         "MRU_DRIFT",
@@ -205,7 +205,7 @@ IDENTIFIED = (
         "mru",
         "heave drifts, as in a turn",
         "Tracked",
-        "Check the aiding of the MRU; wait for the turn",
+        "Check the aiding of the MRU; wait for the end of the turn",
     ),
     AlarmRow(
         "DEPTH_SCALE_ERROR", MEDIUM, "depth", "reads {value:.2f} times the motion", "Corrected", "Check scale and unit"
@@ -281,7 +281,7 @@ IDENTIFIED = (
         "SOLVER_FAILED",
         LOW,
         "loop",
-        "{status}",
+        "the solver of mpc found no new plan: {status}",
         "The plan of the tick before is used",
         "Reduce mpc.horizon, or use law lqg, if it repeats",
     ),

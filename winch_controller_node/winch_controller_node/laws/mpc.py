@@ -222,9 +222,9 @@ class ConstrainedLaw(ControlLaw):
 
     def command(self, state: LoopState) -> LawCommand:
         """Return the command at `state`: solve when it is time, else follow the plan."""
-        surprise = None if self._reader is None else self._reader.surprise(state.preview, state.x)
+        innovation = None if self._reader is None else self._reader.innovation(state.preview, state.x)
         if self._since_solution == 0:
-            self._solve(state, surprise)
+            self._solve(state, innovation)
         else:
             self._plan_age += 1
         self._since_solution = (self._since_solution + 1) % self._solve_ticks
@@ -233,17 +233,17 @@ class ConstrainedLaw(ControlLaw):
             correction = float(self._basis[self._plan_age] @ self._plan)
         last = self._last
         value = correction - float(self.gain @ state.x)
-        if surprise is not None:
-            value += float((self._fed[0] + self._freedom * self._free_less_constrained_feed) @ surprise)
+        if innovation is not None:
+            value += float((self._fed[0] + self._freedom * self._free_less_constrained_feed) @ innovation)
         if last.status == FREE:
             value = self._rows.spared(value, float(self._standing @ state.x), state.reference)
         return LawCommand(value, last.status, last.iterations, last.active)
 
-    def _solve(self, state: LoopState, surprise: Array | None) -> None:
+    def _solve(self, state: LoopState, innovation: Array | None) -> None:
         rows = self._rows
         free = rows.free @ state.x
-        if surprise is not None:
-            free += rows.previewed @ surprise
+        if innovation is not None:
+            free += rows.previewed @ innovation
         lower, upper = rows.bounds(state)
         if ((free <= upper) & (free >= lower)).all():
             self._set_freedom(1.0 - self._releasing * (1.0 - self._freedom))

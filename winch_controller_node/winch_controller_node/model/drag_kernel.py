@@ -8,11 +8,11 @@ from typing import NamedTuple
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import kernel
 
-DOUBT = 0.3
+UNCERTAINTY = 0.3
 """Standard deviation of the drag that is more than the design's damping, as a share of it: coefficients of bodies that
 oscillate are known to a third."""
 
-DOUBT_TIME = 1.0
+UNCERTAINTY_TIME = 1.0
 """Time over which it errs in one direction [s]: a fraction of a wave."""
 
 
@@ -62,5 +62,5 @@ def with_drag(drag: Drag, x: Array, F: Array, B: Array, Q: Array) -> tuple[Array
     Q[rate] *= half
     F[:, rate] *= half
     Q[:, rate] *= half
-    Q[rate, rate] += (DOUBT * excess / drag.inertia * speed) ** drag.power * DOUBT_TIME * drag.tick_period
+    Q[rate, rate] += (UNCERTAINTY * excess / drag.inertia * speed) ** drag.power * UNCERTAINTY_TIME * drag.tick_period
     return F, B, Q

@@ -15,10 +15,10 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import kernel
 
-DOUBT = 0.3
+UNCERTAINTY = 0.3
 """Standard deviation of the push that is missing, as a share of it: the cable is caught again by shocks."""
 
-DOUBT_TIME = 1.0
+UNCERTAINTY_TIME = 1.0
 """Time over which it errs in one direction [s]: a fraction of a wave."""
 
 
@@ -64,7 +64,9 @@ def with_slack(slack: Slack, x: Array, F: Array, Q: Array) -> tuple[Array, Array
         return F, Q
     F, Q = F.copy(), Q.copy()
     F[slack.rate] -= missing / (missing + slack.largest) * slack.tick_period / slack.inertia * slack.pull
-    Q[slack.rate, slack.rate] += (DOUBT * missing / slack.inertia) ** slack.power * DOUBT_TIME * slack.tick_period
+    Q[slack.rate, slack.rate] += (
+        (UNCERTAINTY * missing / slack.inertia) ** slack.power * UNCERTAINTY_TIME * slack.tick_period
+    )
     return F, Q
 
 

@@ -304,8 +304,8 @@ class Supervisor:
         wait = LONGEST_WAIT * self._parameters.modes.settling_time - tick.number * self._dt
         if not tick.knows_sea and wait > 0.0:
             return f"measuring the sea, at most {wait:.0f} s more"
-        if tick.doubt:
-            return tick.doubt
+        if tick.inconsistency:
+            return tick.inconsistency
         if self.highest_tension.alarm:
             return self.highest_tension.alarm.brief
         most = self._parameters.guard.demand_ratio

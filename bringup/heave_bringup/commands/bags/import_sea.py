@@ -93,7 +93,7 @@ def execute(options: argparse.Namespace) -> None:
         if target is not None and target.resolve() == source.resolve():
             raise CommandError(f"--{option} {target}: is the record itself, which is never written over; name another")
         if target is not None and target.exists() and not options.force:
-            raise CommandError(f"--{option} {target}: is there already; --force writes over it")
+            raise CommandError(f"--{option} {target}: exists already; --force overwrites it")
     sea = import_sea(source, _mapping_of(options), window, accept_implausible=options.accept_implausible)
     write_sea(sea, options.output, source)
     heave = sea.position[:, 2]

@@ -52,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, of in LIFT.items():
         parser.add_argument(f"--{name}", metavar=of.unit.upper(), type=float, help=of.words)
     parser.add_argument("--title", metavar="TEXT", help="name of the lift, at the head of its reports")
-    parser.add_argument("--force", action="store_true", help="write over a file that is there")
+    parser.add_argument("--force", action="store_true", help="overwrite an existing file")
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -64,7 +64,7 @@ def execute(options: argparse.Namespace) -> None:
     path = Path(options.file)
     path = path if path.suffix in (".yaml", ".yml") else path.with_name(f"{path.name}.yaml")
     if path.exists() and not options.force:
-        raise CommandError(f"{path}: is there already; --force writes over it")
+        raise CommandError(f"{path}: exists already; --force overwrites it")
     model = find_scenario(options.like)
     known = load_scenario(options.like, needs_files=False)  # an error in it is reported of it, not of what follows
     sections = _with_lift(_changed(sections_for(model, path.parent), options), options, known)

@@ -75,7 +75,7 @@ class PreviewReader:
         self.disturbances = np.zeros((ticks[-1], model.order, len(ticks)))
         self.disturbances[:, sea] = np.swapaxes(spread, 1, 2) @ np.linalg.inv(covariance)
 
-    def surprise(self, preview: HeavePreview | None, x: Array) -> Array | None:
+    def innovation(self, preview: HeavePreview | None, x: Array) -> Array | None:
         """Return heave ahead less that predicted from `x`, shape (m,) [m]; None where a preview does not reach so far.
 
         `preview` and `x` have the same authority.

@@ -57,7 +57,7 @@ class Run:
 
         def note(_, outputs):
             self.seen.append(seen_of(outputs, sensor) if sensor else None)
-            self.excluded.append(loop.controller.observer.doubted)
+            self.excluded.append(loop.controller.observer.excluded)
             self.believed.append({name: belief.value for name, belief in loop.controller.beliefs.values.items()})
 
         self.record = loop.run(note)
@@ -226,7 +226,7 @@ def test_a_sensor_that_is_left_out_is_shown_as_such():
 
 def test_an_operator_who_asks_has_a_sensor_used_again_that_was_left_out():
     loop = loop_with("depth wrong sign")
-    loop.controller.observer.doubt("depth")
+    loop.controller.observer.exclude("depth")
     loop.controller.set_mode("compensating")
     outputs, _ = loop.step()
     assert seen_of(outputs, "depth") == (SensorLevel.OK, "")

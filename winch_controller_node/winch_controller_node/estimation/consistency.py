@@ -13,7 +13,7 @@ from winch_controller_node.model.estimator import Innovation
 MEMORY = 20.0
 """Memory of the mean of the normalised innovations squared [s]."""
 
-SURPRISING = 2.0
+INCONSISTENT = 2.0
 """Mean of the normalised innovations squared above which a sensor is inconsistent with its model; 1 is consistent."""
 
 QUIET, QUIET_TIME = 0.4, 60.0
@@ -31,7 +31,7 @@ ENCODER_ROW = "payout"
 """Readings of the encoder are not judged: the winch is identified by them."""
 
 
-class Surprise:
+class Consistency:
     """How far the readings of each sensor are from their prediction, over some waves.
 
     Parameters
@@ -44,7 +44,7 @@ class Surprise:
         self._means: dict[str, float] = {}
         self._time = 0.0
         self._quiet_times: dict[str, float] = {}
-        self._told_quiet: set[str] = set()
+        self._reported_quiet: set[str] = set()
         self._is_reported = False
 
     def add(self, innovations: Mapping[str, Innovation]) -> None:
@@ -56,11 +56,11 @@ class Surprise:
                 self._means[name] = before + weight * (min(innovation.nis, LARGEST) - before)
         for name, mean in self._means.items():
             self._quiet_times[name] = self._quiet_times.get(name, 0.0) + self._dt if mean < QUIET else 0.0
-        self._time = self._time + self._dt if max(self._means.values(), default=1.0) > SURPRISING else 0.0
+        self._time = self._time + self._dt if max(self._means.values(), default=1.0) > INCONSISTENT else 0.0
 
-    def is_surprised_by(self, name: str) -> bool:
+    def is_inconsistent(self, name: str) -> bool:
         """Return whether readings of the measurement `name` have been inconsistent of late, not in one reading."""
-        return self._means.get(name, 1.0) > SURPRISING
+        return self._means.get(name, 1.0) > INCONSISTENT
 
     def newly_quiet(self) -> dict[str, float]:
         """Return the measurements that are nearer to their prediction than their noise allows, for a minute.
@@ -68,8 +68,8 @@ class Surprise:
         They come by name with the mean of their normalised innovations squared, each once.
         """
         times = self._quiet_times.items()
-        quiet = [name for name, time in times if time >= QUIET_TIME and name not in self._told_quiet]
-        self._told_quiet.update(quiet)
+        quiet = [name for name, time in times if time >= QUIET_TIME and name not in self._reported_quiet]
+        self._reported_quiet.update(quiet)
         return {name: self._means[name] for name in quiet}
 
     @property
@@ -83,10 +83,10 @@ class Surprise:
         if self._time == 0.0:
             return ""
         name, mean = self.worst
-        wait = MEMORY * math.log((mean - 1.0) / (SURPRISING - 1.0))
+        wait = MEMORY * math.log((mean - 1.0) / (INCONSISTENT - 1.0))
         return (
             f"innovations of {name} are {math.sqrt(mean):.1f} times their expected size, limit "
-            f"{math.sqrt(SURPRISING):.1f}: about {wait:.0f} s more to settle; the sensors are compared meanwhile"
+            f"{math.sqrt(INCONSISTENT):.1f}: about {wait:.0f} s more to settle; the sensors are compared meanwhile"
         )
 
     @property
