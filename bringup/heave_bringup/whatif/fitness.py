@@ -117,6 +117,11 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             f"the fit of cable and unit leaves {known.fit.chi2:.1f} times the noise of the depth sensor: the bands "
             "may be too narrow"
         )
+    if known.snapped.any():
+        lines.append(
+            f"the cable was slack at its lower end from {known.fit.end:.0f} s on: cable and unit are identified "
+            "before, and what the snap left is taken out of other laws"
+        )
     if not known.again.is_same:
         lines.append(
             f"the same law parts from the record at {known.again.parted:.1f} s (mode {known.again.mode}, recorded "

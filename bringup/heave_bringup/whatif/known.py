@@ -115,7 +115,8 @@ class Known:
     def by_tip(self) -> float:
         """Standard deviation of the unit's motion by what is not known of the boom tip [m]."""
         tip = self.past.tip
-        by_tip = tip.sigma * float(np.std(self.off.unit[self.window]) / max(np.std(tip.heave[self.window]), 1e-6))
+        off, moved = (float(np.std(one[self.window])) for one in (self.off.unit, tip.heave))
+        by_tip = tip.sigma * off / max(moved, 1e-6)
         return math.sqrt(max(by_tip**2 - self.unexplained.left**2, 0.0))
 
 
@@ -160,7 +161,7 @@ def identified(evidence: Evidence, prior: Prior) -> CableFit:
         end = max(taut_until(evidence, fit), evidence.start + LEAST_TAUT)
         if abs(end - fit.end) < AFTER_SNAP:
             break
-        fit = fit_cable(replace(evidence, source=fit.source, end=end), prior)
+        fit = fit_cable(replace(evidence, end=end), prior, fit.values)
     return fit
 
 

@@ -173,10 +173,18 @@ def _real(values: ComplexArray) -> Array:
     return np.concatenate([flat.real, flat.imag])
 
 
-def fit_cable(evidence: Evidence, prior: Prior) -> CableFit:
-    """Return the likeliest values under `evidence` and `prior`; another high-pass where it is worth its price."""
+def fit_cable(evidence: Evidence, prior: Prior, near: Values | None = None) -> CableFit:
+    """Return the likeliest values, with another high-pass of the MRU where it is worth its price.
+
+    Parameters
+    ----------
+    evidence : of the record
+    prior : what is known before
+    near : values from which it is begun; None: a resonance is looked for
+    """
     centre = values_at(np.array([*prior.centre.values()]), prior.centre)
-    fit = _fitted(evidence, prior, centre, [centre, *({**centre, INERTIA: math.exp(one)} for one in STARTS)])
+    starts: list[Values] = [near] if near else [centre, *({**centre, INERTIA: math.exp(one)} for one in STARTS)]
+    fit = _fitted(evidence, prior, near or centre, starts)
     believed = evidence.source.high_pass
     x, noise = point_of(fit.values), evidence.noise
     held = Search(evidence, prior, fit.values, noise).at(x).loss
@@ -197,13 +205,13 @@ def _fitted(evidence: Evidence, prior: Prior, about: Values, starts: list[Values
     noise = evidence.noise.copy()
     search = Search(evidence, prior, about, noise)
     begun = sorted((search.at(point_of(one)) for one in starts), key=lambda one: one.loss)
-    best = min((search.followed(one, FIRST) for one in begun[:BEST]), key=lambda pair: pair[0].loss)[0]
-    covariance: Array | None = None
+    best, covariance = min((search.followed(one, FIRST) for one in begun[:BEST]), key=lambda pair: pair[0].loss)
+    is_settled = False
     for _ in range(2):
         values = values_at(best.x, about)
         excess = np.maximum(_chi2(evidence, values), 1.0)
-        if np.any(excess * evidence.noise > ALIKE * noise) or covariance is None:
-            noise = evidence.noise * excess
+        if np.any(excess * evidence.noise > ALIKE * noise) or not is_settled:
+            noise, is_settled = evidence.noise * excess, True
             search = Search(evidence, prior, values, noise)
             best, covariance = search.followed(search.at(best.x), ROUNDS)
     values = values_at(best.x, about)

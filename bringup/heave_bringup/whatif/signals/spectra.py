@@ -82,7 +82,7 @@ class Speeds(NamedTuple):
 
 def unit_over_top(line: AxialLine, length: float, omegas: Array, speeds: Speeds) -> ComplexArray:
     """Return heave of the unit over that of the cable's top end; arguments as for `gains_over_top`."""
-    return gains_over_top(line, length, omegas, speeds)[0]
+    return np.asarray(gains_over_top(line, length, omegas, speeds)[0])
 
 
 def gains_over_top(line: AxialLine, length: float, omegas: Array, speeds: Speeds) -> ComplexArray:
