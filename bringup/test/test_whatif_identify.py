@@ -31,11 +31,13 @@ def nominal():
     return load_scenario("b4_limit_900_tp10").parameters["winch_controller"]
 
 
-def sea(height):
-    """Return heave and rate of a boom tip with periods on both sides of the resonance at 17 s."""
-    parts = [(0.5, 0.31, 0.0), (0.6, 0.45, 1.0), (0.9, 0.62, 2.0), (0.5, 0.85, 3.0), (0.3, 1.2, 4.0)]
-    grown = height * np.clip(TIME / 20.0, 0.0, 1.0)
-    heave = grown * sum(a * np.sin(w * TIME + p) for a, w, p in parts)
+def sea(sigma):
+    """Return heave and rate of a boom tip with waves on both sides of the resonance at 17 s: sigma in metres."""
+    random = np.random.default_rng(11)
+    omegas = np.sort(random.uniform(0.28, 1.5, 80))
+    phases = omegas[:, None] * TIME + random.uniform(0.0, 2.0 * math.pi, (80, 1))
+    share = np.clip(TIME / 30.0, 0.0, 1.0)
+    heave = share * share * (3.0 - 2.0 * share) * (sigma * math.sqrt(2.0 / 80.0) * np.sin(phases)).sum(axis=0)
     return heave, np.gradient(heave, TICK)
 
 
@@ -73,7 +75,7 @@ def evidence(nominal, monkeypatch, heave, rate):
 
 @pytest.mark.long
 def test_cable_unit_and_mru_are_found_with_their_spread(nominal, monkeypatch):
-    given, _ = evidence(nominal, monkeypatch, *sea(0.4))
+    given, _ = evidence(nominal, monkeypatch, *sea(0.3))
     fit = fit_cable(given, prior_of(nominal))
     for name, true in TRUE.items():
         assert abs(math.log(fit.values[name] / true)) < 3.0 * fit.sigma(name), name
@@ -87,9 +89,9 @@ def test_cable_unit_and_mru_are_found_with_their_spread(nominal, monkeypatch):
 @pytest.mark.long
 def test_a_record_is_judged_up_to_the_first_slack(nominal, monkeypatch):
     # the lower end is slack where the unit falls slower than its rope: the top end still carries the rope's weight
-    heave = sea(1.0)[0]
+    heave = sea(0.7)[0]
     grown = np.clip((TIME - 90.0) / 10.0, 0.0, 1.0)
-    heave = (0.35 + grown) * heave
+    heave = (0.5 + grown) * heave
     given, motion = evidence(nominal, monkeypatch, heave, np.gradient(heave, TICK))
     first = float(TIME[np.flatnonzero(motion.least_tension <= 0.0)[0]])
     assert motion.tension.min() > 0.0
