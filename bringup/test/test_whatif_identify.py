@@ -12,7 +12,7 @@ from heave_bringup.whatif.identify.prior import DELAY, INERTIA, SCALE, STIFFNESS
 from heave_bringup.whatif.known import identified, taut_until
 from heave_bringup.whatif.signals.record import SensorRecord
 from heave_bringup.whatif.signals.tip import HighPass, Tip
-from heave_bringup.whatif.signals.tip_source import tip_source
+from heave_bringup.whatif.signals.tip_source import TipSource, tip_source
 from heave_bringup.whatif.twin import plant
 from heave_bringup.whatif.twin.winch import PastWinch
 from heave_node.interface.sensors import MruReading
@@ -122,3 +122,16 @@ def test_an_uncertain_mru_widens_the_prior(nominal):
 def test_another_form_is_refused(nominal, text):
     with pytest.raises(ParameterError, match="--know"):
         prior_of(nominal, [text])
+
+
+def test_a_long_record_is_judged_by_its_last_part(nominal):
+    # an hour of identification would take an hour's memory: 900 s, and 180 s in which the twin settles
+    time = TICK * np.arange(1, 72001)
+    record = SensorRecord(TICK, 1, (Measurements((), {}),) * 72000, (None,) * 72000, np.zeros(72000), ("",) * 72000)
+    still = np.zeros(72000)
+    tip = Tip(still, still, 0.01)
+    source = TipSource(time, tip, AS_READ, HighPass(), still, still)
+    given = Evidence(record, nominal, source, PastWinch(still, still, still, still, 0.0), 1.0, 3600.0)
+    assert given.start == 2700.0
+    assert record.time[given.ticks][0] == pytest.approx(2520.0)
+    assert record.time[given.ticks][-1] == pytest.approx(3600.0)

@@ -17,7 +17,7 @@ from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.whatif.answer import MODEL_LEAST, MODEL_MOST
 from heave_bringup.whatif.identify.cable import CableFit, fit_cable
-from heave_bringup.whatif.identify.evidence import Evidence
+from heave_bringup.whatif.identify.evidence import BEGINS, Evidence
 from heave_bringup.whatif.identify.prior import STIFFNESS, Prior, prior_of
 from heave_bringup.whatif.signals.disturbance import Disturbance, disturbance
 from heave_bringup.whatif.signals.record import SensorRecord
@@ -158,7 +158,7 @@ def identified(evidence: Evidence, prior: Prior) -> CableFit:
     """
     fit = fit_cable(evidence, prior)
     for _ in range(LOOKS):
-        end = max(taut_until(evidence, fit), evidence.start + LEAST_TAUT)
+        end = max(taut_until(evidence, fit), float(evidence.record.time[0]) + BEGINS + LEAST_TAUT)
         if abs(end - fit.end) < AFTER_SNAP:
             break
         fit = fit_cable(replace(evidence, end=end), prior, fit.values)
@@ -167,7 +167,7 @@ def identified(evidence: Evidence, prior: Prior) -> CableFit:
 
 def taut_until(evidence: Evidence, fit: CableFit) -> float:
     """Return the time up to which the cable is taut by a `fit` of some `evidence` [s]: its end, or before a snap."""
-    slack = np.flatnonzero(evidence.motion(fit.values).least_tension <= 0.0)
+    slack = np.flatnonzero(evidence.motion(fit.values, slice(None)).least_tension <= 0.0)
     return evidence.end if slack.size == 0 else float(evidence.record.time[slack[0]]) - AFTER_SNAP
 
 
@@ -180,7 +180,7 @@ def believed_high_pass(beliefs: Beliefs, nominal: WinchControllerParameters) -> 
 def _known(evidence: Evidence, again: Again, fit: CableFit, start: float) -> Known:
     """Return what is known under a `fit`; `start` is that of the window that is judged [s]."""
     record, nominal, winch = evidence.record, evidence.nominal, evidence.winch
-    evidence = replace(evidence, source=fit.source)
+    evidence = replace(evidence, source=fit.source, end=fit.end)
     tip, dt = evidence.tip(fit.values), record.tick_period
     line = scaled_line(evidence.line(fit.values), PlantFactors(stiffness=fit.values[STIFFNESS]))
     plant = driven(line, nominal.length, tip, winch.payout, winch.rate, tick_period=dt)

@@ -30,6 +30,9 @@ BAND = (0.25, 4.0)
 BEGINS = 30.0
 """Time after the start of a record from which it is judged [s]: plant and sea may begin at rest."""
 
+LONGEST, MEMORY = 900.0, 180.0
+"""Longest part of a record that is judged, its last, and what the twin runs before it [s]: a resonance remembers."""
+
 INDEPENDENT = 0.6
 """Independent values a frequency under a Hann taper."""
 
@@ -63,7 +66,13 @@ class Evidence:
     @property
     def start(self) -> float:
         """Time from which it is judged [s]."""
-        return float(self.record.time[0]) + BEGINS
+        return max(float(self.record.time[0]) + BEGINS, self.end - LONGEST)
+
+    @property
+    def ticks(self) -> slice:
+        """Ticks over which the twin runs."""
+        first, last = np.searchsorted(self.record.time, (self.start - MEMORY, self.end + self.record.tick_period))
+        return slice(int(first), int(last))
 
     @cached_property
     def omegas(self) -> Array:
@@ -112,23 +121,21 @@ class Evidence:
         """Return the boom tip under `values`."""
         return self.source.under(values[SCALE], values[DELAY], values[LEVER_ARM])
 
-    def motion(self, values: Values) -> PlantMotion:
-        """Return the motion of the twin under `values` up to the end, its stiffness as nominal."""
-        ticks = int(np.searchsorted(self.record.time, self.end, "right"))
+    def motion(self, values: Values, ticks: slice) -> PlantMotion:
+        """Return the motion of the twin under `values` over some `ticks`, its stiffness as nominal."""
         tip, winch = self.tip(values), self.winch
         return driven(
             self.line(values),
             self.nominal.length,
-            tip,
-            winch.payout[:ticks],
-            winch.rate[:ticks],
+            Tip(tip.heave[ticks], tip.rate[ticks], tip.sigma),
+            winch.payout[ticks],
+            winch.rate[ticks],
             tick_period=self.record.tick_period,
         )
 
     def twin(self, values: Values) -> ComplexArray:
         """Return the transforms of what the twin would have read under `values` (m, k)."""
-        motion = self.motion(values)
-        time = self.record.time[: len(motion.unit)]
+        motion, time = self.motion(values, self.ticks), self.record.time[self.ticks]
         moved = (motion.unit, values[STIFFNESS] * motion.tension)
         return np.array(
             [
