@@ -98,11 +98,13 @@ class Known:
         return self.unexplained._replace(heave=self.unexplained.heave - self.snapped)
 
     def sigma(self, motion: Array, unexplained: Disturbance) -> float:
-        """Return the standard deviation of a `motion` of the unit in the window [m], what is not known of it included.
+        """Return the standard deviation of a `motion` of the unit in the window [m].
 
-        `motion` is that of the twin and the `unexplained` one at each tick [m].
+        `motion` is that of the twin and the `unexplained` one at each tick [m]. The noise that the depth sensor left
+        in it is taken off; what is not known of the boom tip is added.
         """
-        return math.hypot(float(np.std(motion[self.window])), unexplained.left, self.by_tip)
+        square = float(np.var(motion[self.window])) - unexplained.left**2
+        return math.hypot(math.sqrt(max(square, 0.0)), self.by_tip)
 
     @property
     def model(self) -> float:
@@ -116,8 +118,7 @@ class Known:
         """Standard deviation of the unit's motion by what is not known of the boom tip [m]."""
         tip = self.past.tip
         off, moved = (float(np.std(one[self.window])) for one in (self.off.unit, tip.heave))
-        by_tip = tip.sigma * off / max(moved, 1e-6)
-        return math.sqrt(max(by_tip**2 - self.unexplained.left**2, 0.0))
+        return tip.sigma * off / max(moved, 1e-6)
 
 
 def learn(

@@ -27,7 +27,7 @@ class Disturbance(NamedTuple):
     ----------
     heave : at each tick, about its mean, positive up (n,) [m]
     waves : standard deviation of it where waves are [m]
-    left : standard deviation of what is not known of it, for the noise of the depth sensor [m]
+    left : standard deviation of the sensor's noise that is in it [m]
     noise : standard deviation of a depth reading [m]
     chi2 : mean square of the twin's error over that of the noise, where waves are [-]
     """
@@ -73,7 +73,7 @@ def disturbance(readings: Array, time: Array, twin: Array, stated_noise: float) 
     return Disturbance(
         heave=np.interp(time, grid, motion),
         waves=math.sqrt(2.0 * float(np.sum(waves)) / count**2),
-        left=math.sqrt(2.0 * float(np.sum(kept)) * told / count**2),
+        left=math.sqrt(2.0 * float(kept @ kept) * told / count**2),
         noise=math.sqrt(told / count),
         chi2=float(np.mean(power[inside]) / told),
     )

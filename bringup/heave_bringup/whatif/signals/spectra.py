@@ -46,7 +46,13 @@ class Transform:
 
 
 def tapered_transform(times: Array, values: Array, omegas: Array, start: float, end: float) -> ComplexArray:
-    """Return the transform of readings: their `times` [s] and `values` (n,); the others as for `Transform`."""
+    """Return the Fourier transform (k,) of readings under a Hann taper.
+
+    Parameters
+    ----------
+    times, values : of the readings (n,) [s], any unit
+    omegas, start, end : as for `Transform`
+    """
     return Transform(times, omegas, start, end)(values)
 
 
@@ -78,11 +84,6 @@ class Speeds(NamedTuple):
 
     unit: float
     top: float
-
-
-def unit_over_top(line: AxialLine, length: float, omegas: Array, speeds: Speeds) -> ComplexArray:
-    """Return heave of the unit over that of the cable's top end; arguments as for `gains_over_top`."""
-    return np.asarray(gains_over_top(line, length, omegas, speeds)[0])
 
 
 def gains_over_top(line: AxialLine, length: float, omegas: Array, speeds: Speeds) -> ComplexArray:
