@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -113,12 +114,14 @@ class Known:
         left = math.sqrt(max(self.left**2 - self.by_tip**2, 0.0))
         return min(max(left / max(explained, 1e-9), MODEL_LEAST), MODEL_MOST)
 
-    @property
+    @cached_property
     def by_tip(self) -> float:
-        """Standard deviation of the unit's motion by what is not known of the boom tip [m]."""
-        tip = self.past.tip
-        off, moved = (float(np.std(one[self.window])) for one in (self.off.unit, tip.heave))
-        return tip.sigma * off / max(moved, 1e-6)
+        """Standard deviation of the unit's motion by what is not known of the boom tip, where waves are [m]."""
+        evidence = self.evidence
+        power = evidence.covariance(self.fit.values, np.zeros(len(evidence.readings)))[:, 0, 0].real
+        # one-sided density over omega: twice the power over 2 pi
+        step = float(evidence.omegas[1] - evidence.omegas[0])
+        return math.sqrt(float(np.sum(power)) * step / math.pi)
 
 
 def learn(
