@@ -9,8 +9,9 @@ from cable_sim_node.vertical.axial_line import axial_line
 from cable_sim_node.vertical.linear import heave_transfer_function
 from heave_bringup.whatif.signals.disturbance import disturbance
 from heave_bringup.whatif.signals.record import SensorRecord, bridged
-from heave_bringup.whatif.signals.spectra import Speeds, noise_power, tapered_transform, unit_over_top
+from heave_bringup.whatif.signals.spectra import Speeds, gains_over_top, noise_power, tapered_transform
 from heave_bringup.whatif.signals.tip import HighPass, smoothed_tip
+from heave_bringup.whatif.signals.tip_source import tip_source
 from heave_bringup.whatif.twin.plant import PlantFactors, scaled_line
 from heave_node.interface.sensors import MruReading
 from winch_controller_node.beliefs.corrections import AS_READ, Correction
@@ -35,6 +36,12 @@ def record(heave=MOTION, rate=RATE, depth=None, delay=0.0):
     )
     count = len(TIME)
     return SensorRecord(TICK, 1, given, (None,) * count, np.full(count, math.nan), ("",) * count)
+
+
+def heaves(motion):
+    """Return what a depth sensor reads of a motion of the unit: times and heaves, shape (m, 2)."""
+    times, depth = record(depth=-motion).scalar("depth").T
+    return np.column_stack((times, -depth))
 
 
 def test_the_smoothed_boom_tip_is_as_near_to_the_motion_as_it_says():
@@ -68,10 +75,10 @@ def test_the_high_pass_of_the_mru_is_taken_back():
 
 def test_motion_that_the_twin_does_not_explain_is_kept_and_noise_is_not():
     unknown = 0.05 * np.sin(0.3 * TIME)
-    found = disturbance(record(depth=-(MOTION + unknown)), MOTION, 1.0, NOISE)
+    found = disturbance(heaves(MOTION + unknown), TIME, MOTION, NOISE)
     assert np.std((found.heave - unknown)[400:-400]) < 0.4 * NOISE
     assert found.noise == pytest.approx(NOISE, rel=0.1)
-    nothing = disturbance(record(depth=-MOTION), MOTION, 1.0, NOISE)
+    nothing = disturbance(heaves(MOTION), TIME, MOTION, NOISE)
     assert np.std(nothing.heave) < 0.2 * NOISE
     assert nothing.chi2 == pytest.approx(1.0, abs=0.4)
 
@@ -97,16 +104,38 @@ def test_the_transfer_function_is_that_of_the_closed_form_without_drag(length):
     line = axial_line(CableSimParameters(length=length))
     omegas = np.array([0.3, 0.7, 1.3, 2.2])
     exact = heave_transfer_function(line, length, omegas).unit_heave
-    assert unit_over_top(line, length, omegas, Speeds(0.0, 0.0)) == pytest.approx(exact, rel=1e-9)
+    assert gains_over_top(line, length, omegas, Speeds(0.0, 0.0))[0] == pytest.approx(exact, rel=1e-9)
 
 
 def test_a_stiffness_at_the_same_a_changes_no_motion():
     # masses, drag and EA in proportion: the equation of motion is the same, the tension is not
     line, omegas = axial_line(CableSimParameters()), np.array([0.4, 1.1, 2.5])
     speeds = Speeds(0.3, 0.2)
-    plain = unit_over_top(line, 300.0, omegas, speeds)
-    stiffer = unit_over_top(scaled_line(line, PlantFactors(stiffness=1.3)), 300.0, omegas, speeds)
-    assert stiffer == pytest.approx(plain, rel=1e-9)
+    plain = gains_over_top(line, 300.0, omegas, speeds)
+    stiffer = gains_over_top(scaled_line(line, PlantFactors(stiffness=1.3)), 300.0, omegas, speeds)
+    assert stiffer[0] == pytest.approx(plain[0], rel=1e-9)
+    assert stiffer[1] == pytest.approx(1.3 * plain[1], rel=1e-9)
+
+
+def test_a_boom_tip_takes_scale_delay_and_lever_arm_of_its_mru_back():
+    # reading = scale (heave - arm pitch), as the simulated unit has it, read 0.2 s late
+    pitch = 0.05 * np.sin(0.6 * TIME)
+    given = tuple(
+        Measurements((MruReading(float(t) + 0.2, float(z), float(v), pitch=float(p)),), {})
+        for t, z, v, p in zip(
+            TIME,
+            1.1 * (MOTION - 0.3 * pitch),
+            1.1 * (RATE - 0.3 * 0.03 * np.cos(0.6 * TIME)),
+            pitch,
+            strict=True,
+        )
+    )
+    count = len(TIME)
+    read = SensorRecord(TICK, 1, given, (None,) * count, np.full(count, math.nan), ("",) * count)
+    source = tip_source(read, AS_READ, HighPass())
+    tip = source.under(scale=1.1, delay=0.2, lever_arm=0.3)
+    assert source.turns
+    assert np.std((tip.heave - MOTION)[800:-800]) < 0.25 * NOISE
 
 
 def test_gaps_are_bridged_in_a_straight_line():

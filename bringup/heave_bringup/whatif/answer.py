@@ -64,9 +64,10 @@ def unit_motion(done: Replayed, unexplained: Disturbance) -> Array:
 
 def figures(
     done: Replayed,
-    unexplained: Disturbance,
+    unit: Array,
     tension: Array,
     *,
+    sigma: float,
     window: slice,
     uncompensated: float,
     tick_period: float,
@@ -76,14 +77,13 @@ def figures(
     Parameters
     ----------
     done : what it did
-    unexplained : motion of the unit in the record
+    unit : its motion about its mean depth at each tick (n,) [m]
     tension : at the top at each tick [N]; NaN where it is not known
+    sigma : standard deviation of that motion, with what is not known of it [m]
     window : ticks that are judged
     uncompensated : standard deviation of the unit with the winch locked [m]
     tick_period : [s]
     """
-    unit = unit_motion(done, unexplained)[window]
-    sigma = math.hypot(float(np.std(unit)), unexplained.left)
     rate = done.rate[window]
     limits = done.limits_hit[window] & int(~WinchLimit.PAYOUT)
     top = tension[window]
@@ -99,7 +99,7 @@ def figures(
         "time_at_limit_percent": 100.0 * float(np.mean(limits != 0)),
     }
     lost_at, cause = lost(done)
-    return Figures(values, unit, {}, lost_at, cause)
+    return Figures(values, unit[window], {}, lost_at, cause)
 
 
 def lost(done: Replayed) -> tuple[float, str]:
@@ -114,43 +114,65 @@ def lost(done: Replayed) -> tuple[float, str]:
     return math.inf, ""
 
 
-def with_bands(
-    base: Figures, draws: Sequence[Figures], *, added: float, model: float, uncompensated: tuple[float, float]
-) -> Figures:
-    """Return figures with their bands: the spread of draws of what is not known, and the twin's own error.
+@dataclass(frozen=True)
+class Spread:
+    """What bands are made of.
+
+    Attributes
+    ----------
+    loops : figures of the loop closed over other plants and winches that the record allows
+    plants : figures of the same payout on other plants that it allows
+    added : standard deviation of the motion that the twins add to the record [m]
+    locked : the same of the winch locked [m]
+    model : relative error of the twins in both [-]
+    """
+
+    loops: Sequence[Figures]
+    plants: Sequence[Figures]
+    added: float
+    locked: float
+    model: float
+
+    def half(self, key: str, value: float) -> float:
+        """Return half the width of a band of the figure `key` about its `value`, by what the record allows."""
+        # a t distribution of so few draws is wider than a normal one
+        widths = [
+            COVERED * (1.0 + 1.5 / len(draws)) * _rms([one.values[key] - value for one in draws])
+            for draws in (self.loops, self.plants)
+            if draws
+        ]
+        return max(widths, default=0.0)
+
+
+def with_bands(base: Figures, spread: Spread, uncompensated: float) -> Figures:
+    """Return figures with their bands: the spread of what is not known, and the twin's own error.
 
     Parameters
     ----------
     base : as predicted
-    draws : the same with other plants that the record allows
-    added : standard deviation of the motion that the twins add to the record [m]
-    model : relative error of the twins in it [-]
-    uncompensated : standard deviation of the unit with the winch locked, and that of this figure [m]
+    spread : of it
+    uncompensated : standard deviation of the unit with the winch locked [m]
     """
-    bands: dict[str, tuple[float, float]] = {}
-    # a t distribution of so few draws is wider than a normal one
-    width = COVERED * (1.0 + 1.5 / max(len(draws), 1))
+    bands = {}
     for key, value in base.values.items():
-        spread = _spread(value, [one.values[key] for one in draws])
-        bands[key] = (value - width * spread, value + width * spread)
-    sigma = base.values["unit_sigma_m"]
-    spread = width * _spread(sigma, [one.values["unit_sigma_m"] for one in draws])
-    error = COVERED * model * added
-    above = math.hypot(sigma, error) - sigma + 0.5 * error
-    below = min(0.5 * error, 0.5 * sigma)
-    low, high = max(sigma - math.hypot(spread, below), 0.0), sigma + math.hypot(spread, above)
-    bands["unit_sigma_m"] = (low, high)
-    bands["significant_residual_m"] = (significant(low), significant(high))
-    off, off_sigma = uncompensated
-    ratio = sigma / off if off > 0.0 else math.nan
-    by_off = COVERED * ratio * off_sigma / off if off > 0.0 else math.nan
-    bands["unit_efficiency"] = (
-        1.0 - ratio - math.hypot((high - sigma) / off, by_off) if off > 0.0 else math.nan,
-        1.0 - ratio + math.hypot((sigma - low) / off, by_off) if off > 0.0 else math.nan,
-    )
+        half = spread.half(key, value)
+        bands[key] = (value - half, value + half)
+    sigma, error = base.values["unit_sigma_m"], COVERED * spread.model * spread.added
+    above, below = math.hypot(sigma, error) - sigma + 0.5 * error, min(0.5 * error, 0.5 * sigma)
+    half = spread.half("unit_sigma_m", sigma)
+    low, high = max(sigma - math.hypot(half, below), 0.0), sigma + math.hypot(half, above)
+    bands["unit_sigma_m"], bands["significant_residual_m"] = (low, high), (significant(low), significant(high))
+    value = base.values["unit_efficiency"]
+    if uncompensated > 0.0:
+        half = spread.half("unit_efficiency", value)
+        by_off = COVERED * spread.model * spread.locked * (1.0 - value) / uncompensated
+        bands["unit_efficiency"] = (
+            value - math.hypot(half, above / uncompensated, by_off),
+            value + math.hypot(half, below / uncompensated, by_off),
+        )
     return Figures(base.values, base.unit, bands, base.lost_at, base.cause)
 
 
-def _spread(value: float, others: Sequence[float]) -> float:
-    """Return the standard deviation of `others` about a `value`; 0 where there are none."""
-    return math.sqrt(float(np.mean((np.array(others) - value) ** 2))) if others else 0.0
+def _rms(values: Sequence[float]) -> float:
+    """Return the root of the mean square of `values`."""
+    return math.sqrt(float(np.mean(np.square(values))))

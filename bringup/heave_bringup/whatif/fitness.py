@@ -1,4 +1,4 @@
-"""Whether a record can carry an answer, and what it shows."""
+"""Whether a record can carry an answer, and what it tells."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from heave_node.interface.codes import WinchLimit
 from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.errors import CommandError
-from heave_bringup.whatif.identify.cable import BEGINS, DAMPING, INERTIA
-from heave_bringup.whatif.known import Known, winch_moved
+from heave_bringup.whatif.identify.evidence import BEGINS
+from heave_bringup.whatif.identify.prior import DAMPING, INERTIA
+from heave_bringup.whatif.known import Known, off_sigma, winch_moved
 from heave_bringup.whatif.signals.record import SensorRecord
 from heave_bringup.whatif.study import Answer
 
@@ -21,20 +22,18 @@ SHORTEST = 60.0
 READ_SHARE = 0.5
 """Share of the record in which a sensor must have read."""
 
-LARGEST_CHI2 = 6.0
-"""Mean square of the depth's residual over its noise, above which cable and unit differ from the model."""
-
-LARGEST_LEFT = 20.0
-"""Largest such mean square of the twin over the whole record, its start included."""
+LARGEST_LEFT = 0.1
+"""Motion that the twin does not explain, over that of the unit with the winch locked, above which cable and unit are
+something else."""
 
 DOUBTFUL_CHI2 = 1.5
-"""Mean square of the depth's residual over its noise, above which a report warns."""
+"""Mean square of what is left of the depth over its noise, above which a report warns."""
 
 SAME_PAYOUT = 1e-3
 """Error of payout up to which the same law gives the record again [m]."""
 
 LARGEST_WINCH_ERROR = 0.03
-"""Largest residual of payout under the model of the winch; above it the winch is another one [m]."""
+"""Payout that the model of the winch leaves, above which it is another winch [m]."""
 
 
 def check_record(record: SensorRecord, start: float, where: str) -> None:
@@ -77,15 +76,12 @@ def check_record(record: SensorRecord, start: float, where: str) -> None:
 
 def check_known(known: Known, where: str) -> None:
     """Refuse an answer where what is `known` contradicts itself; raises CommandError with the reason, `where` in it."""
-    if known.unexplained.chi2 > LARGEST_LEFT:
+    off = off_sigma(known)
+    if known.left > LARGEST_LEFT * off:
+        snap = " (the cable was slack from early on)" if known.snapped.any() else ""
         raise CommandError(
-            f"{where}: the twin misses the depth by {100.0 * known.unexplained.waves:.1f} cm (sigma) where waves are: "
-            "cable and unit were not identified; check length, unit and cable, or give --know"
-        )
-    if known.fit.chi2 > LARGEST_CHI2:
-        raise CommandError(
-            f"{where}: cable and unit as assumed do not explain the depth readings (chi2 {known.fit.chi2:.1f}, at most "
-            f"{LARGEST_CHI2:g}): check length, unit and cable, or give --know"
+            f"{where}: the twin misses the depth by {100.0 * known.left:.1f} cm of {100.0 * off:.1f} cm (sigma){snap}: "
+            "cable and unit are not as assumed; check length, unit and cable, or give --know"
         )
     if known.past.winch.error > LARGEST_WINCH_ERROR:
         raise CommandError(
@@ -120,6 +116,11 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
         lines.append(
             f"the fit of cable and unit leaves {known.fit.chi2:.1f} times the noise of the depth sensor: the bands "
             "may be too narrow"
+        )
+    if known.snapped.any():
+        lines.append(
+            f"the cable was slack at its lower end from {known.fit.end:.0f} s on: cable and unit are identified "
+            "before, and what the snap left is taken out of other laws"
         )
     if not known.again.is_same:
         lines.append(

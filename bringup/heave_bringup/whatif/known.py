@@ -3,37 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
 from winch_controller_node.beliefs.beliefs import Beliefs, parameters_under
-from winch_controller_node.beliefs.corrections import Correction, corrections
+from winch_controller_node.beliefs.corrections import corrections
 from winch_controller_node.beliefs.quantities import DEPTH_SCALE, ENCODER_SCALE
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.whatif.answer import MODEL_LEAST, MODEL_MOST
-from heave_bringup.whatif.identify.cable import (
-    DAMPING,
-    DELAY,
-    INERTIA,
-    PRIOR,
-    SCALE,
-    CableFit,
-    CableLikelihood,
-    fit_cable,
-)
-from heave_bringup.whatif.identify.refine import refine
+from heave_bringup.whatif.identify.cable import CableFit, fit_cable
+from heave_bringup.whatif.identify.evidence import BEGINS, Evidence
+from heave_bringup.whatif.identify.prior import STIFFNESS, Prior, prior_of
 from heave_bringup.whatif.signals.disturbance import Disturbance, disturbance
 from heave_bringup.whatif.signals.record import SensorRecord
-from heave_bringup.whatif.signals.tip import HighPass, smoothed_tip
+from heave_bringup.whatif.signals.tip import HighPass
+from heave_bringup.whatif.signals.tip_source import tip_source
 from heave_bringup.whatif.twin.again import Again, observed_again
-from heave_bringup.whatif.twin.plant import PlantFactors, driven, nominal_line, scaled_line
+from heave_bringup.whatif.twin.plant import PlantFactors, PlantMotion, driven, scaled_line
 from heave_bringup.whatif.twin.replay import Past, Replayed, locked
-from heave_bringup.whatif.twin.winch import PastWinch, past_winch, winch_under
+from heave_bringup.whatif.twin.winch import past_winch, winch_under
 
 OFF = Mode.OFF.value
 """Law with which the winch is locked."""
@@ -45,8 +39,20 @@ WINCH_SPREAD = (0.2, 0.03, 0.02)
 """Spread of a winch that has not moved, 1 sigma, as a data sheet leaves it: logarithm of lag, delay [s], logarithm of
 its gain."""
 
-STIFFNESS_PRIOR = 0.1
-"""Standard deviation of the logarithm of a factor on EA at the same a: by the load cell."""
+AS_RECORDED = 1e-3
+"""A payout that is nowhere further from that of the record is the same [m]."""
+
+AFTER_SNAP = 1.0
+"""Time before the cable is first slack, up to which the record is taken as taut [s]."""
+
+LEAST_TAUT = 40.0
+"""Taut record that is judged at least [s]."""
+
+PLANTS = 12
+"""Number of other plants on which the motion of a loop is tried: enough for a spread to a fifth."""
+
+LOOKS = 3
+"""How often the time is looked for at which the cable is first slack."""
 
 Show = Callable[[str, float], None]
 
@@ -66,10 +72,12 @@ class Known:
     fit : cable and unit
     past : the record with its twins
     unexplained : motion of the unit
+    snapped : share of that from the time on at which the cable was first slack: another loop does not have it (n,) [m]
+    left : standard deviation of the motion that the twin does not explain under a taut cable [m]
     set_point : mean payout at each tick [m]
     off : the winch locked
     window : ticks that are judged
-    model : relative error of the twins in what they add to the record [-]
+    evidence : of the record
     """
 
     nominal: WinchControllerParameters
@@ -77,10 +85,43 @@ class Known:
     fit: CableFit
     past: Past
     unexplained: Disturbance
+    snapped: Array
+    left: float
     set_point: Array
     off: Replayed
     window: slice
-    model: float
+    evidence: Evidence = field(repr=False)
+
+    def unexplained_in(self, payout: Array) -> Disturbance:
+        """Return the motion that the twin of a loop does not explain, whose `payout` at each tick is given [m]."""
+        if float(np.abs(payout - self.past.winch.payout).max()) < AS_RECORDED:
+            return self.unexplained
+        return self.unexplained._replace(heave=self.unexplained.heave - self.snapped)
+
+    def sigma(self, motion: Array, unexplained: Disturbance) -> float:
+        """Return the standard deviation of a `motion` of the unit in the window [m].
+
+        `motion` is that of the twin and the `unexplained` one at each tick [m]. The noise that the depth sensor left
+        in it is taken off; what is not known of the boom tip is added.
+        """
+        square = float(np.var(motion[self.window])) - unexplained.left**2
+        return math.hypot(math.sqrt(max(square, 0.0)), self.by_tip)
+
+    @property
+    def model(self) -> float:
+        """Relative error of the twins in what they add to the record: what they left of it over what they explained."""
+        explained = float(np.std(self.past.plant.unit[self.window]))
+        left = math.sqrt(max(self.left**2 - self.by_tip**2, 0.0))
+        return min(max(left / max(explained, 1e-9), MODEL_LEAST), MODEL_MOST)
+
+    @cached_property
+    def by_tip(self) -> float:
+        """Standard deviation of the unit's motion by what is not known of the boom tip, where waves are [m]."""
+        evidence = self.evidence
+        power = evidence.covariance(self.fit.values, np.zeros(len(evidence.readings)))[:, 0, 0].real
+        # one-sided density over omega: twice the power over 2 pi
+        step = float(evidence.omegas[1] - evidence.omegas[0])
+        return math.sqrt(float(np.sum(power)) * step / math.pi)
 
 
 def learn(
@@ -88,7 +129,7 @@ def learn(
     nominal: WinchControllerParameters,
     *,
     start: float,
-    told: tuple[Mapping[str, float], Mapping[str, float]] = (PRIOR, {}),
+    prior: Prior | None = None,
     show: Show = quiet,
 ) -> Known:
     """Return what a `record` shows.
@@ -98,27 +139,40 @@ def learn(
     record : that can carry an answer, see `fitness`
     nominal : parameters of its controller
     start : of the window that is judged [s]
-    told : spread and centre of what is known of cable, unit and MRU before, see `CableLikelihood`
+    prior : what is known of cable, unit and MRU before; None: what the parameters say
     show : called with what is done, and the share of it
     """
     ticks = record.ticks
     again = observed_again(record, nominal, lambda done: show_some(show, "the same law again", done, ticks))
     show("cable and unit", 0.0)
-    winch = past_winch(record, winch_under(again.beliefs, nominal), again.beliefs.value(ENCODER_SCALE, nominal))
-    likelihood = CableLikelihood(
-        record,
-        nominal,
-        winch,
-        corrections(again.beliefs, nominal)["mru"],
-        again.beliefs.value(DEPTH_SCALE, nominal),
-        *told,
-    )
-    fit = fit_cable(likelihood, believed_high_pass(again.beliefs, nominal))
-    show("cable and unit", 0.3)
-    tip = smoothed_tip(record, fit.mru, HighPass(fit.high_pass_period, nominal.sensors.mru.high_pass_damping))
-    fit = refine(fit, record, nominal, tip, winch, again.beliefs.value(DEPTH_SCALE, nominal))
+    beliefs = again.beliefs
+    winch = past_winch(record, winch_under(beliefs, nominal), beliefs.value(ENCODER_SCALE, nominal))
+    source = tip_source(record, corrections(beliefs, nominal)["mru"], believed_high_pass(beliefs, nominal))
+    depth_scale, end = beliefs.value(DEPTH_SCALE, nominal), float(record.time[-1])
+    evidence = Evidence(record, nominal, source, winch, depth_scale, end)
+    fit = identified(evidence, prior or prior_of(nominal))
     show("cable and unit", 1.0)
-    return _known(record, nominal, again, fit, winch, start)
+    return _known(evidence, again, fit, start)
+
+
+def identified(evidence: Evidence, prior: Prior) -> CableFit:
+    """Return cable and unit by the part of the `evidence` in which the cable is taut, and the `prior`.
+
+    A slack cable is not told from its top; the twin shows it along the whole cable.
+    """
+    fit = fit_cable(evidence, prior)
+    for _ in range(LOOKS):
+        end = max(taut_until(evidence, fit), float(evidence.record.time[0]) + BEGINS + LEAST_TAUT)
+        if abs(end - fit.end) < AFTER_SNAP:
+            break
+        fit = fit_cable(replace(evidence, end=end), prior, fit.values)
+    return fit
+
+
+def taut_until(evidence: Evidence, fit: CableFit) -> float:
+    """Return the time up to which the cable is taut by a `fit` of some `evidence` [s]: its end, or before a snap."""
+    slack = np.flatnonzero(evidence.motion(fit.values, slice(None)).least_tension <= 0.0)
+    return evidence.end if slack.size == 0 else float(evidence.record.time[slack[0]]) - AFTER_SNAP
 
 
 def believed_high_pass(beliefs: Beliefs, nominal: WinchControllerParameters) -> HighPass:
@@ -127,82 +181,49 @@ def believed_high_pass(beliefs: Beliefs, nominal: WinchControllerParameters) -> 
     return HighPass(mru.high_pass_period, mru.high_pass_damping)
 
 
-def _known(
-    record: SensorRecord,
-    nominal: WinchControllerParameters,
-    again: Again,
-    fit: CableFit,
-    winch: PastWinch,
-    start: float,
-) -> Known:
-    tip = smoothed_tip(record, fit.mru, HighPass(fit.high_pass_period, nominal.sensors.mru.high_pass_damping))
-    encoder, depth = (again.beliefs.value(name, nominal) for name in (ENCODER_SCALE, DEPTH_SCALE))
-    factors = PlantFactors(fit.values[INERTIA], fit.values[DAMPING])
-    plain, dt = nominal_line(nominal), record.tick_period
-    for _ in range(2):
-        line = scaled_line(plain, factors)
-        plant = driven(line, nominal.length, tip, winch.payout, winch.rate, tick_period=dt)
-        ratio = stiffness_ratio(record, plant.tension)
-        if ratio is None or abs(math.log(ratio)) < 0.005:
-            break
-        factors = replace(factors, stiffness=factors.stiffness * ratio)
-    unexplained = disturbance(record, plant.unit, depth, nominal.sensors.depth.noise)
-    past = Past(record, line, nominal.length, tip, winch, winch_under(again.beliefs, nominal), plant, encoder, depth)
+def _known(evidence: Evidence, again: Again, fit: CableFit, start: float) -> Known:
+    """Return what is known under a `fit`; `start` is that of the window that is judged [s]."""
+    record, nominal, winch = evidence.record, evidence.nominal, evidence.winch
+    evidence = replace(evidence, source=fit.source, end=fit.end)
+    tip, dt = evidence.tip(fit.values), record.tick_period
+    line = scaled_line(evidence.line(fit.values), PlantFactors(stiffness=fit.values[STIFFNESS]))
+    plant = driven(line, nominal.length, tip, winch.payout, winch.rate, tick_period=dt)
+    heave, *cell = (np.column_stack(one) for one in evidence.readings)
+    unexplained = disturbance(heave, record.time, plant.unit, nominal.sensors.depth.noise)
+    is_shaken = record.time > fit.end
+    snapped = np.where(is_shaken, unexplained.heave, 0.0)
+    pulled = disturbance(cell[0], record.time, plant.tension, math.inf).heave if cell else np.zeros(record.ticks)
+    moved = PlantMotion(
+        plant.unit + snapped,
+        plant.velocity + np.gradient(snapped, dt),
+        plant.tension + np.where(is_shaken, pulled, 0.0),
+        plant.least_tension,
+    )
+    past = Past(
+        record,
+        line,
+        nominal.length,
+        tip,
+        winch,
+        winch_under(again.beliefs, nominal),
+        plant,
+        moved,
+        again.beliefs.value(ENCODER_SCALE, nominal),
+        evidence.depth_scale,
+    )
     set_point = np.where(np.isfinite(record.set_points), record.set_points, _slow(winch.payout, dt))
     window = slice(int(np.searchsorted(record.time, start)), record.ticks)
     off = locked(past, set_point)
-    return Known(
-        nominal, again, fit, past, unexplained, set_point, off, window, model_error(past, unexplained, off, window)
-    )
-
-
-def model_error(past: Past, unexplained: Disturbance, off: Replayed, window: slice) -> float:
-    """Return the relative error of the twins in what they add: what they left of a record over what they explained.
-
-    Parameters
-    ----------
-    past : the record and its twins
-    unexplained : motion that they left
-    off : the winch locked
-    window : ticks that are judged
-    """
-    explained = float(np.std(past.plant.unit[window]))
-    by_tip = past.tip.sigma * float(np.std(off.unit[window])) / max(float(np.std(past.tip.heave[window])), 1e-6)
-    left = math.sqrt(max(unexplained.waves**2 - by_tip**2, 0.0))
-    return min(max(left / max(explained, 1e-9), MODEL_LEAST), MODEL_MOST)
-
-
-def stiffness_ratio(record: SensorRecord, tension: Array) -> float | None:
-    """Return the factor on the swing of the twin's `tension` [N] by the load cell of a `record`; None: there is none.
-
-    The cable's mass and stiffness at the same a: tension is inertia times acceleration, so both go with it.
-    """
-    cell = record.scalar("load_cell")
-    if len(cell) < 100:
-        return None
-    read = cell[:, 1] - cell[:, 1].mean()
-    twin = np.interp(cell[:, 0], record.time, tension)
-    twin = twin - twin.mean()
-    power = float(twin @ twin)
-    ratio = float(read @ twin) / max(power, 1e-9)
-    variance = float(np.var(read - ratio * twin)) / max(power, 1e-9)
-    weight = STIFFNESS_PRIOR**2 / (STIFFNESS_PRIOR**2 + variance)
-    return math.exp(weight * math.log(min(max(ratio, 0.3), 3.0)))
+    taut = (record.time >= evidence.start) & ~is_shaken
+    left = float(np.std(unexplained.heave[taut]))
+    return Known(nominal, again, fit, past, unexplained, snapped, left, set_point, off, window, evidence)
 
 
 def drawn(known: Known, seed: int, number: int) -> Known:
     """Return what is `known` with another plant, and winch, that the record allows: draw `number` of a `seed`."""
     random = random_stream(seed, f"whatif/{number}")
-    moves = random.multivariate_normal(np.zeros(len(known.fit.values)), known.fit.covariance)
-    values = {
-        name: value + move if name == DELAY else value * math.exp(move)
-        for (name, value), move in zip(known.fit.values.items(), moves, strict=True)
-    }
-    held, was = known.fit.mru, known.fit.values
-    mru = Correction(held.scale * values[SCALE] / was[SCALE], held.offset, held.delay + values[DELAY] - was[DELAY])
-    fit = replace(known.fit, values=values, mru=mru)
     past, start = known.past, float(known.past.record.time[known.window.start])
-    other = _known(past.record, known.nominal, known.again, fit, past.winch, start)
+    other = _known(known.evidence, known.again, known.fit.drawn(random), start)
     if winch_moved(known):
         return other
     lag, delay, gain = (spread * float(random.standard_normal()) for spread in WINCH_SPREAD)
@@ -216,6 +237,13 @@ def drawn(known: Known, seed: int, number: int) -> Known:
     return replace(other, past=replace(other.past, winch_parameters=winch))
 
 
+def other_plants(known: Known, seed: int) -> list[Known]:
+    """Return what is `known` with `PLANTS` other plants that the record allows, of a `seed`, the winch as it is."""
+    start = float(known.past.record.time[known.window.start])
+    random = random_stream(seed, "whatif/plants")
+    return [_known(known.evidence, known.again, known.fit.drawn(random), start) for _ in range(PLANTS)]
+
+
 def winch_moved(known: Known) -> bool:
     """Return whether the winch of what is `known` has moved in the window, so that its answer to orders was seen."""
     return float(np.std(known.past.winch.rate[known.window])) > MOVES
@@ -223,8 +251,8 @@ def winch_moved(known: Known) -> bool:
 
 def off_sigma(known: Known) -> float:
     """Return the standard deviation of the unit with the winch locked, by what is `known` [m]."""
-    motion = known.off.unit + known.off.set_point + known.unexplained.heave
-    return math.hypot(float(np.std(motion[known.window])), known.unexplained.left)
+    unexplained = known.unexplained_in(known.off.payout)
+    return known.sigma(known.off.unit + known.off.set_point + unexplained.heave, unexplained)
 
 
 def _slow(payout: Array, tick_period: float) -> Array:

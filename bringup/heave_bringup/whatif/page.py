@@ -58,7 +58,10 @@ def _over_time(title: str, caption: str, axis: str, drawn: Sequence[tuple[str, A
 def _unit(result: Result) -> Figure:
     known = result.known
     was = known.past.plant.unit + known.set_point + known.unexplained.heave
-    drawn = [("recorded", was), *((one.asked.name, unit_motion(one.done, known.unexplained)) for one in result.answers)]
+    drawn = [
+        ("recorded", was),
+        *((one.asked.name, unit_motion(one.done, known.unexplained_in(one.done.payout))) for one in result.answers),
+    ]
     moved = [(name, CM * (values - values.mean())) for name, values in drawn]
     return _over_time("Heave of the unit", "About its mean depth.", "heave [cm]", moved, known.past.record.time)
 

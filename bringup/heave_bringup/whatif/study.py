@@ -9,8 +9,9 @@ from functools import partial
 
 import numpy as np
 
-from heave_bringup.whatif.answer import Figures, figures, with_bands
+from heave_bringup.whatif.answer import Figures, Spread, figures, unit_motion, with_bands
 from heave_bringup.whatif.known import OFF, Known, Show, off_sigma, quiet, show_some
+from heave_bringup.whatif.twin.plant import driven
 from heave_bringup.whatif.twin.replay import Asked, Replayed, replay
 from heave_bringup.whatif.twin.winch import tension_at_ticks
 
@@ -35,14 +36,17 @@ class Answer:
     cause: str
 
 
-def answer(known: Known, asked: Asked, others: Sequence[Known] = (), *, show: Show = quiet) -> Answer:
+def answer(
+    known: Known, asked: Asked, others: Sequence[Known] = (), plants: Sequence[Known] = (), *, show: Show = quiet
+) -> Answer:
     """Return what the loop that is `asked` for would have done.
 
     Parameters
     ----------
     known : by the record
     asked : controller and winch
-    others : draws of what the record allows, for the bands
+    others : draws of what the record allows, over which the loop is closed again, for the bands
+    plants : draws of cable, unit and MRU, on which its payout is tried
     show : called with what is done, and the share of it
     """
     ticks = known.past.record.ticks
@@ -53,18 +57,29 @@ def answer(known: Known, asked: Asked, others: Sequence[Known] = (), *, show: Sh
         done = _done(one, asked, on_tick)
         results.append((done, _figures(one, done)))
     (done, base), *draws = results
-    added = float(np.std((done.unit + done.set_point - known.past.plant.unit - known.set_point)[known.window]))
-    off = off_sigma(known)
-    spread = math.hypot(
-        float(np.sqrt(np.mean([(off_sigma(one) - off) ** 2 for one in others]))) if others else 0.0,
-        known.model * float(np.std((known.off.unit - known.past.plant.unit)[known.window])),
+    past, window = known.past, known.window
+    spread = Spread(
+        loops=[one for _, one in draws],
+        plants=[_figures(one, _on_plant(one, asked, done)) for one in plants],
+        added=float(np.std((done.unit + done.set_point - past.moved.unit - known.set_point)[window])),
+        locked=float(np.std((known.off.unit - past.moved.unit)[window])),
+        model=known.model,
     )
-    found = with_bands(base, [one for _, one in draws], added=added, model=known.model, uncompensated=(off, spread))
+    found = with_bands(base, spread, off_sigma(known))
     if asked.controller.law == OFF:
         # it is the reference of the efficiency
         found = replace(found, bands={**found.bands, "unit_efficiency": (0.0, 0.0)})
     lost = [one for _, one in results if math.isfinite(one.lost_at)]
     return Answer(asked, found, done, len(lost) / count, lost[0].cause if lost else "")
+
+
+def _on_plant(known: Known, asked: Asked, done: Replayed) -> Replayed:
+    """Return what a loop has `done`, with the motions of the plant that is `known`."""
+    if asked.controller.law == OFF:
+        return known.off
+    past = known.past
+    motion = driven(past.line, past.length, past.tip, done.payout, done.rate, tick_period=past.record.tick_period)
+    return replace(done, unit=motion.unit, tension=motion.tension)
 
 
 def _done(known: Known, asked: Asked, on_tick: Callable[[int], None]) -> Replayed:
@@ -76,11 +91,14 @@ def _done(known: Known, asked: Asked, on_tick: Callable[[int], None]) -> Replaye
 def _figures(known: Known, done: Replayed) -> Figures:
     record = known.past.record
     read = tension_at_ticks(record)
-    tension = read + done.tension - known.past.plant.tension if np.isfinite(read).any() else done.tension
+    tension = read + done.tension - known.past.moved.tension if np.isfinite(read).any() else done.tension
+    unexplained = known.unexplained_in(done.payout)
+    unit = unit_motion(done, unexplained)
     return figures(
         done,
-        known.unexplained,
+        unit,
         np.maximum(np.where(np.isfinite(tension), tension, done.tension), 0.0),
+        sigma=known.sigma(unit, unexplained),
         window=known.window,
         uncompensated=off_sigma(known),
         tick_period=record.tick_period,

@@ -11,7 +11,7 @@ from heave_bags.analyse.kpi_set import DEFINITION_OF
 
 from heave_bringup.whatif.answer import KEYS, Figures
 from heave_bringup.whatif.fitness import SAME_PAYOUT, told, warnings
-from heave_bringup.whatif.identify.cable import DELAY
+from heave_bringup.whatif.identify.prior import AS_THEY_ARE
 from heave_bringup.whatif.known import Known, off_sigma
 from heave_bringup.whatif.study import Answer
 
@@ -88,12 +88,12 @@ def identified_rows(known: Known) -> list[list[str]]:
     """Return what was identified, by what is `known`: name, value, standard deviation, and what was assumed."""
     found = []
     for name, value in known.fit.values.items():
-        unit, nominal = ("s", "0") if name == DELAY else ("", "1")
+        unit, nominal = (AS_THEY_ARE[name], "0") if name in AS_THEY_ARE else ("", "1")
         found.append([name, f"{value:.4g} {unit}".strip(), f"{known.fit.sigma(name):.2g} {unit}".strip(), nominal])
     for name, belief in known.again.beliefs.values.items():
         found.append([f"{name} (adviser)", f"{belief.value:.4g}", f"{belief.sigma:.2g}", "as nominal"])
-    if known.fit.high_pass_period:
-        found.append(["mru.high_pass_period", f"{known.fit.high_pass_period:.0f} s", "-", "-"])
+    if known.fit.source.high_pass.period:
+        found.append(["mru.high_pass_period", f"{known.fit.source.high_pass.period:.0f} s", "-", "-"])
     return found
 
 

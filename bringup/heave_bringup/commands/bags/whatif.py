@@ -81,8 +81,8 @@ def _result(bag: Bag, options: argparse.Namespace, scratch: Path, progress: Prog
 
     from heave_bringup.whatif.asked import Wish, asked_of, nominal_of
     from heave_bringup.whatif.fitness import check_known, check_record
-    from heave_bringup.whatif.identify.prior import parse_known
-    from heave_bringup.whatif.known import drawn, learn
+    from heave_bringup.whatif.identify.prior import prior_of
+    from heave_bringup.whatif.known import drawn, learn, other_plants
     from heave_bringup.whatif.signals.from_bag import read_record, scenario_text, write_text
     from heave_bringup.whatif.study import answer, recorded, same_again
     from heave_bringup.whatif.twin.winch import winch_under
@@ -92,16 +92,17 @@ def _result(bag: Bag, options: argparse.Namespace, scratch: Path, progress: Prog
     nominal, run = nominal_of(scenario)
     wish = Wish(scenario, options.law, options.set, [one for one in options.compare.split(",") if one])
     asked_of(wish, winch_under(Beliefs(-1), nominal), has_adviser=True)
-    told = parse_known(options.know, nominal)
+    prior = prior_of(nominal, options.know)
     record = read_record(bag, nominal, progress=lambda share: progress.show("reading", share))
     record = record if options.end is None else record.part(options.end)
     start = run.transient if options.transient is None else options.transient
     check_record(record, start, str(options.bag))
-    known = learn(record, nominal, start=start, told=told, show=progress.show)
+    known = learn(record, nominal, start=start, prior=prior, show=progress.show)
     check_known(known, str(options.bag))
     others = [drawn(known, options.seed, number) for number in range(options.draws)]
     wanted = asked_of(wish, known.past.winch_parameters, has_adviser=record.has_adviser)
-    answers = [answer(known, one, others, show=progress.show) for one in wanted]
+    plants = other_plants(known, options.seed)
+    answers = [answer(known, one, others, plants, show=progress.show) for one in wanted]
     return Result(known, recorded(known), answers, same_again(known, show=progress.show))
 
 

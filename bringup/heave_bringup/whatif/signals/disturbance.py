@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 from heave_node.numerics.arrays import Array
 
-from heave_bringup.whatif.signals.record import SensorRecord
 from heave_bringup.whatif.signals.tip import QUIET, smooth_spectrum, smoothed_count
 
 WAVES = (0.2, 4.0)
@@ -28,7 +27,7 @@ class Disturbance(NamedTuple):
     ----------
     heave : at each tick, about its mean, positive up (n,) [m]
     waves : standard deviation of it where waves are [m]
-    left : standard deviation of what is not known of it, for the noise of the depth sensor [m]
+    left : standard deviation of the sensor's noise that is in it [m]
     noise : standard deviation of a depth reading [m]
     chi2 : mean square of the twin's error over that of the noise, where waves are [-]
     """
@@ -40,23 +39,23 @@ class Disturbance(NamedTuple):
     chi2: float
 
 
-def disturbance(record: SensorRecord, unit: Array, depth_scale: float, stated_noise: float) -> Disturbance:
-    """Return what of the depth readings of a `record` its twin does not explain.
+def disturbance(readings: Array, time: Array, twin: Array, stated_noise: float) -> Disturbance:
+    """Return what of the readings of a sensor its twin does not explain.
 
     Parameters
     ----------
-    record : with a depth sensor
-    unit : heave of the twin at each tick (n,) [m]
-    depth_scale : reading over truth [-]
-    stated_noise : of the depth sensor, where the readings do not tell it [m]
+    readings : times and values, of the unit's heave for example, shape (m, 2)
+    time : of each tick (n,) [s]
+    twin : what the twin has at each tick (n,)
+    stated_noise : of a reading, where the readings do not tell it
     """
-    times, depths = record.scalar("depth").T
+    times, values = readings.T
     order = np.argsort(times, kind="stable")
-    times, depths = times[order], depths[order] / depth_scale
+    times, values = times[order], values[order]
     period = float(np.median(np.diff(times)))
     count = round((times[-1] - times[0]) / period) + 1
     grid = times[0] + period * np.arange(count)
-    gap = -np.interp(grid, times, depths) - np.interp(grid, record.time, unit)
+    gap = np.interp(grid, times, values) - np.interp(grid, time, twin)
     gap = gap - gap.mean()
     omega = np.asarray(2.0 * math.pi * np.fft.rfftfreq(count, period), dtype=np.float64)
     transform = np.fft.rfft(gap)
@@ -72,9 +71,9 @@ def disturbance(record: SensorRecord, unit: Array, depth_scale: float, stated_no
     motion = np.fft.irfft(kept * transform, count)
     waves = (kept * smooth)[inside]
     return Disturbance(
-        heave=np.interp(record.time, grid, motion),
+        heave=np.interp(time, grid, motion),
         waves=math.sqrt(2.0 * float(np.sum(waves)) / count**2),
-        left=math.sqrt(2.0 * float(np.sum(kept)) * told / count**2),
+        left=math.sqrt(2.0 * float(kept @ kept) * told / count**2),
         noise=math.sqrt(told / count),
         chi2=float(np.mean(power[inside]) / told),
     )

@@ -75,6 +75,17 @@ class SensorRecord:
         ]
         return np.array(rows).reshape(-1, 3)
 
+    @cached_property
+    def attitude(self) -> Array:
+        """Times, rolls and pitches that the MRU read and stands by, shape (m, 3) [s], [rad], [rad]."""
+        rows = [
+            (one.time, one.roll, one.pitch)
+            for of_tick in self.measurements
+            for one in of_tick.mru
+            if one.status == MruStatus.OK and np.isfinite(one.roll + one.pitch)
+        ]
+        return np.array(rows).reshape(-1, 3)
+
     def scalar(self, sensor: str) -> Array:
         """Return times and finite values that a `sensor` read, shape (m, 2), in its unit."""
         rows = [tuple(one) for of_tick in self.measurements for one in of_tick.of(sensor) if np.isfinite(one.value)]

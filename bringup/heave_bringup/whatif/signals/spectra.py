@@ -17,25 +17,43 @@ RANDOM_DRAG = math.sqrt(8.0 / math.pi)
 ocean wave forces, 1965)."""
 
 
-def tapered_transform(times: Array, values: Array, omegas: Array, start: float, end: float) -> ComplexArray:
-    """Return the Fourier transform of readings at their own times under a Hann taper.
+class Transform:
+    """Fourier transform of readings at their own times under a Hann taper.
 
     Parameters
     ----------
-    times, values : (n,) [s], any unit
+    times : of the readings (n,) [s]
     omegas : angular frequencies (k,) [rad/s]
     start, end : of the taper [s]
 
     The readings' own spacing is their weight, so that no interpolation bends what is fast.
     """
-    inside = (times >= start) & (times <= end)
-    t, v = times[inside], values[inside]
-    weight = np.sin(math.pi * (t - start) / (end - start)) ** 2
-    spacing = float(np.median(np.diff(t)))
-    v = v - float(weight @ v) / float(np.sum(weight))
-    # the taper's own power is one, whatever the length of the record
-    scale = spacing / math.sqrt(spacing * float(weight @ weight))
-    return np.asarray(scale * (np.exp(-1j * np.outer(omegas, t)) @ (weight * v)))
+
+    def __init__(self, times: Array, omegas: Array, start: float, end: float) -> None:
+        self._inside = (times >= start) & (times <= end)
+        t = times[self._inside]
+        self._weight = np.sin(math.pi * (t - start) / (end - start)) ** 2
+        spacing = float(np.median(np.diff(t)))
+        # the taper's own power is one, whatever the length of the record
+        scale = spacing / math.sqrt(spacing * float(self._weight @ self._weight))
+        self._kernel = scale * np.exp(-1j * np.outer(omegas, t))
+
+    def __call__(self, values: Array) -> ComplexArray:
+        """Return the transform (k,) of `values` read at the times (n,), about their mean."""
+        v, weight = values[self._inside], self._weight
+        v = v - float(weight @ v) / float(np.sum(weight))
+        return np.asarray(self._kernel @ (weight * v))
+
+
+def tapered_transform(times: Array, values: Array, omegas: Array, start: float, end: float) -> ComplexArray:
+    """Return the Fourier transform (k,) of readings under a Hann taper.
+
+    Parameters
+    ----------
+    times, values : of the readings (n,) [s], any unit
+    omegas, start, end : as for `Transform`
+    """
+    return Transform(times, omegas, start, end)(values)
 
 
 def noise_power(times: Array, values: Array, start: float, end: float, stated: float) -> float:
@@ -68,8 +86,8 @@ class Speeds(NamedTuple):
     top: float
 
 
-def unit_over_top(line: AxialLine, length: float, omegas: Array, speeds: Speeds) -> ComplexArray:
-    """Return heave of the unit over that of the cable's top end.
+def gains_over_top(line: AxialLine, length: float, omegas: Array, speeds: Speeds) -> ComplexArray:
+    """Return heave of the unit, and the top tension [N/m], over the heave of the cable's top end, (2, k).
 
     Parameters
     ----------
@@ -95,4 +113,4 @@ def unit_over_top(line: AxialLine, length: float, omegas: Array, speeds: Speeds)
         c, s = np.cos(k * piece.length), np.sin(k * piece.length)
         u, T = c * u + s / (stiffness * k) * T, -stiffness * k * s * u + c * T
         height += piece.length
-    return np.asarray(1.0 / u)
+    return np.array([1.0 / u, T / u])

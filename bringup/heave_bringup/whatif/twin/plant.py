@@ -24,12 +24,14 @@ class PlantFactors:
     Attributes
     ----------
     inertia : on a, the unit's inertia over the cable's stiffness [-]
-    damping : on drag and damping [-]
+    damping : on the drag of the unit [-]
+    cable_drag : on the drag of the cable [-]
     stiffness : on EA [-]; masses and drag go with it, so that the motion stays and the tension grows
     """
 
     inertia: float = 1.0
     damping: float = 1.0
+    cable_drag: float = 1.0
     stiffness: float = 1.0
 
 
@@ -38,24 +40,27 @@ def nominal_line(parameters: WinchControllerParameters) -> AxialLine:
     believed = parameters.cable_model
     derived = replace(parameters, cable_model=replace(believed, inertia=0.0, inertia_factor=1.0))
     a, length = believed_cable(parameters, parameters.length).a, parameters.length
-    factors = PlantFactors(a / believed_cable(derived, length).a, believed.damping_factor)
+    drag = believed.damping_factor
+    factors = PlantFactors(a / believed_cable(derived, length).a, drag, drag)
     return scaled_line(believed_plant(parameters).line(length), factors)
 
 
 def scaled_line(line: AxialLine, factors: PlantFactors) -> AxialLine:
     """Return a `line` with `factors` on it."""
     # all forces grow with the stiffness, so that the motion stays
-    mass, damping = factors.inertia * factors.stiffness, factors.damping * factors.stiffness
+    mass, unit_drag, cable_drag = (
+        one * factors.stiffness for one in (factors.inertia, factors.damping, factors.cable_drag)
+    )
     sections = tuple(
         replace(
             one,
             axial_stiffness=one.axial_stiffness * factors.stiffness,
             mass=one.mass * mass,
-            drag=one.drag * damping,
+            drag=one.drag * cable_drag,
         )
         for one in line.sections
     )
-    unit = replace(line.unit, inertia=line.unit.inertia * mass, drag=line.unit.drag * damping)
+    unit = replace(line.unit, inertia=line.unit.inertia * mass, drag=line.unit.drag * unit_drag)
     return replace(line, sections=sections, unit=unit)
 
 
@@ -79,10 +84,10 @@ class TwinPlant:
         self._stepper = AxialStepper(line, length, start, segments=SEGMENTS, duration=tick_period, substeps=SUBSTEPS)
 
     @property
-    def columns(self) -> tuple[float, float, float]:
-        """Heave of the unit [m], its velocity [m/s], and the top tension [N] now."""
+    def columns(self) -> tuple[float, float, float, float]:
+        """Heave of the unit [m], its velocity [m/s], the top tension and the least along the cable [N] now."""
         state = self._stepper.state
-        return state.unit_heave, state.unit_velocity, state.top_tension
+        return state.unit_heave, state.unit_velocity, state.top_tension, state.least_tension
 
     def advance(self, payout: float, rate: float) -> None:
         """Go to the next tick, where the payout is so much [m] and has a `rate` [m/s]."""
@@ -99,11 +104,13 @@ class PlantMotion:
     ----------
     unit, velocity : heave of the unit about its rest at payout 0, positive up, and its rate (n,) [m], [m/s]
     tension : at the top (n,) [N]
+    least_tension : the smallest along the cable (n,) [N]
     """
 
     unit: Array
     velocity: Array
     tension: Array
+    least_tension: Array
 
     @property
     def acceleration(self) -> Array:
@@ -120,7 +127,7 @@ def driven(line: AxialLine, length: float, tip: Tip, payout: Array, rate: Array,
     payout, rate : of the cable at each tick (n,) [m], [m/s]
     """
     plant = TwinPlant(line, length, tip, float(payout[0]), float(rate[0]), tick_period=tick_period)
-    table = np.empty((len(payout), 3))
+    table = np.empty((len(payout), 4))
     table[0] = plant.columns
     for index in range(1, len(payout)):
         plant.advance(float(payout[index]), float(rate[index]))

@@ -39,6 +39,7 @@ class Past:
     tip : the boom tip
     winch : what the drum did; winch_parameters : what it is
     plant : motion of the twin under that
+    moved : what the readings of the unit and the load cell show of it: the twin, and what a slack cable left
     encoder_scale, depth_scale : reading over truth [-]
     """
 
@@ -49,6 +50,7 @@ class Past:
     winch: PastWinch
     winch_parameters: WinchParameters
     plant: PlantMotion
+    moved: PlantMotion
     encoder_scale: float = 1.0
     depth_scale: float = 1.0
 
@@ -137,7 +139,7 @@ class Replay:
         if outputs.observations is not None and self._adviser is not None:
             self._controller.take(self._adviser.advise(outputs.observations))
         self._compare(outputs, index)
-        unit, _, tension = self._plant.columns
+        unit, _, tension, _ = self._plant.columns
         limits = self._winch.state.limits_hit if self._is_other else past.record.limits_hit[index]
         row = np.array(
             [self._payout, self._rate, outputs.depth_set_point, unit, tension, outputs.authority, int(limits)]
@@ -164,11 +166,11 @@ class Replay:
         extra_rate = winch.payout_rate - past.winch.modelled_rate[index] if is_other else 0.0
         self._payout, self._rate = past.winch.payout[index] + extra, past.winch.rate[index] + extra_rate
         self._plant.advance(float(self._payout), float(self._rate))
-        unit, velocity, tension = self._plant.columns
+        unit, velocity, tension, _ = self._plant.columns
         row, dt = self._differences[index], past.record.tick_period
-        row[0], row[1] = unit - past.plant.unit[index], velocity - past.plant.velocity[index]
+        row[0], row[1] = unit - past.moved.unit[index], velocity - past.moved.velocity[index]
         row[2] = (row[1] - self._differences[index - 1, 1]) / dt
-        row[3] = tension - past.plant.tension[index]
+        row[3] = tension - past.moved.tension[index]
         row[4], row[5] = extra, extra_rate
 
     def _as_read(self, given: Measurements, index: int) -> Measurements:
