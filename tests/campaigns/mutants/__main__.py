@@ -63,7 +63,8 @@ class Journal:
 
 def digest_of(judge: Judge, subject: Subject) -> str:
     """Return a digest of the texts of the module that a `judge` has, and of the tests of its `subject`."""
-    texts = [judge.source, *((ROOT / test).read_text(encoding="utf-8") for test in subject.tests)]
+    files = [Path(__file__).with_name("mutations.py"), *(ROOT / test for test in subject.tests)]
+    texts = [judge.source, *(file.read_text(encoding="utf-8") for file in files)]
     return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:16]
 
 

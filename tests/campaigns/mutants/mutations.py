@@ -145,12 +145,12 @@ def _removals(node: ast.AST) -> Iterator[tuple[Any, Change]]:
     """Yield the removal of each statement among those of a `node`."""
     if isinstance(node, (ast.Expr, ast.Assign, ast.AugAssign, ast.Raise, ast.Continue, ast.Break)):
         yield node, _become_pass
-    elif isinstance(node, ast.Return) and node.value is not None and not _is_none(node.value):
+    elif isinstance(node, ast.Return) and node.value is not None and not _is_falsy(node.value):
         yield node, _set("value", ast.Constant(None))
 
 
-def _is_none(node: ast.expr) -> bool:
-    return isinstance(node, ast.Constant) and node.value is None
+def _is_falsy(node: ast.expr) -> bool:
+    return isinstance(node, ast.Constant) and not node.value
 
 
 def _set(field: str, value: object) -> Change:

@@ -19,7 +19,10 @@ def _controller(module: str, *tests: str) -> Subject:
 
 
 SUBJECTS: dict[str, Subject] = {
-    "winch": Subject("cable_sim_node.winch.component", ("cable_sim_node/test/test_virtual_winch.py",)),
+    "winch": Subject(
+        "cable_sim_node.winch.component",
+        ("cable_sim_node/test/test_virtual_winch.py", "cable_sim_node/test/test_faulty_drum.py"),
+    ),
     "command line": Subject("cable_sim_node.winch.command_line", ("cable_sim_node/test/test_virtual_winch.py",)),
     "faulty drum": Subject("cable_sim_node.winch.faulty_drum", ("cable_sim_node/test/test_faulty_drum.py",)),
     "motion supervision": Subject(
@@ -27,11 +30,11 @@ SUBJECTS: dict[str, Subject] = {
     ),
     "handshake": Subject("heave_node.devices.live.winch_handshake", ("node_base/test/test_winch_handshake.py",)),
     "link watch": Subject("heave_node.devices.live.link_watch", ("node_base/test/test_link_watch.py",)),
-    "guard": _controller("supervision.guard", "test_guard"),
-    "guard checks": _controller("supervision.guard_checks", "test_guard"),
-    "guard hold": _controller("supervision.guard_hold", "test_guard"),
-    "running checks": _controller("supervision.checks", "test_guard"),
-    "winch demand": _controller("supervision.watch.winch_demand", "test_guard"),
+    "guard": _controller("supervision.guard", "test_guard", "test_guard_checks"),
+    "guard checks": _controller("supervision.guard_checks", "test_guard_checks", "test_guard"),
+    "guard hold": _controller("supervision.guard_hold", "test_guard_hold"),
+    "running checks": _controller("supervision.checks", "test_guard_checks", "test_guard"),
+    "winch demand": _controller("supervision.watch.winch_demand", "test_winch_demand", "test_guard"),
     "mode machine": _controller("supervision.mode_machine", "test_mode_machine", "test_modes"),
     "table of modes": _controller("supervision.modes", "test_mode_machine", "test_modes"),
     "command timeouts": _controller("supervision.command_timeouts", "test_command_timeouts"),
