@@ -165,12 +165,12 @@ def test_harm_over_waves_is_told_from_half_the_window_on():
     assert harms[-1].values["sigma"] / harms[-1].values["free"] == pytest.approx(0.8 / 0.5)
 
 
-def guarded(reads, unit, seconds=40.0, guard=None):
+def guarded(reads, unit, seconds=40.0):
     """Let a guard see a sea of 0.5 m; `unit` is what is estimated [m], `reads` what the depth sensor reads [m]."""
-    guard = guard or HarmGuard(GuardParameters(window=20.0, floor=0.02), GuardedLoop(LIMITS), tick_period=DT)
+    guard = HarmGuard(GuardParameters(window=20.0, floor=0.02), GuardedLoop(LIMITS), tick_period=DT)
     assert guard.trusts_estimate
     for time in times(seconds):
-        wave = math.cos(0.7 * time)
+        wave = math.sin(0.7 * time)
         tip = Motion(0.0, 0.3 * wave)
         motions = GuardedMotions(Motion(unit * wave, 0.0), Motion(0.5 * wave, 0.0), tip, tip.rate, reads * wave)
         guard.update(motions, 0.0 if guard.inhibits else 1.0)
