@@ -230,7 +230,7 @@ def test_compensation_is_refused_from_constant_tension_while_a_sensor_is_lost():
 def test_a_braked_winch_moves_only_after_the_brake_was_held_for_half_a_second():
     modes = machine()
     modes.step(WELL)
-    with pytest.raises(ModeError, match="mode manual needs: brake on for 0.5 s"):
+    with pytest.raises(ModeError, match=r"mode manual needs: brake on for 0\.5 s"):
         modes.request("manual")
     run(modes, 0.5)
     modes.request("manual")
