@@ -573,6 +573,14 @@ def test_the_watchdog_trips_at_its_time_also_inside_a_tick() -> None:
     assert starve(winch, 20)[-1].payout - last.payout == pytest.approx(0.5 * (0.52 - TICK), abs=1e-6)
 
 
+def test_a_trip_acts_at_its_time_also_inside_a_tick() -> None:
+    """At 0.5 m/s, which stands at once: up to the trip at 2.03 s the drum moves for 0.03 s of its tick."""
+    faults = FaultParameters(kind=("emergency_stop",), start=(2.03,), duration=(1.0,), magnitude=(0.0,))
+    winch = VirtualWinch(dataclasses.replace(IDEAL, time_constant=1e-3, faults=faults), tick_period=TICK)
+    before = run(winch, 40, rate=0.5)[-1]
+    assert run(winch, 10, rate=0.5)[-1].payout - before.payout == pytest.approx(0.5 * 0.03, abs=1e-6)
+
+
 def test_the_number_of_a_command_that_is_no_number_is_used_up() -> None:
     winch = VirtualWinch(WinchParameters(command_delay=0.0), tick_period=TICK)
     run(winch, 20, rate=0.5)

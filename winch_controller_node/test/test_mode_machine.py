@@ -42,7 +42,7 @@ def test_another_factor_takes_authority_there_without_a_step_up_and_down():
     modes = machine()
     run(modes, 5.0)
     for factor in (0.25, 0.75, 0.0, 1.0):
-        modes.factor = factor
+        modes.set_factor(factor)
         authority = [output.authority for output in run(modes, 2.5)]
         assert np.max(np.abs(np.diff(authority))) <= DT / 2.0 + 1e-12
         assert authority[-1] == pytest.approx(factor)
