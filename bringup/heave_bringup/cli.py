@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import signal
 import sys
 from collections.abc import Sequence
@@ -9,6 +10,7 @@ from pathlib import Path
 
 from heave_bags.errors import BagError
 from heave_node.parameters import ParameterError
+from heave_node.ros.transport.start_watchdog import check_memory
 
 from heave_bringup.commands.completion import complete
 from heave_bringup.errors import CommandError, ExitStatus
@@ -30,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.json not in (None, "-") and not Path(options.json).resolve().parent.is_dir():
         return _exit_with(f"--json {options.json}: no such folder: {Path(options.json).parent}", ExitStatus.REFUSED)
     try:
-        options.execute(options)
+        _execute(options)
     except (CommandError, ParameterError, BagError, MemoryError) as error:
         return _exit_with(str(error) or "out of memory", _status_of(error))
     except KeyboardInterrupt:
@@ -38,6 +40,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         return _refused_by_the_system(error)
     return ExitStatus.DONE
+
+
+def _execute(options: argparse.Namespace) -> None:
+    try:
+        options.execute(options)
+    except (CommandError, ParameterError, BagError):
+        raise
+    except Exception:  # libraries name a lack of memory in many ways
+        check_memory()
+        raise
 
 
 def _status_of(error: Exception) -> ExitStatus:

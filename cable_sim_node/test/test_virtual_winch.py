@@ -563,3 +563,76 @@ def test_no_command_releases_a_fault_while_the_drum_moves() -> None:
     assert all(state.fault is WinchFault.COMMAND_TIMEOUT for state in moving)
     speeds = [state.payout_rate for state in moving]
     assert speeds == sorted(speeds, reverse=True), "it goes on to stop"
+
+
+def test_the_watchdog_trips_at_its_time_also_inside_a_tick() -> None:
+    """At 0.5 m/s, which stands at once: the drum goes on for the timeout of 0.52 s after the last command, 0.26 m."""
+    winch = VirtualWinch(dataclasses.replace(IDEAL, time_constant=1e-3, command_timeout=0.52), tick_period=TICK)
+    last = run(winch, 40, rate=0.5)[-1]
+    # the last command has taken effect a tick before that state
+    assert starve(winch, 20)[-1].payout - last.payout == pytest.approx(0.5 * (0.52 - TICK), abs=1e-6)
+
+
+def test_a_trip_acts_at_its_time_also_inside_a_tick() -> None:
+    """At 0.5 m/s, which stands at once: up to the trip at 2.03 s the drum moves for 0.03 s of its tick."""
+    faults = FaultParameters(kind=("emergency_stop",), start=(2.03,), duration=(1.0,), magnitude=(0.0,))
+    winch = VirtualWinch(dataclasses.replace(IDEAL, time_constant=1e-3, faults=faults), tick_period=TICK)
+    before = run(winch, 40, rate=0.5)[-1]
+    assert run(winch, 10, rate=0.5)[-1].payout - before.payout == pytest.approx(0.5 * 0.03, abs=1e-6)
+
+
+def test_the_number_of_a_command_that_is_no_number_is_used_up() -> None:
+    winch = VirtualWinch(WinchParameters(command_delay=0.0), tick_period=TICK)
+    run(winch, 20, rate=0.5)
+    number = 1_000_000 + winch.tick
+    assert winch.step(winch.tick, WinchCommand(number, 0.0, math.nan)).command_sequence == number
+    winch.step(winch.tick, WinchCommand(number, brake=True))
+    assert (winch.refused_commands, winch.state.release) == (1, WinchRelease.BRAKE_REQUEST)
+
+
+def test_a_brake_request_with_the_number_of_the_newest_command_acknowledges_nothing() -> None:
+    winch = VirtualWinch(WinchParameters(command_timeout=0.5), tick_period=TICK)
+    newest = run(winch, 20, rate=0.5)[-1].command_sequence + 4  # as many are on their way: 0.2 s of delay
+    starve(winch, 60)
+    assert winch.state.command_sequence == newest
+    for _ in range(10):
+        winch.step(winch.tick, WinchCommand(newest, brake=True))
+    assert winch.state.release is WinchRelease.BRAKE_REQUEST
+    assert winch.refused_commands > 0
+
+
+def test_a_command_that_is_sent_again_in_each_tick_is_one_command() -> None:
+    winch = VirtualWinch(WinchParameters(), tick_period=TICK)
+    for tick in range(10):
+        winch.step(tick, WinchCommand(1, 0.0, 0.5))
+    assert (winch.state.command_sequence, winch.refused_commands) == (1, 0)
+
+
+def test_the_encoder_gives_the_mean_speed_over_the_ticks_since_it_was_read() -> None:
+    """A constant speed of 0.5 m/s, also over four ticks that were left out."""
+    winch = VirtualWinch(IDEAL, tick_period=TICK)
+    assert run(winch, 100, rate=0.5)[-1].encoder_payout_rate == pytest.approx(0.5)
+    assert winch.step(winch.tick + 4, WinchCommand(2_000_000, 0.0, 0.5)).encoder_payout_rate == pytest.approx(0.5)
+
+
+def test_a_braked_drum_that_moves_is_no_drum_that_follows_for_the_supervision() -> None:
+    """It is supervised by what it is to do: braked it may stand for as long as it will."""
+    winch = VirtualWinch(WinchParameters(supervision_time=0.5), tick_period=TICK)
+    assert run(winch, 100, rate=0.5, brake=True)[-1].fault is WinchFault.NONE
+    assert run(winch, 100, rate=0.5)[-1].fault is WinchFault.NONE
+    assert winch.supervised == ""
+
+
+def test_the_ideal_servo_has_no_instruments_and_a_drive_with_its_physics_has() -> None:
+    assert VirtualWinch(WinchParameters(), tick_period=TICK).instruments() == {}
+    electric = VirtualWinch(WinchParameters(drive="electric"), tick_period=TICK)
+    assert electric.instruments() == {}, "before the cable is known there is no drive"
+    run(electric, 2, tension=5e4)
+    assert electric.instruments()
+
+
+def test_a_drive_that_is_held_before_the_cable_is_known_stands() -> None:
+    winch = VirtualWinch(WinchParameters(drive="electric"), tick_period=TICK)
+    state = starve(winch, 3)[-1]
+    assert (state.payout, state.payout_rate, state.payout_acceleration) == (0.0, 0.0, 0.0)
+    assert state.limits_hit == WinchLimit.NONE

@@ -21,3 +21,39 @@ def test_gaps_bursts_and_silence_are_counted():
     watch.arrived(9.0)
     assert not watch.is_stale(9.1)
     assert watch.longest_gap > 3.6
+
+
+def test_a_device_that_sends_in_bursts_has_the_mean_as_its_usual_interval():
+    """Ten samples within 9 ms, once a second."""
+    watch = LinkWatch(timeout=3.0)
+    for second in range(20):
+        for n in range(10):
+            watch.arrived(second + 0.001 * n)
+    assert watch.samples == 200
+    assert math.isclose(watch.usual_interval, 0.1, rel_tol=0.03)
+
+
+def test_the_usual_interval_is_known_from_ten_on():
+    watch = LinkWatch(timeout=1.0)
+    for n in range(10):
+        watch.arrived(0.1 * n)
+    assert math.isnan(watch.usual_interval)
+    watch.arrived(1.0)
+    assert math.isclose(watch.usual_interval, 0.1)
+
+
+def test_the_age_of_the_newest_sample_is_the_time_since_it_came():
+    watch = LinkWatch(timeout=1.0)
+    assert math.isnan(watch.age(5.0))
+    watch.arrived(7.0)
+    assert watch.age(7.25) == 0.25
+
+
+def test_a_device_is_stale_after_its_timeout_not_at_it_and_each_silence_is_counted():
+    watch = LinkWatch(timeout=1.0)
+    watch.arrived(0.0)
+    assert not watch.is_stale(1.0)
+    assert watch.is_stale(1.25)
+    watch.arrived(2.0)
+    assert watch.is_stale(3.5)
+    assert watch.timeouts == 2

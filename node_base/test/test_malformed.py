@@ -48,3 +48,4 @@ def test_whole_messages_pass():
     roster = TickRoster(epoch=1, tick_period=0.05, nodes=["sea"], identities=["ab"], topics=["/mru"])
     assert malformed.fault_in_roster(roster) == ""
     assert malformed.fault_in_status(TickStatus()) == ""
+    assert malformed.fault_in_status(TickStatus(state=TickStatus.FAILED)) == ""

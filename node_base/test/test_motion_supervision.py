@@ -50,3 +50,44 @@ def test_each_rule_is_found_within_its_time(drum_at, words, after):
 def test_without_a_time_nothing_is_supervised():
     supervision = MotionSupervision(0.0)
     assert not any(supervision.look(now, DrumReading(1.0, False, 0.0, -1.0, 1.0)) for now in np.arange(0.0, 5.0, STEP))
+
+
+@pytest.mark.parametrize(("is_open", "engaged"), [(0.0, 1.0), (math.nan, math.nan)], ids=["brake switch", "none"])
+def test_a_sound_drum_that_is_braked_and_released_again_and_again_is_let_be(is_open, engaged):
+    """It follows for 4 s, slows down at 0.5 m/s^2, and holds."""
+
+    def drum_at(now):
+        phase = now % 8.0
+        if phase < 4.0:
+            return DrumReading(0.4, False, 0.0, 0.4, is_open)
+        rate = max(0.4 - 0.5 * (phase - 4.0), 0.0)
+        return DrumReading(0.4, True, 0.0, rate, is_open if rate else engaged)
+
+    assert found(drum_at, 60.0)[1] == ""
+
+
+def test_what_lasts_is_told_again_after_the_time_and_what_has_passed_begins_anew():
+    supervision, standing = MotionSupervision(TIME), DrumReading(0.4, False, 0.0, 0.0, 0.0)
+    told = [float(now) for now in np.arange(0.0, 3.2, STEP) if supervision.look(float(now), standing)]
+    # longer than the time, from the first look and from the one after the first time it was told
+    assert told == pytest.approx([TIME + STEP, 2.0 * TIME + 3.0 * STEP], abs=STEP + 1e-9)
+    assert supervision.found == "the drum stands against the command"
+    interrupted = MotionSupervision(TIME)
+    for step in range(120):
+        rate = 0.4 if step % 18 == 0 else 0.0
+        assert not interrupted.look(STEP * step, DrumReading(0.4, False, 0.0, rate, 0.0))
+
+
+def test_a_slip_is_told_each_time_the_drum_has_moved_by_as_much_again_either_way():
+    supervision, told = MotionSupervision(TIME), []
+    for step in range(200):
+        words = supervision.look(step * STEP, DrumReading(0.0, True, -0.001 * step, -0.02, 1.0))
+        told += [words] if words else []
+    # 0.2 m in steps of a millimetre, and 0.05 m are told once they are passed
+    assert told == ["the brake does not hold: the drum has moved by -0.05 m"] * 3
+
+
+def test_a_position_that_is_not_known_is_no_slip_and_what_moved_meanwhile_is_none_either():
+    supervision = MotionSupervision(TIME)
+    for step, payout in enumerate([0.0, math.nan, 3.0, 3.01]):
+        assert supervision.look(step * STEP, DrumReading(0.0, True, payout, 0.0, 1.0)) == ""

@@ -45,3 +45,75 @@ def test_a_set_point_that_is_no_number_is_a_fault():
     winch.take(0.0, order(1, math.nan), 0.0)
     assert winch.fault is WinchFault.INVALID_COMMAND
     assert winch.order(0.0)[1:3] == (0.0, True)
+
+
+def latched(timeout=0.5):
+    """Return the handshake of a winch that command 5 moved, and that has timed out since."""
+    winch = WinchHandshake(timeout)
+    winch.take(0.0, order(5), 0.0)
+    winch.order(timeout + 0.01)
+    assert winch.fault is WinchFault.COMMAND_TIMEOUT
+    return winch
+
+
+def test_the_drive_may_move_only_while_it_is_commanded_without_a_brake_and_without_a_fault():
+    winch = WinchHandshake(0.5)
+    assert not winch.is_released
+    winch.take(0.0, order(1), 0.0)
+    assert winch.is_released
+    winch.take(0.1, order(2, brake=True), 0.0)
+    assert not winch.is_released
+    assert not latched().is_released
+
+
+def test_only_a_brake_request_with_another_number_acknowledges_a_fault():
+    winch = latched()
+    winch.take(1.0, order(5, brake=True), 0.0)
+    assert not winch.wants_reset, "the number is the newest one's"
+    winch.take(1.1, order(3), 0.0)
+    assert not winch.wants_reset, "an old number without a brake request"
+    assert winch.refused == 1, "one more of the newest number counts as that command"
+    winch.take(1.2, order(3, brake=True), 0.0)
+    assert winch.wants_reset
+
+
+def test_a_drive_is_asked_for_a_reset_only_while_a_fault_is_latched():
+    winch = latched()
+    winch.take(1.0, order(6, brake=True), 0.0)
+    assert winch.wants_reset
+    winch.take(1.1, order(7), 0.0)
+    assert (winch.fault, winch.wants_reset) == (WinchFault.NONE, False)
+
+
+def test_a_new_trip_takes_an_acknowledgement_back_and_the_first_fault_stays_the_named_one():
+    winch = latched()
+    winch.take(1.0, order(6, brake=True), 0.0)
+    winch.trip(WinchFault.DRIVE)
+    assert winch.fault is WinchFault.COMMAND_TIMEOUT
+    assert winch.release(0.0) is WinchRelease.BRAKE_REQUEST
+    winch.take(1.1, order(7), 0.0)
+    assert winch.fault, "a command alone releases nothing"
+
+
+def test_a_fault_that_was_released_and_comes_again_has_to_be_acknowledged_again():
+    winch = latched()
+    winch.take(1.0, order(6, brake=True), 0.0)
+    winch.take(1.1, order(7), 0.0)
+    assert winch.order(1.2) == order(7)
+    winch.trip(WinchFault.DRIVE)
+    assert winch.release(0.0) is WinchRelease.BRAKE_REQUEST
+
+
+def test_the_number_of_a_set_point_that_is_no_number_is_used_up():
+    winch = WinchHandshake(0.5)
+    winch.take(0.0, order(3, math.inf), 0.0)
+    winch.take(0.1, order(3, brake=True), 0.0)
+    assert winch.release(0.0) is WinchRelease.BRAKE_REQUEST
+
+
+def test_a_drum_whose_speed_is_not_known_is_taken_to_be_at_rest():
+    """As a drive without a speed: what it waits for is the command."""
+    winch = latched()
+    winch.take(1.0, order(6, brake=True), math.nan)
+    assert winch.release(math.nan) is WinchRelease.COMMAND
+    assert winch.release(-0.02) is WinchRelease.STANDSTILL

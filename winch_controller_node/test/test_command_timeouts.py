@@ -6,7 +6,7 @@ from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault
 from winch_controller_node.identification.late_commands import CUT_TIME, LATE_WINDOW, LateCommands
-from winch_controller_node.supervision.command_timeouts import MOST, WAIT, Advice, CommandTimeouts
+from winch_controller_node.supervision.command_timeouts import MOST, PERIOD, WAIT, Advice, CommandTimeouts
 
 DT = 0.05
 
@@ -121,3 +121,33 @@ def test_a_winch_that_did_not_compensate_or_must_not_resume_stays_where_it_is():
         timeouts = CommandTimeouts(DT, resumes=resumes)
         timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=compensated, is_stopped=False, is_well=True)
         assert feed(timeouts, 3.0 * WAIT, WinchFault.COMMAND_TIMEOUT) == []
+
+
+def test_what_is_done_about_a_timeout_is_reported_by_its_code():
+    assert Advice.RESUME.alarm.code == "COMMANDS_RESTORED"
+    given_up = Advice.GIVE_UP.alarm
+    assert (given_up.code, given_up.values) == ("COMMAND_TIMEOUTS", {"count": MOST, "period": PERIOD})
+
+
+def test_timeouts_of_long_ago_do_not_count():
+    """One in each four minutes: never more than three in ten."""
+    timeouts = CommandTimeouts(DT, resumes=True)
+    for _ in range(3 * MOST):
+        assert time_out(timeouts) == [Advice.RESUME]
+        feed(timeouts, 240.0, WinchFault.NONE, is_stopped=False)
+
+
+def test_a_winch_waits_for_as_long_as_it_takes_before_it_is_tried_again_from_the_last_trouble_on():
+    timeouts = CommandTimeouts(DT, resumes=True)
+    timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
+    assert feed(timeouts, WAIT - 2.0 * DT, WinchFault.COMMAND_TIMEOUT) == []
+    assert feed(timeouts, DT, WinchFault.COMMAND_TIMEOUT, is_well=False) == []
+    assert feed(timeouts, WAIT - 2.0 * DT, WinchFault.COMMAND_TIMEOUT) == []
+    assert feed(timeouts, 4.0 * DT, WinchFault.COMMAND_TIMEOUT) == [Advice.RESUME]
+
+
+def test_a_fault_that_somebody_has_released_is_not_pending():
+    timeouts = CommandTimeouts(DT, resumes=True)
+    timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
+    assert feed(timeouts, 1.0, WinchFault.NONE) == []
+    assert feed(timeouts, 3.0 * WAIT, WinchFault.DRIVE) == []

@@ -212,3 +212,52 @@ def test_what_is_true_is_neither_reversed_nor_sudden(share, left):
     # what begins goes on: it ends further off than it begins
     assert not one.is_reversed(was=False) or one.is_reversed(was=True)
     assert not one.is_sudden(was=False) or one.is_sudden(was=True)
+
+
+def test_one_that_is_set_aside_late_is_not_unresolved_and_one_in_the_beginning_is_until_it_was_right_once():
+    """The winch has moved for 16 s, or 14 s, without a look that told anything."""
+    for moved, is_unresolved in ((BEGINNING + 1.0, False), (BEGINNING - 1.0, True)):
+        found, reflex = acts([None] * seconds(moved) + [BACK] * 3)
+        assert [act for _, act in found] == [Act.SET_ASIDE]
+        assert reflex.is_unresolved is is_unresolved
+
+
+def test_the_time_in_which_the_winch_moves_begins_anew_after_a_pause():
+    _, reflex = acts([None] * seconds(BEGINNING + 1.0))
+    found, reflex = acts([BACK] * 3, reflex=reflex, start=10_000)
+    assert [act for _, act in found] == [Act.SET_ASIDE]
+    assert reflex.is_unresolved
+
+
+def test_it_looks_ten_times_a_second_and_at_nothing_in_between():
+    reflex = EncoderReflex(DT)
+    assert reflex.look(LOOK + 1, BACK, is_aside=False) is Act.NOTHING
+    assert reflex.look(2 * LOOK, BACK, is_aside=False) is Act.SET_ASIDE
+    assert EncoderReflex(0.25).look(1, BACK, is_aside=False) is Act.SET_ASIDE, "a tick that is longer"
+
+
+@pytest.mark.parametrize(
+    ("shown", "alarm", "inhibition"),
+    [
+        ([BACK] * 3, "ENCODER_REVERSED", "WINCH_OR_ENCODER_REVERSED"),
+        ([TRUE] * 400 + [HALF] * (seconds(LONGEST_ASIDE) + 5), "ENCODER_SCALE_STEP", "WINCH_OR_ENCODER_SCALE"),
+    ],
+    ids=["reversed", "scale"],
+)
+def test_what_is_wrong_with_an_encoder_is_told_by_its_code(shown, alarm, inhibition):
+    _, reflex = acts(shown)
+    assert (reflex.alarm.code, reflex.inhibition.code) == (alarm, inhibition)
+
+
+def test_the_speed_of_long_ago_counts_for_a_slow_servo():
+    """T = 1.5 s: what it does now was ordered seconds ago, and the encoder reads just that."""
+    ordered = watched(time_constant=1.5, believed={"winch.time_constant": 1.5})[0].ordered()
+    assert ordered.share == pytest.approx(1.0, rel=0.05)
+    assert ordered.is_true
+
+
+def test_a_drum_under_the_longest_delay_that_may_be_believed_is_where_it_was_foreseen():
+    longest = BELIEF.winch.command_delay + BELIEF.lag.largest
+    known = watched(command_delay=longest, believed={"winch.command_delay": longest})
+    assert np.max(np.abs(known[1])) < 6e-3
+    assert known[0].ordered().share == pytest.approx(1.0, rel=0.06)

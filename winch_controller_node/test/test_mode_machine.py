@@ -42,7 +42,7 @@ def test_another_factor_takes_authority_there_without_a_step_up_and_down():
     modes = machine()
     run(modes, 5.0)
     for factor in (0.25, 0.75, 0.0, 1.0):
-        modes.factor = factor
+        modes.set_factor(factor)
         authority = [output.authority for output in run(modes, 2.5)]
         assert np.max(np.abs(np.diff(authority))) <= DT / 2.0 + 1e-12
         assert authority[-1] == pytest.approx(factor)
@@ -148,3 +148,154 @@ def test_what_compensation_waits_for_is_said_with_the_time_it_takes():
     harm = situation(harm="compensation is harmful", prospect="tried again in 20 s")
     run(modes, 2.0, harm)
     assert modes.reason == "compensation is harmful; tried again in 20 s"
+
+
+def test_an_operator_who_asks_for_a_winch_that_stopped_for_a_fault_may_have_it_while_the_fault_is_still_told():
+    """The fault that was there when it was asked for is known: it is told until the brake has acknowledged it."""
+    modes = machine()
+    run(modes, 5.0)
+    fault = situation(winch_fault=WinchFault.DRIVE)
+    run(modes, 1.0, fault)
+    modes.request("compensating")
+    assert run(modes, 0.4, fault)[-1].mode is Mode.STANDBY
+    another = situation(winch_fault=WinchFault.INVALID_COMMAND)
+    assert run(modes, 0.1, another)[-1].mode is Mode.STOPPED
+
+
+def test_a_fault_that_was_there_at_the_start_does_not_stop_a_winch_in_standby_and_a_new_one_does():
+    modes = machine()
+    assert run(modes, 0.5, situation(winch_fault=WinchFault.DRIVE))[-1].mode is Mode.STANDBY
+    assert run(modes, 0.1, situation(winch_fault=WinchFault.INVALID_COMMAND))[-1].mode is Mode.STOPPED
+
+
+def test_a_fault_that_lasts_after_the_brake_was_released_stops_what_moves():
+    """Commands take time: a fault that was known may be told for two seconds more."""
+    modes = machine()
+    fault = situation(winch_fault=WinchFault.DRIVE)
+    outputs = run(modes, 8.0, fault)
+    moving = [output.mode is Mode.COMPENSATING for output in outputs]
+    begin = moving.index(True)
+    assert (len(moving) - begin - moving[begin:][::-1].index(True)) * DT == pytest.approx(2.0, abs=2.0 * DT)
+    assert outputs[-1].mode is Mode.STOPPED
+
+
+def test_a_lost_sensor_ends_for_good_what_may_not_resume():
+    modes = machine(resume=False)
+    run(modes, 5.0)
+    run(modes, 4.0, situation(lost="mru frozen"))
+    assert modes.mode is Mode.STOPPED
+    run(modes, 30.0)
+    assert modes.mode is Mode.STOPPED
+    assert not modes.may_resume
+    modes.request("compensating")
+    run(modes, 3.0)
+    assert modes.mode is Mode.COMPENSATING
+
+
+def test_compensation_may_resume_after_all_sensors_were_good_for_the_time_of_the_parameters():
+    modes = machine()
+    run(modes, 5.0)
+    run(modes, 4.0, situation(lost="mru frozen"))
+    assert (modes.mode, modes.may_resume) == (Mode.STOPPED, False)
+    run(modes, PARAMETERS.resume_time - 2.0 * DT)
+    assert not modes.may_resume
+    run(modes, 4.0 * DT)
+    assert modes.may_resume or modes.mode is not Mode.STOPPED
+
+
+def test_constant_tension_is_refused_with_its_reason_and_taken_without_one():
+    modes = machine()
+    run(modes, 5.0)
+    run(modes, 0.1, situation(tension_refusal="the unit is suspended"))
+    with pytest.raises(ModeError, match=r"mode constant_tension needs: .*\(the unit is suspended\)"):
+        modes.request("constant_tension")
+    assert modes.mode is Mode.COMPENSATING
+    run(modes, 0.1)
+    modes.request("constant_tension")
+    assert modes.mode is Mode.CONSTANT_TENSION
+
+
+def test_compensation_is_refused_from_constant_tension_while_a_sensor_is_lost():
+    modes = machine()
+    run(modes, 5.0)
+    modes.request("constant_tension")
+    run(modes, 0.2, situation(lost="mru stale"))
+    with pytest.raises(ModeError, match="mru stale"):
+        modes.request("compensating")
+    run(modes, 0.1)
+    modes.request("compensating")
+    assert (modes.mode, modes.authority) == (Mode.COMPENSATING, 1.0)
+
+
+def test_a_braked_winch_moves_only_after_the_brake_was_held_for_half_a_second():
+    modes = machine()
+    modes.step(WELL)
+    with pytest.raises(ModeError, match=r"mode manual needs: brake on for 0\.5 s"):
+        modes.request("manual")
+    run(modes, 0.5)
+    modes.request("manual")
+    assert modes.mode is Mode.MANUAL
+
+
+def test_a_unit_that_does_not_settle_is_given_half_a_minute_after_the_fade_out():
+    modes = machine()
+    run(modes, 5.0)
+    modes.request("stopped")
+    swinging = situation(is_settled=False, speed=0.3)
+    run(modes, 2.0 + 29.0, swinging)
+    assert modes.mode is Mode.FADE_OUT
+    run(modes, 1.5, swinging)
+    assert modes.mode is Mode.STOPPING
+    assert run(modes, 19.0, swinging)[-1].mode is Mode.STOPPING, "and 20 s to come to rest"
+    assert run(modes, 1.5, swinging)[-1].mode is Mode.STOPPED
+
+
+def test_a_winch_is_at_rest_below_a_millimetre_a_second():
+    modes = machine()
+    run(modes, 5.0)
+    modes.request("stopped")
+    assert run(modes, 5.0, situation(speed=0.0015))[-1].mode is Mode.STOPPING
+    assert run(modes, 0.1, situation(speed=0.0005))[-1].mode is Mode.STOPPED
+
+
+def test_a_unit_that_is_damped_blind_is_held_at_rest_until_its_sensor_is_back():
+    modes = machine()
+    run(modes, 5.0)
+    blind = situation(lost="mru frozen", is_damped_blind=True, is_settled=False)
+    run(modes, 60.0, blind)
+    assert (modes.mode, modes.authority) == (Mode.FADE_OUT, 1.0)
+    assert modes.reason.endswith("once the sensor is good; until then the depth sensor damps the unit")
+    assert run(modes, 1.5)[-1].mode is Mode.COMPENSATING
+    run(modes, 5.0, blind)
+    modes.request("stopped")
+    assert run(modes, 3.0, blind)[-1].authority == 0.0, "an operator who asks for rest gets it"
+
+
+def test_what_keeps_compensation_from_beginning_is_said():
+    modes = machine()
+    run(modes, 0.2, situation(lost="mru stale"))
+    assert modes.obstacle == "mru stale; request it again once the sensor is good"
+    run(modes, 0.2, situation(harm="drum speed off"))
+    assert modes.obstacle == "drum speed off"
+    run(modes, 0.2, situation(harm="drum speed off", awaits_operator=True, closed_gates="peaks of 2.0 m/s^2"))
+    assert modes.obstacle == "peaks of 2.0 m/s^2", "who asks has looked at the cause"
+    run(modes, 0.2)
+    assert modes.obstacle == ""
+
+
+def test_each_change_of_mode_is_told_once_with_the_mode_before():
+    modes = machine()
+    changes = [(output.before, output.mode) for output in run(modes, 5.0) if output.before is not None]
+    assert changes == [(Mode.STANDBY, Mode.COMPENSATING)]
+    modes.request("stopped")
+    changes = [(output.before, output.mode) for output in run(modes, 5.0) if output.before is not None]
+    assert changes == [
+        (Mode.COMPENSATING, Mode.FADE_OUT),
+        (Mode.FADE_OUT, Mode.STOPPING),
+        (Mode.STOPPING, Mode.STOPPED),
+    ]
+
+
+def test_a_law_that_does_not_move_the_winch_says_so():
+    assert machine(moves_winch=False).reason == "law off"
+    assert machine().reason == "estimate settled"

@@ -41,3 +41,27 @@ def test_a_silence_of_long_ago_is_no_cause():
     for _ in range(80):
         cause.update(has_state=True, untaken=0.0)
     assert cause.words(Lateness()) == ""
+
+
+def test_nothing_is_the_cause_before_the_first_tick():
+    assert TimeoutCause(DT).words(Lateness()) == ""
+
+
+def test_a_silence_is_known_for_seconds_and_the_longest_of_them_is_told():
+    """0.5 s without a state, then 0.8 s, then 0.3 s: the longest, until it is 3 s ago."""
+    cause = after_good_ticks()
+    for silent in (10, 16, 6):
+        for tick in range(silent):
+            cause.update(has_state=tick == silent - 1, untaken=0.0)
+    assert "0.75 s" in cause.words(Lateness())
+    for _ in range(round(2.5 / DT)):
+        cause.update(has_state=True, untaken=0.0)
+    assert "0.75 s" in cause.words(Lateness())
+    for _ in range(round(1.0 / DT)):
+        cause.update(has_state=True, untaken=0.0)
+    assert cause.words(Lateness()) == ""
+
+
+def test_what_was_not_taken_is_the_cause_only_where_nobody_was_silent():
+    words = after_good_ticks(untaken=0.55, silent=17)
+    assert "from the winch" in words.words(Lateness())

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_node.interface.codes import WinchLimit
+from heave_node.interface.codes import WinchFault, WinchLimit
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.interface.readings import WinchOrder, WinchReading
+from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.watch.winch_watch import CAUTIOUS_SHARE, CAUTIOUS_TIME, WinchWatch
 
@@ -86,3 +86,78 @@ def test_a_drum_at_the_end_of_its_payout_is_not_compared(design):
     found, watch = shares(design, WinchParameters(speed_gain=0.5), says=WinchLimit.PAYOUT)
     assert set(found) == {1.0}
     assert watch.drum.error() == 0.0
+
+
+class Link:
+    """A winch that takes each command after `late` ticks, and does what it is sent."""
+
+    def __init__(self, design, late=4):
+        self.watch, self.late, self.tick = WinchWatch(design), late, 0
+        self.last_taken = 1_000_000
+
+    def run(self, ticks, *, fault=0, has_state=True, brake=False, rate=0.0, limits=0):
+        """Return the reports of so many ticks."""
+        reports = []
+        for _ in range(ticks):
+            self.tick += 1
+            reading = WinchReading(
+                self.tick * DT,
+                0.0,
+                0.0,
+                brake=brake,
+                command_sequence=min(max(self.tick - self.late, 0), self.last_taken),
+                limits_hit=limits,
+                fault=fault,
+            )
+            parameters = WinchControllerParameters()
+            reports.append(self.watch.watch(reading if has_state else None, 0.0, np.nan, parameters))
+            self.watch.give(WinchOrder(self.tick + 1, 0.0, rate, brake=brake))
+        return reports
+
+
+def test_commands_that_are_taken_in_time_are_no_news_and_ones_that_are_not_inhibit(design):
+    """A delay of 0.2 s is nominal: 4 ticks and the one on its way."""
+    assert not any(report.alarm or report.inhibition for report in Link(design).run(200))
+    link = Link(design)
+    link.run(100)
+    link.last_taken = link.tick - link.late
+    found = [report.inhibition.code for report in link.run(40) if report.inhibition]
+    assert set(found) == {"COMMANDS_CUT"}
+    slow = Link(design)
+    slow.run(100)
+    slow.late = 4 + round((PARAMETERS.lag.largest + 0.5) / DT)
+    reports = slow.run(400)
+    assert reports[-1].inhibition.code == "COMMANDS_TOO_LATE"
+    assert reports[-1].inhibition.values["delay"] == pytest.approx(PARAMETERS.lag.largest + 0.5, abs=2.0 * DT)
+
+
+def test_a_fault_stays_known_while_no_state_comes_and_its_cause_is_told(design):
+    link = Link(design)
+    link.run(100)
+    link.late += 12
+    link.run(12, fault=WinchFault.COMMAND_TIMEOUT)
+    assert link.watch.fault_cause(Lateness()).startswith("commands were sent in time, and the winch took none for")
+    link.run(3, has_state=False)
+    assert link.watch.fault == WinchFault.COMMAND_TIMEOUT
+    silent = Link(design)
+    silent.run(100)
+    silent.run(20, has_state=False)
+    silent.run(1, fault=WinchFault.COMMAND_TIMEOUT)
+    assert "no data from the winch for 1.00 s" in silent.watch.fault_cause(Lateness())
+    silent.run(1, fault=WinchFault.DRIVE)
+    assert silent.watch.fault_cause(Lateness()) == "", "of another fault the winch alone knows the cause"
+
+
+def test_a_braked_drum_is_not_compared_and_begins_where_it_stands(design):
+    link = Link(design)
+    link.run(200, rate=0.5)  # ordered to move, and the encoder stands
+    assert link.watch.share == CAUTIOUS_SHARE
+    link.run(200, brake=True)
+    assert link.watch.drum.error() == 0.0
+    assert link.watch.given.brake
+
+
+def test_before_the_first_order_nothing_is_compared(design):
+    watch = WinchWatch(design)
+    report = watch.watch(None, None, np.nan, PARAMETERS)
+    assert (report.alarm, report.inhibition, watch.given, watch.share) == (None, None, None, 1.0)

@@ -20,6 +20,7 @@ from heave_node.interface.messages import message_type
 from heave_node.ros.node import steady_clock
 from heave_node.ros.spin import spin
 from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.start_watchdog import watched_start
 from rclpy.exceptions import InvalidNamespaceException, InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -176,9 +177,10 @@ def play(
     """
     bag = Bag(path)
     prepare_environment()
-    rclpy.init(args=args)
     try:
-        player = Player(bag, options, delay=delay)
+        with watched_start():
+            rclpy.init(args=args)
+            player = Player(bag, options, delay=delay)
         spin(player, player.finished, lambda: progress(player.playback.time * 1e-9) if progress else None)
         played = Played(player.published, player.left_out, player.playback.remarks)
         player.destroy_node()
@@ -194,7 +196,7 @@ def main() -> None:
     arguments = parser.parse_args(remove_ros_args(sys.argv)[1:])
     try:
         play(arguments.bag, options_from(arguments), delay=arguments.delay, args=sys.argv)
-    except BagError as error:
+    except (BagError, MemoryError) as error:
         sys.exit(f"player: {error}")
 
 

@@ -178,7 +178,7 @@ def main() -> None:
     """Record from the command line."""
     try:
         sys.exit(record(sys.argv))
-    except (BagError, ParameterError) as error:
+    except (BagError, ParameterError, MemoryError) as error:
         sys.exit(f"recorder: {error}")
 
 

@@ -16,6 +16,7 @@ from heave_msgs.msg import TickStatus
 from heave_node.ros.master import STOP_RECORDING_TIME
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.shared_memory import remove_dead_segments
+from heave_node.ros.transport.start_watchdog import StartWatchdog, watched_start
 from heave_node.scenario import write_sections
 
 from heave_bringup.errors import CommandError
@@ -151,7 +152,7 @@ def run_scenario(
     if MASTER in foreign:  # it takes part in each tick, as others do, and does not lead them
         run = replace(scenario.run, participants=(*scenario.run.participants, MASTER))
         scenario = replace(scenario, run=run)
-    with only_run_in_domain(namespace) as is_only:
+    with only_run_in_domain(namespace) as is_only, watched_start() as watchdog:
         if not is_only:
             _remove_unused(folder)
             raise CommandError(ANOTHER_RUN)
@@ -169,7 +170,9 @@ def run_scenario(
             else:
                 public = composed.is_public
                 launcher.start_composed(names, folder.scenario, folder.logs, namespace, is_public=public)
-            status = _watch(scenario, folder, launcher, monitor, progress, on_look)
+            for node in launcher.nodes:
+                watchdog.end_too(node.process.pid)
+            status = _watch(scenario, folder, launcher, monitor, progress, _until_started(watchdog, on_look))
             return Outcome(status, monitor.alarms, list(monitor.strangers))
         except KeyboardInterrupt:
             raise CommandError(f"interrupted; {_where_to_look(folder)}") from None
@@ -178,6 +181,20 @@ def run_scenario(
                 progress.close()
                 launcher.stop()
                 monitor.close()
+
+
+def _until_started(watchdog: StartWatchdog, on_look: OnLook | None) -> OnLook:
+    """Return what is to be called at each look: it keeps the `watchdog` until the clock master has been heard."""
+
+    def look(launcher: Launcher, status: TickStatus | None) -> None:
+        if status is None:
+            watchdog.beat()
+        else:
+            watchdog.close()
+        if on_look is not None:
+            on_look(launcher, status)
+
+    return look
 
 
 def _remove_unused(folder: RunFolder) -> None:

@@ -77,13 +77,16 @@ def run_composed(node_types: Sequence[type[HeaveNode]], args: list[str], *, is_p
 def _run(
     node_types: Sequence[type[HeaveNode]], args: list[str] | None, spin_nodes: Callable[[Sequence[HeaveNode]], None]
 ) -> int:
-    notice = prepare_environment()
     try:
-        # A signal ends the nodes, not the context: their last messages must still reach the others.
-        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        nodes = [node_type() for node_type in node_types]
+        notice = prepare_environment()
+        with watched_start():
+            # A signal ends the nodes, not the context: their last messages must still reach the others.
+            rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+            nodes = [node_type() for node_type in node_types]
     except ParameterError as error:
         return _exit_with_message(str(error), EXIT_REFUSED)
+    except MemoryError as error:
+        return _exit_with_message(f"{node_types[0].name}: {error}", EXIT_FAILED)
     except RCLError as error:  # a keystore without this node's keys, a middleware that is not there
         names = " and ".join(node_type.name for node_type in node_types[:1])
         return _exit_with_message(f"{names}: ROS failed to start: {' '.join(str(error).split())}", EXIT_FAILED)

@@ -105,6 +105,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Run, check, analyse, report, as `options` say."""
+    from heave_node.ros.transport.start_watchdog import check_memory
+
+    check_memory()  # before the libraries that want most of it
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import warn, write_result
     from heave_bringup.progress import be_quiet

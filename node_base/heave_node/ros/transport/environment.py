@@ -13,6 +13,8 @@ import sys
 from importlib import resources
 from pathlib import Path
 
+from heave_node.ros.transport.start_watchdog import check_memory
+
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 STATIC_PEERS = "ROS_STATIC_PEERS"
 LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"
@@ -33,7 +35,10 @@ def prepare_environment() -> str:
     -------
     One line for the user where the transport reaches beyond this machine or one of the user's settings is ignored; ""
     on loopback.
+
+    Raises MemoryError, in one line, where a limit of this shell leaves too little address space.
     """
+    check_memory()
     os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
     foreign = _foreign_transport()
     if foreign:

@@ -1,0 +1,54 @@
+"""The modules that safety rests on, and the tests that have to notice a change of them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+CONTROLLER = "winch_controller_node/test"
+
+
+class Subject(NamedTuple):
+    """A module by name, and the files of tests that have to notice a change of it."""
+
+    module: str
+    tests: tuple[str, ...]
+
+
+def _controller(module: str, *tests: str) -> Subject:
+    return Subject(f"winch_controller_node.{module}", tuple(f"{CONTROLLER}/{test}.py" for test in tests))
+
+
+SUBJECTS: dict[str, Subject] = {
+    "winch": Subject(
+        "cable_sim_node.winch.component",
+        ("cable_sim_node/test/test_virtual_winch.py", "cable_sim_node/test/test_faulty_drum.py"),
+    ),
+    "command line": Subject("cable_sim_node.winch.command_line", ("cable_sim_node/test/test_virtual_winch.py",)),
+    "faulty drum": Subject("cable_sim_node.winch.faulty_drum", ("cable_sim_node/test/test_faulty_drum.py",)),
+    "motion supervision": Subject(
+        "heave_node.winch.motion_supervision", ("node_base/test/test_motion_supervision.py",)
+    ),
+    "handshake": Subject("heave_node.devices.live.winch_handshake", ("node_base/test/test_winch_handshake.py",)),
+    "link watch": Subject("heave_node.devices.live.link_watch", ("node_base/test/test_link_watch.py",)),
+    "guard": _controller("supervision.guard", "test_guard", "test_guard_checks"),
+    "guard checks": _controller("supervision.guard_checks", "test_guard_checks", "test_guard"),
+    "guard hold": _controller("supervision.guard_hold", "test_guard_hold"),
+    "running checks": _controller("supervision.checks", "test_guard_checks", "test_guard"),
+    "winch demand": _controller("supervision.watch.winch_demand", "test_winch_demand", "test_guard"),
+    "mode machine": _controller("supervision.mode_machine", "test_mode_machine", "test_modes"),
+    "table of modes": _controller("supervision.modes", "test_mode_machine", "test_modes"),
+    "command timeouts": _controller("supervision.command_timeouts", "test_command_timeouts"),
+    "timeout cause": _controller("supervision.watch.timeout_cause", "test_timeout_cause"),
+    "drum watch": _controller("supervision.watch.drum_watch", "test_drum_watch"),
+    "encoder reflex": _controller("supervision.watch.encoder_reflex", "test_drum_watch"),
+    "load watch": _controller("supervision.watch.load_watch", "test_load_watch"),
+    "winch watch": _controller("supervision.watch.winch_watch", "test_winch_watch"),
+    "highest tension": _controller("supervision.watch.highest_tension", "test_highest_tension"),
+    "governor": _controller("laws.parts.governor", "test_governor"),
+    "who may speak": Subject("heave_node.tick.speakers", ("node_base/test/test_speakers.py",)),
+    "malformed": Subject("heave_node.tick.malformed", ("node_base/test/test_malformed.py",)),
+    "gate": Subject("heave_node.tick.gate", ("node_base/test/test_gate.py", "node_base/test/test_speakers.py")),
+    "losses": Subject("heave_bags.mcap.loss", ("bags/test/test_loss.py", "bags/test/test_damage.py")),
+    "sequence gaps": Subject("heave_bags.record.sequence_gaps", ("bags/test/test_recorded_losses.py",)),
+}
+"""By what each is."""

@@ -1,0 +1,207 @@
+"""The guard's checks over seconds, each alone: what a drum may do, and what a unit may swing."""
+
+import math
+
+import numpy as np
+import pytest
+from winch_controller_node.estimation.loop_tick import Motion
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
+from winch_controller_node.parameters.laws import GuardParameters
+from winch_controller_node.supervision.guard import HarmGuard, WaveComparison
+from winch_controller_node.supervision.guard_checks import (
+    DrumCheck,
+    GuardedLoop,
+    GuardedMotions,
+    Swings,
+    UnitCheck,
+)
+
+DT = 0.05
+LIMITS = WinchLimits(2.0, 1.5, -50.0, 50.0)
+STILL = Motion(0.0, 0.0)
+
+
+def times(seconds):
+    return DT * np.arange(round(seconds / DT))
+
+
+@pytest.mark.parametrize(("speed", "is_beyond"), [(1.4, False), (2.2, True)])
+def test_a_sea_is_out_of_reach_where_it_asks_for_more_speed_than_the_winch_has(speed, is_beyond):
+    """At 0.3 rad/s the acceleration is no limit: 0.66 of 1.5 m/s^2; the speed is one, 2 m/s."""
+    check, found = DrumCheck(20.0, DT), []
+    assert not check.is_out_of_reach
+    for time in times(40.0):
+        tip = Motion(0.0, speed * math.sin(0.3 * time))
+        motions = GuardedMotions(STILL, STILL, tip, tip.rate)
+        check.update(motions, GuardedLoop(LIMITS), 1.0, 0.0, Swings(0.0, 0.0))
+        found.append(check.is_out_of_reach)
+    assert any(found) is is_beyond
+    # 2.2 sin x > 2 for 2 (90 deg - asin(2/2.2)) of each half wave, a share of 0.27
+    assert not is_beyond or 0.2 < np.mean(found) < 0.3
+
+
+def fade(drum, seconds=8.0):
+    """Let authority rise at 0.1 1/s, tip and uncompensated unit 5 m up; the drum runs at the speed `drum` [m/s]."""
+    check = DrumCheck(4.0, DT)
+    motions = GuardedMotions(STILL, Motion(5.0, 0.0), Motion(5.0, 0.01), drum)
+    for time in times(seconds):
+        check.update(motions, GuardedLoop(LIMITS, fade_time=10.0), 0.1 * time, 0.1 * DT, Swings(0.0, 0.0))
+    return check.harm
+
+
+def test_while_authority_moves_the_drum_is_to_take_the_unit_to_its_new_share_of_the_motion():
+    """A' (3 tip - 2 free) = 0.1 (15 - 10) m/s; what it does otherwise is held against it with its size."""
+    assert fade(0.5) is None
+    harm = fade(0.0)
+    assert harm.code == "DRUM_SPEED_OFF"
+    assert harm.values["error"] == pytest.approx(0.5, rel=0.05)
+    assert fade(1.0).values["error"] == pytest.approx(0.5, rel=0.05)
+
+
+def test_authority_that_jumps_asks_the_drum_for_no_more_than_one_that_fades():
+    check = DrumCheck(4.0, DT)
+    motions = GuardedMotions(STILL, Motion(5.0, 0.0), Motion(5.0, 0.01), 0.5)
+    for _ in times(8.0):
+        check.update(motions, GuardedLoop(LIMITS, fade_time=10.0), 0.5, 0.5, Swings(0.0, 0.0))
+    assert check.harm is None
+
+
+def test_a_drum_may_take_the_unit_out_of_its_swing_while_authority_moves_and_for_seconds_after_it():
+    """a = 4 s^2, a free swing of 1 m: 1.5 sqrt((2^2 + 1)/4) = 1.7 m/s may be then, 1.5 sqrt(1/4) = 0.75 later."""
+    check, loop, found = DrumCheck(4.0, DT), GuardedLoop(LIMITS, inertia=4.0), []
+    motions = GuardedMotions(STILL, STILL, STILL, 1.2)
+    for time in times(30.0):
+        check.update(motions, loop, 1.0, 1e-9 if time < 10.0 else 0.0, Swings(0.0, 1.0))
+        found.append(check.harm is not None)
+    assert not any(found[: round(11.0 / DT)])
+    # e^(-t/3 s) over a memory of 4 s is 4 e^(-t/4 s) - 3 e^(-t/3 s), which is 1.2^2/1.5^2 - 0.25 at 7.2 s
+    assert found.index(True) * DT == pytest.approx(17.2, abs=0.3)
+    assert all(found[round(20.0 / DT) :])
+
+
+@pytest.mark.parametrize(("unit", "is_harm"), [(0.4, False), (1.2, True)])
+def test_stopping_a_unit_that_swings_is_no_harm_of_the_drum(unit, is_harm):
+    """a = 4 s^2: a drum of 1.2 m/s is allowed from a swing of 0.8 m on, 1.5 sqrt(4 z^2/4) m/s."""
+    check, loop = DrumCheck(4.0, DT), GuardedLoop(LIMITS, inertia=4.0)
+    for _ in times(20.0):
+        check.update(GuardedMotions(STILL, STILL, STILL, 1.2), loop, 1.0, 0.0, Swings(unit**2, 0.0))
+    assert (check.harm is None) is is_harm
+
+
+def unit_check():
+    return UnitCheck(20.0, 0.01, DT)
+
+
+def feed(check, seconds, *, unit, free, authority=1.0, reads=None, is_out_of_reach=False, begin=0.0):
+    """Feed waves of 1 rad/s on a cable with a = 1 s^2: the swing is the amplitude. Return when harm shows."""
+    for time in times(seconds):
+        wave, slope = math.sin(begin + time), math.cos(begin + time)
+        read = None if reads is None else reads * wave
+        motions = GuardedMotions(
+            Motion(unit * wave, unit * slope), Motion(free * wave, free * slope), STILL, measured_heave=read
+        )
+        check.update(motions, 1.0, authority, Swings.of(motions, 1.0), is_out_of_reach=is_out_of_reach)
+        if check.harm_to_swing or check.harm_by_depth:
+            return time
+    return None
+
+
+@pytest.mark.parametrize(("error", "is_told"), [(0.7, False), (0.95, True)])
+def test_depth_sensor_and_estimate_disagree_from_four_fifths_of_the_uncompensated_heave_on(error, is_told):
+    check = unit_check()
+    feed(check, 60.0, unit=0.0, free=1.0, reads=error)
+    assert (check.mismatch is not None) is is_told
+    # standard deviation of a sine; the mean is followed within 5 s, which leaves 0.98 of it
+    assert not is_told or check.mismatch == pytest.approx(0.98 * 0.95 / math.sqrt(2.0), rel=0.05)
+
+
+def test_a_corrected_disagreement_is_compared_anew_without_what_was_read_before():
+    check = unit_check()
+    feed(check, 60.0, unit=0.0, free=1.0, reads=0.95)
+    assert check.mismatch is not None
+    check.forget_mismatch()
+    assert check.mismatch is None
+    feed(check, 60.0, unit=0.0, free=1.0, reads=0.0)
+    assert check.mismatch is None
+
+
+def test_a_unit_that_moves_with_the_sea_while_the_winch_stands_has_no_swing_of_its_own_to_be_allowed():
+    """0.8 m over 0.5 m are 1.6, and 1.2 is the most; a swing of its own of 0.5 m would make that 1.2 (0.5 + 0.5) m."""
+    check = unit_check()
+    feed(check, 60.0, unit=0.5, free=0.5, authority=0.0)
+    begun = feed(check, 10.0, unit=0.8, free=0.5, authority=0.5)
+    assert begun is not None and begun < 6.0
+    assert check.harm_to_swing.code == "UNIT_SWING_HIGH"
+
+
+def test_a_swing_of_its_own_while_the_winch_stands_is_given_half_a_minute():
+    """Its 1.1 m less the sea's 0.5 m: 1.2 (0.5 + 0.6) = 1.32 m may be at first, e^-1 of the 0.6 m after 30 s."""
+    check = unit_check()
+    feed(check, 60.0, unit=1.1, free=0.5, authority=0.0)
+    begun = feed(check, 60.0, unit=1.1, free=0.5)
+    # 1.2 (0.5 + 0.6 e^(-t/30 s)) = 1.1 m at t = 11 s
+    assert begun == pytest.approx(11.0, abs=3.0)
+
+
+def test_what_a_wave_beyond_the_limits_has_left_is_allowed_once_and_what_stays_is_not():
+    """1.0 m: twice the uncompensated 0.5 m, which is the most that is allowed to begin with."""
+    check = unit_check()
+    feed(check, 60.0, unit=0.01, free=0.5)
+    assert feed(check, 5.0, unit=1.0, free=0.5, is_out_of_reach=True) is None
+    begun = feed(check, 120.0, unit=1.0, free=0.5, is_out_of_reach=True, begin=5.0)
+    # 1.2 (0.5 + 1.0 e^(-t/30 s)) = 1.0 m at t = 33 s
+    assert begun == pytest.approx(28.0, abs=6.0)
+
+
+def test_harm_over_waves_is_told_from_half_the_window_on():
+    comparison = WaveComparison(GuardParameters(window=20.0, floor=0.02), DT)
+    harms = []
+    for time in times(20.0):
+        wave = math.sin(0.7 * time)
+        harms.append(comparison.harm(GuardedMotions(Motion(0.8 * wave, 0.0), Motion(0.5 * wave, 0.0), STILL), 1.0))
+    assert not any(harms[: round(9.9 / DT)])
+    assert all(harms[round(10.1 / DT) :])
+    assert harms[-1].code == "WORSE_THAN_OFF"
+    assert harms[-1].values["sigma"] / harms[-1].values["free"] == pytest.approx(0.8 / 0.5)
+
+
+def guarded(reads, unit, seconds=40.0):
+    """Let a guard see a sea of 0.5 m; `unit` is what is estimated [m], `reads` what the depth sensor reads [m]."""
+    guard = HarmGuard(GuardParameters(window=20.0, floor=0.02), GuardedLoop(LIMITS), tick_period=DT)
+    assert guard.trusts_estimate
+    for time in times(seconds):
+        wave = math.sin(0.7 * time)
+        tip = Motion(0.0, 0.3 * wave)
+        motions = GuardedMotions(Motion(unit * wave, 0.0), Motion(0.5 * wave, 0.0), tip, tip.rate, reads * wave)
+        guard.update(motions, 0.0 if guard.inhibits else 1.0)
+    return guard
+
+
+def test_an_estimate_is_not_trusted_while_the_depth_sensor_contradicts_it_and_is_again_once_it_is_tried_again():
+    assert guarded(reads=0.1, unit=0.1).trusts_estimate
+    assert not guarded(reads=0.5, unit=0.0).trusts_estimate
+    guard = guarded(reads=0.75, unit=0.55)
+    assert (guard.alarm.code, guard.trusts_estimate) == ("UNIT_HEAVE_HIGH", False)
+    guard.allow_correction("mru")
+    assert guard.trusts_estimate
+    guard = guarded(reads=0.75, unit=0.55)
+    for time in times(400.0):  # the winch stands, and both see the sea as it is
+        wave = math.sin(0.7 * time)
+        free = Motion(0.5 * wave, 0.0)
+        guard.update(GuardedMotions(free, free, Motion(0.0, 0.3 * wave), 0.0, free.heave), 0.0)
+    assert (guard.inhibits, guard.trusts_estimate) == (False, True)
+
+
+def test_of_a_sea_that_was_not_seen_yet_nothing_is_held_back():
+    guard = HarmGuard(GuardParameters(window=20.0), GuardedLoop(LIMITS), tick_period=DT)
+    assert guard.authority_limit(keeps_limits=True) == 1.0
+    assert guard.authority_limit(keeps_limits=False) == 1.0
+    assert guard.demand == 0.0
+
+
+def test_a_law_that_keeps_the_limits_by_itself_is_given_as_much_as_the_winch_can_nearly_do():
+    """Waves of one height and 4 m/s over 2 m/s: a demand of 2, of which 1.4 is given."""
+    guard = HarmGuard(GuardParameters(window=20.0), GuardedLoop(WinchLimits(2.0, 100.0, -50.0, 50.0)), tick_period=DT)
+    for time in times(200.0):
+        guard.update(GuardedMotions(STILL, STILL, Motion(0.0, 4.0 * math.sin(0.7 * time)), 0.0), 0.0)
+    assert guard.authority_limit(keeps_limits=True) == pytest.approx(1.4 / 2.0, rel=0.02)

@@ -1,0 +1,93 @@
+"""What a sea asks of the winch, and the share of it that a law may be given: by sines, of which all is known."""
+
+import math
+
+import numpy as np
+import pytest
+from winch_controller_node.laws.parts.effort import Effort
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
+from winch_controller_node.supervision.watch.winch_demand import (
+    FIRST_LOOK,
+    GROUP_PEAK,
+    GROWING_PEAK,
+    PEAK,
+    WinchDemand,
+)
+
+DT = 0.05
+OMEGA = 1.0
+FAST = WinchLimits(speed=100.0, acceleration=1.5, payout_minimum=-50.0, payout_maximum=50.0)
+STRONG = WinchLimits(speed=2.0, acceleration=100.0, payout_minimum=-50.0, payout_maximum=50.0)
+SIGMA = math.sqrt(0.5)
+"""Standard deviation of a sine of amplitude 1."""
+
+
+def sine(amplitude, seconds, growth=0.0):
+    """Return the demand of a boom tip whose speed is a sine of an amplitude that grows by `growth` [1/s]."""
+    demand = WinchDemand(40.0, tick_period=DT)
+    for time in DT * np.arange(round(seconds / DT)):
+        demand.add((amplitude + growth * time) * math.sin(OMEGA * time))
+    return demand
+
+
+def test_the_share_keeps_the_peaks_of_speed_within_what_may_be_used():
+    share = sine(2.0, 400.0).largest_share(STRONG, Effort(), 0.85)
+    assert share == pytest.approx(0.85 / (PEAK * SIGMA * 2.0 / 2.0), rel=0.02)
+
+
+def test_the_share_keeps_the_peaks_of_acceleration_within_what_may_be_used():
+    share = sine(2.0, 400.0).largest_share(FAST, Effort(), 0.85)
+    assert share == pytest.approx(0.85 / (PEAK * SIGMA * 2.0 * OMEGA / 1.5), rel=0.02)
+
+
+@pytest.mark.parametrize(("limits", "effort"), [(STRONG, Effort(speed=1.5)), (FAST, Effort(acceleration=1.5))])
+def test_a_law_that_asks_for_more_than_the_sea_is_given_less_of_it(limits, effort):
+    demand = sine(2.0, 400.0)
+    usual = demand.largest_share(limits, Effort(), 0.85)
+    assert demand.largest_share(limits, effort, 0.85) == pytest.approx(usual / 1.5)
+
+
+def test_a_calm_sea_is_given_as_a_whole():
+    assert sine(0.01, 60.0).largest_share(STRONG, Effort(), 0.85) == 1.0
+    assert WinchDemand(40.0, tick_period=DT).largest_share(STRONG, Effort(), 0.85) == 1.0
+
+
+@pytest.mark.parametrize("limits", [STRONG, FAST], ids=["speed", "acceleration"])
+def test_a_group_of_high_waves_is_seen_before_the_mean_of_the_sea_has_grown(limits):
+    """Ten minutes of 0.2 m/s, then two waves of 3 m/s: peaks are 2.2 times the sigma of 8 s."""
+    demand = sine(0.2, 600.0)
+    group = []
+    for time in DT * np.arange(round(12.0 / DT)):
+        rate = 3.0 * math.sin(OMEGA * time)
+        demand.add(rate)
+        group.append(rate if limits is STRONG else 3.0 * OMEGA * math.cos(OMEGA * time))
+    weights = np.exp(-DT * np.arange(len(group))[::-1] / 8.0) * DT / 8.0
+    sigma = math.sqrt(float(weights @ np.square(group)))
+    limit = limits.usual_speed if limits is STRONG else limits.acceleration
+    assert demand.largest_share(limits, Effort(), 0.85) == pytest.approx(0.85 * limit / (GROUP_PEAK * sigma), rel=0.1)
+
+
+@pytest.mark.parametrize("limits", [STRONG, FAST], ids=["speed", "acceleration"])
+def test_a_sea_that_grows_from_its_first_wave_on_is_as_high_as_its_last_waves(limits):
+    """Amplitudes grow by 0.05 m/s each second: of the last 8 s they are 2.6 m/s, 2 sigma above any crest."""
+    demand = sine(0.0, 60.0, growth=0.05)
+    limit = limits.usual_speed if limits is STRONG else limits.acceleration
+    time = DT * np.arange(round(60.0 / DT))
+    crest = float(np.max(0.05 * time * np.abs(np.sin(time) if limits is STRONG else np.cos(time))))
+    assert demand.coming(limits) == pytest.approx(crest / limit, rel=0.01)
+    assert demand.significant(limits) < 0.95 * demand.coming(limits)
+    assert demand.largest_share(limits, Effort(), 0.85) == pytest.approx(
+        0.85 * limit / (GROWING_PEAK * SIGMA * 2.6), rel=0.1
+    )
+
+
+def test_a_sea_that_is_known_for_two_minutes_grows_no_more():
+    demand = sine(0.0, FIRST_LOOK + 20.0, growth=0.05)
+    assert demand.coming(STRONG) == demand.significant(STRONG)
+
+
+def test_waves_of_one_height_ask_for_their_height_and_the_highest_is_forgotten_within_minutes():
+    """Of 2 sigma = 1.41 and the crest of 1 the smaller counts; of a calm after it e^(-t/300 s) of the crest is left."""
+    demand = sine(1.0, 300.0)
+    assert demand.significant(STRONG) == pytest.approx(1.0 / 2.0, rel=0.02)
+    assert demand.significant(FAST) == pytest.approx(OMEGA / 1.5, rel=0.02)
