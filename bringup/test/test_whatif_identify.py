@@ -23,7 +23,7 @@ from winch_controller_node.interface.readings import Measurements, ScalarReading
 TICK = 0.05
 TIME = TICK * np.arange(1, 2801)
 TRUE = {INERTIA: 1.1, STIFFNESS: 0.95, SCALE: 1.01}
-"""The rest of the world is as believed."""
+"""The rest of the world is as assumed."""
 
 
 @pytest.fixture(scope="module")

@@ -69,7 +69,7 @@ def test_a_sound_drum_that_is_braked_and_released_again_and_again_is_let_be(is_o
 def test_what_lasts_is_told_again_after_the_time_and_what_has_passed_begins_anew():
     supervision, standing = MotionSupervision(TIME), DrumReading(0.4, False, 0.0, 0.0, 0.0)
     told = [float(now) for now in np.arange(0.0, 3.2, STEP) if supervision.look(float(now), standing)]
-    # longer than the time, from the first look and from the one after the first time it was told
+    # longer than the time, from the first look and from the one after the first time it was reported
     assert told == pytest.approx([TIME + STEP, 2.0 * TIME + 3.0 * STEP], abs=STEP + 1e-9)
     assert supervision.found == "the drum stands against the command"
     interrupted = MotionSupervision(TIME)
@@ -83,7 +83,7 @@ def test_a_slip_is_told_each_time_the_drum_has_moved_by_as_much_again_either_way
     for step in range(200):
         words = supervision.look(step * STEP, DrumReading(0.0, True, -0.001 * step, -0.02, 1.0))
         told += [words] if words else []
-    # 0.2 m in steps of a millimetre, and 0.05 m are told once they are passed
+    # 0.2 m in steps of a millimetre, and 0.05 m are reported once they are passed
     assert told == ["the brake does not hold: the drum has moved by -0.05 m"] * 3
 
 

@@ -39,7 +39,7 @@ DURATION, TRANSIENT = 240.0, 90.0
 """Of a run, and of its beginning that is not judged [s]."""
 
 WANTED = {"within 1 point": 0.8, "within 2 points": 0.95, "sigma 0.8 to 1.25": 0.9, "in its band": 0.85}
-"""Shares of the pairs where the record tells; of the bands no more than MOST_COVERED are to cover."""
+"""Shares of the pairs where the record suffices; of the bands no more than MOST_COVERED are to cover."""
 
 OFF, MOST_OFF = "off", 0.15
 """Law of an uncompensated record, and error of the uncompensated sigma that is wanted at most [-]."""
@@ -100,7 +100,7 @@ class Pair:
     draw, law : which
     efficiency, true_efficiency : as predicted and as it was, of the record where `off` was asked [-]
     sigma, true_sigma : of the unit, as predicted and as it was [m]
-    band : of the efficiency; tells : the record tells of plant and winch what this answer needs
+    band : of the efficiency; tells : the record shows of plant and winch what this answer needs
     warned : something was said against it
     lost, true_lost : compensation was given up, as predicted (probability) and as it was
     world : what it has in common with the others from its record
@@ -164,7 +164,7 @@ class Recording(ClosedLoop):
 
 
 def make_draw(number: int, seed: int) -> Draw:
-    """Return draw `number` of a `seed`: its world is other than what its controller believes."""
+    """Return draw `number` of a `seed`: its world is other than what its controller assumes."""
     random = np.random.default_rng([seed, number])
     name = SCENARIOS[number % len(SCENARIOS)]
     plain = load_scenario(name)
@@ -286,7 +286,7 @@ def show(pair: Pair) -> str:
 
 
 def summary(pairs: Sequence[Pair]) -> list[str]:
-    """Return what was wanted and what it came to, for pairs where the record tells and for all."""
+    """Return what was wanted and what it came to, for pairs where the record suffices and for all."""
     lines = []
     for words, chosen in (("where the record tells", [one for one in pairs if one.tells]), ("all", list(pairs))):
         if not chosen:

@@ -215,7 +215,7 @@ def test_what_is_true_is_neither_reversed_nor_sudden(share, left):
 
 
 def test_one_that_is_set_aside_late_is_not_unresolved_and_one_in_the_beginning_is_until_it_was_right_once():
-    """The winch has moved for 16 s, or 14 s, without a look that told anything."""
+    """The winch has moved for 16 s, or 14 s, without a look that showed anything."""
     for moved, is_unresolved in ((BEGINNING + 1.0, False), (BEGINNING - 1.0, True)):
         found, reflex = acts([None] * seconds(moved) + [BACK] * 3)
         assert [act for _, act in found] == [Act.SET_ASIDE]

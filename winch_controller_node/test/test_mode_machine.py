@@ -151,7 +151,7 @@ def test_what_compensation_waits_for_is_said_with_the_time_it_takes():
 
 
 def test_an_operator_who_asks_for_a_winch_that_stopped_for_a_fault_may_have_it_while_the_fault_is_still_told():
-    """The fault that was there when it was asked for is known: it is told until the brake has acknowledged it."""
+    """The fault that was there when it was asked for is known: it is reported until the brake has acknowledged it."""
     modes = machine()
     run(modes, 5.0)
     fault = situation(winch_fault=WinchFault.DRIVE)
@@ -169,7 +169,7 @@ def test_a_fault_that_was_there_at_the_start_does_not_stop_a_winch_in_standby_an
 
 
 def test_a_fault_that_lasts_after_the_brake_was_released_stops_what_moves():
-    """Commands take time: a fault that was known may be told for two seconds more."""
+    """Commands take time: a fault that was known may be reported for two seconds more."""
     modes = machine()
     fault = situation(winch_fault=WinchFault.DRIVE)
     outputs = run(modes, 8.0, fault)

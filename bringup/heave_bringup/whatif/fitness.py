@@ -1,4 +1,4 @@
-"""Whether a record can carry an answer, and what it tells."""
+"""Whether a record can carry an answer, and what it shows."""
 
 from __future__ import annotations
 

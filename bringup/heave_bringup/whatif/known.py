@@ -158,7 +158,7 @@ def learn(
 def identified(evidence: Evidence, prior: Prior) -> CableFit:
     """Return cable and unit by the part of the `evidence` in which the cable is taut, and the `prior`.
 
-    A slack cable is not told from its top; the twin shows it along the whole cable.
+    A slack cable is not seen at its top; the twin shows it along the whole cable.
     """
     fit = fit_cable(evidence, prior)
     for _ in range(LOOKS):

@@ -57,7 +57,7 @@ ALIKE = 1.2
 """Noise that has grown by less is the same."""
 
 TELLS = 0.5
-"""A quantity whose standard deviation is less than so much of its prior is told by the record."""
+"""A quantity whose standard deviation is less than so much of its prior is known from the record."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class CableFit:
 
     Attributes
     ----------
-    values : about what is believed, by name: factors [-], delay [s], lever arm [m]
+    values : about what is assumed, by name: factors [-], delay [s], lever arm [m]
     covariance : of the logarithms of the factors, and of the others, in that order
     prior : what was known before
     source : of the boom tip

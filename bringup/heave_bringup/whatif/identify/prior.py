@@ -14,10 +14,10 @@ INERTIA, DAMPING, CABLE_DRAG = "cable.inertia_factor", "cable.damping_factor", "
 STIFFNESS, SCALE, DELAY, LEVER_ARM = "cable.stiffness_factor", "mru.scale", "mru.delay", "mru.lever_arm"
 
 AS_THEY_ARE = {DELAY: "s", LEVER_ARM: "m"}
-"""Quantities that are 0 where all is as believed, with their units; the others are factors."""
+"""Quantities that are 0 where all is as assumed, with their units; the others are factors."""
 
 USUAL = {INERTIA: 0.15, DAMPING: 0.6, CABLE_DRAG: 0.3, STIFFNESS: 0.1, SCALE: 0.02, DELAY: 0.04, LEVER_ARM: 0.1}
-"""Standard deviation of each about what is believed: of the logarithm of a factor [-], of a delay [s] or an arm [m]."""
+"""Standard deviation of each about what is assumed: of the logarithm of a factor [-], of a delay [s] or an arm [m]."""
 
 GIVEN = "cable.axial_stiffness"
 

@@ -25,7 +25,7 @@ class TipSource:
     Attributes
     ----------
     time : of each tick (n,) [s]
-    plain : boom tip under what is believed of the MRU
+    plain : boom tip under what is assumed of the MRU
     believed : of the MRU
     high_pass : that the MRU has
     pitch, pitch_rate : of the vessel at each tick, about its mean (n,) [rad], [rad/s]
@@ -44,7 +44,7 @@ class TipSource:
         return float(np.std(self.pitch)) > TURNS
 
     def under(self, scale: float = 1.0, delay: float = 0.0, lever_arm: float = 0.0) -> Tip:
-        """Return the boom tip under what is other than believed.
+        """Return the boom tip under what is other than assumed.
 
         Parameters
         ----------
