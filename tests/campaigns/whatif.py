@@ -100,7 +100,8 @@ class Pair:
     draw, law : which
     efficiency, true_efficiency : as predicted and as it was, of the record where `off` was asked [-]
     sigma, true_sigma : of the unit, as predicted and as it was [m]
-    band : of the efficiency; tells : the record shows of plant and winch what this answer needs
+    band : of the efficiency
+    tells : the record shows of plant and winch what this answer needs
     warned : something was said against it
     lost, true_lost : compensation was given up, as predicted (probability) and as it was
     world : what it has in common with the others from its record
