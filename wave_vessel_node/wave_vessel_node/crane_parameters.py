@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.crane.kinematics import CraneParameters
-from heave_node.crane.pose import JOINTS
+from heave_node.crane.kinematics import JOINTS, CraneParameters
 from heave_node.parameters import parameter
 
 _WHERE = "after each of move_times; none: it stays."

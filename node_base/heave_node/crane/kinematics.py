@@ -22,6 +22,9 @@ from typing import NamedTuple
 
 from heave_node.parameters import parameter
 
+JOINTS = ("slew", "luff", "knuckle", "extension")
+"""Joints of a crane: three angles [rad] and a length [m]."""
+
 Vector = tuple[float, float, float]
 """Three components in the ship's frame."""
 STILL = (0.0, 0.0, 0.0, 0.0)

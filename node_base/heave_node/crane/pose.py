@@ -6,10 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from heave_node.crane.kinematics import JOINTS
 from heave_node.interface.sensors import WireReading
 
-JOINTS = ("slew", "luff", "knuckle", "extension")
-"""Joints of a crane: three angles [rad] and a length [m]."""
 RATES = tuple(f"{joint}_rate" for joint in JOINTS)
 """Their time derivatives [rad/s], [m/s]."""
 POSE_FIELDS = (*JOINTS, *RATES)

@@ -6,8 +6,8 @@ Each move is a quintic ramp, at rest before and after, acceleration continuous, 
 from __future__ import annotations
 
 import numpy as np
-from heave_node.crane.kinematics import Crane, TipPlace
-from heave_node.crane.pose import JOINTS, CranePose
+from heave_node.crane.kinematics import JOINTS, Crane, TipPlace
+from heave_node.crane.pose import CranePose
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import PointMotion
 from heave_node.numerics.quantisation import quantised

@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from collections import deque
 
-from heave_node.crane.kinematics import STILL
-from heave_node.crane.pose import JOINTS, CranePose, moved
+from heave_node.crane.kinematics import JOINTS, STILL
+from heave_node.crane.pose import CranePose, moved
 from heave_node.interface.alarm import Alarm
 
 from winch_controller_node.interface.alarms import ALARMS

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from heave_node.crane.pose import JOINTS, POSE_FIELDS
+from heave_node.crane.kinematics import JOINTS
+from heave_node.crane.pose import POSE_FIELDS
 from heave_node.devices.live.taker import Taken
 
 

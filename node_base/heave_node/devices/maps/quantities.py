@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from heave_node.crane.pose import JOINTS, RATES
+from heave_node.crane.kinematics import JOINTS
+from heave_node.crane.pose import RATES
 
 
 @dataclass(frozen=True)
