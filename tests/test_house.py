@@ -174,3 +174,10 @@ def test_no_function_has_more_than_ten_arguments(package):
         if isinstance(node, ast.FunctionDef) and arguments_of(node) > 10 and not is_inner_kernel(node)
     ]
     assert wrong == []
+
+
+def test_each_case_that_is_left_to_the_long_tests_exists():
+    lines = (ROOT / "tests" / "long_cases.txt").read_text(encoding="utf-8").splitlines()
+    assert lines == sorted(set(lines))
+    for file, name in {tuple(line.split("[")[0].split("::")) for line in lines}:
+        assert f"def {name}(" in (ROOT / file).read_text(encoding="utf-8"), f"{name} is gone"

@@ -30,7 +30,7 @@ def test_the_shipped_maps_are_listed_and_shown(capsys, tmp_path):
     [
         ([], "name a map file, or a shipped map"),
         (["psxm"], "psxm: there is no such file, and no map is shipped by that name"),
-        (["--show", "psxm"], "is no shipped map; known: em3000"),
+        (["--show", "psxm"], "is no shipped map; known: crane_joint_states, em3000"),
         (["psxn", "phoct"], "mru is published by more than one of the maps"),
         (["--duration", "0", "psxn"], "must be above 0"),
         (["sbg_ship_motion"], "the message type sbg_driver/msg/SbgShipMotion is not installed: build its package"),
