@@ -108,7 +108,6 @@ class WinchController:
         self._alarms: list[Alarm] = []
         self._requests: list[str] = []
         self.preview = PreviewWatch(law.preview, tick_period=tick_period)
-        self._tick_nanoseconds = round(tick_period * 1e9)
         self._previews = False
         self._next_tick = 0
 
@@ -440,7 +439,7 @@ class WinchController:
     def _watch_preview(self, loop: LoopTick, delivered: HeavePreview | None) -> HeavePreview | None:
         """Return the preview that is to be used; say when one is used no more, or again."""
         boom_tip = None if "mru" in loop.sensed.lost else loop.boom_tip.heave
-        preview = self.preview.step(loop.number * self._tick_nanoseconds, delivered, boom_tip)
+        preview = self.preview.step(loop.number * round(self._dt * 1e9), delivered, boom_tip)
         is_used = preview is not None
         if is_used != self._previews:
             self._alarms.append(

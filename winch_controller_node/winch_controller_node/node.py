@@ -114,7 +114,10 @@ class WinchControllerNode(ParticipantNode):
         """Begin with the nominal of the parameters, and without an answer."""
         self._nominal = parameters_text(self.parameters)
         self.adviser = AdviserWatch(self.run.tick_period)
-        self._has_adviser = topics.CONTROLLER_BELIEFS.publisher in self.run.participants
+
+    @property
+    def _has_adviser(self) -> bool:
+        return topics.CONTROLLER_BELIEFS.publisher in self.run.participants
 
     def _add_measurement(self, topic: Topic, fields: Sequence[str]) -> Input:
         """Read numbers of a sensor; its stamps are left to the controller's own gates, which want to see wrong ones."""
