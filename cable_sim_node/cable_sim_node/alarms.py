@@ -37,7 +37,7 @@ ALARMS = alarm_table(
         Severity.CRITICAL,
         "cable",
         "strain {percent:.1f} %, limit {limit:.0f} %",
-        "The cable would part, or its tension law does not hold: results are not valid from here on",
+        "In the simulation the cable would part, or its tension law does not hold: results are not valid from here on",
         "Check cable.axial_stiffness, the masses and the snaps of this run",
     ),
     AlarmRow(

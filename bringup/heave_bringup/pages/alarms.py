@@ -47,7 +47,9 @@ MRU_STALE (high): no data for 0.31 s, limit 0.15 s. Compensation fades out. Chec
 Severities are priorities as in IEC 62682 and ISA-18.2. Codes are stable; words may improve. The controller reports its
 alarms in part `alarms` of its diagnostics, a warning whatever their severity; its parts `sensor NAME` are an error
 while that sensor is lost. Bags, reports, `heave run`, `heave operate` and `heave panel` show code and severity. Values
-stand in italics below.
+stand in italics below. MRU is the motion sensor on the ship, ENCODER that of the drum; DEPTH, VELOCITY and IMU are on
+the subsea unit, LOAD_CELL is at the boom tip. What to do about a fault that is identified stands in
+the guide, "My winch differs from its data sheet".
 """
 
 COLUMNS = ("code", "severity", "what is wrong", "consequence", "action")

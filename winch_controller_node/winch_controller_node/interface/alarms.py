@@ -19,7 +19,7 @@ LOAD = (
         "cable",
         "tension {tension:.1f} kN, {percent:.0f} % of static",
         "A snap load may follow",
-        "Lower more slowly, or wait for a lower sea",
+        "If the unit is being lowered, lower more slowly; if it hangs, compensate or wait for a lower sea",
     ),
     AlarmRow(
         "TENSION_HIGH",
@@ -45,7 +45,8 @@ LOAD = (
         "rope",
         "tension {tension:.1f} kN, breaking force {capacity:.0f} kN (safety factor {factor:.2f})",
         "The rope may part",
-        "Keep everybody clear, pay out to unload, end the lift; inspect the rope before the next one",
+        "Keep everybody clear. If the unit is held fast, pay out; if it hangs free, do not haul in. End the lift, "
+        "inspect the rope",
     ),
     AlarmRow(
         "WINCH_SATURATED",
@@ -78,7 +79,7 @@ LOAD = (
         "compensation needs {needed:.2f} times the static tension in this sea, and more in a higher one; the limit is "
         "{limit:.4g} times",
         "Compensation does not keep the limit",
-        "Raise limits.maximum_tension_ratio, or wait for a lower sea",
+        "Wait for a lower sea, or raise limits.maximum_tension_ratio where cable and winch bear more",
     ),
     AlarmRow(
         "LOWERING_BLIND",

@@ -47,7 +47,7 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
         lost("BAD_STAMP", "time stamps are missing or ahead of the clock of the run", "Set the clock of the sensor"),
         lost("OUT_OF_ORDER", "readings come out of order, or twice", "Check the driver and the network"),
         lost("FROZEN", *frozen),
-        lost("SPIKES", "readings are far from the estimate", "Check mounting, sign and unit"),
+        lost("SPIKES", "readings are far from the estimate", "Check mounting, sign and unit of measurement"),
         lost("JUMPS", jumps, "Check mounting, scale and sign, and the driver"),
         AlarmRow(
             f"{prefix}_SETTLING",
@@ -208,7 +208,12 @@ IDENTIFIED = (
         "Check the aiding of the MRU; wait for the end of the turn",
     ),
     AlarmRow(
-        "DEPTH_SCALE_ERROR", MEDIUM, "depth", "reads {value:.2f} times the motion", "Corrected", "Check scale and unit"
+        "DEPTH_SCALE_ERROR",
+        MEDIUM,
+        "depth",
+        "reads {value:.2f} times the motion",
+        "Corrected",
+        "Check scale and unit of measurement",
     ),
     AlarmRow(
         "ENCODER_SCALE_ERROR",

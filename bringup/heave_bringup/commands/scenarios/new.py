@@ -77,6 +77,10 @@ def execute(options: argparse.Namespace) -> None:
     plant = load_scenario(str(path), needs_files=False).parameters["cable_sim"]
     submerged = plant.unit.mass - plant.water_density * plant.unit.volume
     unit = f"unit: {plant.unit.mass:g} kg in air, {submerged:.4g} kg submerged; cable: {plant.length:g} m"
+    if options.mass is not None and options.volume is None:
+        density = plant.unit.mass / plant.unit.volume
+        volume = f"{plant.unit.volume:.3g} m^3, by the density of {model.stem} ({density:.0f} kg/m^3)"
+        unit += f"\nnote: the unit displaces {volume}; --volume states it"
     words = f"{path}: {sum(map(len, sections.values()))} values, each with its meaning\n{unit}\n{how}"
     write_result(options, words, {"file": str(path.resolve()), "like": model.stem})
 
