@@ -96,7 +96,8 @@ class MasterWaits:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._made_at = self._sent_at = self._warned_at = self._status_at = clock()
+        self._made_at = clock()
+        self._since = dict.fromkeys(("sent", "warning", "status"), self._made_at)
         self._resend_wait = 0.0
         self._is_late = False
 
@@ -107,30 +108,28 @@ class MasterWaits:
 
     def sent(self, resend_wait: float) -> None:
         """Note that a tick was sent; it is due to be sent again after `resend_wait` [s]."""
-        self._sent_at = self._warned_at = self._clock()
+        self._since["sent"] = self._since["warning"] = self._clock()
         self._resend_wait = resend_wait
 
     def is_resend_due(self) -> bool:
         """Tell whether the tick is due to be sent again; then it is twice as long before that is so again."""
-        now = self._clock()
-        if now - self._sent_at <= self._resend_wait:
-            return False
-        self._sent_at = now
-        self._resend_wait *= 2.0  # a slow machine must not get more to do each time
-        return True
+        is_due = self._is_due("sent", self._resend_wait)
+        self._resend_wait *= 2.0 if is_due else 1.0  # a slow machine must not get more to do each time
+        return is_due
 
     def is_status_due(self, period: float) -> bool:
         """Tell whether more than a `period` [s] has passed since the last status was due."""
-        now = self._clock()
-        is_due = now - self._status_at > period
-        self._status_at = now if is_due else self._status_at
-        return is_due
+        return self._is_due("status", period)
 
     def is_warning_due(self, period: float) -> bool:
         """Tell whether more than a `period` [s] has passed since the last warning was due, or the tick was sent."""
+        return self._is_due("warning", period)
+
+    def _is_due(self, what: str, period: float) -> bool:
         now = self._clock()
-        is_due = now - self._warned_at > period
-        self._warned_at = now if is_due else self._warned_at
+        is_due = now - self._since[what] > period
+        if is_due:
+            self._since[what] = now
         return is_due
 
     def note_late(self) -> None:
