@@ -364,6 +364,16 @@ def test_a_scale_is_not_sudden_while_a_limit_acts():
     assert half.is_sudden(was=True)
 
 
+def test_a_winch_that_has_not_done_what_it_was_ordered_for_long_is_not_known_any_more():
+    """Ten seconds without a true look leave exp(-1) of the share: what the encoder then reads may be the winch."""
+    limited = HALF._replace(is_limited=True)
+    assert acts([TRUE] * seconds(40.0) + [limited] * seconds(10.0) + [HALF] * 5)[0] == []
+
+
+def test_the_second_look_that_is_wrong_sets_an_encoder_aside():
+    assert acts([TRUE] * 20 + [BACK] * 5)[0] == [(21, Act.SET_ASIDE)]
+
+
 def test_one_that_goes_right_again_is_used_again():
     found, reflex = acts([TRUE] * 200 + [BACK] * 10 + [TRUE] * 10)
     assert [act for _, act in found] == [Act.SET_ASIDE, Act.USE_AGAIN]
