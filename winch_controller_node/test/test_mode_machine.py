@@ -299,3 +299,24 @@ def test_each_change_of_mode_is_told_once_with_the_mode_before():
 def test_a_law_that_does_not_move_the_winch_says_so():
     assert machine(moves_winch=False).reason == "law off"
     assert machine().reason == "estimate settled"
+
+
+def test_a_winch_that_faded_out_blind_goes_on_for_as_long_as_the_boom_tip_is_not_known():
+    """An operator who asks for standby ends it; a fade-out that a lost sensor began does not end by itself."""
+    blind = situation(lost="mru frozen", is_damped_blind=True, is_settled=True)
+    modes = machine()
+    run(modes, 5.0)
+    run(modes, 60.0, blind)
+    assert modes.mode is Mode.FADE_OUT
+    modes.request("standby")
+    run(modes, 5.0, blind)
+    assert modes.mode is not Mode.FADE_OUT
+
+
+def test_a_winch_that_a_person_has_stopped_does_not_begin_again_by_itself():
+    """All sensors are good for longer than the time of the parameters; nothing was lost that could come back."""
+    modes = machine()
+    run(modes, 5.0)
+    modes.request("stopped")
+    run(modes, 10.0 * PARAMETERS.resume_time)
+    assert modes.mode is Mode.STOPPED
