@@ -201,26 +201,23 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
             kind = label if is_told_once else without_figures(label)
             _, times = alarms.setdefault((kind, level), (label, []))
             times.append(time)
-    raised = [(one.start, one.name) for one in found]
+    raised = [(alarm.code, one.start) for one in found for alarm in alarms_in(one.name)]
     for (_, level), (label, times) in alarms.items():
         found += [_since(one, raised) for one in _joined(times, label, level)]
     return found
 
 
-def _since(lasting: Interval, raised: Sequence[tuple[float, str]]) -> Interval:
+def _since(lasting: Interval, raised: Sequence[tuple[str, float]]) -> Interval:
     """Return an alarm that lasts from when it was raised on, which diagnostics report up to a second later.
 
     Parameters
     ----------
     lasting : as reported
-    raised : time [s] and words of each alarm that was raised
+    raised : code and time [s] of each alarm that was raised
     """
     codes = {alarm.code for alarm in alarms_in(lasting.name)}
-    times = [
-        time
-        for time, text in raised
-        if lasting.start - REPEATED <= time <= lasting.start and codes & {alarm.code for alarm in alarms_in(text)}
-    ]
+    earliest = lasting.start - REPEATED
+    times = [time for code, time in raised if code in codes and earliest <= time <= lasting.start]
     return replace(lasting, start=max(times, default=lasting.start))
 
 

@@ -197,10 +197,10 @@ class Monitor:
 
 
 def _raised(message: DiagnosticArray, part: DiagnosticStatus) -> float:
-    """Return when what a `part` of a `message` reports was raised [s]: by its own values, or by the alarms beside it."""
+    """Return when what a `part` of a `message` reports was raised [s]: by its own values, or by alarms beside it."""
     codes = {alarm.code for alarm in alarms_in(part.message)}
     beside = [told for other in message.status if other.name == ALARMS_PART for told in other.values]
-    same = [told for told in beside if codes & {alarm.code for alarm in alarms_in(told.value)}]
-    same += [told for told in part.values if told.value == part.message]
-    times = [time_of(told.key) for told in same]
+    told = [one for one in beside if codes & {alarm.code for alarm in alarms_in(one.value)}]
+    told += [one for one in part.values if one.value == part.message]
+    times = [time_of(one.key) for one in told]
     return next((time for time in times if time is not None), seconds_of(message.header.stamp))
