@@ -78,8 +78,8 @@ COLUMNS = {
     "uncompensated_top_tension_n": Column("N", "the same with the winch locked", "uncompensated_tension"),
     "unit_tension_n": Column(
         "N",
-        "tension at mid-length of the lowest segment of the cable; at the unit it is less by half the segment's weight in "
-        "water",
+        "tension at mid-length of the lowest segment of the cable; at the unit it is less by half the segment's weight "
+        "in water",
         "unit_tension",
     ),
 }
