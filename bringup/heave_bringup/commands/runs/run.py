@@ -196,7 +196,7 @@ def execute(options: argparse.Namespace) -> None:
     if unsound:
         raise CommandError("; ".join(unsound))
     if result.verdict.failures:
-        raise VerdictError(result.verdict.failures)
+        raise VerdictError(result.verdict.failures, str(report or folder.path))
 
 
 def _required(texts: Sequence[str]) -> list[Criterion]:
