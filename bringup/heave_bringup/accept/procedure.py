@@ -195,7 +195,12 @@ def find_procedure(name: str) -> Path:
 
 @dataclass(frozen=True)
 class Head:
-    """A procedure's file before its steps are read: they need the nominal winch of its scenario."""
+    """A procedure's file before its steps are read: they need the nominal winch of its scenario.
+
+    Attributes
+    ----------
+    path, text, content : of the file
+    """
 
     path: Path
     text: bytes
