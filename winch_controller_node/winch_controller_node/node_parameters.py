@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, make_dataclass
 from typing import TYPE_CHECKING
 
-from cable_sim_node.parameters import CableParameters, UnitParameters
+from cable_sim_node.parameters import CableParameters
+from cable_sim_node.unit_parameters import UnitParameters
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import ParameterError, group, parameter
 
