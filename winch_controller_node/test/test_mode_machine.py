@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from heave_node.interface.codes import WinchFault
 from winch_controller_node.parameters.laws import ModeParameters
+from winch_controller_node.supervision.command_timeouts import WAIT
 from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import Mode, ModeError, Situation
 
@@ -110,9 +111,13 @@ def test_an_emergency_stop_brakes_at_once_and_waits_for_somebody():
 @pytest.mark.parametrize(
     ("fault", "mode", "words"),
     [
-        (WinchFault.DRIVE, Mode.STOPPED, "winch fault: drive"),
-        (WinchFault.EMERGENCY_STOP, Mode.EMERGENCY_STOP, "winch fault: emergency stop"),
-        (99, Mode.STOPPED, "winch fault: unknown fault 99"),
+        (WinchFault.DRIVE, Mode.STOPPED, "winch fault: drive; clear it, then request a mode"),
+        (
+            WinchFault.EMERGENCY_STOP,
+            Mode.EMERGENCY_STOP,
+            "winch fault: emergency stop; clear it, then request a mode",
+        ),
+        (99, Mode.STOPPED, "winch fault: unknown fault 99; clear it, then request a mode"),
     ],
 )
 def test_a_fault_of_the_winch_brakes_is_told_in_words_and_is_not_forgiven_by_itself(fault, mode, words):
@@ -148,6 +153,18 @@ def test_what_compensation_waits_for_is_said_with_the_time_it_takes():
     harm = situation(harm="compensation is harmful", prospect="tried again in 20 s")
     run(modes, 2.0, harm)
     assert modes.reason == "compensation is harmful; tried again in 20 s"
+
+
+def test_compensation_that_ends_says_whether_and_when_it_comes_back():
+    modes = machine()
+    run(modes, 5.0)
+    harm = situation(harm="compensation is harmful", prospect="tried again in 20 s")
+    assert [output.reason for output in run(modes, 0.2, harm)] == ["compensation is harmful; tried again in 20 s"] * 4
+    modes = machine()
+    run(modes, 5.0)
+    silent = situation(winch_fault=WinchFault.COMMAND_TIMEOUT, resumes_after_fault=True)
+    run(modes, 1.0, silent)
+    assert modes.reason.endswith(f"compensation resumes automatically {WAIT:g} s after commands reach the winch again")
 
 
 def test_an_operator_who_asks_for_a_winch_that_stopped_for_a_fault_may_have_it_while_the_fault_is_still_told():
