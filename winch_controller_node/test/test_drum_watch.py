@@ -48,7 +48,7 @@ def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), limite
     return watch, np.array(errors), np.array(payouts)
 
 
-def test_a_drum_as_believed_is_where_it_was_predicted():
+def test_a_drum_as_believed_is_where_it_was_foreseen():
     """Readings in millimetres: what a second of them predicts for the next is some millimetres at the most."""
     _, errors, _ = watched()
     assert np.max(np.abs(errors)) < 4e-3
@@ -64,13 +64,13 @@ def test_a_winch_other_than_believed_is_missed_until_it_is_believed(winch):
     assert np.max(np.abs(known)) < 6e-3
 
 
-def test_a_drum_at_its_speed_limit_under_larger_set_points_is_where_it_was_predicted():
+def test_a_drum_at_its_speed_limit_under_larger_set_points_is_where_it_was_foreseen():
     """There the rate at the start of a second says nothing."""
     known = watched(size=2.0, believed={"winch.speed_out": 1.1, "winch.speed_in": 1.1}, speed_limit=1.1)[1]
     assert np.max(np.abs(known)) < 0.01
 
 
-def test_nothing_is_predicted_from_too_few_readings_or_through_a_gap():
+def test_nothing_is_foreseen_from_too_few_readings_or_through_a_gap():
     count = 2 * round(CHECKED_TIME / DT)
     _, errors, _ = watched(speed_gain=0.5, gap=[200])
     assert not np.any(errors[: count - 1])
@@ -204,7 +204,7 @@ def looped(*, gain=0.5, gap=(), place=0.0, seconds=6.0, reset=None):
 
 
 @pytest.mark.parametrize(("gap", "off"), [((), 0.06), ((89,), 0.4)], ids=["all read", "the first one missing"])
-def test_a_position_loop_is_predicted_from_where_the_drum_was(gap, off):
+def test_a_position_loop_is_foreseen_from_where_the_drum_was(gap, off):
     """Of 120 ticks the last 16, and five time constants, 15 ticks, before them: from the reading of tick 89 on.
 
     Without that one it is taken to have begun where it was read 15 ticks later: the loop then goes for another place.
@@ -232,7 +232,7 @@ def test_the_orders_before_a_reset_were_to_stay_where_the_drum_was():
 
 
 @pytest.mark.parametrize(("gain", "sign"), [(1.3, 1.0), (0.7, -1.0)])
-def test_a_drum_that_went_further_than_predicted_is_ahead_by_a_positive_error(gain, sign):
+def test_a_drum_that_went_further_than_foreseen_is_ahead_by_a_positive_error(gain, sign):
     """While it speeds up: what it does from then on is not in the readings that it is predicted from."""
     watch, drum = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT), VirtualWinch(WinchParameters(), tick_period=DT)
     drum.step(0, WinchCommand(1))
@@ -243,15 +243,15 @@ def test_a_drum_that_went_further_than_predicted_is_ahead_by_a_positive_error(ga
     assert sign * watch.error() > 0.01
 
 
-def test_a_drum_whose_power_is_limited_is_predicted_under_the_tension_that_was_told():
+def test_a_drum_whose_power_is_limited_is_foreseen_under_the_tension_that_was_told():
     """50 kW at 200 kN are 0.25 m/s. Of an unknown tension nothing is predicted: it would have gone at 0.6 m/s."""
-    for told, is_predicted in ((200e3, True), (np.nan, False)):
+    for told, is_foreseen in ((200e3, True), (np.nan, False)):
         watch = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT)
         watch.take({"winch.power_limit": 50e3})
         for tick in range(200):
             watch.add(0.0, 0.6, 0.25 * DT * tick, tension=told)
         ordered = watch.ordered()
-        assert (ordered.share == pytest.approx(1.0, abs=0.01)) is is_predicted
+        assert (ordered.share == pytest.approx(1.0, abs=0.01)) is is_foreseen
 
 
 @pytest.mark.parametrize(
@@ -448,7 +448,7 @@ def test_the_speed_of_long_ago_counts_for_a_slow_servo():
     assert ordered.is_true
 
 
-def test_a_drum_under_the_longest_delay_that_may_be_believed_is_where_it_was_predicted():
+def test_a_drum_under_the_longest_delay_that_may_be_believed_is_where_it_was_foreseen():
     longest = BELIEF.winch.command_delay + BELIEF.lag.largest
     known = watched(command_delay=longest, believed={"winch.command_delay": longest})
     assert np.max(np.abs(known[1])) < 6e-3
