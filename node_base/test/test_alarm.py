@@ -4,7 +4,7 @@ import math
 
 import pytest
 from heave_node.interface.alarm import AlarmRow, Severity, alarm_table, alarms_in
-from heave_node.interface.codes import told_at
+from heave_node.interface.codes import time_key
 
 STALE = AlarmRow("MRU_STALE", Severity.HIGH, "mru", "no data for {age:.1f} s", "Compensation fades out", "Check power")
 SLACK = AlarmRow("CABLE_SLACK", Severity.MEDIUM, "cable", "tension {tension:.1f} kN")
@@ -29,7 +29,7 @@ def test_alarms_are_read_from_the_lines_of_several():
 
 def test_alarms_with_their_times_are_read_from_a_line():
     raised = [TABLE.alarm("MRU_STALE", age=1.25), TABLE.alarm("CABLE_SLACK", tension=8.0)]
-    line = "; ".join(f"{told_at(time)}: {alarm}" for time, alarm in zip((1.05, 2.0), raised, strict=True))
+    line = "; ".join(f"{time_key(time)}: {alarm}" for time, alarm in zip((1.05, 2.0), raised, strict=True))
     for text in (line, f"winch_controller: alarms: {line}"):
         found = alarms_in(text)
         assert [(one.time, one.code, one.text) for one in found] == [

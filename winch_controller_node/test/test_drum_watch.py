@@ -26,7 +26,7 @@ def waves(seconds, size=0.5):
     return size * (np.sin(0.7 * time) + 0.5 * np.sin(1.1 * time))
 
 
-def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), limited=(), **winch):
+def watched(*, seconds=20.0, factor=1.0, assumed=None, size=0.5, gap=(), limited=(), **winch):
     """Return the watch of a winch whose encoder reads `factor` times the payout, its errors, and the payouts.
 
     There is no reading in the ticks of the `gap`; a limit acts in those that are `limited`.
@@ -35,7 +35,7 @@ def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), limite
         DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT),
         VirtualWinch(WinchParameters(**winch), tick_period=DT),
     )
-    watch.take(believed or {})
+    watch.take(assumed or {})
     watch.reset()
     drum.step(0, WinchCommand(1))
     errors, payouts = [], []
@@ -60,13 +60,13 @@ def test_a_winch_other_than_believed_is_missed_until_it_is_believed(winch):
     quantities["speed_limit"] = ["winch.speed_out", "winch.speed_in"]
     ((name, value),) = winch.items()
     assert np.max(np.abs(watched(**winch)[1])) > 0.04
-    known = watched(believed=dict.fromkeys(quantities[name], value), **winch)[1]
+    known = watched(assumed=dict.fromkeys(quantities[name], value), **winch)[1]
     assert np.max(np.abs(known)) < 6e-3
 
 
 def test_a_drum_at_its_speed_limit_under_larger_set_points_is_where_it_was_foreseen():
     """There the rate at the start of a second says nothing."""
-    known = watched(size=2.0, believed={"winch.speed_out": 1.1, "winch.speed_in": 1.1}, speed_limit=1.1)[1]
+    known = watched(size=2.0, assumed={"winch.speed_out": 1.1, "winch.speed_in": 1.1}, speed_limit=1.1)[1]
     assert np.max(np.abs(known)) < 0.01
 
 
@@ -104,7 +104,7 @@ def test_an_encoder_reads_its_factor_times_the_gain_of_the_winch_of_what_that_wa
 
 
 def test_a_gain_that_is_believed_is_none_of_the_encoder():
-    ordered = watched(speed_gain=0.7, believed={"winch.speed_gain": 0.7})[0].ordered()
+    ordered = watched(speed_gain=0.7, assumed={"winch.speed_gain": 0.7})[0].ordered()
     assert ordered.share == pytest.approx(1.0, rel=0.05)
     assert ordered.is_true
 
@@ -443,13 +443,13 @@ def test_what_is_wrong_with_an_encoder_is_told_by_its_code(shown, alarm, inhibit
 
 def test_the_speed_of_long_ago_counts_for_a_slow_servo():
     """T = 1.5 s: what it does now was ordered seconds ago, and the encoder reads just that."""
-    ordered = watched(time_constant=1.5, believed={"winch.time_constant": 1.5})[0].ordered()
+    ordered = watched(time_constant=1.5, assumed={"winch.time_constant": 1.5})[0].ordered()
     assert ordered.share == pytest.approx(1.0, rel=0.05)
     assert ordered.is_true
 
 
 def test_a_drum_under_the_longest_delay_that_may_be_believed_is_where_it_was_foreseen():
     longest = BELIEF.winch.command_delay + BELIEF.lag.largest
-    known = watched(command_delay=longest, believed={"winch.command_delay": longest})
+    known = watched(command_delay=longest, assumed={"winch.command_delay": longest})
     assert np.max(np.abs(known[1])) < 6e-3
     assert known[0].ordered().share == pytest.approx(1.0, rel=0.06)

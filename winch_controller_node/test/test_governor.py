@@ -37,21 +37,21 @@ def drive(design, commands):
     winch = VirtualWinch(lags, tick_period=DT)
     model, x = design.model, np.zeros(design.model.order)
     winch.step(0, WinchCommand(1, brake=False))
-    states, believed = [], []
+    states, assumed = [], []
     for tick, wanted in enumerate(commands, start=1):
         payout, rate = governor.predict(x)
         governed = governor.govern(wanted, payout, rate, 1e4)
         x = model.A @ x + model.B[:, 0] * governed.value
         states.append(winch.step(tick, WinchCommand(tick + 1, 0.0, governed.sent)))
-        believed.append((float(model.row("payout") @ x), float(model.row("payout_rate") @ x)))
-    return states, np.array(believed)
+        assumed.append((float(model.row("payout") @ x), float(model.row("payout_rate") @ x)))
+    return states, np.array(assumed)
 
 
 @settings(max_examples=20, deadline=None)
 @given(st.lists(st.floats(-30.0, 30.0), min_size=1, max_size=12))
 def test_no_command_takes_the_winch_beyond_its_limits_and_the_model_knows_its_speed(design, targets):
     """The governed command keeps the real winch on the linear model: what the estimator assumes is what happens."""
-    states, believed = drive(design, np.repeat(targets, 25))
+    states, assumed = drive(design, np.repeat(targets, 25))
     rates = np.array([state.payout_rate for state in states])
     limits = WinchParameters()
     assert np.max(np.abs(rates)) <= limits.speed_limit + 1e-9
@@ -60,7 +60,7 @@ def test_no_command_takes_the_winch_beyond_its_limits_and_the_model_knows_its_sp
     # a tick, for 0.15 s 1.5 m/s^2 * (0.05 - 0.15 (1 - exp(-1/3))) s = 0.011 m/s; within a tick the linear servo is
     # ahead of the even acceleration by less than that again; the encoder shows the estimator the rest
     lag = design.parameters.winch.time_constant
-    np.testing.assert_allclose(rates, believed[:, 1], atol=2.0 * 1.5 * (DT + lag * math.expm1(-DT / lag)))
+    np.testing.assert_allclose(rates, assumed[:, 1], atol=2.0 * 1.5 * (DT + lag * math.expm1(-DT / lag)))
 
 
 def test_the_winch_stops_inside_its_payout_range_under_a_command_that_never_lets_go(design):

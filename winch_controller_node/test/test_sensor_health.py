@@ -200,8 +200,8 @@ def test_an_encoder_with_play_in_its_gear_is_not_frozen_where_the_drum_turns_rou
     gate, reading, play = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT), 0.0, 0.005
     for time in DT * np.arange(1, round(40.0 / DT)):
         reading = min(max(reading, 0.6 * math.sin(0.7 * time) - play), 0.6 * math.sin(0.7 * time) + play)
-        believed = 1.25 * 0.42 * math.cos(0.7 * (time + 0.1))
-        gate.judge(time, ScalarReading(time, 1e-3 * round(1e3 * reading)), believed)
+        assumed = 1.25 * 0.42 * math.cos(0.7 * (time + 0.1))
+        gate.judge(time, ScalarReading(time, 1e-3 * round(1e3 * reading)), assumed)
         assert gate.gate.level == OK
 
 

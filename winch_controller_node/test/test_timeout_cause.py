@@ -67,11 +67,11 @@ def test_what_was_not_taken_is_the_cause_only_where_nobody_was_silent():
     assert "from the winch" in words.words(Lateness())
 
 
-@pytest.mark.parametrize(("delay", "is_told"), [(0.21, True), (0.2, False), (0.19, False)])
-def test_a_delay_of_more_than_a_fifth_of_a_second_may_be_a_cause(delay, is_told):
-    assert bool(TimeoutCause(DT).words(Lateness(delay, 0.0))) is is_told
-    assert bool(TimeoutCause(DT).words(Lateness(0.0, delay))) is is_told
-    assert bool(after_good_ticks(untaken=delay).words(Lateness())) is is_told
+@pytest.mark.parametrize(("delay", "is_reported"), [(0.21, True), (0.2, False), (0.19, False)])
+def test_a_delay_of_more_than_a_fifth_of_a_second_may_be_a_cause(delay, is_reported):
+    assert bool(TimeoutCause(DT).words(Lateness(delay, 0.0))) is is_reported
+    assert bool(TimeoutCause(DT).words(Lateness(0.0, delay))) is is_reported
+    assert bool(after_good_ticks(untaken=delay).words(Lateness())) is is_reported
 
 
 def test_a_winch_that_has_said_nothing_since_the_start_was_silent_since_then():

@@ -19,10 +19,10 @@ def design():
     return design_controller(PARAMETERS, tick_period=DT)
 
 
-def shares(design, winch, seconds=20.0, *, believed=None, says=None, slips_at=None):
+def shares(design, winch, seconds=20.0, *, assumed=None, says=None, slips_at=None):
     """Return the share in each tick of a sea of 0.8 m/s and 9 s, and the watch; the cable slips by 0.1 m at a tick."""
     watch, drum = WinchWatch(design), VirtualWinch(winch, tick_period=DT)
-    watch.take(believed or {})
+    watch.take(assumed or {})
     drum.step(0, WinchCommand(1))
     found = []
     for tick in range(1, round(seconds / DT)):
@@ -67,7 +67,7 @@ def test_a_weaker_winch_is_noticed_within_three_seconds_and_may_do_less(design, 
 
 
 def test_the_share_comes_back_once_the_winch_is_believed_as_it_is(design):
-    found, watch = shares(design, WinchParameters(speed_gain=0.7), believed={"winch.speed_gain": 0.7})
+    found, watch = shares(design, WinchParameters(speed_gain=0.7), assumed={"winch.speed_gain": 0.7})
     assert set(found) == {1.0}
     assert abs(watch.drum.error()) < 3e-3
 

@@ -22,8 +22,8 @@ from heave_node.interface.codes import (
     SensorLevel,
     WinchFault,
     WinchLimit,
-    told_at,
-    told_in,
+    time_key,
+    timed_words,
     without_figures,
 )
 from heave_node.numerics.arrays import Array
@@ -133,7 +133,7 @@ def is_loss(before: str, mode: str, reason: str) -> bool:
 
 def loss_words(time: float, mode: str, reason: str) -> str:
     """Return the line about a loss of compensation at a `time` [s] into a `mode` for a `reason`."""
-    return f"{told_at(time)}: {LOST}: mode {mode}{f': {reason}' if reason else ''}"
+    return f"{time_key(time)}: {LOST}: mode {mode}{f': {reason}' if reason else ''}"
 
 
 def losses(found: Sequence[Interval]) -> list[Interval]:
@@ -194,11 +194,11 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
             if has_modes and name == MODE_PART:
                 continue
             time, level = float(diagnostics.time[row]), min(int(levels[row]), 2)
-            if name == ALARMS_PART and (told := told_in("" if messages is None else str(messages[row]))):
-                found += [Interval(raised, raised + REPEATED, f"{name}: {text}", level) for raised, text in told]
+            if name == ALARMS_PART and (reported := timed_words("" if messages is None else str(messages[row]))):
+                found += [Interval(raised, raised + REPEATED, f"{name}: {text}", level) for raised, text in reported]
                 continue
-            is_told_once = name.endswith(f": {ALARMS}")
-            kind = label if is_told_once else without_figures(label)
+            is_reported_once = name.endswith(f": {ALARMS}")
+            kind = label if is_reported_once else without_figures(label)
             _, times = alarms.setdefault((kind, level), (label, []))
             times.append(time)
     raised = [(alarm.code, one.start) for one in found for alarm in alarms_in(one.name)]
@@ -228,12 +228,12 @@ def operator_requests(diagnostics: Fields) -> list[Interval]:
         names, messages = (diagnostics.texts(f"status[{index}].{part}") for part in ("name", "message"))
         if names is None or messages is None:
             continue
-        told = [told_in(str(messages[row])) for row in np.flatnonzero(names == OPERATOR_PART)]
-        found += [Interval(time, time, words) for one in told for time, words in one]
+        reported = [timed_words(str(messages[row])) for row in np.flatnonzero(names == OPERATOR_PART)]
+        found += [Interval(time, time, words) for one in reported for time, words in one]
     return sorted(found, key=lambda one: one.start)
 
 
-def learnt_limits(alarms: Sequence[Interval], quantity: str) -> list[tuple[float, float]]:
+def identified_limits(alarms: Sequence[Interval], quantity: str) -> list[tuple[float, float]]:
     """Return from when [s] on the controller has used which limit of the winch that it had learnt.
 
     Parameters
@@ -244,8 +244,8 @@ def learnt_limits(alarms: Sequence[Interval], quantity: str) -> list[tuple[float
     found = []
     for alarm in sorted(alarms, key=lambda one: one.start):
         updates = [one.text for one in alarms_in(alarm.name) if one.code == WINCH_MODEL_UPDATED]
-        told = [value for text in updates for value in re.findall(rf"\b{quantity} limit [a-z ]*([\d.]+) m/s", text)]
-        found += [(alarm.start, float(value)) for value in told]
+        reported = [value for text in updates for value in re.findall(rf"\b{quantity} limit [a-z ]*([\d.]+) m/s", text)]
+        found += [(alarm.start, float(value)) for value in reported]
     return found
 
 

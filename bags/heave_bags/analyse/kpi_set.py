@@ -924,14 +924,14 @@ def shown(columns: Sequence[Mapping[str, float]]) -> list[KpiDefinition]:
         count = COUNT_OF_EVENTS.get(group)
         return count is None or any(column.get(count, 0.0) > 0.0 for column in columns)
 
-    def is_told(definition: KpiDefinition, column: Mapping[str, float]) -> bool:
+    def is_reported(definition: KpiDefinition, column: Mapping[str, float]) -> bool:
         value = column.get(definition.key, math.nan)
         return math.isfinite(value) and not (definition.is_seldom and value == 0.0)
 
     return [
         definition
         for definition in KPI_DEFINITIONS
-        if has_events(definition.group) and any(is_told(definition, column) for column in columns)
+        if has_events(definition.group) and any(is_reported(definition, column) for column in columns)
     ]
 
 

@@ -184,7 +184,7 @@ def on_one_time_base(samples: Mapping[str, Samples], period: float | None = None
             f"a table of {rows:.3g} rows, every {step:.4g} s from {first:.6g} s to {last:.6g} s, and {len(sound)} "
             "columns is too large: give a longer --period, or --topics of one clock"
         )
-    grid = first + step * np.arange(math.floor(rows + 1e-6), dtype=np.float64)
+    grid: Array = np.asarray(first + step * np.arange(math.floor(rows + 1e-6)), dtype=np.float64)
     table = {name: _at(grid, *one, step) for name, one in sound.items()}
     return pandas.DataFrame(table, index=pandas.Index(grid.round(9), name="time_s"))
 

@@ -32,7 +32,7 @@ from heave_bags.signals import Signal, integrated
 
 WHOLE = Window()
 ACCEPT = "--accept-implausible"
-"""Option of `heave import` that takes figures which cannot well be."""
+"""Option of `heave import` that takes implausible figures."""
 
 
 @dataclass
@@ -68,7 +68,7 @@ def import_sea(
     accept_implausible : take all samples as they are; what is implausible is in the notes
 
     Raises BagError if something named is missing, if nothing is in the window, if there are fewer than 10 samples, or
-    for figures that cannot well be (`heave_node.files.plausible`).
+    for implausible figures (`heave_node.files.plausible`).
     """
     findings = Findings(accept_implausible)
     if isinstance(mapping, str):
@@ -128,16 +128,16 @@ def _refuse(source: Path, findings: Findings) -> None:
 
 def _sea_question(heave: Array, period: float) -> str:
     """Return what is implausible about heave [m] at samples `period` [s] apart as that of a ship in a sea."""
-    doubt = question("four standard deviations of heave", 4.0 * float(heave.std()))
+    objection = question("four standard deviations of heave", 4.0 * float(heave.std()))
     try:
         found = height_and_period(heave, period)
     except RecordTooShortError:
         swing = heave[np.abs(heave) > 0.5 * heave.std()]
         turns = int(np.count_nonzero(np.diff(np.sign(swing))))
         crossing = 2.0 * heave.size * period / max(turns, 1)
-        return doubt or (sea_question(4.0 * float(heave.std()), crossing, crossing) if turns > 3 else "")
-    if doubt or not found.significant_height > 0.0:
-        return doubt
+        return objection or (sea_question(4.0 * float(heave.std()), crossing, crossing) if turns > 3 else "")
+    if objection or not found.significant_height > 0.0:
+        return objection
     return sea_question(found.significant_height, found.peak_period, found.peak_period)
 
 

@@ -23,7 +23,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
-from heave_node.interface.codes import TOLD_AT
+from heave_node.interface.codes import TIME_KEY
 
 Value = float | str
 
@@ -154,7 +154,7 @@ class ReadAlarm(NamedTuple):
 
 _CODE = re.compile(r"[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
 _HEAD = re.compile(
-    rf"(?:^|(?<=[;:] ))(?:{TOLD_AT.pattern}: )?(?P<code>{_CODE.pattern}) "
+    rf"(?:^|(?<=[;:] ))(?:{TIME_KEY.pattern}: )?(?P<code>{_CODE.pattern}) "
     rf"\((?P<severity>{'|'.join(one.word for one in Severity)})\): "
 )
 

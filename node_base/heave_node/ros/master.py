@@ -211,8 +211,8 @@ class ClockMasterNode(HeaveNode):
             self._end(TickStatus.FAILED, far)
             return False
         if others:
-            told = self._host_clocks.words(others) or "not known"
-            self.get_logger().info(f"clocks of other hosts, ahead of this one's: {told}")
+            reported = self._host_clocks.words(others) or "not known"
+            self.get_logger().info(f"clocks of other hosts, ahead of this one's: {reported}")
         return True
 
     def _begin_run(self) -> None:
@@ -266,8 +266,8 @@ class ClockMasterNode(HeaveNode):
         """Add the loop age of every tick, those that missed their deadline too."""
         if self.run.is_lockstep or not len(self.timing.ages):
             return []
-        told = self._host_clocks.words(self._on_other_hosts())
-        clocks = [Health("clocks of other hosts", Level.OK, told)] if told else []
+        reported = self._host_clocks.words(self._on_other_hosts())
+        clocks = [Health("clocks of other hosts", Level.OK, reported)] if reported else []
         values = {**self.timing.ages.to_values(), "missed_deadlines": str(self.timing.missed_deadlines)}
         return [timing_health("loop age", values), *clocks, *super().diagnose_timing()]
 

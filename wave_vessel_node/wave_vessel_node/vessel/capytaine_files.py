@@ -71,7 +71,7 @@ def read_capytaine(
     A soft position keeping (natural period 120 s) holds surge, sway and yaw, which would have no bound where the
     encounter frequency is 0. Frequencies of 0, infinity, or without a coefficient are left out, and said.
 
-    Raises RaoError when xarray is not installed, the file lacks what is needed, or its figures cannot well be.
+    Raises RaoError when xarray is not installed, the file lacks what is needed, or has implausible figures.
     """
     path = Path(path)
     database = _read(path)

@@ -63,7 +63,7 @@ class VesselOnCourse:
     boom_tip_arm : boom tip from the vessel's reference point [m], shape (3,)
     heading : of the waves relative to the bow [rad]
     speed : forward speed [m/s]
-    accept_implausible : take RAOs that cannot well be, as `read_rao` does
+    accept_implausible : take implausible RAOs, as `read_rao` does
     """
 
     rao_file: str

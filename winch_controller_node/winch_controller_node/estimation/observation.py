@@ -358,7 +358,7 @@ class Observer:
         self.observed.append(Observed(reading, as_read, share, is_used))
         return self.terms.corrected(reading, share)
 
-    def as_believed(self, observed: Observed) -> Measurement:
+    def as_assumed(self, observed: Observed) -> Measurement:
         """Return a reading `observed` in the last seconds in the estimator's terms, by the corrections assumed now."""
         reading = observed.reading
         if reading.name == "payout":

@@ -196,9 +196,7 @@ class VesselModelParameters:
         unit="",
         description="RAO table (models rao, fitted), .csv or Capytaine .nc; empty is the hull form shipped.",
     )
-    accept_implausible: bool = parameter(
-        False, unit="", description="Take RAOs of rao_file that cannot well be as they are."
-    )
+    accept_implausible: bool = parameter(False, unit="", description="Take implausible RAOs of rao_file as they are.")
     boom_tip_arm: tuple[float, ...] = parameter(
         (-20.0, 10.0, 15.0),
         unit="m",

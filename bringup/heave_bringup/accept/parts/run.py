@@ -15,7 +15,7 @@ from heave_bags.signals import Signal
 from heave_msgs.msg import TickStatus
 from heave_node.interface import topics
 from heave_node.interface.alarm import alarms_in
-from heave_node.interface.codes import told_in
+from heave_node.interface.codes import timed_words
 from heave_node.interface.sensors import DEPTH, LOAD_CELL, MRU, STANDARD_WATER, Sensor
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import ATMOSPHERIC_PRESSURE
@@ -132,7 +132,7 @@ def alarms_of(record: RunRecord) -> list[tuple[float, str]]:
     """
     found = []
     for interval in record.alarms:
-        dated = told_in(interval.name.removeprefix(f"{events.ALARMS_PART}: "))
+        dated = timed_words(interval.name.removeprefix(f"{events.ALARMS_PART}: "))
         lines = dated or [(interval.start, interval.name)]
         for time, words in lines:
             codes = [alarm.code for alarm in alarms_in(words)]

@@ -83,14 +83,14 @@ def execute(options: argparse.Namespace) -> None:
     lines = [f"{path.resolve()}: {span}" for path in paths]
     lines += [f"{legend_file(path).resolve()}: what each column is" for path in paths if path.suffix != ".xlsx"]
     width = max(map(len, columns))
-    told = {
+    reported = {
         "files": [str(path.resolve()) for path in paths],
         "rows": len(frame),
         "columns": {name: one._asdict() for name, one in columns.items()},
         "remarks": lost,
     }
     described = [f"  {name:{width}}  {_described(one)}".rstrip() for name, one in columns.items()]
-    write_result(options, "\n".join([*lines, *described]), told)
+    write_result(options, "\n".join([*lines, *described]), reported)
 
 
 def _described(column: Column) -> str:

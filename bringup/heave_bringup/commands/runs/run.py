@@ -172,14 +172,14 @@ def execute(options: argparse.Namespace) -> None:
         f"bag       {folder.bag}",
         *([f"report    {report}"] if report else []),
     ]
-    told = [
-        *_told("errors reported by the nodes:", outcome.alarms),
-        *_told("compensation was lost:", result.losses),
-        *_told("warnings:", result.warnings),
+    reported = [
+        *_reported("errors reported by the nodes:", outcome.alarms),
+        *_reported("compensation was lost:", result.losses),
+        *_reported("warnings:", result.warnings),
     ]
     more = f"all figures: heave kpi {shlex.quote(str(folder.path))}"
     table = result.table if options.full else f"{result.headline}\n{more}"
-    text = "\n".join([table, "", *told, *places, "", *result.verdict.lines()])
+    text = "\n".join([table, "", *reported, *places, "", *result.verdict.lines()])
     if options.quiet:
         warn(result.warnings)
     write_result(
@@ -275,7 +275,7 @@ def _substitutes(settings: Sequence[str]) -> dict[str, Path]:
     return chosen
 
 
-def _told(heading: str, lines: Sequence[str]) -> list[str]:
+def _reported(heading: str, lines: Sequence[str]) -> list[str]:
     return [heading, *(f"  {line}" for line in lines), ""] if lines else []
 
 
