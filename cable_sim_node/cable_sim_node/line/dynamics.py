@@ -284,7 +284,8 @@ class CableDynamics:
         if thrust.shape != (3,) or not np.all(np.isfinite(thrust)):
             raise BadMotionError(f"thrust must be three finite numbers [N]; got {thrust.tolist()}")
         rest = unit_properties(self.parameters).force - np.array(self.parameters.unit.thrust)
-        self._line.numbers[at.UNIT_FORCE : at.UNIT_FORCE + 3] = thrust + rest
+        for first in (at.UNIT_FORCE, at.DEEP + at.UNIT_FORCE):
+            self._line.numbers[first : first + 3] = thrust + rest
         self._fresh = False
 
     # --- inside

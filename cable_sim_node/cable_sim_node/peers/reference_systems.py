@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 
-from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
+from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters
+from cable_sim_node.unit_parameters import UnitParameters
 
 DEEP_900: Mapping[str, object] = {
     "length": 900.0,

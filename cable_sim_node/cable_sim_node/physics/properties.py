@@ -10,6 +10,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.hydrostatics import weight_in_fluid
 
 from cable_sim_node.parameters import CableParameters, CableSimParameters
+from cable_sim_node.physics.hydrodynamics import box_added_mass
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,8 @@ class UnitProperties:
     body_drag : the same of an isotropic unit, along the flow [kg/m]; one of both is zero
     force : thrust, and weight in the fluid [N]
     fluid : displaced and added mass, which moving water accelerates [kg]
+    mass : in air [kg]
+    buoyancy : [N]
     """
 
     inertia: Array
@@ -73,6 +76,8 @@ class UnitProperties:
     body_drag: float
     force: Array
     fluid: Array
+    mass: float
+    buoyancy: float
 
     @property
     def vertical_drag(self) -> float:
@@ -119,9 +124,12 @@ def cable_sections(parameters: CableSimParameters) -> list[CableSection]:
 
 
 def unit_properties(parameters: CableSimParameters) -> UnitProperties:
-    """Return the unit of the parameters."""
+    """Return the unit of the parameters, far from surface and bottom."""
     unit, density = parameters.unit, parameters.water_density
     added = np.array(unit.added_mass) if density > 0.0 else np.zeros(3)
+    if unit.vertical_added_mass == "box":
+        box = unit.box
+        added[2] = box_added_mass(box.length, box.breadth, box.height, density, box.perforation)
     weight = unit.weight_in_fluid(density, parameters.gravity)
     drag = 0.5 * density * np.array(unit.drag_coefficient) * np.array(unit.drag_area)
     is_isotropic = unit.drag_law == "isotropic"
@@ -131,6 +139,8 @@ def unit_properties(parameters: CableSimParameters) -> UnitProperties:
         body_drag=float(drag[0]) if is_isotropic else 0.0,
         force=np.array(unit.thrust) - np.array([0.0, 0.0, weight]),
         fluid=density * unit.volume + added,
+        mass=unit.mass,
+        buoyancy=density * unit.volume * parameters.gravity,
     )
 
 

@@ -15,6 +15,7 @@ from heave_node.numerics.compiled import inner_kernel, kernel
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.forces.bending import solve_with_bending
+from cable_sim_node.line.forces.body import set_unit
 from cable_sim_node.line.forces.flow import set_flow
 from cable_sim_node.line.layout import (
     BENDING_ON,
@@ -119,6 +120,7 @@ def march(line: LineArrays, n: int, force: Array, drag: Array, direction: Array)
     tiles, numbers = line.tiles, line.numbers
     take_present(tiles, n)
     set_flow(line, n, numbers[NOW + TIME])
+    set_unit(line, numbers[NOW + TIME])
     water = tiles[0]
     speed = math.sqrt(water[FLOW_X] ** 2 + water[FLOW_Y] ** 2 + water[FLOW_Z] ** 2)
     for k in range(3):
