@@ -2,8 +2,8 @@
 
 The page is written by `python -m heave_bringup.pages.hazards > docs/hazards.md`; a test holds the two together. Causes
 are the faults of `heave_node.interface.faults`, detections the alarms of `heave_bringup.pages.alarms`, reactions rows
-of the table of modes. A fault, a high or critical alarm, or a mode entered without a request that no hazard names fails a
-test, and so does a test that is not there.
+of the table of modes. A fault, a high or critical alarm, or a mode entered without a request that no hazard names
+fails a test, and so does a test that is not there.
 """
 
 from __future__ import annotations
