@@ -32,7 +32,7 @@ RICH = CableSimParameters(
 
 
 def test_in_still_water_the_report_is_weight_and_stretch():
-    parameters = CableSimParameters()
+    parameters = CableSimParameters(surface=False)
     report = hanging_report(parameters, (1.0, 2.0, 3.0))
     unit = parameters.unit.weight_in_fluid(1025.0)
     weight = parameters.cable.weight_in_fluid(1025.0)

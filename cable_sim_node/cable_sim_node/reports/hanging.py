@@ -17,7 +17,7 @@ from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.reports.report import labelled_rows
 from cable_sim_node.statics.problems import towing_cable
 from cable_sim_node.statics.shape import StaticShape
-from cable_sim_node.statics.suspended import refuse_floating, suspended_cable, with_tension_law
+from cable_sim_node.statics.suspended import refuse_floating, shape_at_rest
 from cable_sim_node.statics.tables import LENGTH
 
 if TYPE_CHECKING:
@@ -193,7 +193,7 @@ def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0
     """
     tip = np.asarray(boom_tip, dtype=np.float64)
     current = current_of(parameters)
-    shape = with_tension_law(parameters, suspended_cable(parameters), lambda cable: towing_cable(cable, tip, current))
+    shape = shape_at_rest(parameters, lambda cable: towing_cable(cable, tip, current))
     unit = shape.positions[0]
     refuse_floating(float(unit[2]), float(tip[2]))
     seabed = parameters.seabed
