@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from enum import IntEnum
 
 
@@ -43,17 +43,20 @@ class CommandError(Exception):
 
 
 class VerdictError(CommandError):
-    """The command did what it says, and the verdict is FAILED; the message is one line that says why.
+    """The command did what it says, and the verdict is FAILED; the message says which criterion, and where all are.
 
     Parameters
     ----------
-    failures : in words
+    failures : in words: "what and value (required, ...): state", of which the first is reported up to its bracket
+    where : that has them all
     """
 
     status = ExitStatus.VERDICT_FAILED
 
-    def __init__(self, failures: Iterable[str]) -> None:
-        super().__init__(f"verdict FAILED: {'; '.join(failures)}")
+    def __init__(self, failures: Sequence[str], where: str = "the verdict above") -> None:
+        first = failures[0].partition(" (")[0]
+        more = f" and {len(failures) - 1} more" if len(failures) > 1 else ""
+        super().__init__(f"verdict FAILED: {first}{more}; see {where}")
 
 
 class NoRunError(CommandError):

@@ -35,8 +35,8 @@ class CableParameters:
     axial_stiffness: float = parameter(
         1.5614508e7, unit="N", minimum=1e-3, description="EA: tension per unit strain at small strain."
     )
-    stiffness_quadratic: float = parameter(0.0, unit="", description="Quadratic coefficient of the tension law.")
-    stiffness_cubic: float = parameter(0.0, unit="", description="Cubic coefficient of the tension law.")
+    stiffness_quadratic: float = parameter(0.0, unit="", description="q of T = EA e (1 + q e + c e^2) at strain e.")
+    stiffness_cubic: float = parameter(0.0, unit="", description="c of that tension law.")
     internal_damping: float = parameter(
         0.0, unit="N s", minimum=0.0, description="Tension per unit strain rate, at most the elastic tension."
     )

@@ -63,8 +63,8 @@ def test_whatever_a_reading_is_refused_for_has_an_alarm_with_an_action(stamp, va
     feed(gate, [7.0] * 2)
     gate.judge(3 * DT, stamp, (value,), status)
     assert gate.reason in LOST_STATES
-    lost = lost_alarm("depth", gate.reason, age=math.nan, limit=math.nan)
-    assert lost.code == f"DEPTH_{LOST_STATES[gate.reason]}"
+    lost = lost_alarm("mru", gate.reason, age=math.nan, limit=math.nan)
+    assert lost.code == f"MRU_{LOST_STATES[gate.reason]}"
     assert lost.row.action
 
 

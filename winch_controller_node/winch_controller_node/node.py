@@ -241,7 +241,8 @@ class WinchControllerNode(ParticipantNode):
         if report.solver_status.startswith("not solved"):
             parts.append(alarm_health("solver", ALARM_TABLE.alarm("SOLVER_FAILED", status=report.solver_status)))
         told, self._told = {time: "; ".join(words) for time, words in self._told.items()}, {}
-        parts.append(Health(ALARMS, Level.WARN, "; ".join(told.values()), told) if told else Health(ALARMS))
+        words = "; ".join(f"{time}: {what}" for time, what in told.items())
+        parts.append(Health(ALARMS, Level.WARN, words, told) if told else Health(ALARMS))
         asked, self._asked = self._asked, {}
         words = "; ".join(f"{time}: {what}" for time, what in asked.items())
         parts.append(Health(OPERATOR, Level.OK, words, asked) if asked else Health(OPERATOR))

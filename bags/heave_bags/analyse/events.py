@@ -174,7 +174,9 @@ def sensor_alarms(state: Fields) -> list[Interval]:
 
 
 def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[Interval]:
-    """Return the warnings and errors of /diagnostics; one whose figures alone change, as of a countdown, is one.
+    """Return the warnings and errors of /diagnostics, each from when it was raised on.
+
+    One whose figures alone change, as of a countdown, is one.
 
     Parameters
     ----------
@@ -182,6 +184,7 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
     has_modes : the modes of the controller are known to the tick, and are not reported again here
     """
     alarms: dict[tuple[str, int], tuple[str, list[float]]] = {}
+    found: list[Interval] = []
     for index in diagnostics.indices("status[].level"):
         levels = diagnostics.codes(f"status[{index}].level")
         names, messages = (diagnostics.texts(f"status[{index}].{part}") for part in ("name", "message"))
@@ -190,14 +193,32 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
             name = "" if names is None else str(names[row])
             if has_modes and name == MODE_PART:
                 continue
+            time, level = float(diagnostics.time[row]), min(int(levels[row]), 2)
+            if name == ALARMS_PART and (told := told_in("" if messages is None else str(messages[row]))):
+                found += [Interval(raised, raised + REPEATED, f"{name}: {text}", level) for raised, text in told]
+                continue
             is_told_once = name.endswith(f": {ALARMS}")
             kind = label if is_told_once else without_figures(label)
-            _, times = alarms.setdefault((kind, min(int(levels[row]), 2)), (label, []))
-            times.append(float(diagnostics.time[row]))
-    found: list[Interval] = []
+            _, times = alarms.setdefault((kind, level), (label, []))
+            times.append(time)
+    raised = [(alarm.code, one.start) for one in found for alarm in alarms_in(one.name)]
     for (_, level), (label, times) in alarms.items():
-        found += _joined(times, label, level)
+        found += [_since(one, raised) for one in _joined(times, label, level)]
     return found
+
+
+def _since(lasting: Interval, raised: Sequence[tuple[str, float]]) -> Interval:
+    """Return an alarm that lasts from when it was raised on, which diagnostics report up to a second later.
+
+    Parameters
+    ----------
+    lasting : as reported
+    raised : code and time [s] of each alarm that was raised
+    """
+    codes = {alarm.code for alarm in alarms_in(lasting.name)}
+    earliest = lasting.start - REPEATED
+    times = [time for code, time in raised if code in codes and earliest <= time <= lasting.start]
+    return replace(lasting, start=max(times, default=lasting.start))
 
 
 def operator_requests(diagnostics: Fields) -> list[Interval]:

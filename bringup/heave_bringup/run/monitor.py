@@ -11,7 +11,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_bags.analyse.events import ALARMS_PART, MODE_PART, SENSOR_PARTS
 from heave_msgs.msg import CableState, CompensationKpi, PointMotion, TickStatus
 from heave_node.interface import topics
-from heave_node.interface.codes import without_figures
+from heave_node.interface.alarm import alarms_in
+from heave_node.interface.codes import time_of, told_at, without_figures
 from heave_node.ros.process import in_namespace, node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.qos import qos_of
@@ -155,7 +156,7 @@ class Monitor:
                 self._errors[part.name] = without_figures(part.message)
                 if part.name.endswith(f": {STRANGERS}"):
                     self.strangers |= dict.fromkeys(part.message.split("; "))
-                self.alarms.append(f"t = {seconds_of(message.header.stamp):.2f} s: {part.name}: {part.message}")
+                self.alarms.append(f"{told_at(_raised(message, part))}: {part.name}: {part.message}")
                 if not part.name.startswith(SENSOR_PARTS):  # the controller's own alarms tell it, when it was
                     self._news.append(self.alarms[-1])
 
@@ -193,3 +194,13 @@ class Monitor:
         self._truth.close()
         self._node.destroy_node()
         rclpy.try_shutdown()
+
+
+def _raised(message: DiagnosticArray, part: DiagnosticStatus) -> float:
+    """Return when what a `part` of a `message` reports was raised [s]: by its own values, or by alarms beside it."""
+    codes = {alarm.code for alarm in alarms_in(part.message)}
+    beside = [told for other in message.status if other.name == ALARMS_PART for told in other.values]
+    told = [one for one in beside if codes & {alarm.code for alarm in alarms_in(one.value)}]
+    told += [one for one in part.values if one.value == part.message]
+    times = [time_of(one.key) for one in told]
+    return next((time for time in times if time is not None), seconds_of(message.header.stamp))

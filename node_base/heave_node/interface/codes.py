@@ -102,17 +102,18 @@ def told_at(time: float) -> str:
 
 def time_of(key: str) -> float | None:
     """Return the simulated time [s] of the event of a `key`; None for any other key."""
-    found = _TOLD_AT.fullmatch(key)
+    found = TOLD_AT.fullmatch(key)
     return None if found is None else float(found[1])
 
 
 def told_in(message: str) -> list[tuple[float, str]]:
     """Return simulated time [s] and words of all events in a `message`: "t = 1.00 s: this; t = 2.00 s: that"."""
-    _, *found = re.split(rf"(?:^|; ){_TOLD_AT.pattern}: ", message)
+    _, *found = re.split(rf"(?:^|; ){TOLD_AT.pattern}: ", message)
     return [(float(time), words) for time, words in zip(found[::2], found[1::2], strict=True)]
 
 
-_TOLD_AT = re.compile(r"t = ([0-9.]+) s")
+TOLD_AT = re.compile(r"t = ([0-9.]+) s")
+"""What `told_at` returns, with the time as its group."""
 _FIGURES = re.compile(r"[0-9.]+")
 
 

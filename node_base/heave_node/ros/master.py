@@ -337,6 +337,8 @@ class ClockMasterNode(HeaveNode):
         if self.run.is_lockstep:
             self.fail_on_error(lambda: self.on_advance(tick))
             self._begin_what_follows()
+        else:
+            self.garbage.after_tick()
 
     def _has_all_inputs(self) -> bool:
         """Return whether all inputs of the tick are here; at the end in real time, whether no more of them come."""

@@ -278,6 +278,7 @@ class ParticipantNode(HeaveNode):
         self.flush_deferred()
         if not self._starts and not start.flush and start.tick < self.run.tick_count:
             self.fail_on_error(lambda: self.prepare(start.tick + 1))
+        self.garbage.after_tick()
         self._begin_next()
 
     def _do_tick(self, tick: Tick) -> None:

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 from heave_node.extras import how_to_install
 from heave_node.numerics.arrays import Array
-from scipy.io import netcdf_file
 
 from wave_vessel_node.sea.spectra import SpectrumError, TabulatedSpectrum
 from wave_vessel_node.sea.spectrum_record import (
@@ -148,7 +148,7 @@ def _refuse_cut(path: Path) -> None:
         if file.read(4) not in (b"CDF\x01", b"CDF\x02"):
             return
     try:
-        with netcdf_file(str(path), mmap=False):
+        with scipy.io.netcdf_file(str(path), mmap=False):
             pass
     except Exception as error:  # it has no class of its own for a file without an end
         raise SpectrumFileError(f"{path}: is cut short or damaged: copy it again") from error

@@ -235,6 +235,7 @@ class Supervisor:
             harm=f"{self.guard.reason}; {ASK_AGAIN}" if is_contrary else self.guard.reason,
             prospect="" if is_contrary else self.guard.prospect,
             awaits_operator=is_contrary,
+            resumes_after_fault=self.timeouts.is_pending,
             speed=winch.speed,
             closed_gates=self._closed_gates(tick, winch.mean_payout),
             tension_refusal=self._why_no_tension(tick, winch.mean_payout),

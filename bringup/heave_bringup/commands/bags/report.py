@@ -72,7 +72,7 @@ def execute(options: argparse.Namespace) -> None:
     write_result(options, "\n".join([table, "", *places, "", *told]), result)
     failures = [f"{record.name}: {one}" for record, of in zip(records, verdicts, strict=True) for one in of.failures]
     if failures:
-        raise VerdictError(failures)
+        raise VerdictError(failures, str(output))
 
 
 def _output(given: Path | None, bags: Sequence[Path]) -> Path:

@@ -39,7 +39,7 @@ class ShareNews:
         self._held_time = self._held_time + self._dt if is_held else min(self._held_time + self._dt, 0.0)
         if self._held_time >= HELD_TIME:
             self._held_time, self._is_told = -TOLD_AGAIN, True
-            return ALARMS.alarm(code, percent=100.0 * share)
+            return ALARMS.alarm(code, percent=100.0 * share, rest=100.0 * (1.0 - share))
         # whatever ends compensation is reported with its mode
         self._is_told = self._is_told and compensates
         self._free_time = self._free_time + self._dt if self._is_told and not is_held else 0.0
