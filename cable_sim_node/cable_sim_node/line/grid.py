@@ -139,7 +139,7 @@ def settings_of(parameters: CableSimParameters) -> Array:
 
 
 def unit_tables(parameters: CableSimParameters) -> tuple[Array, Array, Array]:
-    """Return the unit's tables as `layout` describes them: over KC, near the seabed, near the surface; shape (k, 3)."""
+    """Return the tables of the parameters' unit, see `layout`: over KC, near seabed, near surface; shape (k, 3)."""
     unit, density = parameters.unit, parameters.water_density
     table, area = unit.oscillation, unit.drag_area[2]
     drag = 0.5 * density * area * np.array(table.drag_coefficient)
