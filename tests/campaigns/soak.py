@@ -87,7 +87,7 @@ def look_at(command: psutil.Process, folder: Path) -> Look | None:
 
 def _words(process: psutil.Process) -> list[str]:
     try:
-        return process.cmdline()
+        return list(process.cmdline())
     except psutil.Error:
         return []
 

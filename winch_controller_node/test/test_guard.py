@@ -378,3 +378,15 @@ def test_the_drum_is_not_checked_while_the_law_catches_up():
     guard.allow_catch_up()
     assert watch_waves(guard, 14.0, rate_error=0.7) is None
     assert watch_waves(guard, 10.0, rate_error=0.7) is not None
+
+
+def test_the_reason_is_told_while_compensation_is_kept_off_and_the_loop_that_is_watched_may_be_another():
+    """Half the speed limit: the sea asks twice as much of that winch."""
+    guard = make_guard()
+    feed_guard(guard, 0.2, 0.5, 60.0)
+    assert guard.reason == ""
+    demand = guard.demand
+    guard.take_loop(GuardedLoop(WinchLimits(1.0, 0.75, -50.0, 50.0)))
+    assert guard.demand == pytest.approx(2.0 * demand)
+    feed_guard(guard, 0.8, 0.5, 60.0)
+    assert guard.reason == guard.alarm.brief != ""

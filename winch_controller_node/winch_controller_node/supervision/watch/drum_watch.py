@@ -107,9 +107,6 @@ class DrumWatch:
 
     def reset(self, payout: float = 0.0) -> None:
         """Restart with the drum at rest at `payout` [m]."""
-        self._payouts.clear()
-        self._rates.clear()
-        self._tensions.clear()
         self.restart()
         for _ in range(self._ahead):
             self._payouts.append(payout)
@@ -119,7 +116,6 @@ class DrumWatch:
     def restart(self) -> None:
         """Restart with the drum in motion, after something that no drum does."""
         self._readings.clear()
-        self._limits.clear()
 
     def add(
         self,
