@@ -46,9 +46,8 @@ def failing(steps, *options):
         device = LiveDevice(device_map_of("winch", parse_yaml(plc.text_of_map())), Node())
         device.start()
         try:
-            found = set()
+            found, part = set(), RealPart(device, time.sleep, lambda _: plc.tell("trip"))
             for step in steps:
-                part = RealPart(device, time.sleep, lambda _: plc.tell("trip"))
                 trace = run_winch(part, step.test, step.event, step.name, lambda *_: None)
                 values = figures.evaluate(trace.measured(step.test, NOMINAL), step.alarms)
                 judged = [figures.judged(one, values) for one in step.wanted]

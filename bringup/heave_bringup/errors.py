@@ -42,6 +42,12 @@ class CommandError(Exception):
     status = ExitStatus.FAILED
 
 
+class InterruptedCommandError(CommandError):
+    """Ctrl-C or SIGTERM ended what the command did; the message says what is left of it."""
+
+    status = ExitStatus.INTERRUPTED
+
+
 class VerdictError(CommandError):
     """The command did what it says, and the verdict is FAILED; the message says which criterion, and where all are.
 

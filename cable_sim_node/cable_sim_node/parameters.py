@@ -210,7 +210,7 @@ class CurrentProfileParameters:
 
 @dataclass(frozen=True)
 class WaveKinematicsParameters:
-    """Water motion of one regular deep-water wave along the submerged cable. The splash zone is not modelled."""
+    """Water motion of one regular deep-water wave, and the surface that it makes."""
 
     amplitude: float = parameter(0.0, unit="m", minimum=0.0, description="Wave amplitude; 0 means still water.")
     period: float = parameter(10.0, unit="s", minimum=0.5, description="Wave period.")
@@ -303,6 +303,11 @@ class CableSimParameters:
         minimum=0.0,
         maximum=2000.0,
         description="Density of the surrounding fluid; 0 is a vacuum.",
+    )
+    surface: bool = parameter(
+        True,
+        unit="",
+        description="The water ends at its surface, z = 0 and the wave on it; false: it surrounds everything.",
     )
     gravity: float = parameter(
         STANDARD_GRAVITY, unit="m/s^2", minimum=0.0, maximum=100.0, description="Acceleration of gravity."

@@ -261,6 +261,16 @@ def test_the_messages_of_several_outputs_of_a_node_are_counted_each_by_its_own_c
     assert (gate.expected("/tip"), gate.expected("/mru")) == (10, 9), "the newest count is the largest"
 
 
+def test_each_output_of_a_node_has_its_place_among_its_counters_and_another_roster_counts_at_once():
+    gate = TickGate(["/a", "/b", "/c"], ["sea"])
+    gate.set_roster(["sea"] * 3, ["/a", "/b", "/c"])
+    gate.begin(1, 1, [0, 0, 0])
+    gate.peer_done("sea", 1, 1, [1, 2, 3])
+    assert [gate.expected(topic) for topic in gate.inboxes] == [1, 2, 3]
+    gate.set_roster(["sea"] * 3, ["/c", "/b", "/a"])
+    assert [gate.expected(topic) for topic in gate.inboxes] == [3, 2, 1]
+
+
 def test_only_nodes_that_are_waited_for_add_to_the_counts():
     gate = make_gate()
     gate.begin(1, 1, [0, 0, 0])
@@ -369,8 +379,9 @@ def test_who_may_publish_comes_with_the_roster():
     gate.set_roster(["sea", "plant"], ["/mru", "/other"], [SOMEBODY, STRANGER])
     assert gate.inboxes["/mru"].put(message(1), SOMEBODY)
     assert not gate.inboxes["/mru"].put(message(2), STRANGER)
-    assert external.put(message(3), STRANGER)
+    assert external.put(message(3), "cc")
     gate.set_roster(["sea", "plant"], ["/mru", "/load"], [SOMEBODY, STRANGER])
-    assert not external.put(message(4), SOMEBODY)
+    assert not external.put(message(4), "cc")
+    assert external.put(message(4), STRANGER)
     gate.set_roster(["sea", "plant"], ["/mru", "/load"])
     assert gate.inboxes["/mru"].put(message(5), "cc"), "no identities: anybody"

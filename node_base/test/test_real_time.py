@@ -7,7 +7,7 @@ import sys
 import weakref
 
 import pytest
-from heave_node.ros.transport.real_time import OLD, SlackCollector
+from heave_node.ros.transport.real_time import MIDDLE_AGED, OLD, after_tick, collect_between_ticks
 from heave_node.run_parameters import REALTIME, RunParameters
 
 PRIORITY = """
@@ -36,9 +36,9 @@ class Cycle:
         self.myself = self
 
 
-@pytest.fixture
-def collector():
-    yield SlackCollector()
+@pytest.fixture(autouse=True)
+def _leave_the_collector_on():
+    yield
     gc.enable()
     gc.unfreeze()
 
@@ -51,28 +51,28 @@ def alive(garbage):
     return sum(reference() is not None for reference in garbage)
 
 
-def test_garbage_waits_for_the_end_of_the_tick_however_much_there_is(collector):
-    collector.begin()
+def test_garbage_waits_for_the_end_of_the_tick_however_much_there_is():
+    collect_between_ticks()
     garbage = leave_garbage(100 * gc.get_threshold()[0])
     assert alive(garbage) == len(garbage)
-    collector.after_tick()
+    after_tick()
     assert alive(garbage) == 0
 
 
-def test_what_outlived_some_ticks_is_collected_too(collector):
-    collector.begin()
+def test_what_outlived_some_ticks_is_collected_too():
+    collect_between_ticks()
     kept = [Cycle() for _ in range(10)]
     garbage = [weakref.ref(cycle) for cycle in kept]
     for _ in range(10):
-        collector.after_tick()  # they grow old
+        after_tick()  # they grow old
     kept.clear()
-    for _ in range(OLD):
-        collector.after_tick()
+    for _ in range(2 * OLD * MIDDLE_AGED):
+        after_tick()
     assert alive(garbage) == 0
 
 
-def test_a_node_in_lockstep_leaves_the_collector_as_it_is(collector):
-    collector.after_tick()
+def test_a_node_in_lockstep_leaves_the_collector_as_it_is():
+    after_tick()
     assert gc.isenabled()
     assert gc.get_freeze_count() == 0
 

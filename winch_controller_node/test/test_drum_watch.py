@@ -233,7 +233,7 @@ def test_the_orders_before_a_reset_were_to_stay_where_the_drum_was():
 
 @pytest.mark.parametrize(("gain", "sign"), [(1.3, 1.0), (0.7, -1.0)])
 def test_a_drum_that_went_further_than_foreseen_is_ahead_by_a_positive_error(gain, sign):
-    """While it speeds up: what it does from then on is not in the readings that it is foreseen from."""
+    """While it speeds up: what it does from then on is not in the readings that it is predicted from."""
     watch, drum = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT), VirtualWinch(WinchParameters(), tick_period=DT)
     drum.step(0, WinchCommand(1))
     for tick in range(1, 41):
@@ -244,7 +244,7 @@ def test_a_drum_that_went_further_than_foreseen_is_ahead_by_a_positive_error(gai
 
 
 def test_a_drum_whose_power_is_limited_is_foreseen_under_the_tension_that_was_told():
-    """50 kW at 200 kN are 0.25 m/s. Of an unknown tension nothing is foreseen: it would have gone at 0.6 m/s."""
+    """50 kW at 200 kN are 0.25 m/s. Of an unknown tension nothing is predicted: it would have gone at 0.6 m/s."""
     for told, is_foreseen in ((200e3, True), (np.nan, False)):
         watch = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT)
         watch.take({"winch.power_limit": 50e3})

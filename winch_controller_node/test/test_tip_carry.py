@@ -9,10 +9,10 @@ from heave_node.crane.kinematics import Crane
 from heave_node.crane.pose import CranePose
 from heave_node.interface.sensors import MruReading
 from winch_controller_node.component import WinchController
-from winch_controller_node.crane.lift import LiftOrders
 from winch_controller_node.crane.tip_carry import APPROACH, TipCarry
-from winch_controller_node.interface.readings import Measurements, WinchOrder, WinchReading
+from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
 from winch_controller_node.interface.sensors import MruModelParameters
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.crane import CraneModelParameters
 from winch_controller_node.parameters.model import WinchModelParameters
@@ -48,6 +48,11 @@ def raised(t):
     return float((y_turn @ x_turn @ np.array(Crane(CRANE).tip(joints(t)).arm))[2])
 
 
+def by_ship(t):
+    """Return the part of that height which roll and pitch make: the crane's own lift is the winch's to make up for."""
+    return raised(t) - Crane(CRANE).tip(joints(t)).arm[2]
+
+
 def delivered(t, pose=True, still=False):
     roll, pitch = (0.0, 0.0) if still else attitude(t)
     poses = (CranePose(t, joints(t), rates(t)),) if pose else ()
@@ -63,8 +68,8 @@ def test_heave_and_rate_are_those_of_the_tip():
     times = np.arange(0.0, 40.0, DT).tolist()
     found = carried(carry_of(CRANE), times)
     for t, reading in list(zip(times, found, strict=True))[20:]:
-        assert reading.heave == pytest.approx(0.3 + raised(t) - raised(0.0), abs=1e-9)
-        rate = (raised(t + 1e-5) - raised(t - 1e-5)) / 2e-5
+        assert reading.heave == pytest.approx(0.3 + by_ship(t), abs=1e-9)
+        rate = (by_ship(t + 1e-5) - by_ship(t - 1e-5)) / 2e-5
         # roll and pitch rates are a parabola's of 0.6 s: 1 % of 0.7 rad/s times 0.05 rad, on an arm of 20 m
         assert reading.heave_rate == pytest.approx(0.1 + rate, abs=0.01)
         assert math.isnan(reading.heave_acceleration)
@@ -124,34 +129,32 @@ def test_what_the_ship_adds_passes_the_high_pass_of_the_mru():
 
 def test_a_boom_that_lifts_the_tip_has_the_winch_pay_out_and_the_unit_stay():
     """A drum that follows orders with delay and lag, exactly as the nominal one: the loop sees it stand, and what the
-    drum is behind is heave of the tip: rate (delay + T) once the boom moves steadily."""
+    drum is behind is taken off the depth: a unit that goes up with the boom reads less deep by it."""
     carry, drum, speed, orders = carry_of(CRANE), 0.0, 0.0, [0.0] * 4
     share = -math.expm1(-DT / 0.3)
-    seen = []
-    for n in range(81):
+    seen, limits = [], WinchLimits(speed=2.0, acceleration=1.5, payout_minimum=-50.0, payout_maximum=50.0)
+    up = math.sin(0.2)  # of the jib at 0.8 - 0.6 rad
+    for n in range(161):
         t = n * DT
         pose = CranePose(t, (1.5, 0.8, -0.6, 0.2 * t), (0.0, 0.0, 0.0, 0.2))
-        given = Measurements((MruReading(t, 0.0, 0.0),), winch=WinchReading(t, drum, speed, brake=False), crane=(pose,))
+        depth = 100.0 + drum - 0.2 * up * t
+        given = Measurements(
+            (MruReading(t, 0.0, 0.0),),
+            {"depth": (ScalarReading(t, depth),)},
+            winch=WinchReading(t, drum, speed, brake=False),
+            crane=(pose,),
+        )
         taken = carry.carried(t, given)[0]
-        seen.append((taken.winch.encoder_payout, taken.mru[0].heave))
-        order = carry.ordered(WinchOrder(n, 0.0, 0.0, brake=False), follows=True)
-        orders.append(order.payout_rate)
+        seen.append((taken.winch.encoder_payout, taken.mru[0].heave, taken.of("depth")[0].value))
+        orders.append(carry.lift_share(limits, 0.0, 0.0).command)
         before = speed
         speed += share * (orders[n] - speed)
-        drum += 0.5 * DT * (before + speed)
-    lift_rate = 0.2 * math.sin(0.2)  # of the jib at 0.8 - 0.6 rad
-    assert order.payout_rate == pytest.approx(lift_rate)
-    # what leaks into payout in 4 s: at most the lag times 4 s / 30 s
-    leak = lift_rate * 0.5 * 4.0 / 30.0
-    assert [payout for payout, _ in seen] == pytest.approx([0.0] * 81, abs=leak)
-    assert seen[-1][1] == pytest.approx(lift_rate * (0.2 + 0.3), abs=leak + 0.5 * DT * lift_rate)
-    assert order.payout == pytest.approx(lift_rate * 4.05, abs=leak)
-
-
-def test_a_winch_that_is_to_rest_is_not_ordered_to_follow_and_the_payout_is_the_boom_s():
-    lift = LiftOrders(WINCH, DT)
-    assert lift.step(0.5, 0.1, follows=False) == 0.0
-    assert (lift.made, lift.rate) == (pytest.approx(0.505), 0.1)
+        drum += DT * orders[n] - 0.3 * (speed - before)  # v' = (u - v) / T, exactly
+    assert [payout for payout, _, _ in seen] == pytest.approx([0.0] * 161, abs=1e-9)
+    assert [heave for _, heave, _ in seen] == pytest.approx([0.0] * 161, abs=1e-9)
+    assert [depth for _, _, depth in seen] == pytest.approx([100.0] * 161, abs=1e-9)
+    # after 8 s, four catch-up times: (1 + 4) e^-4 = 9 % of the 0.02 m that it was behind
+    assert 100.0 + drum - 0.2 * up * 161 * DT == pytest.approx(100.0, abs=2e-3)
 
 
 def test_a_pose_for_a_crane_without_lengths_is_told_once_and_not_used():

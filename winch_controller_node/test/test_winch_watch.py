@@ -172,7 +172,7 @@ def test_three_seconds_after_the_drum_was_last_off_all_is_allowed_again(design):
 def test_what_was_ordered_at_the_end_of_the_payout_still_counts_for_what_the_drum_does_from_there(design):
     """1 m/s up to the end, 4 s of 0 m/s there, then -0.5 m/s: for its delay the drum does what was ordered at the end.
 
-    The readings begin anew where the winch leaves the end; the drum is as foreseen from then on.
+    The readings restart where the winch leaves the end; the drum is as predicted from then on.
     """
     watch, drum = WinchWatch(design), VirtualWinch(WinchParameters(), tick_period=DT)
     drum.step(0, WinchCommand(1))

@@ -53,9 +53,6 @@ DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
 OPERATED = (Mode.COMPENSATING, Mode.MANUAL)
 """Modes in which an operator may ask for a speed."""
 
-LIFTED = (Mode.COMPENSATING, Mode.FADE_OUT, Mode.MANUAL, Mode.CONSTANT_TENSION)
-"""Modes in which the winch follows the rate at which a crane lifts the boom tip."""
-
 COMING_TO_REST = (Mode.FADE_OUT, Mode.STOPPING)
 """Modes in which no move begins."""
 
@@ -240,12 +237,9 @@ class WinchController:
 
         Raises ModeError where the winch's range does not reach.
         """
-        limits = self._command.governor.limits
-        if not limits.payout_minimum <= payout <= limits.payout_maximum:
-            raise ModeError(
-                f"that needs a payout of {payout:.1f} m; the winch reaches {limits.payout_minimum:g} to "
-                f"{limits.payout_maximum:g} m"
-            )
+        lowest, highest = self._command.payout_range()
+        if not lowest <= payout <= highest:
+            raise ModeError(f"that needs a payout of {payout:.1f} m; the winch reaches {lowest:g} to {highest:g} m")
         self.mean.move_to(payout, speed)
 
     @property
@@ -273,11 +267,12 @@ class WinchController:
             self._operator.drop()
             return
         limits, shares = self._command.governor.limits, self.parameters.operator
+        lowest, highest = self._command.payout_range()
         bounds = OperatorRange(
             speed=shares.speed_share * limits.speed,
             acceleration=shares.acceleration_share * limits.acceleration,
-            payout_minimum=limits.payout_minimum,
-            payout_maximum=limits.payout_maximum,
+            payout_minimum=lowest,
+            payout_maximum=highest,
             lag=self.mean.lag,
         )
         limited = self._operator.limit_news(bounds)
@@ -373,12 +368,14 @@ class WinchController:
             self._act_on(decision.landing, loop)
             loop = self._estimation.refreshed(loop)
         observations = self._observe(loop, measurements.winch, decision.mode)
-        command = self._command.command(loop, decision, self._watch_preview(loop, measurements.preview))
+        preview = self._watch_preview(loop, measurements.preview)
+        lift = self.crane.lift_share(self._command.governor.limits, self.mean.point.payout, loop.payout)
+        command = self._command.command(loop, decision, preview, lift)
         self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
         self._watch_load(loop, measurements.winch, command)
         order = self._command.order(command, decision.mode, self._estimation.set_point)
         self._winch.give(order)
-        order = self.crane.ordered(order, follows=decision.mode.mode in LIFTED)
+        order = self._command.with_lift(order)
         self._note_kpi(loop)
         reported = ControllerTick(
             loop=loop,
@@ -624,4 +621,5 @@ class WinchController:
         """Command and supervise with the active design and law; mode and mean payout stay."""
         design, law = self._in_force.design, self._in_force.law
         self._command.take_design(design, law)
+        self.crane.take_winch(design.parameters.winch)
         self._supervisor.take_design(design, law)

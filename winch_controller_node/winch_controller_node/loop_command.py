@@ -16,7 +16,7 @@ from winch_controller_node.interface.readings import WinchOrder
 from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint, Travel
 from winch_controller_node.laws.law import ControlLaw, LawCommand
 from winch_controller_node.laws.outlet_hold import OutletHold
-from winch_controller_node.laws.parts.governor import TENSION, GovernedCommand
+from winch_controller_node.laws.parts.governor import NO_LIFT, TENSION, GovernedCommand, LiftShare
 from winch_controller_node.laws.parts.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.model.loop_rows import loop_rows
 from winch_controller_node.supervision.modes import Mode, ModeOutput
@@ -42,14 +42,16 @@ class TickCommand(NamedTuple):
     ----------
     asked : by the law, without the mean payout's share
     governed : what the governor lets through, the mean payout's share included
-    standing : command under which the winch would stay where it is
+    standing : command under which the winch would stay where it is, and not follow a crane's lift
     shares : of the governed command
+    lift : what the winch does for the crane's lift beside it
     """
 
     asked: LawCommand
     governed: GovernedCommand
     standing: float
     shares: CommandShares
+    lift: LiftShare = NO_LIFT
 
 
 NO_COMMAND = TickCommand(IDLE, GovernedCommand(0.0, (), 0.0), 0.0, CommandShares())
@@ -129,14 +131,21 @@ class LoopCommand:
 
     def speed(self, tick: LoopTick) -> float:
         """Return the speed of the winch as last commanded at `tick` [m/s], absolute."""
-        return abs(tick.total_payout_rate) if self._is_first_order else abs(self._speed_asked)
+        return abs(tick.total_payout_rate + self.last.lift.rate) if self._is_first_order else abs(self._speed_asked)
 
     @property
     def _speed_asked(self) -> float:
         """Speed that was last asked of a speed servo [m/s]."""
         return self.last.governed.value - self.last.standing
 
-    def command(self, tick: LoopTick, decision: Decision, preview: HeavePreview | None = None) -> TickCommand:
+    def payout_range(self) -> tuple[float, float]:
+        """Return the ends of the range that the mean payout may use, less what is paid out for the crane's lift [m]."""
+        limits, lifted = self.governor.limits, self.last.lift.payout
+        return limits.payout_minimum - lifted, limits.payout_maximum - lifted
+
+    def command(
+        self, tick: LoopTick, decision: Decision, preview: HeavePreview | None = None, lift: LiftShare = NO_LIFT
+    ) -> TickCommand:
         """Return the command of a tick: the law's and the mean payout's share, governed.
 
         Parameters
@@ -144,12 +153,14 @@ class LoopCommand:
         tick : what is known of the loop
         decision : what is to be done
         preview : of the boom tip, seen from this tick; None: there is none
+        lift : what the winch is to do for the crane's lift
         """
         mode = decision.mode
         if preview is not None:
             preview = replace(preview, heave=mode.authority * preview.heave)
         payout, rate = self.governor.predict(tick.total_state)
-        standing = self._standing_command(tick.total_state, payout)
+        follows = self._standing_command(tick.total_state, payout)
+        standing = follows + self._standing_share(lift) - lift.command
         mean_payout, mean_rate = self.governor.predict(tick.mean_state)
         state = LoopState(
             x=self._law_state(tick, mode),
@@ -160,21 +171,21 @@ class LoopCommand:
             preview=preview,
             bounds_tension=decision.bounds_tension,
         )
-        asked = self._ask(tick, state, standing, decision)
+        asked = self._ask(tick, state, follows if mode.mode is Mode.MANUAL else standing, decision)
         if decision.bounds_tension or mode.mode not in BY_LAW:
             asked = self._give_way(asked, tick, mode)
         if mode.brake:
-            governed = GovernedCommand(standing, (), standing)
+            governed = GovernedCommand(standing, (), standing, lift.command)
         else:
             tension = tick.sensed.tension if math.isfinite(tick.sensed.tension) else state.static_tension
-            governed = self.governor.govern(asked.value + tick.mean_command, payout, rate, tension)
+            governed = self.governor.govern(asked.value + tick.mean_command, payout, rate, tension, lift)
         compensating = governed.value - tick.mean_command
         shares = CommandShares(compensating, governed.value - compensating)
-        self.last = TickCommand(asked, governed, standing, shares)
+        self.last = TickCommand(asked, governed, standing, shares, lift)
         return self.last
 
     def order(self, command: TickCommand, mode: ModeOutput, mean_payout: float) -> WinchOrder:
-        """Return the set-points of a command.
+        """Return the set-points of a command, without those for the crane's lift.
 
         Parameters
         ----------
@@ -191,10 +202,18 @@ class LoopCommand:
         # the model's command counts what the winch's position loop makes of the payout set-point as well
         return WinchOrder(self._sequence, mean_payout, sent - self._winch.position_gain * mean_payout, mode.brake)
 
+    def with_lift(self, order: WinchOrder) -> WinchOrder:
+        """Return the `order` of the last command as it leaves: with the set-points for the crane's lift."""
+        lift, sent = self.last.lift, self.last.governed.lift_sent
+        if self._is_first_order:
+            return order._replace(payout=order.payout + sent)
+        rate = 0.0 if order.brake else sent - self._winch.position_gain * lift.payout
+        return order._replace(payout=order.payout + lift.payout, payout_rate=order.payout_rate + rate)
+
     def _place_held(self, command: TickCommand, mean_payout: float) -> float:
         """Return the payout set-point [m] under which a servo on its brake asks for no speed."""
-        gain = self._winch.position_gain
-        return command.governed.sent / gain if gain > 0.0 else mean_payout
+        gain, sent = self._winch.position_gain, command.governed.sent + command.governed.lift_sent
+        return sent / gain - command.lift.payout if gain > 0.0 else mean_payout
 
     def _law_state(self, tick: LoopTick, mode: ModeOutput) -> Array:
         """Return the state that the law acts on; constant tension follows the whole sea and acts on the estimate."""
@@ -273,8 +292,12 @@ class LoopCommand:
         slower = math.copysign(max(abs(self._speed_asked) - self._stop_step, 0.0), self._speed_asked)
         return LawCommand(slower + standing - state.reference.command)
 
+    def _standing_share(self, lift: LiftShare) -> float:
+        """Return what the crane's `lift` adds to the command under which the whole drum stays where it is."""
+        return lift.payout if self._is_first_order else self._winch.position_gain * lift.payout
+
     def _standing_command(self, total_state: Array, payout_ahead: float) -> float:
-        """Return the command under which the winch stays where it is.
+        """Return the command under which the winch stays where it is but for the crane's lift.
 
         It is its own payout, or what a servo's position loop takes off.
         """

@@ -71,7 +71,7 @@ def _drift(measured: Measured) -> float:
 def _distance(measured: Measured) -> float:
     if math.isnan(measured.stop):
         return math.nan
-    payout = measured.run.payout
+    payout = measured.payout
     return abs(float(np.diff(np.interp([measured.event, measured.stop], payout.time, payout.value))[0]))
 
 

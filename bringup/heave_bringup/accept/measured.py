@@ -63,7 +63,8 @@ class Measured:
     ordered_rate : ordered payout rate [m/s], positive pays out
     event, event_end : of what was done to the part [s]; NaN: nothing was
     alarms : time [s] and code of each; of what a controller holds of a sensor or a winch, its words
-    readings : of each sensor, by name: heave [m] of the MRU, depth [m], tension [N], payout [m] of the encoder
+    readings : of each sensor, by name: heave [m] of the MRU, depth [m], tension [N], payout [m] and rate [m/s] of the
+        encoder; of a run the payout of its signals is about the programme of depth, that of the encoder is not
     nominal : the winch as it should be
     notes : what a reader must know
     """
@@ -85,12 +86,14 @@ class Measured:
 
     @cached_property
     def payout(self) -> Signal:
-        """Payout within the window [m]."""
-        return self.run.payout.window(self.start, self.end)
+        """Payout within the window [m]: what the encoder reads, where it is known."""
+        return self.reading("encoder") if "encoder" in self.readings else self.run.payout.window(self.start, self.end)
 
     @cached_property
     def rate(self) -> Signal:
         """Payout rate within the window [m/s]: as it is reported, else the difference of payout."""
+        if "encoder_rate" in self.readings:
+            return self.reading("encoder_rate")
         if self.run.payout_rate.size:
             return self.run.payout_rate.window(self.start, self.end)
         payout = self.payout
@@ -138,10 +141,11 @@ class Measured:
     def stop(self) -> float:
         """Time at which the drum has stopped after the event [s]; NaN where it does not, or nothing happened."""
         after = self.rate.window(self.event, self.end) if math.isfinite(self.event) else Signal()
-        moves = after.time[np.abs(after.value) >= AT_REST]
-        if not after.size or (moves.size and after.time[-1] - moves[-1] < REMAINS):
+        if not after.size:
             return math.nan
-        return float(moves[-1]) if moves.size else self.event
+        moves = np.array([self.event, *after.time[np.abs(after.value) >= AT_REST], after.time[-1]])
+        rests = np.flatnonzero(np.diff(moves) >= REMAINS)
+        return float(moves[rests[0]]) if rests.size else math.nan
 
     def alarm_time(self, codes: Collection[str] | None = None) -> float:
         """Return the time from the event until the first alarm came [s]; NaN where none did.

@@ -132,12 +132,14 @@ def settings_of(parameters: CableSimParameters) -> Array:
     numbers[at.SPRING_PRELOAD] = spring.preload
     numbers[at.LUMPS_ON] = float(len(parameters.clumps.position) > 0)
     numbers[at.BENDING_ON] = float(parameters.cable.bending_stiffness > 0.0)
+    numbers[at.SURFACE_ON] = float(parameters.surface and parameters.water_density > 0.0)
+    numbers[at.GRAVITY] = parameters.gravity
     _set_unit(parameters, numbers)
     return numbers[at.SETTINGS :]
 
 
 def unit_tables(parameters: CableSimParameters) -> tuple[Array, Array, Array]:
-    """Return the unit's tables as `layout` describes them: over KC, near the seabed, near the surface; shape (k, 3)."""
+    """Return the tables of the parameters' unit, see `layout`: over KC, near seabed, near surface; shape (k, 3)."""
     unit, density = parameters.unit, parameters.water_density
     table, area = unit.oscillation, unit.drag_area[2]
     drag = 0.5 * density * area * np.array(table.drag_coefficient)
@@ -153,9 +155,11 @@ def _set_unit(parameters: CableSimParameters, numbers: Array) -> None:
     is_in_water = density > 0.0
     numbers[at.KC_ROWS], numbers[at.NEAR_BED_ROWS], numbers[at.NEAR_SURFACE_ROWS] = rows
     numbers[at.KC_WIDTH], numbers[at.KC_MEMORY] = unit.oscillation.width, unit.oscillation.memory
-    numbers[at.BOX_HEIGHT], numbers[at.BUOYANCY] = unit.box.height, unit_properties(parameters).buoyancy
+    numbers[at.BOX_HEIGHT] = unit.box.height if parameters.surface else 0.0
+    numbers[at.BUOYANCY] = unit_properties(parameters).buoyancy
     numbers[at.SLAMMING] = 0.5 * density * unit.box.slamming * unit.box.area
-    numbers[at.UNIT_VARIES] = float(is_in_water and (any(rows) or unit.box.height > 0.0))
+    is_crossing = parameters.surface and unit.box.height > 0.0
+    numbers[at.UNIT_VARIES] = float(is_in_water and (any(rows) or is_crossing))
 
 
 def _fill_segments(parameters: CableSimParameters, points: Array, grid: Array) -> None:

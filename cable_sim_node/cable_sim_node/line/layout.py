@@ -123,7 +123,7 @@ HEAVE_PATH, HEAVE_SQUARE, HEAVE_WEIGHT = (REFUSED + k for k in (12, 13, 14))
 # and whether it is stiff; the largest step, the one that the next interval begins with (0: the largest), and the time
 # for which steps stay short because the line was slack. Of the unit: whether it depends on its place or motion; points
 # of its tables over KC, over the height above the seabed and over depth; width and memory of KC; height of its box [m],
-# buoyancy [N], and slamming (1/2) rho C_s A [kg/m].
+# buoyancy [N], and slamming (1/2) rho C_s A [kg/m]. Whether the water ends at a surface; gravity [m/s^2].
 SETTINGS = REFUSED + 15
 (
     ALPHA_F,
@@ -174,8 +174,10 @@ SETTINGS = REFUSED + 15
     BOX_HEIGHT,
     BUOYANCY,
     SLAMMING,
+    SURFACE_ON,
+    GRAVITY,
     NUMBERS,
-) = range(SETTINGS, SETTINGS + 49)
+) = range(SETTINGS, SETTINGS + 51)
 """From NUMBERS on the points of the seabed's profile follow, three numbers each: distance [m], height [m], slope. Then
 those of the unit's tables: KC, vertical added mass [kg] and (1/2) rho C_D S [kg/m]; distance [m] and factor on the
 added mass, near the seabed and near the surface.

@@ -22,7 +22,7 @@ class CableProperties:
     axial_stiffness, quadratic, cubic : EA [N] and the coefficients of the tension law, see `tension_law`
     internal_damping : tension per strain rate [N s]
     mass, added_mass, displaced_mass : of the cable, added normal to it, and of the displaced fluid [kg/m]
-    weight : in the fluid, positive down [N/m]
+    weight, weight_in_air : in the fluid and out of it, positive down [N/m]
     normal_drag, tangential_drag : N and T of `drag` [N s2/m3]
     bending_stiffness : EI [N m2]
     """
@@ -35,6 +35,7 @@ class CableProperties:
     added_mass: float
     displaced_mass: float
     weight: float
+    weight_in_air: float
     normal_drag: float
     tangential_drag: float
     bending_stiffness: float
@@ -173,6 +174,7 @@ def _cable_properties(parameters: CableSimParameters, cable: CableParameters) ->
         added_mass=density * cable.added_mass * cable.displaced_area,
         displaced_mass=density * cable.displaced_area,
         weight=cable.weight_in_fluid(density, parameters.gravity),
+        weight_in_air=cable.weight_in_fluid(0.0, parameters.gravity),
         normal_drag=0.5 * density * cable.normal_drag * cable.diameter,
         tangential_drag=0.5 * math.pi * density * cable.tangential_drag * cable.diameter,
         bending_stiffness=cable.bending_stiffness,

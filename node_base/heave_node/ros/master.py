@@ -29,6 +29,7 @@ from heave_node.ros.transport.exchange import LocalPublisher
 from heave_node.ros.transport.host_clocks import HostClocks
 from heave_node.ros.transport.identity import describe_sender, host_of, identity_of_endpoint
 from heave_node.ros.transport.qos import mismatches
+from heave_node.ros.transport.real_time import after_tick
 from heave_node.tick import malformed
 from heave_node.tick.loop_timing import LoopTiming
 from heave_node.tick.protocol import TickDone, TickStart
@@ -338,7 +339,7 @@ class ClockMasterNode(HeaveNode):
             self.fail_on_error(lambda: self.on_advance(tick))
             self._begin_what_follows()
         else:
-            self.garbage.after_tick()
+            after_tick()
 
     def _has_all_inputs(self) -> bool:
         """Return whether all inputs of the tick are here; at the end in real time, whether no more of them come."""

@@ -47,7 +47,7 @@ from heave_node.ros.transport.qos import (
     reader_qos_of,
     unused_overrides,
 )
-from heave_node.ros.transport.real_time import SlackCollector, take_priority
+from heave_node.ros.transport.real_time import collect_between_ticks, take_priority
 from heave_node.ros.transport.strangers import Strangers
 from heave_node.run_parameters import RunParameters
 from heave_node.tick.external_clock import ExternalClock
@@ -101,7 +101,6 @@ class HeaveNode(LifecycleNode):
     clock_of_run : simulated time by monotonic wall time [ns]
     strangers : processes noticed that are not part of the run
     message_sent : when the message of the protocol that is handled now was sent, by its sender's clock [ns]
-    garbage : collects it in real time, when a tick's work is done
     least_delay : least time that a status of the clock master took, by the clocks of both hosts [s]; 0: none came
     exchange : of the topics of a run whose nodes share one process; None: they go through the middleware
     """
@@ -132,7 +131,6 @@ class HeaveNode(LifecycleNode):
         self.is_active = False
         self.message_sent = 0
         self.least_delay = 0.0
-        self.garbage = SlackCollector()
         self._ports = Ports()
 
     # What a node fills in ------------------------------------------------------------------------------------------
@@ -350,7 +348,7 @@ class HeaveNode(LifecycleNode):
         """Collect garbage between ticks; with a priority where the run wants one and others wait for this node."""
         if self.run.is_lockstep:
             return
-        self.garbage.begin()
+        collect_between_ticks()
         if self.run.realtime_priority and self.lag == 0:
             for refused in take_priority(self.run.realtime_priority):
                 self.get_logger().warning(refused)

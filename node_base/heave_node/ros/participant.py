@@ -17,6 +17,7 @@ from heave_node.interface import topics
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
 from heave_node.ros.silence import Patience, Silence
+from heave_node.ros.transport.real_time import after_tick
 from heave_node.tick import malformed
 from heave_node.tick.protocol import TickDone, TickStart
 from heave_node.tick.punctuality import Punctuality
@@ -278,7 +279,7 @@ class ParticipantNode(HeaveNode):
         self.flush_deferred()
         if not self._starts and not start.flush and start.tick < self.run.tick_count:
             self.fail_on_error(lambda: self.prepare(start.tick + 1))
-        self.garbage.after_tick()
+        after_tick()
         self._begin_next()
 
     def _do_tick(self, tick: Tick) -> None:

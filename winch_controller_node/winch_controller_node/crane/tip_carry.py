@@ -8,7 +8,9 @@ in the ship's frame, and R the rotation by pitch and roll, the tip moves by
 ([R' r]_z is that of omega x r). It is taken in two parts. What the ship does to the arm, [R r]_z - r_z, is heave of
 the boom tip and is added to the MRU's. The crane's own lift l = r_z is no wave: the winch pays out what a boom lifts,
 so that the unit keeps its depth. What it has paid out for that, m, is taken off the encoder's payout, and what is
-ordered for it is added to the order, see `lift`; l - m, which is left meanwhile, is heave of the boom tip as well.
+ordered for it is given to the governor and added to the order, see `lift`. l - m, which is left while the boom gains
+speed, or moves faster than the winch has speed for it, is no wave either: the unit goes with it, and what its depth
+sensor reads is corrected by it.
 
 Rates of roll and pitch are those of the last 0.6 s of the MRU's attitude. The lift is counted from the first pose. A
 pose that comes back elsewhere after a hold is approached in 10 s, and the lift is counted from it again: the unit is
@@ -30,10 +32,13 @@ from heave_node.interface.sensors import MruReading
 from heave_node.numerics.kinematics import height_of, height_rate_of
 
 from winch_controller_node.crane.lift import LiftOrders
+from winch_controller_node.crane.lift_room import LiftRoom
 from winch_controller_node.crane.pose_watch import PoseWatch
 from winch_controller_node.interface.alarms import ALARMS
-from winch_controller_node.interface.readings import Measurements, WinchOrder, WinchReading
+from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
 from winch_controller_node.interface.sensors import MruModelParameters
+from winch_controller_node.laws.parts.governor import NO_LIFT, LiftShare
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.crane import CraneModelParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 
@@ -105,7 +110,7 @@ class Approach(NamedTuple):
 
 
 class TipCarry:
-    """Carries the readings of MRU and encoder to the boom tip, and orders back; without a pose all stays as it is.
+    """Carries the readings of MRU and encoder to the boom tip; without a pose all stays as it is.
 
     Parameters
     ----------
@@ -131,6 +136,7 @@ class TipCarry:
         self._roll, self._pitch = RecentMotion(), RecentMotion()
         self._level = self._now = 0.0
         self._lift = LiftOrders(winch, tick_period)
+        self._room = LiftRoom(parameters, tick_period)
         self._approach = Approach()
         self._is_refused = False
 
@@ -149,29 +155,64 @@ class TipCarry:
         self.place = self._place(now)
         self._now = now
         mru = tuple([self._at_tip(one) for one in delivered.mru])
-        return replace(delivered, mru=mru, winch=self._without_lift(delivered.winch)), self.pose.news()
+        winch, scalar = self._without_lift(delivered.winch), dict(delivered.scalar)
+        scalar["depth"] = tuple([self._as_if_made_up(one, 0, 1.0) for one in delivered.of("depth")])
+        scalar["velocity"] = tuple([self._as_if_made_up(one, 1, -1.0) for one in delivered.of("velocity")])
+        return replace(delivered, mru=mru, winch=winch, scalar=scalar), self.pose.news() + self._room.news()
 
-    def ordered(self, order: WinchOrder, *, follows: bool) -> WinchOrder:
-        """Return an `order` with the crane's lift; the winch `follows` its rate, or is to come to rest."""
+    def take_winch(self, winch: WinchModelParameters) -> None:
+        """Have another nominal `winch` follow the lift from now on."""
+        self._lift.take_winch(winch)
+
+    def lift_share(self, limits: WinchLimits, mean: float, swing: float) -> LiftShare:
+        """Return what the winch is to do for the crane's lift in this tick; called once in each.
+
+        Parameters
+        ----------
+        limits : active ones of the winch
+        mean : mean payout, without that for the lift [m]
+        swing : of the drum about it, by compensation [m]
+        """
         if self.place is None:
-            return order
-        rate = self._lift.step(self._lifted(self.place), self.place.velocity[2], follows=follows)
-        return order._replace(payout=order.payout + self._lift.ordered, payout_rate=order.payout_rate + rate)
+            return NO_LIFT
+        rate, bounds = self.place.velocity[2], self._room.bounds(limits, mean, swing)
+        share = self._lift.step(self._lifted(self.place), rate, bounds)
+        self._room.watch(self._lift.bound, self.left(self._now)[0], rate, bounds, mean)
+        return share
+
+    def left(self, time: float) -> tuple[float, float]:
+        """Return the lift that the winch has not made up for at a `time` [s] near now, and its rate [m], [m/s]."""
+        if self.place is None:
+            return 0.0, 0.0
+        rate = self.place.velocity[2]
+        made, made_rate = self._lift.made(self._now - time)
+        return self._lifted(self.place) + rate * (time - self._now) - made, rate - made_rate
 
     def _lifted(self, place: TipPlace) -> float:
         """Return how much the crane has lifted the tip to a `place` since the first pose [m]."""
         return place.arm[2] - self._level
 
-    def _made_at(self, time: float) -> float:
-        """Return what the drum has paid out for the lift by a `time` near now [m]."""
-        return self._lift.made + self._lift.rate * (time - self._now)
-
     def _without_lift(self, winch: WinchReading | None) -> WinchReading | None:
         """Return the state of the `winch` without what it has paid out for the crane's lift."""
         if winch is None or not math.isfinite(winch.time):
             return winch
-        payout, rate = winch.encoder_payout - self._made_at(winch.time), winch.encoder_payout_rate - self._lift.rate
-        return winch._replace(encoder_payout=payout, encoder_payout_rate=rate)
+        made, rate = self._lift.made(self._now - winch.time)
+        return winch._replace(
+            encoder_payout=winch.encoder_payout - made, encoder_payout_rate=winch.encoder_payout_rate - rate
+        )
+
+    def _as_if_made_up(self, reading: ScalarReading, derivative: int, sign: float) -> ScalarReading:
+        """Return a `reading` of the unit as if the winch had made up for all of the lift.
+
+        Parameters
+        ----------
+        reading : of the unit's place, or of its velocity
+        derivative : 0 for a place, 1 for a velocity
+        sign : of the reading where the unit goes with the boom: 1 where that takes from it
+        """
+        if not math.isfinite(reading.time):
+            return reading
+        return reading._replace(value=reading.value + sign * self.left(reading.time)[derivative])
 
     def _refused(self, poses: tuple[CranePose, ...]) -> list[Alarm]:
         """Return the alarm of `poses` that come for a crane without lengths, once."""
@@ -202,9 +243,6 @@ class TipCarry:
         height = height_of(arm, roll, pitch) - arm[2]
         rate = height_rate_of(arm, roll, pitch, turning) + height_of(velocity, roll, pitch) - velocity[2]
         added, added_rate = self._high_pass.passed(time, height, rate)
-        left, left_rate = self._lifted(place) - self._made_at(time), velocity[2] - self._lift.rate
         return reading._replace(
-            heave=reading.heave + added + left,
-            heave_rate=reading.heave_rate + added_rate + left_rate,
-            heave_acceleration=math.nan,
+            heave=reading.heave + added, heave_rate=reading.heave_rate + added_rate, heave_acceleration=math.nan
         )

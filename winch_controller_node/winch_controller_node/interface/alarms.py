@@ -341,6 +341,22 @@ CRANE = (
     ),
     AlarmRow("CRANE_POSE_RESTORED", EVENT, "crane", "usable poses of the crane come again"),
     AlarmRow(
+        "CRANE_TOO_FAST",
+        HIGH,
+        "crane",
+        "the crane moves the boom tip up or down by {rate:.2f} m/s, limit of the winch for it {limit:.2f} m/s",
+        "The unit goes with the boom by the rest, and returns once the winch has caught up; compensation continues",
+        "Slow the crane down",
+    ),
+    AlarmRow(
+        "CRANE_BEYOND_RANGE",
+        HIGH,
+        "crane",
+        "the crane's lift takes the payout to {payout:.1f} m, limit for compensation {limit:.1f} m",
+        "The unit goes with the boom from there; compensation continues",
+        "Move the boom back, or move the unit so that the range suffices",
+    ),
+    AlarmRow(
         "CRANE_LENGTHS_MISSING",
         HIGH,
         "crane",

@@ -39,6 +39,22 @@ class CraneModelParameters(CraneParameters):
         maximum=10.0,
         description="Fastest that the boom can extend: an extension that changes faster has jumped.",
     )
+    lift_speed_share: float = parameter(
+        0.5,
+        unit="",
+        minimum=0.0,
+        maximum=1.0,
+        description="Fraction of the winch's active speed limit that may follow the crane's lift; compensation has the "
+        "rest.",
+    )
+    lift_acceleration_share: float = parameter(
+        0.3,
+        unit="",
+        minimum=0.001,
+        maximum=1.0,
+        description="Fraction of the winch's active acceleration limit that may follow the crane's lift; compensation "
+        "has the rest.",
+    )
 
     @property
     def largest_rates(self) -> tuple[float, ...]:

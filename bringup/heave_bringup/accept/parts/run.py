@@ -151,7 +151,7 @@ def readings_of(path: Path) -> dict[str, Signal]:
     sensors = {name: sensor for name, sensor in _SENSORS.items() if bag.has(sensor.topic.name)}
     selection = {sensor.topic.name: sensor.values[:1] for sensor in sensors.values()}
     if bag.has(_WINCH):
-        selection[_WINCH] = ("encoder_payout",)
+        selection[_WINCH] = ("encoder_payout", "encoder_payout_rate")
     columns = bag.columns(selection)
     found = {}
     for name, sensor in sensors.items():
@@ -159,5 +159,7 @@ def readings_of(path: Path) -> dict[str, Signal]:
         values = table[sensor.values[0]]
         found[name] = Signal(table[TIME], depth_of(values) if name == DEPTH.name else values)
     if bag.has(_WINCH):
-        found["encoder"] = Signal(columns[_WINCH][TIME], columns[_WINCH]["encoder_payout"])
+        table = columns[_WINCH]
+        found["encoder"] = Signal(table[TIME], table["encoder_payout"])
+        found["encoder_rate"] = Signal(table[TIME], table["encoder_payout_rate"])
     return found

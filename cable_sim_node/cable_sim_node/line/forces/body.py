@@ -7,7 +7,7 @@
 - A unit with a box is wet by the share s of its height that is below the surface: so are its buoyancy, its drag and its
   horizontal added mass. Its vertical added mass grows as A_33 = (1/2) rho C_s A_p h with the wet height h, up to what
   it is under water; while it grows and the unit enters, water slams with A_33' U^2 = (1/2) rho C_s A_p U^2, U the speed
-  through the surface (DNV-RP-N103, 4.3.5 and 3.3.4: C_s = 2/(rho A_p) dA_33/dh). The momentum A_33 U that is lost to
+  through the surface (slamming in DNV-RP-N103: C_s = 2/(rho A_p) dA_33/dh). The momentum A_33 U that is lost to
   the water is then what is gained by it (von Karman). Nothing pulls on the unit when it leaves.
 
 Everything is taken in the middle state, and holds for a whole step: what a predicted position misses is of the third

@@ -11,36 +11,28 @@ from pathlib import Path
 
 MIDDLE_AGED = 50
 """Ticks between two collections of what has lived through some already."""
-OLD = 1000
-"""Ticks between two collections of everything that was made since the start; they take milliseconds."""
+OLD = 20
+"""Such collections between two of everything that was made since the start, which take milliseconds."""
 
 _MCL_CURRENT_AND_FUTURE = 1 | 2
 
 
-class SlackCollector:
-    """Collects garbage in the slack behind a node's part of a tick, and never within it.
+def collect_between_ticks() -> None:
+    """Collect what the start has left, never look at what stays again, and from now on collect in `after_tick` alone.
 
     Python's collector comes when enough objects were made, wherever the program is, and then may look at all of them:
     tens of milliseconds.
     """
+    gc.collect()
+    gc.freeze()
+    gc.disable()
 
-    def __init__(self) -> None:
-        self._ticks = 0
-        self._is_in_use = False
 
-    def begin(self) -> None:
-        """Collect what the start has left, never look at what stays again, and collect in the slack from now on."""
-        gc.collect()
-        gc.freeze()
-        gc.disable()
-        self._is_in_use = True
-
-    def after_tick(self) -> None:
-        """Collect what the tick has left: mostly what is young, for some 20 us. Before `begin`: nothing."""
-        if not self._is_in_use:
-            return
-        self._ticks += 1
-        gc.collect(2 if self._ticks % OLD == 0 else 1 if self._ticks % MIDDLE_AGED == 0 else 0)
+def after_tick() -> None:
+    """Collect what a tick has left: mostly what is young, for some 20 us. Nothing where Python's collector is on."""
+    if not gc.isenabled():
+        _, young, middle_aged = gc.get_count()  # collections of the generation before
+        gc.collect(2 if middle_aged >= OLD else 1 if young >= MIDDLE_AGED else 0)
 
 
 def take_priority(priority: int) -> Iterator[str]:

@@ -32,11 +32,31 @@ class GovernedCommand(NamedTuple):
     value : command in the terms of the linear model: the estimator's input
     active : names of the limits that shaped it
     sent : the same for the winch, whose acceleration limiter acts within the tick, and which has a gain of its own
+    lift_sent : what the winch is sent for the crane's lift beside it
     """
 
     value: float
     active: tuple[str, ...]
     sent: float
+    lift_sent: float = 0.0
+
+
+class LiftShare(NamedTuple):
+    """What the winch does for the lift; the governor bounds it together with the loop's command.
+
+    Attributes
+    ----------
+    command : for it in this tick, in the terms of the model [m/s], or [m] of a first-order winch
+    payout, rate : of the drum for it when the command takes effect [m], [m/s]
+    """
+
+    command: float = 0.0
+    payout: float = 0.0
+    rate: float = 0.0
+
+
+NO_LIFT = LiftShare()
+"""Share of a crane that has not moved."""
 
 
 class SpeedServo:
@@ -100,15 +120,24 @@ class CommandGovernor:
         payout, rate = (self._ahead @ x).tolist()
         return payout, rate
 
-    def govern(self, wanted: float, payout: float, rate: float, tension: float) -> GovernedCommand:
+    def govern(
+        self, wanted: float, payout: float, rate: float, tension: float, lift: LiftShare = NO_LIFT
+    ) -> GovernedCommand:
         """Return the nearest command to `wanted` within the limits.
 
         Parameters
         ----------
         wanted : rate command [m/s], or payout command [m] of a first-order winch
-        payout, rate : of the winch when the command takes effect, mean motion included [m], [m/s]
+        payout, rate : of the winch when the command takes effect, with mean motion, without lift [m], [m/s]
         tension : expected at the top, for the power limit [N]
+        lift : what the winch does for the crane's lift beside it: the limits hold for the sum
         """
+        whole = self._governed(wanted + lift.command, payout + lift.payout, rate + lift.rate, tension)
+        lift_sent = lift.command if self._winch.law == "first_order" else lift.command / self._gain(whole.value)
+        return GovernedCommand(whole.value - lift.command, whole.active, whole.sent - lift_sent, lift_sent)
+
+    def _governed(self, wanted: float, payout: float, rate: float, tension: float) -> GovernedCommand:
+        """Return the command of the whole drum."""
         if self._winch.law == "first_order":
             return self._govern_payout(wanted, payout, tension)
         limits = self.limits
@@ -132,9 +161,12 @@ class CommandGovernor:
 
     def _demand(self, speed: float) -> float:
         """Return the set-point of which the servo makes a `speed` [m/s]."""
+        return (speed - self._winch.creep) / self._gain(speed)
+
+    def _gain(self, speed: float) -> float:
+        """Return the speed of the drum over its set-point, at a `speed` [m/s]."""
         winch = self._winch
-        gain = winch.speed_gain if speed >= winch.creep else winch.speed_gain * winch.hauling_gain
-        return (speed - winch.creep) / gain
+        return winch.speed_gain if speed >= winch.creep else winch.speed_gain * winch.hauling_gain
 
     def _reach(self, speed: float, rate: float) -> tuple[float, float]:
         """Return the set-points under which the speed stays within `speed` at the end of the tick, from `rate` [m/s].
