@@ -229,6 +229,13 @@ def test_an_alarm_that_comes_again_and_again_is_one_line(shared_bag):
     ]
 
 
+def test_a_list_that_is_empty_or_not_stated_is_no_difference(shared_bag):
+    one, other = analysis.analyse([shared_bag, shared_bag])
+    one.parameters = {"winch_controller": {"programme.modes": [], "law": "off"}}
+    other.parameters = {"winch_controller": {"law": "mpc"}}
+    assert [found.name for found in run_words.differences([one, other])] == ["law"]
+
+
 def test_a_recorded_sea_is_named_by_its_file(shared_bag):
     (record,) = analysis.analyse([shared_bag])
     for file, words in (("/data/sea.csv", "recorded: sea.csv"), ("", "recorded")):

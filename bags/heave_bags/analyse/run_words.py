@@ -167,9 +167,11 @@ def differences(records: Sequence[RunRecord]) -> list[Difference]:
 def _text(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:g}"
+    if value is None or value in ("", [], ()):
+        return "-"  # an empty list that one bag states, and another does not, is no difference
     if isinstance(value, list | tuple):
         return "[" + ", ".join(_text(item) for item in value) + "]"
-    return "-" if value is None else str(value)
+    return str(value)
 
 
 def labels(records: Sequence[RunRecord]) -> list[str]:
