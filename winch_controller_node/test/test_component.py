@@ -184,6 +184,24 @@ def test_a_short_gap_of_the_mru_does_not_end_compensation():
     assert "fade_out" not in record.modes
 
 
+@pytest.mark.parametrize(("sensors", "is_known"), [(("mru", "encoder"), False), (("mru", "depth", "encoder"), True)])
+def test_the_units_motion_is_not_told_where_no_sensor_tells_it(sensors, is_known):
+    """Stopped without its MRU, a unit swings with the vessel. Without a depth sensor nothing says by how much."""
+    told = {}
+
+    def watch(tick, outputs):
+        if outputs.kpi is not None:
+            told[tick * DT] = outputs.kpi
+
+    sea = mru_fault("gap", 40.0, 100.0)
+    ClosedLoop(loop_parameters(law="lqg", sea=sea, duration=60.0, **{"sensors.use": list(sensors)})).run(watch)
+    before, after = (next(kpi for time, kpi in told.items() if time > begin) for begin in (35.0, 58.0))
+    assert math.isfinite(before.unit_sigma)
+    assert math.isfinite(before.unit_efficiency)
+    assert math.isfinite(after.unit_sigma) is is_known
+    assert math.isnan(after.unit_efficiency), "what an uncompensated unit would do needs the motion of the boom tip"
+
+
 def lost_commands(start: float, duration: float) -> LoopParameters:
     parameters = loop_parameters(duration=130.0)
     faults = FaultParameters(kind=("gap",), start=(start,), duration=(duration,), magnitude=(0.0,))

@@ -467,10 +467,11 @@ class WinchController:
             self._alarms.append(ALARMS.alarm("TENSION_TRAVEL_END", travel=self.parameters.tension.travel))
 
     def _note_kpi(self, loop: LoopTick) -> None:
+        knows_unit = loop.knows_tip or loop.sensed.sees_landing
         self._kpi.add(
-            unit=loop.unit.heave,
-            uncompensated=loop.free_unit.heave,
-            tip=loop.boom_tip.heave,
+            unit=loop.unit.heave if knows_unit else math.nan,
+            uncompensated=loop.free_unit.heave if loop.knows_tip else math.nan,
+            tip=loop.boom_tip.heave if loop.knows_tip else math.nan,
             payout=loop.payout,
             rate=loop.total_payout_rate,
             tension=loop.sensed.tension,

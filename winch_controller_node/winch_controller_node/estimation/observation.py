@@ -279,7 +279,7 @@ class Observer:
     def depth_noise(self) -> float:
         """Standard deviation of the depth sensor [m]; 0 where the estimator does not take it."""
         return max(
-            (self._noise[row.name].sigma for row in self._sensors.rows_of["depth"] if row.name in self._noise),
+            (self._noise[row.name].sigma for row in self._sensors.rows_of.get("depth", ()) if row.name in self._noise),
             default=0.0,
         )
 

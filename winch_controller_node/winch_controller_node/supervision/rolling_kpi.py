@@ -10,6 +10,8 @@ from winch_controller_node.interface.readings import RollingKpi
 from winch_controller_node.parameters.model import WinchModelParameters
 
 COLUMNS = ("unit", "uncompensated", "tip", "payout", "rate", "acceleration", "tension", "at_limit")
+HEAVES = np.array([name in ("unit", "uncompensated", "tip") for name in COLUMNS])
+"""Columns that are unknown (NaN) where no sensor tells them."""
 
 
 class KpiWindow:
@@ -33,7 +35,8 @@ class KpiWindow:
 
         Parameters
         ----------
-        unit, uncompensated, tip : heave of the unit, of the uncompensated one, of the boom tip [m]
+        unit, uncompensated, tip : heave of the unit, of the uncompensated one, of the boom tip [m]; NaN: no sensor
+            tells
         payout, rate : of the winch, about its mean [m], [m/s]
         tension : at the top [N]; NaN: unknown
         """
@@ -48,8 +51,10 @@ class KpiWindow:
         self._count += 1
 
     def figures(self) -> RollingKpi:
-        """Return the figures over what the window holds."""
+        """Return the figures over what the window holds; those of a heave that no sensor tells now are NaN."""
         rows = self._ring[: min(self._count, len(self._ring))]
+        is_unknown = np.isnan(self._ring[(self._count - 1) % len(self._ring)]) & HEAVES
+        rows = np.where(is_unknown, np.nan, rows[np.all(np.isfinite(rows) | is_unknown | ~HEAVES, axis=1)])
         unit, uncompensated, tip, payout, rate, acceleration, tension, limited = rows.T
         felt = np.isfinite(tension)
         power = kpi.winch_power(tension[felt], rate[felt])
