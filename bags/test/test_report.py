@@ -217,6 +217,32 @@ def test_what_happened_is_told_in_words_and_in_order(shared_bag):
     assert any(re.fullmatch(r"winch at its speed limit for 2\.\d s", text) for text in texts)
 
 
+def test_an_alarm_that_comes_again_and_again_is_one_line(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    record.alarms = [Interval(5.0 * n, 5.0 * n + 1.0, f"DEPTH_STALE: no data for 0.{n} s", 1) for n in range(1, 8)]
+    record.alarms += [Interval(12.0, 13.0, "MRU_STALE: no data for 0.31 s", 2)] * 2
+    found = [one for one in run_words.happenings(record) if "STALE" in one.text]
+    assert [(one.start, one.end, one.text, one.level) for one in found] == [
+        (5.0, 36.0, "7 times, first: DEPTH_STALE: no data for 0.1 s", 1),
+        (12.0, 13.0, "MRU_STALE: no data for 0.31 s", 2),
+        (12.0, 13.0, "MRU_STALE: no data for 0.31 s", 2),
+    ]
+
+
+def test_a_list_that_is_empty_or_not_stated_is_no_difference(shared_bag):
+    one, other = analysis.analyse([shared_bag, shared_bag])
+    one.parameters = {"winch_controller": {"programme.modes": [], "law": "off"}}
+    other.parameters = {"winch_controller": {"law": "mpc"}}
+    assert [found.name for found in run_words.differences([one, other])] == ["law"]
+
+
+def test_a_recorded_sea_is_named_by_its_file(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    for file, words in (("/data/sea.csv", "recorded: sea.csv"), ("", "recorded")):
+        record.parameters = {"wave_vessel": {"boom_tip_source": "file", "recording_file": file}}
+        assert run_words.facts(record)["sea"] == words
+
+
 @pytest.mark.parametrize("reason", ["stop requested", "standby requested"])
 def test_what_somebody_has_asked_for_is_no_loss(shared_bag, reason):
     (record,) = analysis.analyse([shared_bag])

@@ -136,7 +136,7 @@ def spied(controller):
 
     spy(estimation, "adopt", "adopted")
     spy(estimation, "carry", "carried")
-    spy(estimation, "forget_sea", "sea")
+    spy(estimation, "reset_sea", "sea")
     spy(estimation.consistency, "restart", "consistency")
     spy(winch.drum, "take", "drum")
     spy(controller._encoder, "restart", "reflex")

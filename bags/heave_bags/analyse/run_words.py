@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from heave_node import kpi
+from heave_node.interface.codes import without_figures
 
 from heave_bags.analyse import events
 from heave_bags.analyse.events import Interval
@@ -20,6 +21,8 @@ from heave_bags.analyse.run_warnings import worse_times
 
 MOST_DIFFERENCES = 3
 """Runs that differ in more are called by the names of their bags."""
+OFTEN = 4
+"""An alarm that comes so often in a run is one line of what happened, with their number."""
 BURST = 10.0
 """A limit that acts again within this time is reported once [s]."""
 UNITS = {"duration": "s", "peak_period": "s", "significant_wave_height": "m", "length": "m", "mass": "kg"}
@@ -66,7 +69,8 @@ def _sea(vessel: Mapping[str, Any]) -> str:
     if source == "regular":
         return f"none: the boom tip is moved with a period of {_number(vessel, 'period')} s"
     if source == "file":
-        return f"recorded: {Path(str(vessel.get('file', ''))).name}"
+        name = Path(str(vessel.get("recording_file", ""))).name
+        return f"recorded: {name}" if name else "recorded"
     return str(source or "")
 
 
@@ -163,9 +167,11 @@ def differences(records: Sequence[RunRecord]) -> list[Difference]:
 def _text(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:g}"
+    if value is None or value in ("", [], ()):
+        return "-"  # an empty list that one bag states, and another does not, is no difference
     if isinstance(value, list | tuple):
         return "[" + ", ".join(_text(item) for item in value) + "]"
-    return "-" if value is None else str(value)
+    return str(value)
 
 
 def labels(records: Sequence[RunRecord]) -> list[str]:
@@ -214,8 +220,22 @@ def happenings(record: RunRecord) -> list[Happening]:
     found = [*_modes(record.modes), *_landings(record), *_limits(record.limits)]
     found += [Happening(one.start, one.end, f"worse than off: {one.most}", 2) for one in worse_times(record)]
     found += [Happening(one.start, one.end, f"operator: {one.name}") for one in record.requests]
-    found += [Happening(alarm.start, alarm.end, alarm.name, alarm.level) for alarm in record.alarms]
-    return sorted(found, key=lambda one: one.start)
+    return sorted([*found, *_alarms(record.alarms)], key=lambda one: one.start)
+
+
+def _alarms(alarms: Sequence[Interval]) -> list[Happening]:
+    """Return the `alarms`; one that comes again and again is one line from the first to the last."""
+    kinds: dict[tuple[str, int], list[Interval]] = {}
+    for alarm in sorted(alarms, key=lambda one: one.start):
+        kinds.setdefault((without_figures(alarm.name), alarm.level), []).append(alarm)
+    found: list[Happening] = []
+    for (_, level), same in kinds.items():
+        if len(same) < OFTEN:
+            found += [Happening(one.start, one.end, one.name, level) for one in same]
+        else:
+            end = max(one.end for one in same)
+            found.append(Happening(same[0].start, end, f"{len(same)} times, first: {same[0].name}", level))
+    return found
 
 
 def losses(record: RunRecord) -> list[str]:

@@ -38,7 +38,7 @@ MODE_COLOURS = {
     "compensating": "#009e73",
     "constant_tension": "#0072b2",
     "fade_out": "#e69f00",
-    "stopping": "#e69f00",
+    "stopping": "#f0e442",
     "stopped": "#d55e00",
     "emergency_stop": "#d55e00",
 }

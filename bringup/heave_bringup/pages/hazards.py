@@ -190,7 +190,7 @@ HAZARDS: tuple[Hazard, ...] = (
         "Payout is not known, or counted falsely: the unit is lowered too far, or the drum runs to its end",
         {"encoder": ("freeze", "nan", "spike", "jump", "scale")},
         ("ENCODER_STALE", "ENCODER_NOT_A_NUMBER", "ENCODER_BAD_STAMP", "ENCODER_OUT_OF_ORDER", "ENCODER_FROZEN",
-         "ENCODER_SPIKES", "ENCODER_JUMPS", "ENCODER_FAULT", "ENCODER_EXCLUDED", "ENCODER_REVERSED",
+         "ENCODER_JUMPS", "ENCODER_EXCLUDED", "ENCODER_REVERSED",
          "ENCODER_SCALE_STEP", "ENCODER_SCALE_ERROR"),
         "a jump is taken out of the count; a lost or reversed encoder fades compensation out and stops",
         "3 samples for a jump (test); a reversed one: seconds",
@@ -254,7 +254,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The crane moves and its pose is not known: the boom tip is assumed elsewhere",
         {},
-        ("CRANE_POSE_STALE", "CRANE_POSE_JUMP", "CRANE_LENGTHS_MISSING"),
+        ("CRANE_POSE_STALE", "CRANE_POSE_JUMP", "CRANE_LENGTHS_MISSING", "CRANE_TOO_FAST", "CRANE_BEYOND_RANGE"),
         "the last pose is held; another one is approached slowly",
         "the age of a pose (`crane`)",
         "motion of a crane that is not measured reaches the unit",

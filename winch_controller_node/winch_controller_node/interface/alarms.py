@@ -328,7 +328,7 @@ CRANE = (
         MEDIUM,
         "crane",
         "a pose is rejected: {reason}",
-        "The last usable pose is carried on, and held once it is stale",
+        "The last usable pose is carried on by its rates, and held once it is stale",
         "Stop the crane if it lasts; check encoders and clock",
     ),
     AlarmRow(
@@ -336,7 +336,7 @@ CRANE = (
         HIGH,
         "crane",
         "{joint} has jumped by {jump:.3f} {unit}, more than the crane can move",
-        "The last pose is held; one that goes on without a further jump is used after 5 s, approached in 10 s",
+        "The last pose is held; a pose that continues without a further jump is used after 5 s, approached over 10 s",
         "Stop the crane; check the encoder",
     ),
     AlarmRow("CRANE_POSE_RESTORED", EVENT, "crane", "usable poses of the crane come again"),
@@ -345,7 +345,8 @@ CRANE = (
         HIGH,
         "crane",
         "the crane moves the boom tip up or down by {rate:.2f} m/s, limit of the winch for it {limit:.2f} m/s",
-        "The unit goes with the boom by the rest, and returns once the winch has caught up; compensation continues",
+        "The unit moves with the boom by the difference, and returns once the winch has caught up; compensation "
+        "continues",
         "Slow the crane down",
     ),
     AlarmRow(
@@ -353,7 +354,7 @@ CRANE = (
         HIGH,
         "crane",
         "the crane's lift takes the payout to {payout:.1f} m, limit for compensation {limit:.1f} m",
-        "The unit goes with the boom from there; compensation continues",
+        "From there the unit moves with the boom; compensation continues",
         "Move the boom back, or move the unit so that the range suffices",
     ),
     AlarmRow(
