@@ -10,6 +10,7 @@ from heave_bags.analyse.events import COMPENSATES
 from heave_node import kpi
 from heave_node.interface.alarm import Severity
 from heave_node.numerics.arrays import Array
+from numpy.typing import NDArray
 
 from heave_bringup.campaign.runs import Task
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
@@ -63,7 +64,7 @@ def worst_minute(task: Task, least: Severity) -> Minute:
     return Minute(float(ratios[worst]), float(starts[worst]), alarms)
 
 
-def silent(record: LoopRecord, starts: Array, least: Severity) -> Array:
+def silent(record: LoopRecord, starts: Array, least: Severity) -> NDArray[np.bool_]:
     """Return which minutes were of compensation throughout and not announced, shape (n,) of bool.
 
     Parameters
@@ -76,7 +77,7 @@ def silent(record: LoopRecord, starts: Array, least: Severity) -> Array:
     rests = time[~np.isin(record.modes, COMPENSATES)]
     loud = np.array([at for at, alarm in record.alarms if alarm.severity >= least])
 
-    def any_in(events: Array, before: float) -> Array:
+    def any_in(events: Array, before: float) -> NDArray[np.bool_]:
         events = np.sort(events)
         first, after = np.searchsorted(events, [starts - before, starts + kpi.WORSE_WINDOW])
         return np.asarray(after > first)

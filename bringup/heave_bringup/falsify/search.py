@@ -11,9 +11,8 @@ import hashlib
 import math
 import os
 import time
-from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures import TimeoutError as NotDoneError
+from collections.abc import Callable, Mapping
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -33,6 +32,8 @@ from heave_bringup.workers.pool import worker_pool
 
 GENERATIONS = 100_000
 """The budget of time ends a search, not a number of generations."""
+LOOK = 0.5
+"""Wall time between two looks at the budget [s]."""
 LEAST_POPULATION = 5
 """Points that differential evolution needs at least."""
 
@@ -67,11 +68,6 @@ class Search:
     journal : file that keeps the answers
     mark : identifies the search
 
-    Attributes
-    ----------
-    found : cases so far, the worst first
-    asked : number of different points so far
-
     Raises ParameterError for a space that is none, or the journal of another search.
     """
 
@@ -87,7 +83,7 @@ class Search:
     @property
     def found(self) -> list[Found]:
         """Cases so far, the worst first."""
-        return sorted(self._cases.values(), key=lambda one: -one.minute.ratio)
+        return sorted(self._cases.values(), key=lambda one: (-one.minute.ratio, one.number))
 
     @property
     def asked(self) -> int:
@@ -113,28 +109,27 @@ class Search:
         def spent() -> float:
             return (time.monotonic() - begun) / budget
 
-        points = self.draws.points()
-        with self._kept, worker_pool(processes or os.cpu_count() or 1) as pool:
-
-            def answers(_: object, asked: Iterable[Array]) -> list[float]:
-                return self._answers(np.array(list(asked)), pool, spent, show)
-
-            try:
-                differential_evolution(
-                    lambda _: 0.0,
-                    [(0.0, 1.0)] * points.shape[1],
-                    init=points,
-                    maxiter=GENERATIONS,
-                    tol=0.0,
-                    polish=False,
-                    updating="deferred",
-                    workers=answers,
-                    seed=self.draws.seed,
-                )
-            except _OverError:
-                pool.shutdown(wait=False, cancel_futures=True)
-                return False
+        try:
+            with self._kept, worker_pool(processes or os.cpu_count() or 1) as pool:
+                self._evolve(lambda asked: self._answers(asked, pool, spent, show))
+        except _OverError:  # which has ended the workers in the midst of their cases
+            return False
         return True
+
+    def _evolve(self, answers: Callable[[Array], list[float]]) -> None:
+        """Let differential evolution ask for points of the unit cube, shape (n, dimensions), until it is over."""
+        points = self.draws.points()
+        differential_evolution(
+            lambda _: 0.0,
+            [(0.0, 1.0)] * points.shape[1],
+            init=points,
+            maxiter=GENERATIONS,
+            tol=0.0,
+            polish=False,
+            updating="deferred",
+            workers=lambda _, asked: answers(np.array(list(asked))),
+            seed=self.draws.seed,
+        )
 
     def _answers(
         self,
@@ -146,39 +141,26 @@ class Search:
         """Return what differential evolution makes small: the ratios of the points, negative."""
         keys = [key_of(point) for point in points]
         new = {key: point for key, point in zip(keys, points, strict=True) if key not in self._cases}
-        coming = {}
-        for key, point in new.items():
-            values = unlinked(self.draws.at(point))
-            number = len(self._cases) + len(coming) + 1
+        waiting: dict[Future[Minute], tuple[str, Found]] = {}
+        for number, (key, point) in enumerate(new.items(), len(self._cases) + 1):
+            found = Found(number, unlinked(self.draws.at(point)), Minute(0.0))
             known = self._kept.results.get(key)
-            coming[key] = (number, values, _minute_of(known) if known else None)
-        waiting = {
-            key: pool.submit(worst_minute, self.task(Found(number, values, Minute(0.0))), self.severity)
-            for key, (number, values, minute) in coming.items()
-            if minute is None
-        }
-        for key, (number, values, kept) in coming.items():
-            minute = kept
-            while minute is None:
-                if spent() >= 1.0:
-                    raise _OverError
-                minute = _result_within(waiting[key], 0.5)
-            if kept is None:
-                self._kept.keep({"number": key, **_plain(minute)})
-            self._cases[key] = Found(number, values, minute)
-            show(self.asked, max(one.minute.ratio for one in self._cases.values()), min(spent(), 1.0))
+            if known is not None:
+                self._cases[key] = replace(found, minute=_minute_of(known))
+            else:
+                waiting[pool.submit(worst_minute, self.task(found), self.severity)] = (key, found)
+        while waiting:
+            for done in wait(waiting, LOOK, return_when=FIRST_COMPLETED).done:
+                key, found = waiting.pop(done)
+                self._cases[key] = replace(found, minute=done.result())
+                self._kept.keep({"number": key, **_plain(done.result())})
+            show(self.asked, max((one.minute.ratio for one in self._cases.values()), default=0.0), min(spent(), 1.0))
+            if waiting and spent() >= 1.0:
+                raise _OverError
         return [-self._cases[key].minute.ratio for key in keys]
 
     def _case(self, number: int, values: Mapping[str, object]) -> Case:
         return Case(number, self.campaign.seeds[0], values)
-
-
-def _result_within(future: Future[Minute], wait: float) -> Minute | None:
-    """Return what a `future` gives within a time [s]; None where it is not done yet."""
-    try:
-        return future.result(timeout=wait)
-    except NotDoneError:
-        return None
 
 
 def key_of(point: Array) -> str:
