@@ -13,6 +13,9 @@ import pytest
 from cable_sim_node.parameters import UnitParameters
 from cable_sim_node.peers.driven_run import run_driven
 from cable_sim_node.peers.reference_systems import s300, s900
+from cable_sim_node.vertical.axial_line import axial_line
+from cable_sim_node.vertical.linear import heave_transfer_function
+from heave_bringup import load_scenario
 
 # rad/s, current m/s, heave amplitude m, phase deg, mean z m, tension mean, amplitude, min, max N
 TABLE_300 = [
@@ -91,6 +94,18 @@ def test_the_900_m_system_answers_as_a_second_code():
     assert result.tension_amplitude == pytest.approx(35129.0, rel=5e-3)
     assert result.tension_min == pytest.approx(63346.0, rel=2e-3)
     assert result.tension_max == pytest.approx(133870.0, rel=2e-3)
+
+
+def test_the_cage_of_the_second_codes_example_hangs_and_heaves_as_bar_and_weight_say():
+    """`rov_cage_1265` in still water: 19,620 N and 8.89 N/m, as printed; heave and tension of the elastic bar."""
+    plant = load_scenario("rov_cage_1265").parameters["cable_sim"]
+    omega = 2.0 * math.pi / 8.0
+    bar = heave_transfer_function(axial_line(plant), plant.length, [omega], amplitude=1.0)
+    still = dataclasses.replace(plant, current=(0.0, 0.0))
+    result = run_driven(still, (0.0, 0.0, 1.0), omega, duration=240.0, window=80.0, ramp=60.0)
+    assert result.tension_mean == pytest.approx(19620.0 + 1265.0 * 8.89, rel=2e-4)
+    assert result.unit_heave_amplitude == pytest.approx(abs(complex(bar.unit_heave[0])), rel=5e-3)
+    assert result.tension_amplitude == pytest.approx(abs(complex(bar.top_tension[0])), rel=0.01)
 
 
 def test_slack_and_snap_near_resonance_keep_the_peers_amplitude():
