@@ -33,6 +33,7 @@ PAGES = {
     "docs/parameters.md": "reference/parameters.md",
     "docs/modes.md": "reference/modes.md",
     "docs/alarms.md": "reference/alarms.md",
+    "docs/hazards.md": "reference/hazards.md",
     "docs/contract.md": "reference/contract.md",
     "bags/README.md": "reference/bags.md",
     "bringup/README.md": "packages/bringup.md",

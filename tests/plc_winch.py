@@ -34,8 +34,8 @@ BRAKE, FAULT = 1, 2
 class Plc:
     """The program and the drum."""
 
-    def __init__(self, dead_time):
-        self.dead_time = dead_time
+    def __init__(self, dead_time, speed_limit=SPEED):
+        self.dead_time, self.speed_limit = dead_time, speed_limit
         self.position = self.speed = 0.0  # [m], [m/s], positive hauls in
         self.order, self.control, self.counter = 0, 0, -1
         self.heard = time.monotonic()
@@ -64,7 +64,7 @@ class Plc:
         while self.under_way and self.under_way[0][0] <= now:
             self.wanted = self.under_way.pop(0)[1]
         stops = self.is_halted or self.fault or not self.control & ENABLE
-        goal = 0.0 if stops else min(max(self.wanted, -SPEED), SPEED)
+        goal = 0.0 if stops else min(max(self.wanted, -self.speed_limit), self.speed_limit)
         change = (goal - self.speed) * (1.0 if stops else min(step / LAG, 1.0))
         self.speed += min(max(change, -ACCELERATION * step), ACCELERATION * step)
         self.position += self.speed * step
@@ -216,7 +216,7 @@ async def udp(plc, options):
 
 
 async def run(options):
-    plc = Plc(options.dead_time)
+    plc = Plc(options.dead_time, options.speed)
     options.tasks = []
     await {"modbus": modbus, "opcua": opcua, "udp": udp}[options.kind](plc, options)
 
@@ -253,6 +253,7 @@ def main():
     parser.add_argument("port", type=int)
     parser.add_argument("--to", type=int, help="udp: port that the state is sent to")
     parser.add_argument("--dead-time", type=float, default=0.2)
+    parser.add_argument("--speed", type=float, default=SPEED)
     for name in ("lost", "double", "late", "broken", "delay"):
         parser.add_argument(f"--{name}", type=float, default=0.0)
     parser.add_argument("--seed", type=int, default=1)

@@ -303,7 +303,7 @@ def test_draws_that_are_in_the_journal_are_not_run_again(tmp_path, monkeypatch):
 def test_a_case_is_run_for_a_few_seconds_with_its_operator(monkeypatch):
     """Too short to be judged: what is looked at is that the loop runs, is measured, and says why nothing was judged."""
     case = replace(draw("few", DAY, 0), scenario="b2_calm_300", settings={}, told={}, actions=((1.0, "speed", 0.1),))
-    found = run_case(case, is_told=True, duration=3.0)
+    found = run_case(case, is_informed=True, duration=3.0)
     assert not found.failure
     assert found.reason.startswith("never began: ")
     assert found.refused == ("1 s: an operator's speed needs mode compensating or manual; the mode is standby",)
@@ -337,7 +337,7 @@ def test_what_an_ablation_switches_off_is_there(name):
 
 
 def test_a_journal_without_a_part_is_another_one(tmp_path):
-    heading = Heading("c", "s", "few", 1, "", is_told=False)
+    heading = Heading("c", "s", "few", 1, "", is_informed=False)
     without = replace(heading, without="sensor noise")
     assert without.file_name == "few-1-s-without-sensor-noise.jsonl"
     Journal(tmp_path / "a", heading)

@@ -59,7 +59,7 @@ def test_spectra_have_the_height_that_their_makers_state(name, height):
         ("41010.swdir", "holds alpha1_1, not densities"),
         ("41010.swr1", "holds r1_1, not densities"),
         ("41010.spec", "heights and periods, not spectra"),
-        ("not_density.txt", "cannot well be a sea"),
+        ("not_density.txt", "implausible record"),
     ],
 )
 def test_what_has_the_form_of_spectra_and_is_none_is_refused(name, says):

@@ -89,9 +89,16 @@ def test_an_export_is_one_table_of_signals_in_each_form(runs, tmp_path, capsys):
     text, table = pandas.read_csv(tmp_path / "x.csv"), pandas.read_parquet(tmp_path / "x.parquet")
     assert len(text) == len(table) == result["rows"]
     assert [*result["columns"]] == list(table.columns) == list(text.columns[1:])
+    assert not text.iloc[[0, -1]].isna().any(axis=None), "begins and ends with a whole row"
+    named = pandas.read_csv(tmp_path / "x_columns.csv").set_index("column")
+    assert list(named.index) == list(text.columns)
+    assert named.loc["payout_rate_mps", "unit"] == "m/s"
+    assert "positive pays out" in named.loc["payout_rate_mps", "meaning"]
     assert text["payout_m"].to_numpy() == pytest.approx(table["payout_m"].to_numpy(), rel=1e-8, nan_ok=True)
     assert main(["export", str(runs / "one"), "--topics", "winch/state", "--csv", str(tmp_path / "w.csv")]) == 0
     assert "winch/state.payout_rate" in pandas.read_csv(tmp_path / "w.csv").columns
+    named = pandas.read_csv(tmp_path / "w_columns.csv").set_index("column")
+    assert named.loc["winch/state.payout_rate", "unit"] == "m/s", "as the definition of the message says"
 
 
 @pytest.mark.parametrize(

@@ -79,8 +79,8 @@ def test_an_encoder_of_a_wrong_scale_is_found_by_winch_and_depth_sensor_and_comp
     assert worst_from(record, begin + TROUBLE) < LARGEST
     ((time, found),) = [one for one in record.alarms if one[1].code.endswith("_SCALE_ERROR")]
     assert (found.code, found.values["value"]) == ("ENCODER_SCALE_ERROR", pytest.approx(scale, rel=0.03))
-    believed = {name: belief.value for name, belief in loop.controller.beliefs.values.items()}
-    assert believed == {"encoder.scale": pytest.approx(scale, rel=0.01)}
+    assumed = {name: belief.value for name, belief in loop.controller.beliefs.values.items()}
+    assert assumed == {"encoder.scale": pytest.approx(scale, rel=0.01)}
     assert begin < time < begin + found_within
     assert [mode for mode, _ in changes_of_mode(record)] == ["standby", "compensating"]
     # of a winch that is nominal nothing else stays learnt, and nothing else is blamed
@@ -208,9 +208,9 @@ def test_nothing_stays_learnt_of_a_frozen_encoder():
     codes = {alarm.code for _, alarm in record.alarms}
     assert "ENCODER_FROZEN" in codes
     assert "WINCH_MODEL_UPDATED" not in codes
-    believed, winch = WinchModelParameters(), loop.controller.design.parameters.winch
-    assert (winch.speed_gain, winch.speed_limit) == (believed.speed_gain, believed.speed_limit)
-    assert (winch.time_constant, winch.command_delay) == (believed.time_constant, believed.command_delay)
+    assumed, winch = WinchModelParameters(), loop.controller.design.parameters.winch
+    assert (winch.speed_gain, winch.speed_limit) == (assumed.speed_gain, assumed.speed_limit)
+    assert (winch.time_constant, winch.command_delay) == (assumed.time_constant, assumed.command_delay)
 
 
 @pytest.mark.slow
@@ -311,11 +311,11 @@ def test_an_encoder_that_reads_another_scale_all_at_once_does_not_set_the_unit_s
     assert np.std(unit) < 0.5 * np.std(off)
     blamed = [(time, alarm) for time, alarm in record.alarms if time > start and culprits(str(alarm))]
     assert blamed[-1][0] < start + 10.0
-    believed = {name: belief.value for name, belief in loop.controller.beliefs.values.items()}
-    assert believed.pop("encoder.scale") == pytest.approx(scale, rel=0.02)
+    assumed = {name: belief.value for name, belief in loop.controller.beliefs.values.items()}
+    assert assumed.pop("encoder.scale") == pytest.approx(scale, rel=0.02)
     # the benchmark's MRU reads 1.05 times the motion, which may be found too
-    assert believed.pop("mru.scale", 1.05) == pytest.approx(1.05, rel=0.02)
-    assert not [name for name in believed if not name.startswith("sea.")]
+    assert assumed.pop("mru.scale", 1.05) == pytest.approx(1.05, rel=0.02)
+    assert not [name for name in assumed if not name.startswith("sea.")]
 
 
 @pytest.mark.slow

@@ -49,13 +49,13 @@ def run_on(log, *settings):
 
 
 @pytest.fixture(scope="module")
-def as_believed(log):
+def as_assumed(log):
     return run_on(log)
 
 
 @pytest.mark.slow
-def test_a_ships_own_record_is_met_under_the_default_belief_as_well_as_under_that_which_matches(log, as_believed):
-    _, found = as_believed
+def test_a_ships_own_record_is_met_under_the_default_belief_as_well_as_under_that_which_matches(log, as_assumed):
+    _, found = as_assumed
     matched = [
         f"winch_controller.sea.{name}" for name in (f"significant_wave_height={HEIGHT}", f"peak_period={PERIOD}")
     ]
@@ -68,9 +68,9 @@ def test_a_ships_own_record_is_met_under_the_default_belief_as_well_as_under_tha
 
 
 @pytest.mark.slow
-def test_kappa_on_a_record_is_at_least_one_and_no_belief_moves_its_bounds(log, as_believed):
+def test_kappa_on_a_record_is_at_least_one_and_no_belief_moves_its_bounds(log, as_assumed):
     """The bound is that of the record's own spectrum, not of the sea that the controller assumes."""
-    scenario, record = as_believed
+    scenario, record = as_assumed
     time, tip = record.column("time", after=JUDGED), record.column("boom_tip", after=JUDGED)
     tip = np.interp(np.arange(time[0], time[-1], BOUND_STEP), time, tip)
     bounds = bounds_of(scenario, tip, BOUND_STEP)

@@ -31,17 +31,17 @@ def test_a_winch_that_is_several_times_off_is_known_within_half_a_minute_and_hol
 ):
     """It was reported with limits that no winch had, and left half of the motion, or all of it."""
     settings = [f"virtual_winch.{name}={value}", f"winch_controller.law={law}", f"all.seed={seed}", "all.duration=150"]
-    record, believed = run(scenario, *settings)
+    record, assumed = run(scenario, *settings)
     begins = next(time for time, words in record.alarms if words.values.get("mode") == "compensating")
     time = record.column("time")
     after = time > begins + 45.0
     unit, off = (record.column(motion)[after] for motion in ("unit", "uncompensated"))
     assert np.std(unit) < 0.1 * np.std(off)
-    assert believed[f"winch.{name}"] == pytest.approx(value, rel=0.03)
+    assert assumed[f"winch.{name}"] == pytest.approx(value, rel=0.03)
     # nothing else is: servo and delay are found together, and are as they were but for 10 ms
     others = {"winch.time_constant": 0.15, "winch.command_delay": 0.2, "winch.speed_gain": 1.0}
-    assert {q: v for q, v in believed.items() if q != f"winch.{name}" and not q.startswith("sea.")} == {
-        q: pytest.approx(v, abs=0.01) for q, v in others.items() if q in believed and q != f"winch.{name}"
+    assert {q: v for q, v in assumed.items() if q != f"winch.{name}" and not q.startswith("sea.")} == {
+        q: pytest.approx(v, abs=0.01) for q, v in others.items() if q in assumed and q != f"winch.{name}"
     }
     told = [time for time, alarm in record.alarms if is_suspicion(alarm) or alarm.code.endswith("_MODEL_UPDATED")]
     assert told
@@ -87,15 +87,15 @@ def test_a_winch_that_is_slow_and_weak_is_known_as_it_is_in_a_high_sea():
     true = {"time_constant": 1.5, "speed_limit": 1.0, "acceleration_limit": 0.75, "stop_deceleration": 0.7}
     settings = [f"virtual_winch.{name}={value}" for name, value in true.items()]
     settings += ["all.seed=7", "all.duration=180"]
-    record, believed = run("b4_limit_900_tp10", *settings)
+    record, assumed = run("b4_limit_900_tp10", *settings)
     unit, off = record.column("unit") + record.column("depth_set_point"), record.column("uncompensated")
     worst, at = worst_window(record.column("time"), unit, off, 55.0)
     assert np.isfinite(at)
     assert worst < 0.6
-    assert believed["winch.time_constant"] == pytest.approx(1.5, rel=0.02)
+    assert assumed["winch.time_constant"] == pytest.approx(1.5, rel=0.02)
     # of both directions where both were reached
     for limit, true in (("speed", 1.0), ("acceleration", 0.75)):
-        found = [value for name, value in believed.items() if name.startswith(f"winch.{limit}_")]
+        found = [value for name, value in assumed.items() if name.startswith(f"winch.{limit}_")]
         assert found
         assert found == pytest.approx([true] * len(found), rel=0.05)
 
@@ -139,21 +139,21 @@ def test_the_encoder_of_a_winch_at_its_limits_is_not_blamed():
     """At a limit that is known it reads half of what is sent, all at once."""
     settings = ["winch_controller.law=lqg", "all.seed=7786", "all.duration=300"]
     settings += ["virtual_winch.speed_gain=0.49", "virtual_winch.hauling_speed_share=0.3"]
-    record, believed = run("b2_calm_300", *settings)
+    record, assumed = run("b2_calm_300", *settings)
     unit = record.column("unit") + record.column("depth_set_point")
     ratio, at = worst_window(record.column("time"), unit, record.column("uncompensated"), 65.0)
     assert np.isfinite(at)
     assert ratio < 0.2
     assert not [alarm for _, alarm in record.alarms if is_suspicion(alarm)]
-    assert believed["winch.speed_in"] == pytest.approx(0.6, rel=0.05)
+    assert assumed["winch.speed_in"] == pytest.approx(0.6, rel=0.05)
 
 
 @pytest.mark.slow
 def test_harm_by_a_gain_is_no_reason_to_wait_once_the_gain_is_known():
     """The gain is 2.7: it was learnt too late for the second try, and the third had to wait for minutes."""
     settings = ["all.seed=1633", "all.duration=240", "virtual_winch.speed_gain=2.7", "virtual_winch.command_delay=0.3"]
-    record, believed = run("b3_deep_900", *settings)
-    assert believed["winch.speed_gain"] == pytest.approx(2.7, rel=0.02)
+    record, assumed = run("b3_deep_900", *settings)
+    assert assumed["winch.speed_gain"] == pytest.approx(2.7, rel=0.02)
     late = record.column("time") > 140.0
     assert all(mode == "compensating" for mode, is_late in zip(record.modes, late, strict=True) if is_late)
     assert np.std(record.column("unit")[late]) < 0.1 * np.std(record.column("uncompensated")[late])

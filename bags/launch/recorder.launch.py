@@ -1,5 +1,6 @@
 """Start recorder alone: ros2 launch heave_bags recorder.launch.py scenario:=FILE."""
 
+from heave_node.ros.transport.parents_death import environment
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument
 from launch.substitutions import LaunchConfiguration
@@ -16,6 +17,7 @@ def generate_launch_description() -> LaunchDescription:
                 executable="recorder",
                 parameters=[LaunchConfiguration("scenario")],
                 output="screen",
+                additional_env=environment(),  # no node outlives its launch
             ),
         ]
     )

@@ -31,6 +31,24 @@ def test_what_the_controller_has_told_is_not_joined_where_its_figures_differ():
     assert [alarm.name.split(": ")[-1] for alarm in found] == ["speed limit 1.2 m/s", "speed limit 1.1 m/s"]
 
 
+def test_an_alarm_that_lasts_is_shown_from_when_it_was_raised_on():
+    """Diagnostics come once a second: the sensor is reported lost at 2 s, and its alarm says since when."""
+    lost = "MRU_STALE (high): no data for 0.20 s, limit 0.15 s. Compensation fades out."
+    parts = {"winch_controller: sensor mru": ["ok", "ok", lost, lost], "winch_controller: alarms": ["ok"] * 4}
+    parts["winch_controller: alarms"][2] = f"t = 1.15 s: {lost}; t = 1.60 s: SEA_MODEL_UPDATED (event): Hs 2.0 m."
+    columns = {"time": np.arange(4.0), "log_time": np.arange(4)}
+    for index, (name, messages) in enumerate(parts.items()):
+        columns[f"status[{index}].level"] = np.array([message != "ok" for message in messages], dtype=np.uint8)
+        columns[f"status[{index}].name"] = np.array([name] * 4, dtype=object)
+        columns[f"status[{index}].message"] = np.array(messages, dtype=object)
+    found = {one.name.split(" (")[0]: (one.start, one.end) for one in diagnostic_alarms(Fields(columns))}
+    assert found == {
+        "winch_controller: alarms: MRU_STALE": (1.15, 2.15),
+        "winch_controller: alarms: SEA_MODEL_UPDATED": (1.6, 2.6),
+        "winch_controller: sensor mru: MRU_STALE": (1.15, 4.0),
+    }
+
+
 def test_the_mode_is_no_alarm_where_the_controller_s_state_tells_it_to_the_tick():
     told = fields("winch_controller: mode", ["stopped: mru stale"] * 3)
     assert len(diagnostic_alarms(told)) == 1

@@ -19,6 +19,7 @@ from heave_bags.mcap.reader import Bag
 from heave_bags.mcap.recorded_loss import RecordedLoss, recorded_loss
 from heave_bags.mcap.repair import repair
 from heave_bags.mcap.storage import BackgroundStorage, DirectStorage
+from heave_bags.record import sequence_gaps
 from heave_bags.record import session as session_module
 from heave_bags.record.sequence_gaps import SequenceGaps
 from heave_bags.record.session import RecordingSession, SnapshotRing, missing_messages
@@ -204,6 +205,28 @@ def test_gaps_in_the_numbers_of_a_publisher_are_messages_that_were_dropped():
     gaps.note("/a", {})
     gaps.note("/a", {"publication_sequence_number": None, "publisher_gid": None})
     assert found == [("/a", 5), ("/a", 1)]
+
+
+def test_a_number_that_comes_again_hides_no_gap_behind_it():
+    """Where the middleware gives a message twice, or a late one, the newest number stays what it was."""
+    found = []
+    gaps = SequenceGaps(lambda *gap: found.append(gap))
+    for number in (5, 5, 3, 7, 7, 6, 8):
+        gaps.note("/a", {"publication_sequence_number": number, "publisher_gid": {"data": b"1"}})
+    assert found == [("/a", 1)]
+
+
+def test_a_recorder_that_takes_a_message_takes_note_of_its_number_and_of_the_message(monkeypatch):
+    """Numbers 1 and 4 of the messages that it takes: two are missing."""
+    monkeypatch.setattr(sequence_gaps, "with_information", lambda take: take)
+    found, taken = [], []
+    take = SequenceGaps(lambda *gap: found.append(gap)).noting("/a", lambda *given: taken.append(given))
+    for number in (1, 4):
+        information = {"publication_sequence_number": number, "publisher_gid": {"data": b"1"}}
+        take(b"message", information)
+        assert taken[-1] == (b"message", information)
+    assert found == [("/a", 2)]
+    assert len(taken) == 2
 
 
 def test_topics_that_hold_less_than_was_published_are_known_by_number():

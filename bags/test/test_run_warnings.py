@@ -38,14 +38,14 @@ def test_a_run_that_does_no_harm_and_compensates_is_not_warned_of(record):
     assert warned(record) == []
 
 
-@pytest.mark.parametrize(("times", "is_told"), [(3.0, False), (3.3, True), (6.0, True)])
-def test_a_unit_that_moves_more_than_uncompensated_is_told_with_times_and_ratio(record, times, is_told):
+@pytest.mark.parametrize(("times", "is_reported"), [(3.0, False), (3.3, True), (6.0, True)])
+def test_a_unit_that_moves_more_than_uncompensated_is_told_with_times_and_ratio(record, times, is_reported):
     """Of 100 s in which the unit moves `times` a third of off, some windows of 60 s see nothing else."""
     time, unit = record.signals.unit_heave.time, record.signals.unit_heave.value
     record.signals.unit_heave = Signal(time, where((time >= 100.0) & (time < 200.0), times, 1.0) * unit)
     found = run_warnings.worse_times(record)
-    assert bool(found) is is_told
-    if is_told:
+    assert bool(found) is is_reported
+    if is_reported:
         (one,) = found
         assert one.ratio == pytest.approx(times / 3.0, rel=0.01)
         assert 40.0 < one.start < one.at < 200.0 < one.end
@@ -64,9 +64,9 @@ def test_a_unit_that_hardly_moves_is_not_worse_than_one_that_does_not_move_at_al
     """In calm water noise moves a unit that is held by millimetres: not 1.05 times 2 cm of standard deviation."""
     off = record.signals.uncompensated_heave
     record.signals.uncompensated_heave = Signal(off.time, 0.001 * off.value)
-    for sigma, is_told in ((0.0209, False), (0.0211, True)):
+    for sigma, is_reported in ((0.0209, False), (0.0211, True)):
         record.signals.unit_heave = Signal(off.time, math.sqrt(2.0) * sigma * off.value)
-        assert bool(run_warnings.worse_times(record)) is is_told
+        assert bool(run_warnings.worse_times(record)) is is_reported
 
 
 def test_what_the_unit_does_before_compensation_first_begins_is_not_held_against_it(record):

@@ -39,6 +39,19 @@ def test_a_gap_and_the_time_outside_a_signal_stay_empty():
     assert broken[31.0:].isna().all()
 
 
+def test_a_table_begins_where_all_have_begun_and_what_begins_much_later_is_empty_until_then():
+    """States of the winch are stamped a tick later than those of the cable."""
+    samples = {
+        "cable": (np.arange(0.0, 10.01, 0.5), np.arange(21.0)),
+        "winch": (np.arange(0.5, 10.51, 0.5), np.arange(21.0)),
+        "usbl": (np.arange(4.0, 10.01, 0.5), np.arange(13.0)),
+    }
+    frame = time_base.on_one_time_base(samples)
+    assert (frame.index[0], frame.index[-1]) == (0.5, 10.0)
+    assert frame[["cable", "winch"]].notna().all(axis=None)
+    assert frame["usbl"].isna().sum() == 7
+
+
 def test_stamps_of_any_order_and_kind_are_put_in_order():
     time = np.array([1.0, 0.0, math.nan, 1.0, 2.0, math.inf])
     frame = time_base.on_one_time_base({"x": (time, np.array([5.0, 0.0, 9.0, 1.0, 2.0, 9.0]))})
@@ -79,12 +92,15 @@ def test_a_file_gives_back_what_it_took_and_no_text_becomes_a_formula(tmp_path, 
     path = tmp_path / f"table.{ending}"
     if ending == "xlsx":
         pytest.importorskip("xlsxwriter")
-    save_frame(frame, path)
+        pytest.importorskip("openpyxl")
+    save_frame(frame, path, pandas.DataFrame({"column": ["mode"], "meaning": ["=1+1"]}))
+    if ending == "xlsx":
+        assert pandas.read_excel(path, sheet_name="columns")["meaning"].tolist() == ["'=1+1"]
+    else:
+        assert pandas.read_csv(tmp_path / "table_columns.csv")["meaning"].tolist() == ["'=1+1"]
     if ending == "parquet":
         assert pandas.read_parquet(path).equals(frame)
         return
-    if ending == "xlsx":
-        pytest.importorskip("openpyxl")
     read = pandas.read_csv(path) if ending == "csv" else pandas.read_excel(path)
     assert list(read.columns) == ["time_s", "'=cmd", "mode"]
     assert read["mode"].tolist() == ["'=1+1", "'@x", "off"]

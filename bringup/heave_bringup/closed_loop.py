@@ -143,7 +143,7 @@ class ClosedLoop:
         self.winch = VirtualWinch(parameters.winch, tick_period=dt, seed=seed)
         self.controller = WinchController(parameters.controller, tick_period=dt, seed=seed)
         self.adviser = Adviser(parameters.controller, tick_period=dt)
-        self._believed_water = Water(parameters.controller.water_density, parameters.controller.gravity)
+        self._assumed_water = Water(parameters.controller.water_density, parameters.controller.gravity)
         self._tick_nanoseconds = round(dt * 1e9)
         self.tick = 1
         self._boom_tip = self.sea.initial_boom_tip()
@@ -197,7 +197,7 @@ class ClosedLoop:
         now = self.tick * self._tick_nanoseconds
         winch = winch_reading(self.winch.state, now) if self.tick > 1 else None
         crane = () if vessel.crane is None else (pose_of(pose_to_wire(vessel.crane)),)
-        return measurements(delivered, winch, self._believed_water, vessel.preview, crane=crane)
+        return measurements(delivered, winch, self._assumed_water, vessel.preview, crane=crane)
 
     def run(self, on_tick: Callable[[int, Outputs], None] | None = None) -> LoopRecord:
         """Run to the end; `on_tick` sees each tick's number and outputs."""

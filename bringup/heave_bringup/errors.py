@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from enum import IntEnum
 
 
@@ -42,18 +42,27 @@ class CommandError(Exception):
     status = ExitStatus.FAILED
 
 
+class InterruptedCommandError(CommandError):
+    """Ctrl-C or SIGTERM ended what the command did; the message says what is left of it."""
+
+    status = ExitStatus.INTERRUPTED
+
+
 class VerdictError(CommandError):
-    """The command did what it says, and the verdict is FAILED; the message is one line that says why.
+    """The command did what it says, and the verdict is FAILED; the message says which criterion, and where all are.
 
     Parameters
     ----------
-    failures : in words
+    failures : in words: "what and value (required, ...): state", of which the first is reported up to its bracket
+    where : that has them all
     """
 
     status = ExitStatus.VERDICT_FAILED
 
-    def __init__(self, failures: Iterable[str]) -> None:
-        super().__init__(f"verdict FAILED: {'; '.join(failures)}")
+    def __init__(self, failures: Sequence[str], where: str = "the verdict above") -> None:
+        first = failures[0].partition(" (")[0]
+        more = f" and {len(failures) - 1} more" if len(failures) > 1 else ""
+        super().__init__(f"verdict FAILED: {first}{more}; see {where}")
 
 
 class NoRunError(CommandError):

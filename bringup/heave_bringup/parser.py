@@ -10,19 +10,27 @@ from typing import Any, NoReturn
 from heave_bringup.commands.bags import export, import_sea, kpi, record, repair, replay, report, whatif
 from heave_bringup.commands.command import Command
 from heave_bringup.commands.models import design, identify, modes, static
-from heave_bringup.commands.runs import adapt, check, operate, panel, run, view
+from heave_bringup.commands.runs import accept, adapt, check, operate, panel, run, view
 from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
-from heave_bringup.commands.studies import bench, benchmark, campaign, extremes, operability, sizing
+from heave_bringup.commands.studies import bench, benchmark, campaign, extremes, falsify, operability, sizing
 from heave_bringup.commands.version import VersionAction
 from heave_bringup.errors import ExitStatus
 
 COMMANDS: tuple[Command, ...] = (
-    *(run.COMMAND, operate.COMMAND, panel.COMMAND, view.COMMAND, check.COMMAND, adapt.COMMAND),
+    *(run.COMMAND, operate.COMMAND, panel.COMMAND, view.COMMAND, check.COMMAND, adapt.COMMAND, accept.COMMAND),
     *(list_scenarios.COMMAND, new.COMMAND, catalogue.COMMAND, params.COMMAND),
     *(report.COMMAND, kpi.COMMAND, whatif.COMMAND, export.COMMAND),
     *(record.COMMAND, replay.COMMAND, import_sea.COMMAND, repair.COMMAND),
     *(design.COMMAND, identify.COMMAND, static.COMMAND, modes.COMMAND),
-    *(campaign.COMMAND, operability.COMMAND, sizing.COMMAND, extremes.COMMAND, benchmark.COMMAND, bench.COMMAND),
+    *(
+        campaign.COMMAND,
+        falsify.COMMAND,
+        operability.COMMAND,
+        sizing.COMMAND,
+        extremes.COMMAND,
+        benchmark.COMMAND,
+        bench.COMMAND,
+    ),
 )
 """All subcommands, in the order of the help."""
 

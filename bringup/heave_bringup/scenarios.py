@@ -128,10 +128,10 @@ def load_scenario(
     if not read:
         return _of_sections(sections, path, settings, needs_files=True)
     named = named_files(_of_sections(sections, path, settings, needs_files=False))
-    anew, told = make_good(read, kept, named, folder or _scratch_folder(), str(path))
+    anew, reported = make_good(read, kept, named, folder or _scratch_folder(), str(path))
     for values in sections.values():
         values.update({name: anew[value] for name, value in values.items() if isinstance(value, str) and value in anew})
-    return replace(_of_sections(sections, path, settings, needs_files=True), remade=tuple(told))
+    return replace(_of_sections(sections, path, settings, needs_files=True), remade=tuple(reported))
 
 
 @cache

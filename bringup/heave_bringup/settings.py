@@ -104,8 +104,8 @@ def near_places(target: str, name: str) -> list[str]:
     nodes = [one for one in found if one[0] not in (target, WILDCARD)]
     same = [one for one in nodes if one[1] == name]
     others = [] if target == WILDCARD and own else same if own or same else nodes
-    told = [*own, *sorted(others, key=lambda one: -one[2])]
-    return [of if where == WILDCARD else f"{where}.{of}" for where, of, _ in told[:MOST_PLACES]]
+    reported = [*own, *sorted(others, key=lambda one: -one[2])]
+    return [of if where == WILDCARD else f"{where}.{of}" for where, of, _ in reported[:MOST_PLACES]]
 
 
 def meant(places: Sequence[str]) -> str:

@@ -46,8 +46,8 @@ vary:
     assert seas == {(8, 1), (10, 2)}
     for case in cases:
         parameters = load_scenario("b2_calm_300", settings=campaign.settings_of(case)).parameters
-        believed = parameters["winch_controller"].winch.command_delay
-        assert parameters["virtual_winch"].command_delay == believed == case.settings["virtual_winch.command_delay"]
+        assumed = parameters["winch_controller"].winch.command_delay
+        assert parameters["virtual_winch"].command_delay == assumed == case.settings["virtual_winch.command_delay"]
 
 
 def test_a_mapping_of_parameters_is_a_plain_product_as_ever(tmp_path):

@@ -220,14 +220,14 @@ def test_a_depth_is_read_by_the_density_that_the_controller_believes_in_also_wit
     assert depths[0.1] == pytest.approx(300.0, abs=1.0)
 
 
-@pytest.mark.parametrize("believed", [9.83, 9.80665])
-def test_gravity_of_the_place_is_in_what_an_imu_says_and_the_one_believed_in_is_taken_off(believed):
+@pytest.mark.parametrize("assumed", [9.83, 9.80665])
+def test_gravity_of_the_place_is_in_what_an_imu_says_and_the_one_believed_in_is_taken_off(assumed):
     quiet = {f"sensors.imu.{name}": 0.0 for name in ("noise", "gyro_noise")}
-    values = {"cable_sim": {"gravity": 9.83} | quiet, "winch_controller": {"gravity": believed}}
+    values = {"cable_sim": {"gravity": 9.83} | quiet, "winch_controller": {"gravity": assumed}}
     loop = ClosedLoop(parameters(values, 0.05, 1))
     heard = []
     step = loop.controller.step
     loop.controller.step = lambda tick, taken: heard.append(taken) or step(tick, taken)
     loop.step()
     # the unit hangs at rest in the first tick
-    assert heard[0].of("imu")[0].value == pytest.approx(9.83 - believed, abs=1e-9)
+    assert heard[0].of("imu")[0].value == pytest.approx(9.83 - assumed, abs=1e-9)

@@ -1,4 +1,4 @@
-"""What cannot well be is refused in one line before anything starts, and taken where the user says so."""
+"""What is implausible is refused in one line before anything starts, and taken where the user says so."""
 
 import numpy as np
 import pytest
@@ -82,13 +82,13 @@ def test_fill_values_in_a_record_of_seas_are_not_measured(tmp_path):
     assert record.missing == 0.1
     assert record.states["hs"].max() == 2.0
     (warning,) = record.warnings
-    assert "2 states that cannot well be count as not measured, the first 2001-01-01 03:00" in warning
+    assert "2 implausible states count as not measured, the first 2001-01-01 03:00" in warning
 
 
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("time,hs,tp\n2001-01-01T00:00,200,8\n2001-01-01T01:00,150,8\n", "2 of 2 states cannot well be"),
+        ("time,hs,tp\n2001-01-01T00:00,200,8\n2001-01-01T01:00,150,8\n", "2 of 2 states are implausible"),
         ("hs,4,8\n200,1,2\n", "significant wave height is 200 m"),
         ("hs,0.1,0.2\n2,1,2\n", "peak period is 0.1 s"),
     ],

@@ -19,8 +19,8 @@ NAME = "b3_deep_900"
 
 def record(duration: float) -> np.ndarray:
     """A record of the boom tip from the shaping filter of the design sea."""
-    believed = load_scenario(NAME).parameters["winch_controller"]
-    return boom_tip_realisation(believed.sea, believed.vessel, duration=duration, step=BOUND_STEP, seed=1)
+    assumed = load_scenario(NAME).parameters["winch_controller"]
+    return boom_tip_realisation(assumed.sea, assumed.vessel, duration=duration, step=BOUND_STEP, seed=1)
 
 
 KNOBS = (

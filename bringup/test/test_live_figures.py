@@ -104,7 +104,7 @@ def test_a_stop_for_another_reason_than_the_loss_is_told_as_well():
     Monitor._on_diagnostics(
         monitor, diagnosed("emergency_stop: emergency stop requested", 63.05, stop, DiagnosticStatus.ERROR)
     )
-    assert monitor.alarms == ["t = 63.05 s: winch_controller: mode: emergency_stop: emergency stop requested"]
+    assert monitor.alarms == ["t = 62.50 s: winch_controller: mode: emergency_stop: emergency stop requested"]
 
 
 def test_a_lost_sensor_is_told_once_by_the_controllers_alarms():
@@ -116,7 +116,7 @@ def test_a_lost_sensor_is_told_once_by_the_controllers_alarms():
     header = Header(stamp=Time(sec=10))
     Monitor._on_diagnostics(monitor, DiagnosticArray(header=header, status=[sensor, alarms]))
     assert monitor._news == [f"t = 9.80 s: {lost}"]
-    assert monitor.alarms == [f"t = 10.00 s: winch_controller: sensor mru: {lost}"], "an error of the run it is"
+    assert monitor.alarms == [f"t = 9.80 s: winch_controller: sensor mru: {lost}"], "an error of the run, at one time"
 
 
 def test_a_loss_is_told_once_and_a_request_is_none():

@@ -114,8 +114,8 @@ def test_what_is_known_better_moves_the_prior(nominal):
 def test_an_uncertain_mru_widens_the_prior(nominal):
     # as the controller's own parameters say it
     mru = replace(nominal.sensors.mru, scale_sigma=0.05, lever_arm_sigma=0.2)
-    doubtful = replace(nominal, sensors=replace(nominal.sensors, mru=mru))
-    assert prior_of(doubtful).sigma[SCALE] == 0.05
+    uncertain = replace(nominal, sensors=replace(nominal.sensors, mru=mru))
+    assert prior_of(uncertain).sigma[SCALE] == 0.05
 
 
 @pytest.mark.parametrize("text", ["cable.colour=1+-2%", "mru.scale=1", "mru.scale=-1+-2%", "mru.scale=1+-0"])

@@ -14,6 +14,8 @@ from heave_node.numerics import hydrostatics
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import check_ranges, group, parameter
 
+from cable_sim_node.unit_parameters import UnitParameters
+
 
 @dataclass(frozen=True)
 class CableParameters:
@@ -33,8 +35,8 @@ class CableParameters:
     axial_stiffness: float = parameter(
         1.5614508e7, unit="N", minimum=1e-3, description="EA: tension per unit strain at small strain."
     )
-    stiffness_quadratic: float = parameter(0.0, unit="", description="Quadratic coefficient of the tension law.")
-    stiffness_cubic: float = parameter(0.0, unit="", description="Cubic coefficient of the tension law.")
+    stiffness_quadratic: float = parameter(0.0, unit="", description="q of T = EA e (1 + q e + c e^2) at strain e.")
+    stiffness_cubic: float = parameter(0.0, unit="", description="c of that tension law.")
     internal_damping: float = parameter(
         0.0, unit="N s", minimum=0.0, description="Tension per unit strain rate, at most the elastic tension."
     )
@@ -136,59 +138,6 @@ class ClumpsParameters:
 
 
 @dataclass(frozen=True)
-class UnitParameters:
-    """The subsea unit, a point mass with its own added mass and drag along each axis of frame `world`."""
-
-    mass: float = parameter(3000.0, unit="kg", minimum=1e-6, description="Mass in air.")
-    volume: float = parameter(0.354, unit="m^3", minimum=0.0, description="Displaced volume.")
-    added_mass: tuple[float, ...] = parameter(
-        (3000.0, 3000.0, 3000.0), unit="kg", minimum=0.0, length=3, description="Added mass along x, y, z."
-    )
-    drag_coefficient: tuple[float, ...] = parameter(
-        (1.5, 1.5, 1.5), unit="", minimum=0.0, length=3, description="C_D along x, y, z."
-    )
-    drag_area: tuple[float, ...] = parameter(
-        (0.5, 0.5, 0.5), unit="m^2", minimum=0.0, length=3, description="Projected area along x, y, z."
-    )
-    drag_law: str = parameter(
-        "per_axis",
-        unit="",
-        choices=("per_axis", "isotropic"),
-        description="Drag along each axis from the speed along it (thesis 5.2.2), or isotropic drag along the flow.",
-    )
-    thrust: tuple[float, ...] = parameter(
-        (0.0, 0.0, 0.0), unit="N", length=3, description="Constant thruster force on the unit, x, y, z."
-    )
-    attachment_breaking_force: float = parameter(
-        0.0,
-        unit="N",
-        minimum=0.0,
-        description="Breaking force of what joins cable and unit (termination, shackle, padeye); 0 means not stated.",
-    )
-    attachment_safety_factor: float = parameter(
-        SAFETY_FACTOR,
-        unit="",
-        minimum=1.0,
-        maximum=100.0,
-        description="The attachment's breaking force over its largest load that is required, as cable.safety_factor.",
-    )
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
-        if self.drag_law == "isotropic":
-            products = {c * s for c, s in zip(self.drag_coefficient, self.drag_area, strict=True)}
-            if len(products) > 1:
-                raise ValueError(
-                    "unit.drag_law = isotropic needs the same drag_coefficient times drag_area along x, y and z, got "
-                    f"{list(self.drag_coefficient)} and {list(self.drag_area)}"
-                )
-
-    def weight_in_fluid(self, density: float, gravity: float = STANDARD_GRAVITY) -> float:
-        """Return weight minus buoyancy [N] in a fluid of `density` [kg/m^3] under `gravity` [m/s^2]."""
-        return hydrostatics.weight_in_fluid(self.mass, self.volume, density, gravity)
-
-
-@dataclass(frozen=True)
 class SeabedProfileParameters:
     """Hills and valleys of the seabed along one direction, on its plane.
 
@@ -261,7 +210,7 @@ class CurrentProfileParameters:
 
 @dataclass(frozen=True)
 class WaveKinematicsParameters:
-    """Water motion of one regular deep-water wave along the submerged cable. The splash zone is not modelled."""
+    """Water motion of one regular deep-water wave, and the surface that it makes."""
 
     amplitude: float = parameter(0.0, unit="m", minimum=0.0, description="Wave amplitude; 0 means still water.")
     period: float = parameter(10.0, unit="s", minimum=0.5, description="Wave period.")
@@ -354,6 +303,11 @@ class CableSimParameters:
         minimum=0.0,
         maximum=2000.0,
         description="Density of the surrounding fluid; 0 is a vacuum.",
+    )
+    surface: bool = parameter(
+        True,
+        unit="",
+        description="The water ends at its surface, z = 0 and the wave on it; false: it surrounds everything.",
     )
     gravity: float = parameter(
         STANDARD_GRAVITY, unit="m/s^2", minimum=0.0, maximum=100.0, description="Acceleration of gravity."

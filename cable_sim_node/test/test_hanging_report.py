@@ -32,7 +32,7 @@ RICH = CableSimParameters(
 
 
 def test_in_still_water_the_report_is_weight_and_stretch():
-    parameters = CableSimParameters()
+    parameters = CableSimParameters(surface=False)
     report = hanging_report(parameters, (1.0, 2.0, 3.0))
     unit = parameters.unit.weight_in_fluid(1025.0)
     weight = parameters.cable.weight_in_fluid(1025.0)
@@ -41,6 +41,17 @@ def test_in_still_water_the_report_is_weight_and_stretch():
     assert report.unit == pytest.approx([1.0, 2.0, 3.0 - 300.0 - stretch])
     assert report.top_angle == pytest.approx(0.0, abs=1e-12)
     assert report.unit_pull == pytest.approx([0.0, 0.0, unit])
+
+
+def test_pressure_shortens_the_cable_by_the_integral_of_pressure_and_area_over_ea():
+    """Pinto, Eq. 16: rho g A L^2/(2 EA) over a depth of L. Steel wire of 40 mm, 3,000 m: 0.56 m."""
+    wire = CableParameters(diameter=0.040, displaced_diameter=0.032, mass_per_length=6.54, axial_stiffness=6.46e7)
+    unit = UnitParameters(mass=2e4, volume=2.0)
+    report = hanging_report(CableSimParameters(length=3000.0, cable=wire, unit=unit))
+    by_hand = 1025.0 * 9.80665 * math.pi / 4.0 * 0.032**2 * 3000.0**2 / (2.0 * 6.46e7)
+    assert by_hand == pytest.approx(0.563, abs=1e-3)
+    # the unit hangs deeper by the stretch, so does every point of the cable
+    assert report.pressure_shortening == pytest.approx(by_hand, rel=0.01)
 
 
 @pytest.mark.parametrize(

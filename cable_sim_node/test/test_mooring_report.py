@@ -46,8 +46,9 @@ def test_the_direction_turns_the_whole_picture():
 
 
 def test_the_height_of_the_boom_tip_counts():
+    plant = dataclasses.replace(PLANT, surface=False)
     low, high = (
-        mooring_report(PLANT, 90.0 - height, offsets=[30.0], boom_tip_height=height).cables[0] for height in (0.0, 5.0)
+        mooring_report(plant, 90.0 - height, offsets=[30.0], boom_tip_height=height).cables[0] for height in (0.0, 5.0)
     )
     assert high.shape.top_tension == pytest.approx(low.shape.top_tension, rel=1e-9)
 

@@ -91,6 +91,13 @@ class RunParameters:
         maximum=1e9,
         description="Largest offset between the clocks of two hosts of a run in real time; a larger one is refused.",
     )
+    realtime_priority: int = parameter(
+        0,
+        unit="",
+        minimum=0,
+        maximum=99,
+        description="Real time: priority (SCHED_FIFO) of the nodes that others wait for, their memory locked; 0: none.",
+    )
     in_tick_wait: float = parameter(
         0.4,
         unit="",
@@ -107,6 +114,10 @@ class RunParameters:
                 "hardware does not wait for a simulation"
             )
 
+        if self.realtime_priority and self.is_lockstep:
+            raise ValueError(
+                f"realtime_priority = {self.realtime_priority} needs pacing: realtime (`heave run --pacing realtime`)"
+            )
         for node, _ in map(parse_clock, self.external_clocks):
             if node not in self.external:
                 raise ValueError(f"external_clocks names {node}, which is not external: {list(self.external)}")

@@ -6,6 +6,7 @@ Run as `python loop_program.py NODE --ros-args ...`. The parameter `fault` makes
 end.
 """
 
+import gc
 import os
 import signal
 import subprocess
@@ -202,7 +203,7 @@ class Plant(ClockMasterNode):
         timing = self.timing
         sys.stdout.write(f"ended={ended} ticks={self.tick_number} epoch={self.epoch} sum={self.sum:g}\n")
         sys.stdout.write(f"lost={self.roster.lost_words(self.gate.lost())}\n")
-        sys.stdout.write(f"missed={timing.missed_deadlines} resends={timing.resends}\n")
+        sys.stdout.write(f"collector={gc.isenabled()} missed={timing.missed_deadlines} resends={timing.resends}\n")
 
 
 if __name__ == "__main__":

@@ -126,3 +126,18 @@ def test_utc_of_the_day_is_a_stamp_of_its_own():
     ((_, reading),) = adapter.on_samples([sample], 3.0)
     assert reading.stamp == 59_429_000_000_000
     assert reading.numbers[0] == -0.5
+
+
+def test_sentences_without_a_time_are_stamped_by_their_stated_rate_and_not_by_a_late_arrival():
+    arrivals = [5.0, 5.1, 5.36, 5.36, 5.4]  # the third was handed over 0.16 s late, together with the fourth
+    by_rate = {"clock": "receipt", "sample_rate": 10, "format": "nmea", "heave": "PSXN23.heave"}
+    stamps = [stamps_of(by_rate, arrivals), stamps_of({**by_rate, "sample_rate": 0}, arrivals)]
+    assert np.diff(stamps[0]) * 1e-9 == pytest.approx(0.1, abs=1e-6)
+    assert stamps[1] == [0] * 5, "the time of arrival counts"
+
+
+def stamps_of(given, arrivals):
+    """Stamps [ns] of one PSXN,23 sentence at each of the `arrivals` [s]."""
+    adapter = Adapter(device_map_of("m", given))
+    sample = Sample("PSXN23", {"heave": 0.5})
+    return [reading.stamp for now in arrivals for _, reading in adapter.on_samples([sample], now)]

@@ -1,7 +1,10 @@
 """Alarms: a row of a table, what is raised from it, and the line by which it is read again."""
 
+import math
+
 import pytest
 from heave_node.interface.alarm import AlarmRow, Severity, alarm_table, alarms_in
+from heave_node.interface.codes import time_key
 
 STALE = AlarmRow("MRU_STALE", Severity.HIGH, "mru", "no data for {age:.1f} s", "Compensation fades out", "Check power")
 SLACK = AlarmRow("CABLE_SLACK", Severity.MEDIUM, "cable", "tension {tension:.1f} kN")
@@ -21,6 +24,18 @@ def test_alarms_are_read_from_the_lines_of_several():
     found = alarms_in(f"winch_controller: alarms: {'; '.join(map(str, raised))}")
     assert [(one.code, one.severity, one.text) for one in found] == [(a.code, a.severity, a.text) for a in raised]
     assert found[0].title == "MRU STALE"
+    assert math.isnan(found[0].time)
+
+
+def test_alarms_with_their_times_are_read_from_a_line():
+    raised = [TABLE.alarm("MRU_STALE", age=1.25), TABLE.alarm("CABLE_SLACK", tension=8.0)]
+    line = "; ".join(f"{time_key(time)}: {alarm}" for time, alarm in zip((1.05, 2.0), raised, strict=True))
+    for text in (line, f"winch_controller: alarms: {line}"):
+        found = alarms_in(text)
+        assert [(one.time, one.code, one.text) for one in found] == [
+            (1.05, "MRU_STALE", raised[0].text),
+            (2.0, "CABLE_SLACK", raised[1].text),
+        ]
 
 
 @pytest.mark.parametrize("text", ["", "frozen: its readings do not change", "MRU_STALE: no severity", "x (high): y"])

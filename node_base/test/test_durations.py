@@ -70,6 +70,6 @@ def test_execution_times_cover_the_last_minute():
     for number in range(1, 121):
         times.add(1e-3 * number)
     assert times.percentiles() == pytest.approx((0.0605, 1e-3 * (1 + 0.999 * 119), 0.120))
-    words, values = times.told()
+    words, values = times.reported()
     assert words == "p50 60.50 ms, p99.9 119.88 ms, largest 120.00 ms"
     assert values["count"] == "120"

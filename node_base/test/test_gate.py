@@ -173,3 +173,215 @@ def test_nobody_waits_for_a_node_beside_the_ticks_not_even_at_the_end():
     assert roster.unanswered(10_000, flush=True) == []
     assert roster.answered_by_all() == 10_000
     assert roster.published_by_topic() == {"/a": 3, "/b": 0}
+
+
+# bytes that arrive
+
+SOMEBODY, STRANGER = "aa", "bb"
+
+
+def test_what_is_said_before_the_roster_is_known_is_judged_by_it_then():
+    strange = []
+    inbox = Inbox("/mru", on_stranger=lambda *who: strange.append(who))
+    assert not inbox.put(message(1), SOMEBODY)
+    assert not inbox.put(message(2), STRANGER)
+    assert inbox.received == 0
+    inbox.appoint([SOMEBODY])
+    assert (inbox.received, inbox.take(1)) == (1, [message(1)])
+    assert strange == [(STRANGER, message(2))]
+    inbox.appoint([SOMEBODY])
+    assert inbox.received == 1, "it is judged once"
+
+
+def test_a_stranger_is_neither_counted_nor_taken_though_nobody_wants_to_know_of_him():
+    inbox = Inbox("/mru")
+    inbox.appoint([SOMEBODY])
+    assert inbox.put(message(1), STRANGER) is False
+    assert inbox.put(message(2), SOMEBODY) is True
+    assert inbox.take(1) == [message(2)]
+
+
+def test_hardware_may_send_without_a_stamp_and_the_same_twice():
+    inbox = Inbox("/load", is_external=True)
+    inbox.appoint([SOMEBODY])
+    for _ in range(2):
+        assert inbox.put(message(0), SOMEBODY) is True
+    assert (inbox.received, inbox.duplicates) == (2, 0)
+
+
+def test_what_is_taken_is_decoded_and_what_came_twice_is_counted_as_such():
+    inbox = Inbox("/mru", lambda data: data[4])
+    assert inbox.put(message(1)) is True
+    for _ in range(3):
+        assert inbox.put(message(1)) is False
+    assert inbox.duplicates == 3
+    assert inbox.take(1) == [1]
+    assert inbox.take(1) == []
+
+
+def test_a_stamp_that_is_zero_but_for_its_last_byte_is_one():
+    """Nanoseconds of the 32 bits at bytes 8 to 11 of a message, after 4 of encapsulation and 4 of seconds."""
+    for byte, is_stamped in ((3, False), (4, True), (11, True), (12, False)):
+        data = bytearray(16)
+        data[byte] = 1
+        assert Inbox("/mru").put(bytes(data)) is is_stamped
+
+
+def test_the_next_run_may_begin_with_the_bytes_of_this_one():
+    gate = make_gate()
+    assert gate.inboxes["/mru"].put(message(1))
+    gate.end_run()
+    assert gate.inboxes["/mru"].put(message(1))
+
+
+@given(st.integers(0, 6), st.integers(0, 8))
+def test_messages_up_to_a_number_are_taken_and_later_ones_stay(come, expected):
+    inbox = Inbox("/mru")
+    for number in range(1, come + 1):
+        inbox.put(message(number))
+    every = [message(number) for number in range(1, come + 1)]
+    assert inbox.take(expected) == every[:expected]
+    assert inbox.take(come) == every[expected:]
+
+
+# who owes what
+
+
+def test_the_messages_of_several_outputs_of_a_node_are_counted_each_by_its_own_counter():
+    """The sea's second output is /mru: its place among the counters of the sea is 1, among those of all 2."""
+    gate = TickGate(["/mru", "/tip"], ["sea"])
+    gate.set_roster(["plant", "sea", "sea"], ["/tip", "/tip", "/mru"])
+    assert gate.expected("/mru") == 0
+    assert gate.expected("/unknown") == 0
+    gate.begin(1, 1, [1, 2, 3])
+    assert (gate.expected("/tip"), gate.expected("/mru")) == (3, 3), "plant and sea add up"
+    gate.peer_done("sea", 1, 1, [4, 7])
+    assert (gate.expected("/tip"), gate.expected("/mru")) == (5, 7)
+    gate.begin(1, 2, [1, 9, 9])
+    assert (gate.expected("/tip"), gate.expected("/mru")) == (10, 9), "the newest count is the largest"
+
+
+def test_each_output_of_a_node_has_its_place_among_its_counters_and_another_roster_counts_at_once():
+    gate = TickGate(["/a", "/b", "/c"], ["sea"])
+    gate.set_roster(["sea"] * 3, ["/a", "/b", "/c"])
+    gate.begin(1, 1, [0, 0, 0])
+    gate.peer_done("sea", 1, 1, [1, 2, 3])
+    assert [gate.expected(topic) for topic in gate.inboxes] == [1, 2, 3]
+    gate.set_roster(["sea"] * 3, ["/c", "/b", "/a"])
+    assert [gate.expected(topic) for topic in gate.inboxes] == [3, 2, 1]
+
+
+def test_only_nodes_that_are_waited_for_add_to_the_counts():
+    gate = make_gate()
+    gate.begin(1, 1, [0, 0, 0])
+    gate.peer_done("plant", 1, 1, [5])
+    assert gate.expected("/load") == 0
+
+
+def test_what_is_missing_names_the_tick_the_topics_and_all_their_publishers():
+    gate = TickGate(["/mru", "/tip"], ["sea", "plant"])
+    gate.set_roster(["plant", "sea", "sea"], ["/tip", "/tip", "/mru"])
+    gate.begin(3, 7, [2, 0, 1])
+    gate.inboxes["/mru"].put(message(1))
+    assert gate.missing() == ("sea to end tick 7, plant to end tick 7, /tip from plant and sea (0 of 2 messages)")
+    gate.peer_done("sea", 3, 7, [0, 1])
+    gate.peer_done("plant", 2, 7, [2])
+    assert gate.missing() == "plant to end tick 7, /tip from plant and sea (0 of 2 messages)", "that was of run 2"
+
+
+def test_a_node_steps_once_each_of_its_inputs_is_whole_in_whatever_order_they_become_so():
+    topics = ["/a", "/b", "/c"]
+    for order in (topics, topics[::-1]):
+        gate = TickGate(topics, [])
+        gate.set_roster(["plant"] * 3, topics)
+        gate.begin(1, 1, [1, 2, 1])
+        assert not gate.is_complete()
+        for topic in order:
+            for number in range(2 if topic == "/b" else 1):
+                assert gate.is_complete() is False
+                gate.inboxes[topic].put(message(number + 1))
+        assert gate.is_complete() is True
+        gate.begin(1, 2, [1, 2, 2])
+        assert gate.is_complete() is False, "of the next tick one more is due"
+
+
+def test_what_has_not_come_is_lost_but_not_what_came_before_this_node_took_part():
+    gate = TickGate(["/mru", "/load"], [])
+    gate.set_roster(["sea", "plant"], ["/mru", "/load"])
+    gate.begin(1, 1, [2, 3])
+    gate.inboxes["/load"].put(message(1))
+    assert gate.lost() == 4
+    late = TickGate(["/mru", "/load"], [])
+    late.set_roster(["sea", "plant"], ["/mru", "/load"])
+    for number in range(1, 4):
+        late.inboxes["/load"].put(message(number))
+    late.begin(1, 2, [4, 2])
+    assert late.lost() == 0
+    assert gate.lost() == 4
+    late.begin(1, 3, [5, 6])
+    assert late.lost() == 1 + 3, "one of /mru after those that it never saw, three of /load"
+
+
+def test_a_node_that_was_there_from_the_first_tick_of_a_later_run_has_lost_what_it_lacks():
+    gate = make_gate()
+    gate.begin(2, 1, [0, 1, 0])
+    assert gate.lost() == 1
+    gate.begin(2, 2, [0, 2, 0])
+    assert gate.lost() == 2
+
+
+def test_ticks_of_another_run_are_no_answer():
+    gate = make_gate()
+    gate.begin(2, 5, [0, 0, 0])
+    gate.peer_done("sea", 1, 4, [0, 0])
+    assert gate.ticks_behind("sea") == 4
+    gate.peer_done("sea", 2, 5, [0, 0])
+    assert gate.ticks_behind("sea") == 0, "it is ahead by one"
+
+
+def test_before_the_first_tick_everything_is_there():
+    """Tick 0 of run 0 is before the first; a node that has never answered is behind even that."""
+    gate = TickGate(["/mru"], [])
+    gate.set_roster(["sea"], ["/mru"])
+    assert gate.is_complete() is True
+    assert make_gate().is_complete() is False
+
+
+def test_messages_of_a_run_that_was_reset_are_dropped_and_those_of_the_next_stay():
+    gate = make_gate()
+    gate.begin(1, 1, [0, 1, 0])
+    for number in (1, 2):
+        gate.inboxes["/mru"].put(message(number))
+    gate.clear()
+    gate.begin(2, 1, [0, 2, 0])
+    assert gate.take("/mru") == [message(2)]
+
+
+def test_a_topic_that_nobody_counts_gives_what_has_come_in_lockstep_too():
+    gate = TickGate(["/joystick"], [])
+    gate.set_roster([], [])
+    gate.begin(1, 1, [])
+    gate.inboxes["/joystick"].put(message(1))
+    assert gate.take("/joystick") == [message(1)]
+
+
+def test_an_inbox_is_added_once_and_whoever_asks_again_gets_the_same():
+    gate = make_gate()
+    first = gate.add_inbox(Inbox("/joystick"))
+    assert gate.add_inbox(Inbox("/joystick")) is first
+    assert gate.inboxes["/joystick"] is first
+
+
+def test_who_may_publish_comes_with_the_roster():
+    """A run's own topic takes its roster's process alone; one of hardware anybody until the roster names one."""
+    gate = TickGate(["/mru"], [])
+    external = gate.add_inbox(Inbox("/load", is_external=True))
+    gate.set_roster(["sea", "plant"], ["/mru", "/other"], [SOMEBODY, STRANGER])
+    assert gate.inboxes["/mru"].put(message(1), SOMEBODY)
+    assert not gate.inboxes["/mru"].put(message(2), STRANGER)
+    assert external.put(message(3), "cc")
+    gate.set_roster(["sea", "plant"], ["/mru", "/load"], [SOMEBODY, STRANGER])
+    assert not external.put(message(4), "cc")
+    assert external.put(message(4), STRANGER)
+    gate.set_roster(["sea", "plant"], ["/mru", "/load"])
+    assert gate.inboxes["/mru"].put(message(5), "cc"), "no identities: anybody"

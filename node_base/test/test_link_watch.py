@@ -57,3 +57,13 @@ def test_a_device_is_stale_after_its_timeout_not_at_it_and_each_silence_is_count
     watch.arrived(2.0)
     assert watch.is_stale(3.5)
     assert watch.timeouts == 2
+
+
+def test_a_gap_does_not_change_the_usual_interval_and_counts_once():
+    """Thirty samples a tenth of a second apart, and once five seconds: the middle one is a tenth, the mean 0.27 s."""
+    watch = LinkWatch(timeout=10.0)
+    for n in range(30):
+        watch.arrived(0.1 * n + (4.9 if n >= 15 else 0.0))
+    assert math.isclose(watch.usual_interval, 0.1, rel_tol=1e-6)
+    assert (watch.gaps, watch.bursts) == (1, 0)
+    assert math.isclose(watch.longest_gap, 5.0)

@@ -91,3 +91,13 @@ def test_a_position_that_is_not_known_is_no_slip_and_what_moved_meanwhile_is_non
     supervision = MotionSupervision(TIME)
     for step, payout in enumerate([0.0, math.nan, 3.0, 3.01]):
         assert supervision.look(step * STEP, DrumReading(0.0, True, payout, 0.0, 1.0)) == ""
+
+
+@pytest.mark.parametrize(("brake", "speed", "is_held"), [(1.0, 0.5, True), (0.0, 0.005, False)])
+def test_a_drum_is_held_as_its_brake_says_and_not_as_its_speed_looks(brake, speed, is_held):
+    """An engaged brake that slips fast does not hold; one that says it is open is not the one to blame for a creep."""
+    supervision = MotionSupervision(1e3)
+    told = [
+        supervision.look(now, DrumReading(0.0, True, speed * now, speed, brake)) for now in np.arange(0.0, 60.0, STEP)
+    ]
+    assert any("does not hold" in words for words in told) is is_held

@@ -48,13 +48,13 @@ def message_of(sensor: Sensor, *values: float, sigma: float = 0.02):
 
 
 @pytest.mark.parametrize("sensor", ON_UNIT, ids=lambda sensor: sensor.name)
-@given(data=st.data(), truth=WATER, believed=WATER, time=st.floats(0.0, 1e6))
-def test_a_reading_through_a_message_is_the_reading_handed_over_to_the_last_bit(data, sensor, truth, believed, time):
+@given(data=st.data(), truth=WATER, assumed=WATER, time=st.floats(0.0, 1e6))
+def test_a_reading_through_a_message_is_the_reading_handed_over_to_the_last_bit(data, sensor, truth, assumed, time):
     values = data.draw(st.lists(st.one_of(NUMBER, st.just(math.nan)), min_size=sensor.width, max_size=sensor.width))
     on_wire = sensor.to_wire(Reading(time, np.array(values), np.abs(np.array(values))), truth)
     heard = through_a_message(sensor, on_wire)
     assert heard.stamp == on_wire.stamp == round(time * 1e9)
-    np.testing.assert_array_equal(sensor.from_wire(heard, believed), sensor.from_wire(on_wire, believed))
+    np.testing.assert_array_equal(sensor.from_wire(heard, assumed), sensor.from_wire(on_wire, assumed))
 
 
 @pytest.mark.parametrize("sensor", ON_UNIT, ids=lambda sensor: sensor.name)

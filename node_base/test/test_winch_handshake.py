@@ -117,3 +117,18 @@ def test_a_drum_whose_speed_is_not_known_is_taken_to_be_at_rest():
     winch.take(1.0, order(6, brake=True), math.nan)
     assert winch.release(math.nan) is WinchRelease.COMMAND
     assert winch.release(-0.02) is WinchRelease.STANDSTILL
+
+
+def test_before_the_first_command_the_drive_is_to_stand_with_its_brake_on():
+    assert WinchHandshake(0.5).order(100.0) == WinchOrder(0.0, 0.0, brake=True, sequence=0)
+
+
+def test_silence_while_a_fault_is_acknowledged_takes_the_acknowledgement_of_it_not_back():
+    """The drum still turned when the command came; once it is at rest the next one releases the fault."""
+    winch = latched()
+    winch.take(1.0, order(6, brake=True), 0.3)
+    winch.take(1.1, order(7), 0.3)
+    assert winch.order(9.0).brake
+    assert winch.release(0.0) is WinchRelease.COMMAND
+    winch.take(9.1, order(8), 0.0)
+    assert winch.order(9.2) == order(8)

@@ -1,9 +1,11 @@
 """Ctrl-C at random moments of every long command: it ends in time, leaves no process, and keeps what was finished.
 
     python -m tests.campaigns.interrupted_studies --count 50
+    python -m tests.campaigns.interrupted_studies --only run record --latest 30
 
-The signal goes to all processes of a terminal's group, or to the command alone, in turn. Prints a table and ends with
-status 1 where something is wrong.
+The signal goes to all processes of a terminal's group, or to the command alone, in turn. Of a study the finished cases
+are kept, of a run and a recording the bag, whole. Prints a table, with the load of the machine, and ends with status 1
+where something is wrong.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ import argparse
 import os
 import random
 import signal
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -20,6 +23,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import psutil
+from domain_coordinator import domain_id
+from heave_bags.mcap.reader import Bag
 from heave_bringup.errors import ExitStatus
 from heave_bringup.progress import ProgressLine
 
@@ -29,6 +35,8 @@ LONGEST = 5.0
 """Wall time from the signal to the end [s]."""
 LATEST = 60.0
 """Wall time from the start to the signal at most [s]: workers are busy by half of it."""
+MARK = "HEAVE_INTERRUPTED_STUDY"
+"""Environment variable by which all that a command has started is known, in whatever group or session it runs."""
 CASES = """
 scenario: unit_1500
 duration: 20
@@ -40,7 +48,15 @@ COMMANDS: dict[str, list[str]] = {
     "operability": ["operability", "unit_1500", "--output", "own.parquet", "--processes", "2"],
     "sizing": ["sizing", "unit_1500", "--output", "own.parquet", "--processes", "2"],
     "benchmark": ["benchmark", "run", "industrial", "--processes", "2"],
+    "run": ["run", "b2_calm_300", "--duration", "100000", "--bag", "run", "--no-report"],
+    "record": ["record", "bag"],
+    "whatif": ["whatif", "RECORD", "--draws", "100", "--output", "whatif.html"],
+    "accept": ["accept", "harbour_test", "--output", "accepted"],
 }
+RECORDED = ("run", "b2_calm_300", "--duration", "120", "--composed", "--no-report", "--no-baseline", "--quiet")
+"""The run, by its command, of which `whatif` is asked."""
+ENDS = {"record": (ExitStatus.DONE, ExitStatus.INTERRUPTED)}
+"""Exit statuses after Ctrl-C where it is not INTERRUPTED alone: a recording ends by it."""
 
 
 @dataclass(frozen=True)
@@ -54,53 +70,74 @@ class Interruption:
     wrong: str
 
 
-def interrupt_one(command: str, number: int, folder: Path) -> Interruption:
-    """Start a command in a folder, interrupt it at a moment drawn by the seed `number`, and judge its end."""
+def interrupt_one(command: str, number: int, folder: Path, record: Path, latest: float = LATEST) -> Interruption:
+    """Start a command in a folder, interrupt it at a moment drawn by the seed `number`, and judge its end.
+
+    Parameters
+    ----------
+    command : its name
+    number : seed; the signal goes to the whole group where it is even, to the command alone where it is odd
+    folder : that it works in
+    record : bag of which `whatif` is asked
+    latest : wall time from the start to the signal at most [s]
+    """
     chance = random.Random(number)
     (folder / "own.yaml").write_text(CASES)
-    said = folder / "said"
-    with said.open("wb") as sink:
+    words = [str(record) if word == "RECORD" else word for word in COMMANDS[command]]
+    with (folder / "said").open("wb") as sink, domain_id() as domain:
         process = subprocess.Popen(
-            [sys.executable, "-m", "heave_bringup.cli", *COMMANDS[command]],
+            [sys.executable, "-m", "heave_bringup.cli", *words],
             cwd=folder,
+            env={**os.environ, "ROS_DOMAIN_ID": str(domain), MARK: str(folder)},
             stdout=subprocess.DEVNULL,
             stderr=sink,
             start_new_session=True,
         )
-    try:
-        after = chance.uniform(0.5, LATEST)
-        time.sleep(after)
-        finished = _lines(folder)
-        began = time.monotonic()
-        if number % 2:
-            process.send_signal(signal.SIGINT)
-        else:
-            os.killpg(process.pid, signal.SIGINT)
-        process.wait(120.0)
-        took = time.monotonic() - began
-        wrong = _judge(process, folder, finished, took)
-    finally:
-        if _group(process.pid):
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+        try:
+            after = chance.uniform(0.5, latest)
+            time.sleep(after)
+            finished = _lines(folder)
+            began = time.monotonic()
+            if number % 2:
+                process.send_signal(signal.SIGINT)
+            else:
+                os.killpg(process.pid, signal.SIGINT)
+            process.wait(120.0)
+            took = time.monotonic() - began
+            wrong = _judge(command, process, folder, finished, took)
+        finally:
+            for left in started_for(folder):
+                left.kill()
+            process.wait()
     return Interruption(command, after, took, _lines(folder), wrong)
 
 
-def _judge(process: subprocess.Popen[bytes], folder: Path, finished: int, took: float) -> str:
+def _judge(command: str, process: subprocess.Popen[bytes], folder: Path, finished: int, took: float) -> str:
     complaint = (folder / "said").read_text(errors="replace")
     wrong = [f"it took {took:.1f} s"] if took > LONGEST else []
-    if process.returncode not in (ExitStatus.INTERRUPTED, -signal.SIGINT):  # the latter before the command has begun
+    ends = ENDS.get(command, (ExitStatus.INTERRUPTED,))
+    if process.returncode not in (*ends, -signal.SIGINT):  # the latter before the command has begun
         wrong.append(f"status {process.returncode}: {complaint[-300:]}")
-    if process.returncode == ExitStatus.INTERRUPTED and "Traceback" in complaint:
+    if process.returncode != -signal.SIGINT and "Traceback" in complaint:
         wrong.append(complaint[-500:])
-    deadline = time.monotonic() + LONGEST
-    while _group(process.pid) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    left = _group(process.pid)
-    wrong += [f"left running: {left}"] if left else []
+    left = psutil.wait_procs(started_for(folder), timeout=LONGEST)[1]
+    wrong += [f"left running: {[' '.join(one.cmdline())[-80:] for one in left]}"] if left else []
     if _lines(folder) < finished:
         wrong.append(f"{finished} cases were finished, {_lines(folder)} are kept")
+    for bag in {file.parent for file in folder.rglob("*.mcap")}:
+        losses = [str(loss) for loss in Bag(bag).losses if loss.messages != 0]
+        wrong += [f"{bag.relative_to(folder)}: {losses[0]}"] if losses else []
     return "; ".join(wrong)
+
+
+def started_for(folder: Path) -> list[psutil.Process]:
+    """Return the processes that run and belong to the command that works in a `folder`."""
+    found = []
+    for process in psutil.process_iter(["environ", "status"]):
+        is_its_own = (process.info["environ"] or {}).get(MARK) == str(folder)
+        if is_its_own and process.info["status"] != psutil.STATUS_ZOMBIE:
+            found.append(process)
+    return found
 
 
 def _lines(folder: Path) -> int:
@@ -109,27 +146,15 @@ def _lines(folder: Path) -> int:
     return max(journal.read_text().count("\n") - 1, 0) if journal.exists() else 0
 
 
-def _group(leader: int) -> list[int]:
-    """Return the processes of a group that still run."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            state, _, group = path.read_text().rpartition(")")[2].split()[:3]
-        except OSError:
-            continue
-        if int(group) == leader and state != "Z":
-            found.append(int(path.parent.name))
-    return found
-
-
 def table(found: Sequence[Interruption]) -> str:
     """Return what became of the commands as a table."""
-    lines = [f"{'command':14}{'times':>6}{'longest s':>11}{'most kept':>11}{'wrong':>7}"]
+    lines = [f"{'command':14}{'times':>6}{'median s':>10}{'longest s':>11}{'most kept':>11}{'wrong':>7}"]
     for command in COMMANDS:
         part = [one for one in found if one.command == command]
         if part:
             longest, kept = max(one.took for one in part), max(one.kept for one in part)
-            lines.append(f"{command:14}{len(part):6}{longest:11.1f}{kept:11}{sum(bool(one.wrong) for one in part):7}")
+            median, wrong = statistics.median(one.took for one in part), sum(bool(one.wrong) for one in part)
+            lines.append(f"{command:14}{len(part):6}{median:10.1f}{longest:11.1f}{kept:11}{wrong:7}")
     return "\n".join([*lines, *(f"{one.command} after {one.after:.1f} s: {one.wrong}" for one in found if one.wrong)])
 
 
@@ -138,18 +163,27 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="interrupted_studies", description=__doc__)
     parser.add_argument("--count", type=int, default=50, help="of each command (default 50)")
     parser.add_argument("--first", type=int, default=0, help="number of the first (default 0)")
+    parser.add_argument("--only", nargs="+", choices=COMMANDS, default=list(COMMANDS), help="commands (default: all)")
+    parser.add_argument("--latest", type=float, default=LATEST, help=f"time to the signal [s] (default {LATEST:g})")
     options = parser.parse_args()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # no command is left behind
     progress = ProgressLine()
-    found = []
-    for number in range(options.first, options.first + options.count):
-        for command in COMMANDS:
-            with tempfile.TemporaryDirectory() as folder:
-                found.append(interrupt_one(command, number, Path(folder)))
-            wrong = sum(bool(one.wrong) for one in found)
-            progress.show(f"{len(found)} of {options.count * len(COMMANDS)}, {wrong} wrong")
+    found: list[Interruption] = []
+    loads = []
+    with tempfile.TemporaryDirectory() as recorded:
+        record = Path(recorded) / "run"
+        if "whatif" in options.only:
+            subprocess.run([sys.executable, "-m", "heave_bringup.cli", *RECORDED, "--bag", str(record)], check=True)
+        for number in range(options.first, options.first + options.count):
+            for command in options.only:
+                with tempfile.TemporaryDirectory() as folder:
+                    found.append(interrupt_one(command, number, Path(folder), record, options.latest))
+                loads.append(os.getloadavg()[0])
+                wrong = sum(bool(one.wrong) for one in found)
+                progress.show(f"{len(found)} of {options.count * len(options.only)}, {wrong} wrong")
     progress.close()
-    sys.stdout.write(f"{commit_line()}\n{table(found)}\n")
+    load = f"load {min(loads):.1f} to {max(loads):.1f}" if loads else ""
+    sys.stdout.write(f"{commit_line()}, {load}\n{table(found)}\n")
     return 1 if any(one.wrong for one in found) else 0
 
 

@@ -62,7 +62,7 @@ NOISES = {"wave_vessel.mru.noise": 0.01, "wave_vessel.mru.rate_noise": 0.01, "ca
 EFFICIENCY = "unit_efficiency"
 """Figure that is ranked by."""
 
-AS_BELIEVED = {
+AS_ASSUMED = {
     **NOISES,
     "virtual_winch.power_limit": 1e6,
     "wave_vessel.mru.high_pass_period": 1e3,
@@ -228,14 +228,14 @@ class Kept:
         return self.worst <= LARGEST and math.isfinite(self.at)
 
     @property
-    def is_as_told(self) -> bool:
+    def is_as_informed(self) -> bool:
         """Return whether what was learnt is about as good as an informed belief."""
         return not self.learnt > LARGEST_OVER_TOLD * self.told
 
     @property
     def is_kept(self) -> bool:
         """Tell whether the promise is kept, by a loop that compensates and says nothing wrong."""
-        return self.holds and self.share > 0.0 and self.is_as_told and not self.wrong
+        return self.holds and self.share > 0.0 and self.is_as_informed and not self.wrong
 
 
 def run(one: Draw, duration: float = DURATION) -> Kept:
@@ -303,12 +303,12 @@ class Named:
 
     Attributes
     ----------
-    believed : assumed at first
+    assumed : assumed at first
     low, high : between these the truth is, as far as the readings show it
     noticeable, far : differences that are just worth naming, and that are an error whatever the truth is
     """
 
-    believed: float
+    assumed: float
     low: float
     high: float
     noticeable: float
@@ -316,15 +316,15 @@ class Named:
 
     def is_wrong(self, learnt: float) -> bool:
         """Return whether a `learnt` value is on the wrong side of the nominal one, or names what is nominal."""
-        if self.low == self.high == self.believed:
+        if self.low == self.high == self.assumed:
             return True
         off = max(self.low - learnt, learnt - self.high)
         if off < self.noticeable:
             return False
-        if self.low > self.believed + self.noticeable:
-            return learnt < self.believed
-        if self.high < self.believed - self.noticeable:
-            return learnt > self.believed
+        if self.low > self.assumed + self.noticeable:
+            return learnt < self.assumed
+        if self.high < self.assumed - self.noticeable:
+            return learnt > self.assumed
         return off > self.far
 
 
@@ -332,9 +332,9 @@ NO_POWER_LIMIT = 1e6
 """Power that no winch has [kW]."""
 
 
-def named_by(believed: float, low: float, high: float) -> Named:
+def named_by(assumed: float, low: float, high: float) -> Named:
     """Return what differs in a ratio: 2 % of the belief are worth naming, 10 % are an error in any case."""
-    return Named(believed, low, high, noticeable=0.02 * believed, far=0.1 * believed)
+    return Named(assumed, low, high, noticeable=0.02 * assumed, far=0.1 * assumed)
 
 
 def named_things(settings: Settings) -> dict[str, Named]:
@@ -351,8 +351,8 @@ def named_things(settings: Settings) -> dict[str, Named]:
     has_power_limit = truth.get("power_limit", 0.0) > 0.0
     power = 1e-3 * truth["power_limit"] if has_power_limit else NO_POWER_LIMIT
 
-    def limit(believed: float, true: float, *, may_be_slower: bool = False) -> Named:
-        return named_by(believed, 0.0 if may_be_slower else min(true, believed), min(true, believed))
+    def limit(assumed: float, true: float, *, may_be_slower: bool = False) -> Named:
+        return named_by(assumed, 0.0 if may_be_slower else min(true, assumed), min(true, assumed))
 
     play = 0.5 * truth.get("encoder.backlash", 0.0) / USUAL_SPEED
     servo, delay = truth.get("time_constant", SERVO), truth.get("command_delay", DELAY)
@@ -417,7 +417,7 @@ def show(one: Draw, found: Kept) -> str:
         f"{len(found.alarms):2d} findings{'' if found.holds else ' WORSE THAN OFF'}"
     )
     if math.isfinite(found.told):
-        verdict = "" if found.is_as_told else f" MORE THAN {LARGEST_OVER_TOLD:g} TIMES"
+        verdict = "" if found.is_as_informed else f" MORE THAN {LARGEST_OVER_TOLD:g} TIMES"
         line += f", learnt {100 * found.learnt:.2f} cm, told {100 * found.told:.2f} cm{verdict}"
     return "\n".join([line, *(f"    wrong: {words}" for words in found.wrong)])
 
@@ -444,8 +444,8 @@ def frame_of(draws: Sequence[Draw], found: Sequence[Kept]) -> pandas.DataFrame:
     """
     rows = []
     for one, its in zip(draws, found, strict=True):
-        drawn = {name: value for name, value in one.settings.items() if value or name not in AS_BELIEVED}
-        rows.append({FAILURE: "", NOMINAL: False, **AS_BELIEVED, **drawn, EFFICIENCY: 1.0 - its.sigma / its.off})
+        drawn = {name: value for name, value in one.settings.items() if value or name not in AS_ASSUMED}
+        rows.append({FAILURE: "", NOMINAL: False, **AS_ASSUMED, **drawn, EFFICIENCY: 1.0 - its.sigma / its.off})
     return pandas.DataFrame(rows)
 
 

@@ -89,8 +89,8 @@ class Draw:
     def largest(self) -> float:
         """Largest standard deviation of the unit over that of the uncompensated one."""
         is_lost = self.kind in LOST_KINDS and self.sensor in ("mru", "encoder")
-        is_contrary = self.kind == "scale" and self.sensor == "encoder" and self.magnitude < 0.0 and self.start == 0.0
-        return LARGEST_LOST if is_lost or is_contrary else LARGEST
+        is_reversed = self.kind == "scale" and self.sensor == "encoder" and self.magnitude < 0.0 and self.start == 0.0
+        return LARGEST_LOST if is_lost or is_reversed else LARGEST
 
     @property
     def words(self) -> str:

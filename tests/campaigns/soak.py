@@ -113,7 +113,8 @@ def soak(kind: str, hours: float, scenario: str, place: Path, show: Callable[[st
                 looks += [] if look is None else [look]
                 show(f"{kind}: {time.monotonic() - begun:.0f} s, {looks[-1].memory if looks else 0.0:.0f} MB")
         finally:
-            run.terminate()
+            with suppress(psutil.NoSuchProcess):  # it has come to its end
+                run.terminate()
             run.wait()
     wrong = [] if run.returncode == 0 else [f"status {run.returncode}: {(place / 'said.txt').read_text()[-300:]}"]
     left = sorted(_segments() - before)

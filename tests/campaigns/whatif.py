@@ -23,7 +23,7 @@ import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.errors import CommandError
 from heave_bringup.scenarios import Scenario, load_scenario
-from heave_bringup.whatif.fitness import check_known, check_record, told, warnings
+from heave_bringup.whatif.fitness import check_known, check_record, reported, warnings
 from heave_bringup.whatif.known import Known, drawn, learn, off_sigma, other_plants, winch_moved
 from heave_bringup.whatif.signals.record import SensorRecord
 from heave_bringup.whatif.study import Answer, answer, recorded, same_again
@@ -246,7 +246,7 @@ def _pair(draw: Draw, known: Known, found: Answer, world: World) -> Pair:
         mode in ("fade_out", "stopping", "stopped") for mode in modes[int(np.argmax(has_begun)) :]
     )
     sigma = off if truth is None else truth.unit_sigma(TRANSIENT)
-    tells = {of: is_told for of, is_told, _ in told(known)}
+    tells = {of: is_reported for of, is_reported, _ in reported(known)}
     needs = tells["cable and unit"] and (tells["winch"] or law == OFF)
     values = found.figures.values
     needs &= values["time_at_limit_percent"] == 0.0 or tells["winch limits"]

@@ -80,6 +80,19 @@ def test_the_900_m_system_answers_as_the_peer(period, ratio, phase, t_amplitude,
     assert result.tension_max == pytest.approx(t_max, rel=1e-3)
 
 
+def test_the_900_m_system_answers_as_a_second_code():
+    """WHOI Cable 3.12 (C, public), 1 m at 12 s, 91 nodes and a step of 0.02 s, in which it has not converged."""
+    result = run_driven(s900(90), (0.0, 0.0, 1.0), 2.0 * math.pi / 12.0, duration=1500.0, window=400.0, ramp=500.0)
+    assert result.unit_heave_amplitude == pytest.approx(1.0213, rel=0.01)
+    assert math.remainder(result.unit_heave_phase - math.radians(-178.83), 2.0 * math.pi) == pytest.approx(
+        0.0, abs=0.02
+    )
+    assert result.tension_mean == pytest.approx(98599.0, rel=1e-4)
+    assert result.tension_amplitude == pytest.approx(35129.0, rel=5e-3)
+    assert result.tension_min == pytest.approx(63346.0, rel=2e-3)
+    assert result.tension_max == pytest.approx(133870.0, rel=2e-3)
+
+
 def test_slack_and_snap_near_resonance_keep_the_peers_amplitude():
     """900 m, 1 m at 14 s: slack and snap each cycle; the peer gives 2.094 +-0.5 %, tension amplitude 53428 N +-1 %."""
     result = run_driven(

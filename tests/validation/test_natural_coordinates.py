@@ -108,6 +108,7 @@ def cartesian(segments, density):
             length=LENGTH,
             segments=segments,
             water_density=density,
+            surface=False,
             gravity=0.0,
             cable=CableParameters(
                 diameter=DIAMETER, mass_per_length=MASS, axial_stiffness=EA, added_mass=0.0, normal_drag=1.2

@@ -13,20 +13,20 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from winch_controller_node.design.design import believed_cable
+from winch_controller_node.design.design import assumed_cable
 
 
 def test_the_controller_believes_the_springs_in_series() -> None:
     parameters = load_scenario("hybrid_900").parameters
     spring, plant = parameters["cable_sim"].compensator, parameters["cable_sim"]
     both = 1.0 / (plant.length / plant.cable.axial_stiffness + 1.0 / spring.stiffness)
-    believed = believed_cable(parameters["winch_controller"], plant.length)
-    assert believed.stiffness == pytest.approx(both, rel=1e-3)
+    assumed = assumed_cable(parameters["winch_controller"], plant.length)
+    assert assumed.stiffness == pytest.approx(both, rel=1e-3)
     inertia = plant.unit.mass + plant.unit.added_mass[2] + plant.length * plant.cable.mass_per_length / 3.0
-    assert believed.a == pytest.approx(inertia / both, rel=0.15)
+    assert assumed.a == pytest.approx(inertia / both, rel=0.15)
     # "its performance becomes poorer when the period of the boom tip motion increases"
     omega = 2.0 * math.pi / np.array([6.0, 10.0, 14.0, 18.0])
-    share = np.abs(1.0 / (1.0 - believed.a * omega**2 + 1j * believed.b * omega))
+    share = np.abs(1.0 / (1.0 - assumed.a * omega**2 + 1j * assumed.b * omega))
     assert np.all(np.diff(share) > 0.0)
     assert share[0] < 0.05
     assert share[-1] > 0.2

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from wave_vessel_node.sea.spectrum_files import SpectrumFileError, read_spectra
-from wave_vessel_node.sea.spectrum_record import doubt_of
+from wave_vessel_node.sea.spectrum_record import objection_to
 from wave_vessel_node.sources.recording import RecordingError, read_recording
 from wave_vessel_node.vessel.rao import RaoError
 from wave_vessel_node.vessel.rao_checks import response_questions
@@ -96,7 +96,7 @@ def test_damaged_spectra(name, data, tmp_path):
             assert np.isfinite(values).all()
             assert (values >= 0.0).all()
             assert record.spectrum.significant_wave_height > 0.0
-            assert doubt_of(record.spectrum) == ""
+            assert objection_to(record.spectrum) == ""
 
 
 @given(data=st.data())
@@ -139,7 +139,7 @@ def test_tables_in_other_units_orders_and_encodings(name, data, tmp_path):
         assert recording is None or 4.0 * recording.position[:, 2].std() <= 25.0
     else:
         file = refused_or(SpectrumFileError, path, read_spectra)
-        assert file is None or not any(doubt_of(record.spectrum) for record in file.records)
+        assert file is None or not any(objection_to(record.spectrum) for record in file.records)
 
 
 @pytest.mark.parametrize(

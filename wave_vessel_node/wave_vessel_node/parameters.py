@@ -421,7 +421,7 @@ class WaveVesselParameters(SeaParameters):
     accept_implausible: bool = parameter(
         False,
         unit="",
-        description="Take figures of the files of sea, recording and RAOs that cannot well be as they are.",
+        description="Take implausible figures in the files of sea, recording and RAOs as they are.",
     )
     filter: ShapingFilterParameters = group(ShapingFilterParameters)
     vessel: VesselParameters = group(VesselParameters)

@@ -55,7 +55,7 @@ def test_what_no_parameter_holds_changes_no_parameter(name):
 
 
 @pytest.mark.parametrize(
-    ("believed", "speed", "acceleration"),
+    ("assumed", "speed", "acceleration"),
     [
         ({"winch__speed_out": 1.4}, USED * 1.4, None),
         ({"winch__speed_out": 1.4, "winch__speed_in": 1.1}, USED * 1.1, None),
@@ -64,9 +64,9 @@ def test_what_no_parameter_holds_changes_no_parameter(name):
     ],
 )
 def test_of_a_limit_that_was_identified_a_little_less_is_used_and_the_weaker_direction_counts(
-    believed, speed, acceleration
+    assumed, speed, acceleration
 ):
-    winch = parameters_under(held(**believed), NOMINAL).winch
+    winch = parameters_under(held(**assumed), NOMINAL).winch
     assert winch.speed_limit == pytest.approx(speed or NOMINAL.winch.speed_limit)
     assert winch.acceleration_limit == pytest.approx(acceleration or NOMINAL.winch.acceleration_limit)
 

@@ -302,9 +302,9 @@ def test_after_redesigns_nobody_holds_another_sea_or_winch_than_nominal_or_belie
             seas = {one for _, one in held(holder, SeaModelParameters)}
             assert seas == {nominal.sea}, [way for way, one in held(holder, SeaModelParameters) if one != nominal.sea]
         assert controller.nominal == nominal
-        believed = controller.parameters.winch
-        assert believed == parameters_under(controller.beliefs, nominal).winch
-        allowed = {nominal.winch, believed}
+        assumed = controller.parameters.winch
+        assert assumed == parameters_under(controller.beliefs, nominal).winch
+        allowed = {nominal.winch, assumed}
         strange = [way for way, one in held(controller, WinchModelParameters) if one not in allowed]
         assert strange == []
         assert {one for _, one in held(adviser, WinchModelParameters)} == {nominal.winch}

@@ -86,10 +86,10 @@ def test_a_delay_is_made_up_for_by_the_slope_of_what_was_read(excerpt, measureme
     np.testing.assert_allclose(made_up[inner], wanted[inner], atol=1.1 * (OMEGA * 2.0 * DT) ** 2)
     # a delay that is assumed already is compensated from its tick on
     history = SensorHistory((("mru", 100, Correction(delay=2.0 * DT)),))
-    believed = in_columns(delayed, measurements, history, onsets=()).data.values[:, 0]
+    assumed = in_columns(delayed, measurements, history, onsets=()).data.values[:, 0]
     since = late[:, 1] >= 100
-    np.testing.assert_allclose(believed[mine & since], made_up[mine & since], atol=1e-12)
-    np.testing.assert_allclose(believed[~since], columns.data.values[~since, 0])
+    np.testing.assert_allclose(assumed[mine & since], made_up[mine & since], atol=1e-12)
+    np.testing.assert_allclose(assumed[~since], columns.data.values[~since, 0])
 
 
 def test_drag_and_slack_of_a_step_go_by_the_state_that_it_begins_with(excerpt, measurements):

@@ -73,7 +73,7 @@ def test_a_machine_that_is_late_too_often_is_told_once_with_its_share():
     assert alarm.code == "COMMANDS_OFTEN_LATE"
     # reported with the first share above 10 % of 1,200 commands
     assert alarm.values == {"percent": pytest.approx(10.0, abs=0.1), "window": 60.0, "largest": pytest.approx(DT)}
-    assert late.is_told
+    assert late.is_reported
 
 
 def feed(timeouts: CommandTimeouts, seconds: float, fault: WinchFault, **situation: bool) -> list[Advice]:

@@ -209,6 +209,7 @@ def test_after_a_hiccup_that_trips_the_watchdog_compensation_is_back_within_a_mi
     assert record.unit_sigma(100.0) < 0.005, "as before: the swing that the sudden stop has left is taken out"
     (lost,) = [alarm for _, alarm in record.alarms if alarm.code == "COMPENSATION_LOST"]
     assert lost.values["reason"].startswith("winch fault: command timeout: ")
+    assert lost.values["reason"].endswith("resumes automatically 3 s after commands reach the winch again")
 
 
 def test_a_latched_fault_is_left_also_where_states_of_the_winch_miss_their_tick():

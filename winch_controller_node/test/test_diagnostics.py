@@ -8,7 +8,7 @@ from winch_controller_node.interface.alarms import ALARMS
 pytest.importorskip("rclpy")
 pytest.importorskip("heave_msgs")
 
-from heave_node.interface.codes import OPERATOR, SensorLevel, told_in
+from heave_node.interface.codes import OPERATOR, SensorLevel, timed_words
 from heave_node.ros.diagnostics import Level
 from winch_controller_node.interface.readings import SensorState
 from winch_controller_node.node import ADVISER, WinchControllerNode
@@ -25,7 +25,7 @@ def parts_of(mode, *, is_inhibited=False, reason="", sensors=(), asked=None, adv
         outputs_of_tick=SimpleNamespace(report=report),
         controller=SimpleNamespace(depth=300.0, preview=SimpleNamespace(has_come=False), crane=crane),
         _changes={},
-        _told={},
+        _reported={},
         _asked=asked or {},
         _has_adviser=adviser is not None,
         adviser=adviser,
@@ -80,7 +80,7 @@ def test_what_an_operator_asked_for_is_told_with_its_time_and_is_no_warning():
     asked = {"t = 1.20 s": "factor 0.8", "t = 1.55 s": "speed +0.20 m/s"}
     (part,) = [one for one in parts_of("compensating", asked=asked) if one is not None and one.part == OPERATOR]
     assert (part.level, part.values) == (Level.OK, asked)
-    assert told_in(part.message) == [(1.2, "factor 0.8"), (1.55, "speed +0.20 m/s")]
+    assert timed_words(part.message) == [(1.2, "factor 0.8"), (1.55, "speed +0.20 m/s")]
 
 
 @pytest.mark.parametrize(("is_well", "level"), [(True, Level.OK), (False, Level.WARN)])

@@ -230,15 +230,15 @@ def excerpts(excerpt_of, winch, seconds, *, size=0.6, seed=1, noise=0.0, resolut
         yield excerpt_of(end, encoder=read[:end], **columns)
 
 
-def believed_of(excerpt_of, winch, seconds, **record):
+def assumed_of(excerpt_of, winch, seconds, **record):
     """Return what is assumed of a winch after so many `seconds`, evaluated each second, and each answer."""
-    identifier, believed, answers = WinchIdentifier(BELIEF, DT), {}, []
+    identifier, assumed, answers = WinchIdentifier(BELIEF, DT), {}, []
     for excerpt in excerpts(excerpt_of, winch, seconds, **record):
-        answer = identifier.look(excerpt, SensorHistory(), {name: b.value for name, b in believed.items()})
+        answer = identifier.look(excerpt, SensorHistory(), {name: b.value for name, b in assumed.items()})
         if answer is not None:
             answers.append(answer)
-            believed = {n: b for n, b in believed.items() if n not in answer.nominal} | dict(answer.changed)
-    return believed, answers
+            assumed = {n: b for n, b in assumed.items() if n not in answer.nominal} | dict(answer.changed)
+    return assumed, answers
 
 
 @pytest.mark.slow
@@ -247,21 +247,21 @@ def test_nothing_is_found_of_a_winch_that_is_as_believed(excerpt_of, noise, reso
     """Twenty draws, each of 12 s, of an encoder of 1 mm, of one with noise of 5 mm, and of one that counts in 5 mm."""
     found = {}
     for seed in range(20):
-        believed, answers = believed_of(
+        assumed, answers = assumed_of(
             excerpt_of, WinchParameters(), 12.0, seed=seed, noise=noise, resolution=resolution, every=60
         )
-        if believed or any(answer.factor for answer in answers):
-            found[seed] = believed
+        if assumed or any(answer.factor for answer in answers):
+            found[seed] = assumed
     assert found == {}
 
 
 def test_a_millisecond_of_jitter_of_the_delay_hides_no_limit(excerpt_of):
     """0.2 s lies on the edge of a tick: each order comes in one tick or the next."""
     weak = WinchParameters(command_jitter=1e-3, acceleration_limit=0.75, stop_deceleration=0.75)
-    believed, _ = believed_of(excerpt_of, weak, 30.0, size=0.9)
+    assumed, _ = assumed_of(excerpt_of, weak, 30.0, size=0.9)
     for name in ("winch.acceleration_out", "winch.acceleration_in"):
-        assert believed[name].value == pytest.approx(0.75, rel=0.04)
-    assert "winch.speed_gain" not in believed or believed["winch.speed_gain"].value == pytest.approx(1.0, abs=0.03)
+        assert assumed[name].value == pytest.approx(0.75, rel=0.04)
+    assert "winch.speed_gain" not in assumed or assumed["winch.speed_gain"].value == pytest.approx(1.0, abs=0.03)
 
 
 @pytest.mark.parametrize(("late", "every"), [(1, 97), (1, 140), (6, 97)])
@@ -270,7 +270,7 @@ def test_a_machine_that_stalls_now_and_then_is_not_taken_for_a_weak_winch(excerp
     rates, virtual = waves(40.0, 0.6), VirtualWinch(WinchParameters(), tick_period=DT)
     virtual.step(0, WinchCommand(1))
     read, taken = np.empty(len(rates)), np.empty(len(rates))
-    identifier, believed = WinchIdentifier(BELIEF, DT), {}
+    identifier, assumed = WinchIdentifier(BELIEF, DT), {}
     for k, rate in enumerate(rates):
         stalls = k > late and k % every < late
         state = virtual.step(k + 1, None if stalls else WinchCommand(k + 2, 0.0, float(rate)))
@@ -279,16 +279,16 @@ def test_a_machine_that_stalls_now_and_then_is_not_taken_for_a_weak_winch(excerp
             begin = max(0, k + 1 - round(identifier.length / DT))
             columns = {"order_rate": rates, "sequence": 2.0 + np.arange(len(rates)), "taken": taken, "encoder": read}
             excerpt = excerpt_of(k + 1 - begin, first=begin, **{n: c[begin : k + 1] for n, c in columns.items()})
-            answer = identifier.look(excerpt, SensorHistory(), {n: b.value for n, b in believed.items()})
+            answer = identifier.look(excerpt, SensorHistory(), {n: b.value for n, b in assumed.items()})
             if answer is not None:
                 assert answer.factor is None
-                believed = {n: b for n, b in believed.items() if n not in answer.nominal} | dict(answer.changed)
-    assert not believed
+                assumed = {n: b for n, b in assumed.items() if n not in answer.nominal} | dict(answer.changed)
+    assert not assumed
 
 
 def test_a_limit_that_waves_do_not_reach_any_more_stays_for_a_minute(excerpt_of):
     weak = WinchParameters(speed_limit=0.6)
-    identifier, believed, held = WinchIdentifier(BELIEF, DT), {}, []
+    identifier, assumed, held = WinchIdentifier(BELIEF, DT), {}, []
     rates = np.concatenate([waves(30.0, 0.8), waves(40.0, 0.2)])
     readings, states = driven(weak, rates)
     taken = np.array([s.command_sequence for s in states], dtype=float)
@@ -296,10 +296,10 @@ def test_a_limit_that_waves_do_not_reach_any_more_stays_for_a_minute(excerpt_of)
         begin = max(0, end - round(identifier.length / DT))
         columns = {"order_rate": rates, "sequence": 2.0 + np.arange(len(rates)), "taken": taken, "encoder": readings}
         excerpt = excerpt_of(end - begin, first=begin, **{n: c[begin:end] for n, c in columns.items()})
-        answer = identifier.look(excerpt, SensorHistory(), {n: b.value for n, b in believed.items()})
+        answer = identifier.look(excerpt, SensorHistory(), {n: b.value for n, b in assumed.items()})
         if answer is not None:
-            believed = {n: b for n, b in believed.items() if n not in answer.nominal} | dict(answer.changed)
-        held.append(believed["winch.speed_out"].value if "winch.speed_out" in believed else 2.0)
+            assumed = {n: b for n, b in assumed.items() if n not in answer.nominal} | dict(answer.changed)
+        held.append(assumed["winch.speed_out"].value if "winch.speed_out" in assumed else 2.0)
     assert held[20:] == pytest.approx(len(held[20:]) * [0.6], rel=0.05)
 
 
@@ -316,9 +316,9 @@ def test_a_drum_that_has_not_turned_for_two_seconds_is_not_judged(excerpt_of, st
 
 
 def test_a_still_drum_tells_nothing(excerpt_of):
-    believed, answers = believed_of(excerpt_of, WinchParameters(time_constant=0.4), 15.0, size=0.0)
+    assumed, answers = assumed_of(excerpt_of, WinchParameters(time_constant=0.4), 15.0, size=0.0)
     assert not any(answer.factor for answer in answers)
-    assert not believed
+    assert not assumed
 
 
 def test_a_fit_never_leaves_what_a_drum_can_be():

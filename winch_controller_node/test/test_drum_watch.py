@@ -1,5 +1,7 @@
 """Orders against the encoder over the last seconds: how far the drum is off, and what the encoder reads of them."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
@@ -24,7 +26,7 @@ def waves(seconds, size=0.5):
     return size * (np.sin(0.7 * time) + 0.5 * np.sin(1.1 * time))
 
 
-def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), limited=(), **winch):
+def watched(*, seconds=20.0, factor=1.0, assumed=None, size=0.5, gap=(), limited=(), **winch):
     """Return the watch of a winch whose encoder reads `factor` times the payout, its errors, and the payouts.
 
     There is no reading in the ticks of the `gap`; a limit acts in those that are `limited`.
@@ -33,7 +35,7 @@ def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), limite
         DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT),
         VirtualWinch(WinchParameters(**winch), tick_period=DT),
     )
-    watch.take(believed or {})
+    watch.take(assumed or {})
     watch.reset()
     drum.step(0, WinchCommand(1))
     errors, payouts = [], []
@@ -58,13 +60,13 @@ def test_a_winch_other_than_believed_is_missed_until_it_is_believed(winch):
     quantities["speed_limit"] = ["winch.speed_out", "winch.speed_in"]
     ((name, value),) = winch.items()
     assert np.max(np.abs(watched(**winch)[1])) > 0.04
-    known = watched(believed=dict.fromkeys(quantities[name], value), **winch)[1]
+    known = watched(assumed=dict.fromkeys(quantities[name], value), **winch)[1]
     assert np.max(np.abs(known)) < 6e-3
 
 
 def test_a_drum_at_its_speed_limit_under_larger_set_points_is_where_it_was_foreseen():
     """There the rate at the start of a second says nothing."""
-    known = watched(size=2.0, believed={"winch.speed_out": 1.1, "winch.speed_in": 1.1}, speed_limit=1.1)[1]
+    known = watched(size=2.0, assumed={"winch.speed_out": 1.1, "winch.speed_in": 1.1}, speed_limit=1.1)[1]
     assert np.max(np.abs(known)) < 0.01
 
 
@@ -102,7 +104,7 @@ def test_an_encoder_reads_its_factor_times_the_gain_of_the_winch_of_what_that_wa
 
 
 def test_a_gain_that_is_believed_is_none_of_the_encoder():
-    ordered = watched(speed_gain=0.7, believed={"winch.speed_gain": 0.7})[0].ordered()
+    ordered = watched(speed_gain=0.7, assumed={"winch.speed_gain": 0.7})[0].ordered()
     assert ordered.share == pytest.approx(1.0, rel=0.05)
     assert ordered.is_true
 
@@ -120,6 +122,186 @@ def test_too_little_that_was_read_or_moved_tells_nothing_of_the_encoder(case):
 def test_a_limit_counts_where_it_acted_while_orders_and_encoder_are_compared(limited, is_limited):
     """Of 400 ticks the last 0.8 s, which are 16."""
     assert watched(limited=limited)[0].ordered().is_limited is is_limited
+
+
+COUNT = round(ORDERED_TIME / DT)
+
+
+def test_a_new_watch_needs_no_reset_and_takes_the_winch_for_the_nominal_one_at_rest():
+    watch, drum = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT), VirtualWinch(WinchParameters(), tick_period=DT)
+    drum.step(0, WinchCommand(1))
+    for tick, rate in enumerate(waves(2.2), start=1):
+        watch.add(0.0, float(rate), drum.step(tick, WinchCommand(tick + 1, 0.0, float(rate))).encoder_payout)
+        assert abs(watch.error()) < 4e-3
+    assert watch.ordered().share == pytest.approx(1.0, rel=0.05)
+
+
+@pytest.mark.parametrize(("limited", "is_limited"), [(384, True), (383, False)])
+def test_a_limit_counts_from_the_first_reading_of_the_comparison_on(limited, is_limited):
+    """Sixteen ticks of motion lie between seventeen readings, of which that of tick 384 is the first of 400."""
+    assert watched(limited=(limited,))[0].ordered().is_limited is is_limited
+
+
+@pytest.mark.parametrize(("missing", "is_known"), [(4, True), (5, False)])
+def test_four_fifths_of_the_readings_are_enough(missing, is_known):
+    """Of 16 ticks 12.8 need readings: of the 17 readings four may be missing."""
+    assert (watched(gap=range(390, 390 + missing))[0].ordered() is not None) is is_known
+
+
+@pytest.mark.parametrize(("speed", "is_known"), [(0.02, True), (0.016, False)])
+def test_a_few_millimetres_of_motion_are_needed(speed, is_known):
+    """A steady speed v over sixteen ticks: 1 sigma is v * DT * sqrt((16^2 - 1) / 12), 4.6 and 3.7 mm, of which 4."""
+    watch = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT)
+    for tick in range(200):
+        watch.add(0.0, speed, speed * DT * tick)
+    ordered = watch.ordered()
+    assert (ordered is not None) is is_known
+    if ordered is not None:
+        assert (ordered.share, ordered.left) == pytest.approx((1.0, 0.0), abs=1e-3)
+
+
+def test_the_readings_that_no_order_explains_are_what_is_left_of_them():
+    """A saw of 1 cm to and fro on 0.2 m/s: 1 sigma of the rest is 1 cm, of the ramp 0.2 * DT * sqrt(255 / 12) = 4.6."""
+    watch = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT)
+    for tick in range(200):
+        watch.add(0.0, 0.2, 0.2 * DT * tick + (0.01 if tick % 2 else -0.01))
+    ordered = watch.ordered()
+    ramp = 0.2 * DT * np.sqrt(255.0 / 12.0)
+    assert ordered.left == pytest.approx(0.01 / np.hypot(0.01, ramp), rel=0.05)
+    assert not ordered.is_true
+
+
+@pytest.mark.parametrize("started", [280, 330])
+def test_after_a_restart_in_motion_the_speed_that_a_slow_servo_had_by_then_counts(started):
+    """T = 1.5 s: after 3.5 and 6 s its first speed still shows, which was ordered a lag and a delay before."""
+    slow = {"time_constant": 1.5}
+    watch, drum = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT), VirtualWinch(WinchParameters(**slow), tick_period=DT)
+    watch.take({"winch.time_constant": 1.5})
+    drum.step(0, WinchCommand(1))
+    for tick, rate in enumerate(waves(20.0), start=1):
+        state = drum.step(tick, WinchCommand(tick + 1, 0.0, float(rate)))
+        watch.add(0.0, float(rate), state.encoder_payout)
+        if tick == started:
+            watch.restart()
+    ordered = watch.ordered()
+    assert ordered.share == pytest.approx(1.0, rel=0.1)
+    assert ordered.left < 0.15
+
+
+def looped(*, gain=0.5, gap=(), place=0.0, seconds=6.0, reset=None):
+    """Return the watch of a winch with a position loop that starts at rest at `place`, and its errors."""
+    belief = dataclasses.replace(BELIEF.winch, position_gain=gain)
+    watch = DrumWatch(belief, BELIEF.lag.largest, DT)
+    drum = VirtualWinch(WinchParameters(position_gain=gain), tick_period=DT)
+    watch.reset(place if reset is None else reset)
+    drum.step(0, WinchCommand(1))
+    errors = []
+    for tick, rate in enumerate(waves(seconds, 0.2), start=1):
+        state = drum.step(tick, WinchCommand(tick + 1, 0.0, float(rate)))
+        watch.add(place, float(rate), None if tick in gap else place + state.encoder_payout)
+        errors.append(watch.error())
+    return watch, np.array(errors)
+
+
+@pytest.mark.parametrize(("gap", "off"), [((), 0.06), ((89,), 0.4)], ids=["all read", "the first one missing"])
+def test_a_position_loop_is_foreseen_from_where_the_drum_was(gap, off):
+    """Of 120 ticks the last 16, and five time constants, 15 ticks, before them: from the reading of tick 89 on.
+
+    Without that one it is taken to have begun where it was read 15 ticks later: the loop then goes for another place.
+    """
+    for place in (0.0, 3.0):
+        watch, errors = looped(gap=gap, place=place)
+        ordered = watch.ordered()
+        assert ordered.share == pytest.approx(1.0, rel=off)
+        assert ordered.left < 0.05
+        if not gap:
+            assert np.max(np.abs(errors)) < 6e-3
+
+
+def test_the_orders_before_a_reset_were_to_stay_where_the_drum_was():
+    """Had they been orders to 0 m for the longest delay, the loop would have moved a drum at 3 m by half a metre."""
+    late = {"winch.command_delay": BELIEF.winch.command_delay + BELIEF.lag.largest}
+    watch = DrumWatch(dataclasses.replace(BELIEF.winch, position_gain=0.5), BELIEF.lag.largest, DT)
+    watch.take(late)
+    for _ in range(50):
+        watch.add(0.0, 0.5, 0.0, tension=1e4)
+    watch.reset(3.0)
+    for _ in range(2 * round(CHECKED_TIME / DT)):
+        watch.add(3.0, 0.0, 3.0)
+    assert watch.error() == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(("gain", "sign"), [(1.3, 1.0), (0.7, -1.0)])
+def test_a_drum_that_went_further_than_foreseen_is_ahead_by_a_positive_error(gain, sign):
+    """While it speeds up: what it does from then on is not in the readings that it is predicted from."""
+    watch, drum = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT), VirtualWinch(WinchParameters(), tick_period=DT)
+    drum.step(0, WinchCommand(1))
+    for tick in range(1, 41):
+        rate = 0.05 * max(tick - 15, 0) * DT * 4.0
+        state = drum.step(tick, WinchCommand(tick + 1, 0.0, gain * rate))
+        watch.add(0.0, rate, state.encoder_payout)
+    assert sign * watch.error() > 0.01
+
+
+def test_a_drum_whose_power_is_limited_is_foreseen_under_the_tension_that_was_told():
+    """50 kW at 200 kN are 0.25 m/s. Of an unknown tension nothing is predicted: it would have gone at 0.6 m/s."""
+    for told, is_foreseen in ((200e3, True), (np.nan, False)):
+        watch = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT)
+        watch.take({"winch.power_limit": 50e3})
+        for tick in range(200):
+            watch.add(0.0, 0.6, 0.25 * DT * tick, tension=told)
+        ordered = watch.ordered()
+        assert (ordered.share == pytest.approx(1.0, abs=0.01)) is is_foreseen
+
+
+@pytest.mark.parametrize(
+    ("share", "left", "said"),
+    [
+        (-0.21, 0.14, "reversed sudden"),
+        (-0.19, 0.14, "sudden"),
+        (-0.21, 0.16, ""),
+        (0.59, 0.14, "sudden right"),
+        (0.61, 0.14, "right"),
+        (0.89, 0.14, "right"),
+        (0.91, 0.14, "right true"),
+        (1.09, 0.14, "right true"),
+        (1.09, 0.16, ""),
+        (1.11, 0.14, "right"),
+        (1.59, 0.14, "right"),
+        (1.61, 0.14, "sudden right"),
+        (1.61, 0.16, ""),
+        (0.49, 0.14, "sudden"),
+        (0.51, 0.14, "sudden right"),
+    ],
+)
+def test_what_is_said_of_an_encoder_begins_at_these_ratios(share, left, said):
+    """Wrong by three fifths in less or more, by a tenth no more true; beyond the rest of 0.15 nothing is said."""
+    one = Ordered(share, left, 0.0)
+    named = {
+        "reversed": one.is_reversed(was=False),
+        "sudden": one.is_sudden(was=False),
+        "right": one.is_right_way,
+        "true": one.is_true,
+    }
+    assert {name for name, is_so in named.items() if is_so} == set(said.split())
+
+
+@pytest.mark.parametrize(
+    ("share", "is_reversed", "is_sudden"),
+    [
+        (0.49, True, True),
+        (0.51, False, True),
+        (0.74, False, True),
+        (0.76, False, False),
+        (1.29, False, False),
+        (1.31, False, True),
+    ],
+)
+@pytest.mark.parametrize("left", [0.0, 0.9])
+def test_what_was_said_of_an_encoder_ends_later_whatever_is_left(share, left, is_reversed, is_sudden):
+    one = Ordered(share, left, 0.0, is_limited=True)
+    assert one.is_reversed(was=True) is is_reversed
+    assert one.is_sudden(was=True) is is_sudden
 
 
 # the reflex
@@ -180,6 +362,16 @@ def test_a_scale_is_not_sudden_while_a_limit_acts():
     assert [act for _, act in acts([TRUE] * seconds(40.0) + [back] * 5)[0]] == [Act.SET_ASIDE]
     # one that is set aside already is not used again for that
     assert half.is_sudden(was=True)
+
+
+def test_a_winch_that_has_not_done_what_it_was_ordered_for_long_is_not_known_any_more():
+    """Ten seconds without a true look leave exp(-1) of the share: what the encoder then reads may be the winch."""
+    limited = HALF._replace(is_limited=True)
+    assert acts([TRUE] * seconds(40.0) + [limited] * seconds(10.0) + [HALF] * 5)[0] == []
+
+
+def test_the_second_look_that_is_wrong_sets_an_encoder_aside():
+    assert acts([TRUE] * 20 + [BACK] * 5)[0] == [(21, Act.SET_ASIDE)]
 
 
 def test_one_that_goes_right_again_is_used_again():
@@ -251,13 +443,13 @@ def test_what_is_wrong_with_an_encoder_is_told_by_its_code(shown, alarm, inhibit
 
 def test_the_speed_of_long_ago_counts_for_a_slow_servo():
     """T = 1.5 s: what it does now was ordered seconds ago, and the encoder reads just that."""
-    ordered = watched(time_constant=1.5, believed={"winch.time_constant": 1.5})[0].ordered()
+    ordered = watched(time_constant=1.5, assumed={"winch.time_constant": 1.5})[0].ordered()
     assert ordered.share == pytest.approx(1.0, rel=0.05)
     assert ordered.is_true
 
 
 def test_a_drum_under_the_longest_delay_that_may_be_believed_is_where_it_was_foreseen():
     longest = BELIEF.winch.command_delay + BELIEF.lag.largest
-    known = watched(command_delay=longest, believed={"winch.command_delay": longest})
+    known = watched(command_delay=longest, assumed={"winch.command_delay": longest})
     assert np.max(np.abs(known[1])) < 6e-3
     assert known[0].ordered().share == pytest.approx(1.0, rel=0.06)

@@ -49,23 +49,23 @@ class Run:
     record : of the loop
     seen : level and reason of the `sensor` in each tick
     excluded : sensor that is not used, in each tick
-    believed : assumed values other than nominal in each tick, by quantity
+    assumed : assumed values other than nominal in each tick, by quantity
     """
 
     def __init__(self, loop, sensor=""):
-        self.seen, self.excluded, self.believed = [], [], []
+        self.seen, self.excluded, self.assumed = [], [], []
 
         def note(_, outputs):
             self.seen.append(seen_of(outputs, sensor) if sensor else None)
             self.excluded.append(loop.controller.observer.excluded)
-            self.believed.append({name: belief.value for name, belief in loop.controller.beliefs.values.items()})
+            self.assumed.append({name: belief.value for name, belief in loop.controller.beliefs.values.items()})
 
         self.record = loop.run(note)
 
     def first(self, owner, after=0.0):
         """Return the first time after another [s] at which something is assumed of an `owner`, or it is excluded."""
         for tick in range(round(after / TICK), len(self.excluded)):
-            if self.excluded[tick] == owner or any(name.startswith(f"{owner}.") for name in self.believed[tick]):
+            if self.excluded[tick] == owner or any(name.startswith(f"{owner}.") for name in self.assumed[tick]):
                 return tick * TICK
         return np.inf
 
@@ -99,7 +99,7 @@ def test_a_mean_of_the_heave_as_by_trim_is_found_and_the_unit_held_as_without_it
     # 12 cm for half a minute may as well be a long swell
     assert run.first("mru") < 100.0
     assert run.first("depth") == run.first("encoder") == np.inf
-    assert run.believed[-1]["mru.offset"] == pytest.approx(mean, abs=0.04)
+    assert run.assumed[-1]["mru.offset"] == pytest.approx(mean, abs=0.04)
     time, unit, off = (record.column(name) for name in ("time", "unit", "uncompensated"))
     late = time > 110.0
     # benchmarks B2 and B3: 1 cm of 25 to 40
@@ -196,7 +196,7 @@ def test_a_sensor_that_is_right_again_is_used_as_it_is_and_compensation_goes_on(
     sensor, _ = FAULTS[fault]
     run = run_with(fault)
     assert run.excluded[-1] == ""
-    assert run.believed[-1].get(f"{sensor}.scale", 1.0) == pytest.approx(1.0, rel=0.03)
+    assert run.assumed[-1].get(f"{sensor}.scale", 1.0) == pytest.approx(1.0, rel=0.03)
     assert run.record.modes[-1] == "compensating"
     assert run.record.unit_sigma(END - 30.0) < 0.05 * run.record.uncompensated_sigma(END - 30.0)
     assert run.seen[-1] == (SensorLevel.OK, "")
@@ -205,8 +205,8 @@ def test_a_sensor_that_is_right_again_is_used_as_it_is_and_compensation_goes_on(
 def test_a_scale_is_followed():
     run = run_with("mru twice")
     scales = [
-        believed.get("mru.scale", 1.0)
-        for believed in run.believed[round((TURNS + 30.0) / TICK) : round(WELL_AGAIN / TICK)]
+        assumed.get("mru.scale", 1.0)
+        for assumed in run.assumed[round((TURNS + 30.0) / TICK) : round(WELL_AGAIN / TICK)]
     ]
     assert scales[-1] == pytest.approx(2.0, rel=0.1)
 

@@ -106,20 +106,20 @@ def feed(check, seconds, *, unit, free, authority=1.0, reads=None, is_out_of_rea
     return None
 
 
-@pytest.mark.parametrize(("error", "is_told"), [(0.7, False), (0.95, True)])
-def test_depth_sensor_and_estimate_disagree_from_four_fifths_of_the_uncompensated_heave_on(error, is_told):
+@pytest.mark.parametrize(("error", "is_reported"), [(0.7, False), (0.95, True)])
+def test_depth_sensor_and_estimate_disagree_from_four_fifths_of_the_uncompensated_heave_on(error, is_reported):
     check = unit_check()
     feed(check, 60.0, unit=0.0, free=1.0, reads=error)
-    assert (check.mismatch is not None) is is_told
+    assert (check.mismatch is not None) is is_reported
     # standard deviation of a sine; the mean is followed within 5 s, which leaves 0.98 of it
-    assert not is_told or check.mismatch == pytest.approx(0.98 * 0.95 / math.sqrt(2.0), rel=0.05)
+    assert not is_reported or check.mismatch == pytest.approx(0.98 * 0.95 / math.sqrt(2.0), rel=0.05)
 
 
 def test_a_corrected_disagreement_is_compared_anew_without_what_was_read_before():
     check = unit_check()
     feed(check, 60.0, unit=0.0, free=1.0, reads=0.95)
     assert check.mismatch is not None
-    check.forget_mismatch()
+    check.reset_mismatch()
     assert check.mismatch is None
     feed(check, 60.0, unit=0.0, free=1.0, reads=0.0)
     assert check.mismatch is None

@@ -75,6 +75,59 @@ def test_a_highest_tension_that_was_too_low_is_kept_again_after_five_minutes_or_
     assert after(DT, 1.1, brake=True)
 
 
+def flat(tension, ratio=3.0, *, stretch=0.0, use=0.5, brake=False):
+    tension.update(stretch, ratio, tension_per_metre=0.2, peak_use=use, brake=brake)
+
+
+def rolling(tension, seconds=240.0, **given):
+    """Let the boom tip stretch the cable by 0.5 m to and fro, a period of 10 s."""
+    for stretch in 0.5 * np.sin(2.0 * np.pi * 0.1 * DT * np.arange(round(seconds / DT))):
+        flat(tension, stretch=stretch, **given)
+
+
+def test_the_least_that_would_do_is_told_in_hundredths_rounded_up():
+    """A tenth of 2.7 sigma, 0.5 / sqrt(2) m of 0.2 a metre: 1.0191, of which 1.01 is too low and 1.02 enough."""
+    tension = HighestTension(60.0, tick_period=DT)
+    rolling(tension)
+    flat(tension, ratio=1.019)
+    assert tension.alarm.code == "TENSION_LIMIT_LOW"
+    assert "1.02" in tension.alarm.text
+    assert not tension.is_kept
+    flat(tension, ratio=1.02)
+    assert tension.alarm is None
+
+
+def test_a_highest_tension_that_is_just_what_is_needed_will_do():
+    """In a flat sea the static tension itself is enough: nothing is added to it."""
+    tension = HighestTension(60.0, tick_period=DT)
+    assert tension.is_kept, "before anything was seen"
+    flat(tension, ratio=1.0)
+    assert tension.alarm is None
+    assert tension.is_kept
+    assert tension.least_ratio(0.2, 5.0) == 1.0
+
+
+def test_a_winch_at_rest_and_one_that_follows_the_whole_sea_leave_the_same_share():
+    """A peak use of 0 is no division: the share that is left is a tenth, as where half the winch would do."""
+    tension = HighestTension(60.0, tick_period=DT)
+    rolling(tension)
+    assert tension.least_ratio(0.2, 0.0) == tension.least_ratio(0.2, 0.5) > 1.0
+    assert tension.least_ratio(0.2, 4.0) - 1.0 == pytest.approx(7.5 * (tension.least_ratio(0.2, 0.0) - 1.0))
+
+
+def test_five_minutes_count_from_the_last_tick_in_which_it_was_too_low():
+    tension = HighestTension(60.0, tick_period=DT)
+    flat(tension, ratio=0.9)
+    for _ in range(round(200.0 / DT)):
+        flat(tension, ratio=1.1)
+    flat(tension, ratio=0.9)
+    ticks = 0
+    while not tension.is_kept:
+        flat(tension, ratio=1.1)
+        ticks += 1
+    assert ticks * DT == pytest.approx(300.0, abs=2.0 * DT)
+
+
 def with_highest_tension(scenario, ratio, duration):
     settings = [f"winch_controller.limits.maximum_tension_ratio={ratio}", f"all.duration={duration}"]
     return ClosedLoop(loop_parameters(load_scenario(scenario, settings=settings)))

@@ -7,7 +7,7 @@ import pytest
 from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.parameters import build_parameters
 from scipy.integrate import solve_ivp
-from winch_controller_node.design.design import believed_cable
+from winch_controller_node.design.design import assumed_cable
 from winch_controller_node.identification.cable import IdentificationError, identify
 from winch_controller_node.identification.cable_kernel import respond
 from winch_controller_node.identification.cable_response import identify_against_length, identify_simulated
@@ -128,7 +128,7 @@ def test_identified_and_linearised_a_agree_over_the_length():
         # the record weighs the resonance, the fit of the transfer function the whole band; the cable's own mass makes
         # them differ: (M + mL/3) and (M + mL/2) over the stiffness are 2 % apart
         assert point.identified.a == pytest.approx(point.linearised_a, rel=0.04)
-        assert point.linearised_a == pytest.approx(believed_cable(low, point.length).a)
+        assert point.linearised_a == pytest.approx(assumed_cable(low, point.length).a)
 
 
 def test_a_slack_cable_is_said():

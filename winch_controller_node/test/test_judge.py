@@ -15,7 +15,7 @@ from winch_controller_node.adviser.judge import (
     EXCLUSION,
     PRICES,
     TELLING,
-    Believed,
+    Assumed,
     Change,
     Hypothesis,
     Judge,
@@ -56,14 +56,14 @@ def belief():
     return designed()
 
 
-def believed(design, **other):
+def assumed(design, **other):
     known = {"values": {}, "history": SensorHistory()} | other
-    return Believed(design.parameters, design.parameters, design.cable, design, **known)
+    return Assumed(design.parameters, design.parameters, design.cable, design, **known)
 
 
 def found_in(excerpt, design, **other):
     """Return what is accepted of a record at a second look, and the best of each culprit."""
-    judge = Judge(excerpt, believed(design, **other))
+    judge = Judge(excerpt, assumed(design, **other))
     ranked = judge.best()
     return accepted(ranked, judge.present, ranked[0], judge.used), ranked, judge
 
@@ -207,7 +207,7 @@ def test_the_encoder_is_not_ruled_out_where_it_reads_half_of_what_all_others_sho
 def test_the_state_goes_on_from_where_the_truth_is(belief, drawn_from):
     """Of an MRU of three quarters the boom tip is known, under what is found, as without the fault."""
     row = belief.model.row("boom_tip_heave")
-    right = Judge(drawn_from(belief), believed(belief)).present
+    right = Judge(drawn_from(belief), assumed(belief)).present
     found, *_ = found_in(drawn_from(belief, change=scaled("mru", 0.75)), belief)
     assert row @ found.state == pytest.approx(row @ right.state, abs=0.03)
     assert np.min(np.linalg.eigvalsh(found.covariance)) > -1e-9
@@ -298,7 +298,7 @@ def change_of(name, value):
 
 @given(st.sampled_from(sorted(PRICES)), st.floats(0.3, 3.0))
 def test_all_that_is_not_nominal_has_its_price(name, value):
-    from_nominal = believed(BELIEF)
+    from_nominal = assumed(BELIEF)
     nominal = QUANTITIES[name].nominal_in(BELIEF.parameters)
     assert from_nominal.price({}, "") == 0.0
     assert from_nominal.price(change_of(name, nominal), "") == 0.0
@@ -314,7 +314,7 @@ BELIEF = designed()
 
 
 def test_a_scale_that_is_off_by_more_costs_more_and_a_wrong_sign_more_than_that():
-    one = believed(BELIEF)
+    one = assumed(BELIEF)
     prices = [one.price(change_of("mru.scale", value), "") for value in (1.1, 1.5, 3.0)]
     assert prices == sorted(prices)
     assert one.price(change_of("mru.scale", -1.0), "") > PRICES["mru.scale"]
@@ -323,7 +323,7 @@ def test_a_scale_that_is_off_by_more_costs_more_and_a_wrong_sign_more_than_that(
 
 def test_what_the_encoder_reads_of_what_was_sent_is_the_winch_s_or_the_encoder_s():
     """A drum of half the gain by the encoder: cheap once the encoder is assumed to read half, dear until then."""
-    one = believed(BELIEF, drum_gain=0.5)
+    one = assumed(BELIEF, drum_gain=0.5)
     assert one.price(change_of("encoder.scale", 0.5), "") < one.price({}, "") + PRICES["encoder.scale"] + 2.0
     assert one.price(change_of("encoder.scale", 2.0), "") > one.price({}, "")
     assert one.price(change_of("encoder.scale", -0.5), "") >= 100.0

@@ -153,10 +153,10 @@ def test_only_a_unit_that_is_compensated_lands(mode):
 def test_a_landing_is_suspected_before_it_is_known_and_a_suspicion_does_not_last():
     lowering = Lowering(stiffness=5e3, speed=0.05, contact=20.0)
     lowering.run(20.0)
-    assert not lowering.landing.is_suspected
-    suspected = [lowering.run(20.0 + DT * k) is None and lowering.landing.is_suspected for k in range(1, 100)]
+    assert not lowering.landing.may_stand
+    suspected = [lowering.run(20.0 + DT * k) is None and lowering.landing.may_stand for k in range(1, 100)]
     assert any(suspected)
-    assert not lowering.landing.is_suspected
+    assert not lowering.landing.may_stand
 
 
 def test_without_a_depth_sensor_the_tension_alone_tells():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from heave_node.interface.codes import WinchFault
 from winch_controller_node.parameters.laws import ModeParameters
+from winch_controller_node.supervision.command_timeouts import WAIT
 from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import Mode, ModeError, Situation
 
@@ -110,9 +111,13 @@ def test_an_emergency_stop_brakes_at_once_and_waits_for_somebody():
 @pytest.mark.parametrize(
     ("fault", "mode", "words"),
     [
-        (WinchFault.DRIVE, Mode.STOPPED, "winch fault: drive"),
-        (WinchFault.EMERGENCY_STOP, Mode.EMERGENCY_STOP, "winch fault: emergency stop"),
-        (99, Mode.STOPPED, "winch fault: unknown fault 99"),
+        (WinchFault.DRIVE, Mode.STOPPED, "winch fault: drive; clear it, then request a mode"),
+        (
+            WinchFault.EMERGENCY_STOP,
+            Mode.EMERGENCY_STOP,
+            "winch fault: emergency stop; clear it, then request a mode",
+        ),
+        (99, Mode.STOPPED, "winch fault: unknown fault 99; clear it, then request a mode"),
     ],
 )
 def test_a_fault_of_the_winch_brakes_is_told_in_words_and_is_not_forgiven_by_itself(fault, mode, words):
@@ -148,6 +153,18 @@ def test_what_compensation_waits_for_is_said_with_the_time_it_takes():
     harm = situation(harm="compensation is harmful", prospect="tried again in 20 s")
     run(modes, 2.0, harm)
     assert modes.reason == "compensation is harmful; tried again in 20 s"
+
+
+def test_compensation_that_ends_says_whether_and_when_it_comes_back():
+    modes = machine()
+    run(modes, 5.0)
+    harm = situation(harm="compensation is harmful", prospect="tried again in 20 s")
+    assert [output.reason for output in run(modes, 0.2, harm)] == ["compensation is harmful; tried again in 20 s"] * 4
+    modes = machine()
+    run(modes, 5.0)
+    silent = situation(winch_fault=WinchFault.COMMAND_TIMEOUT, resumes_after_fault=True)
+    run(modes, 1.0, silent)
+    assert modes.reason.endswith(f"compensation resumes automatically {WAIT:g} s after commands reach the winch again")
 
 
 def test_an_operator_who_asks_for_a_winch_that_stopped_for_a_fault_may_have_it_while_the_fault_is_still_told():
@@ -299,3 +316,24 @@ def test_each_change_of_mode_is_told_once_with_the_mode_before():
 def test_a_law_that_does_not_move_the_winch_says_so():
     assert machine(moves_winch=False).reason == "law off"
     assert machine().reason == "estimate settled"
+
+
+def test_a_winch_that_faded_out_blind_goes_on_for_as_long_as_the_boom_tip_is_not_known():
+    """An operator who asks for standby ends it; a fade-out that a lost sensor began does not end by itself."""
+    blind = situation(lost="mru frozen", is_damped_blind=True, is_settled=True)
+    modes = machine()
+    run(modes, 5.0)
+    run(modes, 60.0, blind)
+    assert modes.mode is Mode.FADE_OUT
+    modes.request("standby")
+    run(modes, 5.0, blind)
+    assert modes.mode is not Mode.FADE_OUT
+
+
+def test_a_winch_that_a_person_has_stopped_does_not_begin_again_by_itself():
+    """All sensors are good for longer than the time of the parameters; nothing was lost that could come back."""
+    modes = machine()
+    run(modes, 5.0)
+    modes.request("stopped")
+    run(modes, 10.0 * PARAMETERS.resume_time)
+    assert modes.mode is Mode.STOPPED

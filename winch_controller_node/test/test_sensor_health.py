@@ -63,8 +63,8 @@ def test_whatever_a_reading_is_refused_for_has_an_alarm_with_an_action(stamp, va
     feed(gate, [7.0] * 2)
     gate.judge(3 * DT, stamp, (value,), status)
     assert gate.reason in LOST_STATES
-    lost = lost_alarm("depth", gate.reason, age=math.nan, limit=math.nan)
-    assert lost.code == f"DEPTH_{LOST_STATES[gate.reason]}"
+    lost = lost_alarm("mru", gate.reason, age=math.nan, limit=math.nan)
+    assert lost.code == f"MRU_{LOST_STATES[gate.reason]}"
     assert lost.row.action
 
 
@@ -200,8 +200,8 @@ def test_an_encoder_with_play_in_its_gear_is_not_frozen_where_the_drum_turns_rou
     gate, reading, play = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT), 0.0, 0.005
     for time in DT * np.arange(1, round(40.0 / DT)):
         reading = min(max(reading, 0.6 * math.sin(0.7 * time) - play), 0.6 * math.sin(0.7 * time) + play)
-        believed = 1.25 * 0.42 * math.cos(0.7 * (time + 0.1))
-        gate.judge(time, ScalarReading(time, 1e-3 * round(1e3 * reading)), believed)
+        assumed = 1.25 * 0.42 * math.cos(0.7 * (time + 0.1))
+        gate.judge(time, ScalarReading(time, 1e-3 * round(1e3 * reading)), assumed)
         assert gate.gate.level == OK
 
 

@@ -63,6 +63,19 @@ def test_spectral_integral_over_positive_frequencies_equals_the_lyapunov_varianc
     assert math.sqrt(trapezoid(density, omega)) == pytest.approx(output_sigma(model)["unit_heave"], rel=1e-3)
 
 
+@pytest.mark.parametrize("model", [thesis_loop(), discretise(thesis_loop(), 0.05)], ids=["continuous", "sampled"])
+def test_the_gain_is_that_of_python_control(model):
+    # python-control states the same problem, with a cost of states and command together; it shares our Riccati solver
+    # where slycot is missing, but neither its cost, its formula of the gain, nor its poles
+    cost = single_cost(model, {"unit_heave": 554.0})
+    cost = QuadraticCost(cost.Q + 1e-3 * np.eye(model.order), np.full((model.order, 1), 0.001), cost.R)
+    gain, _, poles = (control.lqr if model.dt is None else control.dlqr)(model.A, model.B, cost.Q, cost.R, cost.N)
+    ours = lqr_gain(model, cost)
+    np.testing.assert_allclose(ours, gain, rtol=1e-9, atol=1e-12)
+    found = np.linalg.eigvals(model.A - model.B @ ours)
+    np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(poles), rtol=1e-6)
+
+
 def simulated_sigmas(model, runs, duration, dt):
     """Standard deviation of unit heave in each of independent stationary runs of the sampled model."""
     sampled = discretise(model, dt)

@@ -65,3 +65,50 @@ def test_a_silence_is_known_for_seconds_and_the_longest_of_them_is_told():
 def test_what_was_not_taken_is_the_cause_only_where_nobody_was_silent():
     words = after_good_ticks(untaken=0.55, silent=17)
     assert "from the winch" in words.words(Lateness())
+
+
+@pytest.mark.parametrize(("delay", "is_reported"), [(0.21, True), (0.2, False), (0.19, False)])
+def test_a_delay_of_more_than_a_fifth_of_a_second_may_be_a_cause(delay, is_reported):
+    assert bool(TimeoutCause(DT).words(Lateness(delay, 0.0))) is is_reported
+    assert bool(TimeoutCause(DT).words(Lateness(0.0, delay))) is is_reported
+    assert bool(after_good_ticks(untaken=delay).words(Lateness())) is is_reported
+
+
+def test_a_winch_that_has_said_nothing_since_the_start_was_silent_since_then():
+    """Ten ticks without a state: the one that is just due may still come."""
+    cause = TimeoutCause(DT)
+    for _ in range(10):
+        cause.update(has_state=False, untaken=9.0)
+    assert cause.words(Lateness()) == "no data from the winch for 0.45 s"
+
+
+def test_a_silence_is_a_cause_for_three_seconds():
+    """60 ticks: in the 60th after it, it still is, in the next it is not."""
+    cause = after_good_ticks(silent=17)
+    for _ in range(59):
+        cause.update(has_state=True, untaken=0.0)
+    assert "0.80 s" in cause.words(Lateness())
+    for _ in range(2):
+        cause.update(has_state=True, untaken=0.0)
+    assert cause.words(Lateness()) == ""
+
+
+def test_a_silence_as_long_as_the_last_one_counts_from_its_own_end():
+    """Two of 0.8 s, two seconds apart: 3 s after the first one the second is still known."""
+    cause = after_good_ticks(silent=17)
+    for _ in range(2):
+        for _ in range(round(2.0 / DT)):
+            cause.update(has_state=True, untaken=0.0)
+        for tick in range(17):
+            cause.update(has_state=tick == 16, untaken=0.0)
+    for _ in range(round(2.0 / DT)):
+        cause.update(has_state=True, untaken=0.0)
+    assert "0.80 s" in cause.words(Lateness())
+
+
+def test_what_was_not_taken_is_known_until_the_winch_says_otherwise():
+    cause = after_good_ticks(untaken=0.55)
+    cause.update(has_state=False, untaken=0.0)
+    assert cause.words(Lateness()) == "commands were sent in time, and the winch took none for 0.55 s"
+    cause.update(has_state=True, untaken=0.0)
+    assert cause.words(Lateness()) == ""

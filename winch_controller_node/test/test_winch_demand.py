@@ -91,3 +91,28 @@ def test_waves_of_one_height_ask_for_their_height_and_the_highest_is_forgotten_w
     demand = sine(1.0, 300.0)
     assert demand.significant(STRONG) == pytest.approx(1.0 / 2.0, rel=0.02)
     assert demand.significant(FAST) == pytest.approx(OMEGA / 1.5, rel=0.02)
+
+
+def stepped(seconds, energy):
+    """Return the demand of a sea whose later half has so many times the energy, after one crest of 5 m/s."""
+    demand = WinchDemand(1e4, tick_period=DT)
+    demand.add(5.0)
+    for time in DT * np.arange(round(seconds / DT)):
+        demand.add((1.0 if time < 0.5 * seconds else math.sqrt(energy)) * math.sin(math.pi * time / 4.0))
+    return demand
+
+
+@pytest.mark.parametrize(
+    ("seconds", "energy", "grows"),
+    [(80.0, 3.5, False), (80.0, 4.5, True), (FIRST_LOOK - 1.0, 6.0, True), (FIRST_LOOK + 1.0, 6.0, False)],
+)
+def test_a_sea_that_is_seen_first_grows_if_its_later_half_has_four_times_the_energy_of_the_earlier_one(
+    seconds, energy, grows
+):
+    """It is then as high as the waves of its last 8 s; else as all that was seen of it. The crest is above both."""
+    demand = stepped(seconds, energy)
+    seen = math.sqrt(0.5 * (1.0 + energy))
+    assert demand.significant(STRONG) == pytest.approx(2.0 * SIGMA * seen / 2.0, rel=0.03)
+    assert demand.coming(STRONG) / demand.significant(STRONG) == pytest.approx(
+        math.sqrt(energy) / seen if grows else 1.0, rel=0.05
+    )

@@ -19,10 +19,10 @@ def design():
     return design_controller(PARAMETERS, tick_period=DT)
 
 
-def shares(design, winch, seconds=20.0, *, believed=None, says=None, slips_at=None):
+def shares(design, winch, seconds=20.0, *, assumed=None, says=None, slips_at=None):
     """Return the share in each tick of a sea of 0.8 m/s and 9 s, and the watch; the cable slips by 0.1 m at a tick."""
     watch, drum = WinchWatch(design), VirtualWinch(winch, tick_period=DT)
-    watch.take(believed or {})
+    watch.take(assumed or {})
     drum.step(0, WinchCommand(1))
     found = []
     for tick in range(1, round(seconds / DT)):
@@ -67,7 +67,7 @@ def test_a_weaker_winch_is_noticed_within_three_seconds_and_may_do_less(design, 
 
 
 def test_the_share_comes_back_once_the_winch_is_believed_as_it_is(design):
-    found, watch = shares(design, WinchParameters(speed_gain=0.7), believed={"winch.speed_gain": 0.7})
+    found, watch = shares(design, WinchParameters(speed_gain=0.7), assumed={"winch.speed_gain": 0.7})
     assert set(found) == {1.0}
     assert abs(watch.drum.error()) < 3e-3
 
@@ -161,3 +161,29 @@ def test_before_the_first_order_nothing_is_compared(design):
     watch = WinchWatch(design)
     report = watch.watch(None, None, np.nan, PARAMETERS)
     assert (report.alarm, report.inhibition, watch.given, watch.share) == (None, None, None, 1.0)
+
+
+def test_three_seconds_after_the_drum_was_last_off_all_is_allowed_again(design):
+    """A slip at 8 s: it is in the two seconds of readings that are compared until 10 s."""
+    found, _ = shares(design, WinchParameters(), slips_at=160)
+    assert np.flatnonzero(found == CAUTIOUS_SHARE)[-1] * DT == pytest.approx(13.0, abs=1.0)
+
+
+def test_what_was_ordered_at_the_end_of_the_payout_still_counts_for_what_the_drum_does_from_there(design):
+    """1 m/s up to the end, 4 s of 0 m/s there, then -0.5 m/s: for its delay the drum does what was ordered at the end.
+
+    The readings restart where the winch leaves the end; the drum is as predicted from then on.
+    """
+    watch, drum = WinchWatch(design), VirtualWinch(WinchParameters(), tick_period=DT)
+    drum.step(0, WinchCommand(1))
+    for tick in range(1, 240):
+        rate = 1.0 if tick < 80 else 0.0 if tick < 160 else -0.5
+        watch.give(WinchOrder(tick + 1, 0.0, rate, brake=False))
+        state = drum.step(tick, WinchCommand(tick + 1, 0.0, rate))
+        limits = int(WinchLimit.PAYOUT) if 80 <= tick < 160 else 0
+        reading = WinchReading(
+            tick * DT, state.encoder_payout, 0.0, brake=False, command_sequence=tick, limits_hit=limits
+        )
+        watch.watch(reading, state.encoder_payout, np.nan, PARAMETERS)
+        assert abs(watch.drum.error()) < 4e-3, tick
+        assert watch.share == 1.0

@@ -118,5 +118,5 @@ class BeliefsInForce:
             self._winch.take({name: belief.value for name, belief in beliefs.values.items()})
         if "mru" in changed:
             self.has_moved_tip = True
-            estimation.forget_sea()
+            estimation.reset_sea()
         self.corrected = changed - {"sea"}

@@ -377,7 +377,7 @@ class WinchController:
         self._winch.give(order)
         order = self._command.with_lift(order)
         self._note_kpi(loop)
-        told = ControllerTick(
+        reported = ControllerTick(
             loop=loop,
             decision=decision,
             command=command,
@@ -392,10 +392,18 @@ class WinchController:
         )
         requests, self._requests = tuple(self._requests), []
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
-        mode, make_report = decision.mode, partial(state_report, told)
+        mode, make_report = decision.mode, partial(state_report, reported)
         alarms, authority = tuple(self._alarms), mode.authority
         return Outputs(
-            order, mode.mode.value, authority, told.depth_set_point, make_report, kpi, alarms, requests, observations
+            order,
+            mode.mode.value,
+            authority,
+            reported.depth_set_point,
+            make_report,
+            kpi,
+            alarms,
+            requests,
+            observations,
         )
 
     def _observe(self, loop: LoopTick, winch: WinchReading | None, mode: ModeOutput) -> Observations | None:
@@ -426,7 +434,7 @@ class WinchController:
                 if identifies_winch(self.parameters)
                 else 1.0,
                 inhibition=transport.inhibition or self._encoder.inhibition,
-                is_contrary=self._encoder.is_unresolved,
+                is_reversed=self._encoder.is_unresolved,
             ),
         )
         self._alarms += [transport.alarm] if transport.alarm else []
@@ -539,8 +547,8 @@ class WinchController:
         matrix, added = self._in_force.take(prepared)
         self._beliefs.renew(nominal)
         self._estimation.carry(self.design, matrix, added)
-        self._estimation.forget_readings()
-        self._estimation.forget_sea()
+        self._estimation.reset_readings()
+        self._estimation.reset_sea()
         self._take_law()
         return self.design
 
@@ -580,7 +588,7 @@ class WinchController:
         if self.design is not before:
             self._take_law()
         if self._beliefs.has_moved_tip:
-            self._supervisor.forget_sea()
+            self._supervisor.reset_sea()
         for owner in self._beliefs.corrected:
             self._supervisor.guard.allow_correction(owner)
         if "encoder" in self._beliefs.corrected:
@@ -594,7 +602,7 @@ class WinchController:
         before, self._has_lost_encoder = self._has_lost_encoder, self._has_lost_encoder + 1 if is_lost else 0
         if before >= lasting:
             # where the drum is was not known: the depth sensor is not held against the estimate
-            self._supervisor.guard.forget_mismatch()
+            self._supervisor.guard.reset_mismatch()
             if not is_lost:
                 self._estimation.find_drum(tick - 1)
         moves = self.mode in (Mode.COMPENSATING, Mode.FADE_OUT)

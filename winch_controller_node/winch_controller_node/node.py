@@ -26,7 +26,7 @@ from heave_node.interface.codes import (
     RESTS_REQUESTED,
     SENSOR,
     SensorLevel,
-    told_at,
+    time_key,
 )
 from heave_node.interface.sensors import SENSORS, Water
 from heave_node.interface.topic import Topic
@@ -92,7 +92,7 @@ class WinchControllerNode(ParticipantNode):
         self.outputs_of_tick: Outputs | None = None
         self.execution = TickTimes(self.run.tick_period)
         self._begin_advice()
-        self._told: dict[str, list[str]] = {}
+        self._reported: dict[str, list[str]] = {}
         self._changes: dict[str, str] = {}
         self._asked: dict[str, str] = {}
         self.command = self.add_output(topics.WINCH_COMMAND)
@@ -169,8 +169,8 @@ class WinchControllerNode(ParticipantNode):
         stamp = tick.start_nanoseconds
         self.command.publish(conversions.command_message(outputs.order, stamp))
         # a bag of a lockstep run says nothing of the machine
-        told = math.nan if self.run.is_lockstep else execution
-        self.state.publish_deferred(lambda: conversions.state_message(outputs.report, stamp, told))
+        reported = math.nan if self.run.is_lockstep else execution
+        self.state.publish_deferred(lambda: conversions.state_message(outputs.report, stamp, reported))
         kpi = outputs.kpi
         if kpi is not None:
             self.kpi.publish_deferred(lambda: conversions.kpi_message(kpi, stamp))
@@ -180,7 +180,7 @@ class WinchControllerNode(ParticipantNode):
             self.observations.publish_deferred(lambda: observations_message(observed, nominal, stamp))
             if self._has_adviser:
                 self.adviser.asked(tick.number)
-        self._tell(tick, outputs)
+        self._report(tick, outputs)
         self.move.on_tick(tick.time)
 
     def _hear(self, answer: Any) -> None:
@@ -197,15 +197,15 @@ class WinchControllerNode(ParticipantNode):
         else:
             self.adviser.refused_late()
 
-    def _tell(self, tick: Tick, outputs: Outputs) -> None:
+    def _report(self, tick: Tick, outputs: Outputs) -> None:
         """Log the alarms of a tick, and keep them with the requests for diagnostics."""
-        time = told_at(tick.time)
+        time = time_key(tick.time)
         for alarm in (*outputs.alarms, *self.adviser.step(tick.number)):
             self.get_logger().warning(f"{time}: {alarm}")
             if alarm.code in (MODE_CHANGED, COMPENSATION_LOST):  # a part of its own
                 self._changes[time] = "{mode}: {reason}".format_map(alarm.values)
             else:
-                self._told.setdefault(time, []).append(str(alarm))
+                self._reported.setdefault(time, []).append(str(alarm))
         if outputs.requests:
             self._asked[time] = ", ".join(outputs.requests)
 
@@ -240,8 +240,9 @@ class WinchControllerNode(ParticipantNode):
             parts.append(Health("crane", Level.WARN if crane.fault else Level.OK, crane.words))
         if report.solver_status.startswith("not solved"):
             parts.append(alarm_health("solver", ALARM_TABLE.alarm("SOLVER_FAILED", status=report.solver_status)))
-        told, self._told = {time: "; ".join(words) for time, words in self._told.items()}, {}
-        parts.append(Health(ALARMS, Level.WARN, "; ".join(told.values()), told) if told else Health(ALARMS))
+        reported, self._reported = {time: "; ".join(words) for time, words in self._reported.items()}, {}
+        words = "; ".join(f"{time}: {what}" for time, what in reported.items())
+        parts.append(Health(ALARMS, Level.WARN, words, reported) if reported else Health(ALARMS))
         asked, self._asked = self._asked, {}
         words = "; ".join(f"{time}: {what}" for time, what in asked.items())
         parts.append(Health(OPERATOR, Level.OK, words, asked) if asked else Health(OPERATOR))
@@ -249,13 +250,13 @@ class WinchControllerNode(ParticipantNode):
 
     def diagnose_timing(self) -> list[Health]:
         """Add the execution times of the ticks of the last minute, in real time."""
-        own = [] if self.run.is_lockstep else [Health(f"{TIMING} tick", Level.OK, *self.execution.told())]
+        own = [] if self.run.is_lockstep else [Health(f"{TIMING} tick", Level.OK, *self.execution.reported())]
         return [*own, *super().diagnose_timing()]
 
     def on_run_ended(self, status: TickStatus) -> None:
         """Log the execution times of the last minute: in lockstep they are said nowhere else, whatever the `status`."""
         del status
-        self.get_logger().info(f"execution time of a tick: {self.execution.told()[0]}")
+        self.get_logger().info(f"execution time of a tick: {self.execution.reported()[0]}")
 
     def _diagnose_commands(self) -> Health:
         """Say how many commands the winch took late."""
@@ -263,7 +264,7 @@ class WinchControllerNode(ParticipantNode):
         values = {LATE: str(commands.late), "known": str(commands.known), "largest [s]": f"{commands.largest:.2f}"}
         text = f"{commands.late} of {commands.known} commands took effect later than modelled"
         text += f", by up to {commands.largest:.2f} s" if commands.late else ""
-        return Health(COMMANDS, Level.WARN if commands.is_told else Level.OK, text, values)
+        return Health(COMMANDS, Level.WARN if commands.is_reported else Level.OK, text, values)
 
     def _make_controller(self) -> WinchController:
         try:

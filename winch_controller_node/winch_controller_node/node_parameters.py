@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, make_dataclass
 from typing import TYPE_CHECKING
 
-from cable_sim_node.parameters import CableParameters, UnitParameters
+from cable_sim_node.parameters import CableParameters
+from cable_sim_node.unit_parameters import UnitParameters
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import ParameterError, group, parameter
 
@@ -68,7 +69,7 @@ class WinchControllerParameters(LawGroups):
         minimum=0.0,
         maximum=1.0,
         is_live=True,
-        description="Fraction of full compensation; 1 is full.",
+        description="Largest authority: fraction of the boom tip's motion that is compensated.",
     )
     length: float = parameter(
         300.0, unit="m", minimum=0.01, maximum=20_000.0, description="Unstretched cable length at payout 0."

@@ -216,8 +216,10 @@ MOST_ROWS_XLSX = 1_048_575
 """Rows of a sheet beside its heading."""
 
 
-def save_frame(frame: pandas.DataFrame, path: Path) -> None:
+def save_frame(frame: pandas.DataFrame, path: Path, legend: pandas.DataFrame | None = None) -> None:
     """Write a frame as CSV, Parquet or a spreadsheet, by the ending of `path`.
+
+    A `legend` of its columns goes with it: a second sheet of a spreadsheet, else the file that `legend_file` names.
 
     A text that a spreadsheet would take for a formula gets an apostrophe before it. Raises BagError for another ending,
     without the package that writes it, for a sheet of too many rows, or if the file cannot be written.
@@ -232,7 +234,9 @@ def save_frame(frame: pandas.DataFrame, path: Path) -> None:
         elif ending == ".csv":
             _without_formulas(frame).to_csv(path, index=has_index, float_format="%.9g")
         else:
-            _save_sheet(_without_formulas(frame), path, has_index=has_index)
+            _save_sheet(_without_formulas(frame), path, legend, has_index=has_index)
+        if legend is not None and ending != ".xlsx":
+            _without_formulas(legend).to_csv(legend_file(path), index=False)
     except ImportError as error:
         package = {".parquet": "pyarrow", ".xlsx": "xlsxwriter"}[ending]
         raise BagError(f"{path}: writing {ending} needs the package {package}: pip install {package}") from error
@@ -240,7 +244,12 @@ def save_frame(frame: pandas.DataFrame, path: Path) -> None:
         raise BagError(f"{path}: the table cannot be written: {error.strerror or error}") from error
 
 
-def _save_sheet(frame: pandas.DataFrame, path: Path, *, has_index: bool) -> None:
+def legend_file(path: Path) -> Path:
+    """Return the file with the legend of the table `path`."""
+    return path.with_name(f"{path.stem}_columns.csv")
+
+
+def _save_sheet(frame: pandas.DataFrame, path: Path, legend: pandas.DataFrame | None, *, has_index: bool) -> None:
     if len(frame) > MOST_ROWS_XLSX:
         raise BagError(f"{path}: {len(frame)} rows do not fit a sheet of {MOST_ROWS_XLSX}: take .csv or .parquet")
     import pandas  # noqa: PLC0415 - as above
@@ -248,6 +257,9 @@ def _save_sheet(frame: pandas.DataFrame, path: Path, *, has_index: bool) -> None
     as_text = {"options": {"strings_to_formulas": False, "strings_to_urls": False}}
     with pandas.ExcelWriter(path, engine="xlsxwriter", engine_kwargs=as_text) as writer:
         frame.to_excel(writer, sheet_name="heave", index=has_index, freeze_panes=(1, int(has_index)))
+        if legend is not None:
+            _without_formulas(legend).to_excel(writer, sheet_name="columns", index=False, freeze_panes=(1, 0))
+            writer.sheets["columns"].autofit()
 
 
 def _without_formulas(frame: pandas.DataFrame) -> pandas.DataFrame:

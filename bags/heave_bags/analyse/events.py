@@ -22,8 +22,8 @@ from heave_node.interface.codes import (
     SensorLevel,
     WinchFault,
     WinchLimit,
-    told_at,
-    told_in,
+    time_key,
+    timed_words,
     without_figures,
 )
 from heave_node.numerics.arrays import Array
@@ -133,7 +133,7 @@ def is_loss(before: str, mode: str, reason: str) -> bool:
 
 def loss_words(time: float, mode: str, reason: str) -> str:
     """Return the line about a loss of compensation at a `time` [s] into a `mode` for a `reason`."""
-    return f"{told_at(time)}: {LOST}: mode {mode}{f': {reason}' if reason else ''}"
+    return f"{time_key(time)}: {LOST}: mode {mode}{f': {reason}' if reason else ''}"
 
 
 def losses(found: Sequence[Interval]) -> list[Interval]:
@@ -174,7 +174,9 @@ def sensor_alarms(state: Fields) -> list[Interval]:
 
 
 def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[Interval]:
-    """Return the warnings and errors of /diagnostics; one whose figures alone change, as of a countdown, is one.
+    """Return the warnings and errors of /diagnostics, each from when it was raised on.
+
+    One whose figures alone change, as of a countdown, is one.
 
     Parameters
     ----------
@@ -182,6 +184,7 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
     has_modes : the modes of the controller are known to the tick, and are not reported again here
     """
     alarms: dict[tuple[str, int], tuple[str, list[float]]] = {}
+    found: list[Interval] = []
     for index in diagnostics.indices("status[].level"):
         levels = diagnostics.codes(f"status[{index}].level")
         names, messages = (diagnostics.texts(f"status[{index}].{part}") for part in ("name", "message"))
@@ -190,14 +193,32 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
             name = "" if names is None else str(names[row])
             if has_modes and name == MODE_PART:
                 continue
-            is_told_once = name.endswith(f": {ALARMS}")
-            kind = label if is_told_once else without_figures(label)
-            _, times = alarms.setdefault((kind, min(int(levels[row]), 2)), (label, []))
-            times.append(float(diagnostics.time[row]))
-    found: list[Interval] = []
+            time, level = float(diagnostics.time[row]), min(int(levels[row]), 2)
+            if name == ALARMS_PART and (reported := timed_words("" if messages is None else str(messages[row]))):
+                found += [Interval(raised, raised + REPEATED, f"{name}: {text}", level) for raised, text in reported]
+                continue
+            is_reported_once = name.endswith(f": {ALARMS}")
+            kind = label if is_reported_once else without_figures(label)
+            _, times = alarms.setdefault((kind, level), (label, []))
+            times.append(time)
+    raised = [(alarm.code, one.start) for one in found for alarm in alarms_in(one.name)]
     for (_, level), (label, times) in alarms.items():
-        found += _joined(times, label, level)
+        found += [_since(one, raised) for one in _joined(times, label, level)]
     return found
+
+
+def _since(lasting: Interval, raised: Sequence[tuple[str, float]]) -> Interval:
+    """Return an alarm that lasts from when it was raised on, which diagnostics report up to a second later.
+
+    Parameters
+    ----------
+    lasting : as reported
+    raised : code and time [s] of each alarm that was raised
+    """
+    codes = {alarm.code for alarm in alarms_in(lasting.name)}
+    earliest = lasting.start - REPEATED
+    times = [time for code, time in raised if code in codes and earliest <= time <= lasting.start]
+    return replace(lasting, start=max(times, default=lasting.start))
 
 
 def operator_requests(diagnostics: Fields) -> list[Interval]:
@@ -207,12 +228,12 @@ def operator_requests(diagnostics: Fields) -> list[Interval]:
         names, messages = (diagnostics.texts(f"status[{index}].{part}") for part in ("name", "message"))
         if names is None or messages is None:
             continue
-        told = [told_in(str(messages[row])) for row in np.flatnonzero(names == OPERATOR_PART)]
-        found += [Interval(time, time, words) for one in told for time, words in one]
+        reported = [timed_words(str(messages[row])) for row in np.flatnonzero(names == OPERATOR_PART)]
+        found += [Interval(time, time, words) for one in reported for time, words in one]
     return sorted(found, key=lambda one: one.start)
 
 
-def learnt_limits(alarms: Sequence[Interval], quantity: str) -> list[tuple[float, float]]:
+def identified_limits(alarms: Sequence[Interval], quantity: str) -> list[tuple[float, float]]:
     """Return from when [s] on the controller has used which limit of the winch that it had learnt.
 
     Parameters
@@ -223,8 +244,8 @@ def learnt_limits(alarms: Sequence[Interval], quantity: str) -> list[tuple[float
     found = []
     for alarm in sorted(alarms, key=lambda one: one.start):
         updates = [one.text for one in alarms_in(alarm.name) if one.code == WINCH_MODEL_UPDATED]
-        told = [value for text in updates for value in re.findall(rf"\b{quantity} limit [a-z ]*([\d.]+) m/s", text)]
-        found += [(alarm.start, float(value)) for value in told]
+        reported = [value for text in updates for value in re.findall(rf"\b{quantity} limit [a-z ]*([\d.]+) m/s", text)]
+        found += [(alarm.start, float(value)) for value in reported]
     return found
 
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence, Sized
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from heave_node import kpi
@@ -291,7 +292,8 @@ class KpiDefinition:
     title : its name for people, in words alone
     unit : in which a table shows it
     group : under which heading a report shows it
-    formula : its value over a window of a run; NaN where it cannot be known
+    formula : its value over a `Window` of a run, or over what another table of figures is made from; NaN where it
+        cannot be known
     scale, digits : a table shows `scale` times the value, with `digits` decimals
     is_count : a whole number
     heading : its name in a table of windows; "" keeps it out of there
@@ -304,7 +306,7 @@ class KpiDefinition:
     title: str
     unit: str
     group: str
-    formula: Callable[[Window], float]
+    formula: Callable[[Any], float]
     scale: float = 1.0
     digits: int = 3
     is_count: bool = False
@@ -922,14 +924,14 @@ def shown(columns: Sequence[Mapping[str, float]]) -> list[KpiDefinition]:
         count = COUNT_OF_EVENTS.get(group)
         return count is None or any(column.get(count, 0.0) > 0.0 for column in columns)
 
-    def is_told(definition: KpiDefinition, column: Mapping[str, float]) -> bool:
+    def is_reported(definition: KpiDefinition, column: Mapping[str, float]) -> bool:
         value = column.get(definition.key, math.nan)
         return math.isfinite(value) and not (definition.is_seldom and value == 0.0)
 
     return [
         definition
         for definition in KPI_DEFINITIONS
-        if has_events(definition.group) and any(is_told(definition, column) for column in columns)
+        if has_events(definition.group) and any(is_reported(definition, column) for column in columns)
     ]
 
 

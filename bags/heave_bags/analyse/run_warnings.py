@@ -151,8 +151,8 @@ def why_not_in_force(record: RunRecord, values: Mapping[str, float]) -> list[str
     if not any(mode.name in events.COMPENSATES for mode in record.modes):
         how = "never began"
     alarms = [one.name for one in record.alarms if one.level == ERROR and one.name.startswith(OF_CONTROLLER)]
-    told = [*_reasons(record, waits), *list(dict.fromkeys(alarms))[:MOST_LISTED]]
-    return [f"compensation {how}; why, in the controller's words: {'; '.join(told)}"]
+    reported = [*_reasons(record, waits), *list(dict.fromkeys(alarms))[:MOST_LISTED]]
+    return [f"compensation {how}; why, in the controller's words: {'; '.join(reported)}"]
 
 
 def _reasons(record: RunRecord, waits: list[events.Interval]) -> list[str]:

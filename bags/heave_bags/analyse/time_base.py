@@ -7,8 +7,9 @@ sample for LONGEST_GAP of its own periods, before its first and after its last, 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -35,32 +36,96 @@ SHORTEST_PERIOD = 1e-4
 Samples = tuple[Array, NDArray[Any]]
 """Times [s] and values of one column, both of shape (n,)."""
 
+EDGE = 1.0
+"""Signals that begin within this time of the first one, and end within it of the last one, set the span of the table:
+it begins where all of them have begun, and ends where the first of them ends [s]."""
+
+ABOUT_MEAN = "; about its mean over the run, positive up"
+
+
+class Column(NamedTuple):
+    """What a column of a table is.
+
+    Attributes
+    ----------
+    unit : of its values; empty for counts, flags and words
+    meaning : what it is, with its sign and where it comes from
+    signal : of the run that it is (`heave_bags.signals.RunSignals`); empty: none of them
+    """
+
+    unit: str
+    meaning: str
+    signal: str = ""
+
+
+TIME_S = Column("s", "time of the row; simulated time, or that of the recorded stamps")
+
 COLUMNS = {
-    "boom_tip_heave_m": "boom_tip_heave",
-    "unit_heave_m": "unit_heave",
-    "uncompensated_unit_heave_m": "uncompensated_heave",
-    "unit_height_m": "unit_height",
-    "payout_m": "payout",
-    "payout_rate_mps": "payout_rate",
-    "payout_acceleration_mps2": "payout_acceleration",
-    "top_tension_n": "tension",
-    "uncompensated_top_tension_n": "uncompensated_tension",
-    "unit_tension_n": "unit_tension",
+    "boom_tip_heave_m": Column("m", f"vertical motion of the boom tip{ABOUT_MEAN}", "boom_tip_heave"),
+    "unit_heave_m": Column("m", f"vertical motion of the unit{ABOUT_MEAN}", "unit_heave"),
+    "uncompensated_unit_heave_m": Column(
+        "m", f"vertical motion of the unit in the same sea with the winch locked{ABOUT_MEAN}", "uncompensated_heave"
+    ),
+    "unit_height_m": Column("m", "height of the unit above still water, positive up: minus its depth", "unit_height"),
+    "payout_m": Column("m", "unstretched cable paid out beyond the datum length, positive pays out", "payout"),
+    "payout_rate_mps": Column("m/s", "rate of payout, positive pays out", "payout_rate"),
+    "payout_acceleration_mps2": Column(
+        "m/s^2", "acceleration of payout, positive pays out faster", "payout_acceleration"
+    ),
+    "top_tension_n": Column(
+        "N", "tension of the cable at the boom tip; of a load cell where the truth is not known", "tension"
+    ),
+    "uncompensated_top_tension_n": Column("N", "the same with the winch locked", "uncompensated_tension"),
+    "unit_tension_n": Column(
+        "N",
+        "tension at mid-length of the lowest segment of the cable; at the unit it is less by half the segment's weight "
+        "in water",
+        "unit_tension",
+    ),
 }
-"""Columns of a run's table, heave about its mean, and the signal of each (`heave_bags.signals.RunSignals`)."""
+"""Columns of a run's table. The truth of a simulation; what a ship measures or estimates where there is none."""
+
+MODE = Column("", "mode of the controller")
 
 
 def run_samples(record: RunRecord) -> dict[str, Samples]:
     """Return the signals of the run `record` by column name, SI units in the names, and the controller's mode."""
     found: dict[str, Samples] = {}
-    for name, of in COLUMNS.items():
-        signal = getattr(record.signals, of)
+    for name, column in COLUMNS.items():
+        signal = getattr(record.signals, column.signal)
         if signal.size:
             is_heave = name.endswith("_heave_m")
             found[name] = signal.time, signal.value - signal.value.mean() if is_heave else signal.value
     if record.modes:
         found["mode"] = _steps(record.modes)
     return found
+
+
+def topic_columns(bag: Bag, names: Iterable[str]) -> dict[str, Column]:
+    """Return what each column `topic.field` of `names` is, by the comments of the definitions in a `bag`.
+
+    A comment ends with its unit in brackets: "float64 payout  # cable let out [m]".
+    """
+    found: dict[str, Column] = {}
+    for name in names:
+        topic, _, field = name.partition(".")
+        text = bag.topics[bag.resolve(topic)].schema.partition("\n===")[0]
+        first = re.split(r"[.\[]", field, maxsplit=1)[0]
+        line = re.search(rf"^\s*[\w/\[\]<=]+\s+{re.escape(first)}\s*#\s*(.*)$", text, re.MULTILINE)
+        meaning = line[1].strip() if line else ""
+        units = re.findall(r"\[([^\]]+)\]", meaning)
+        found[name] = Column(units[0] if len(units) == 1 else "", meaning)
+    return found
+
+
+def legend(columns: Mapping[str, Column]) -> pandas.DataFrame:
+    """Return what each of `columns` is as a table: column, unit, meaning."""
+    import pandas  # noqa: PLC0415 - as below
+
+    rows = {"time_s": TIME_S, **columns}
+    return pandas.DataFrame(
+        [(name, one.unit, one.meaning) for name, one in rows.items()], columns=["column", "unit", "meaning"]
+    )
 
 
 def _steps(modes: Sequence[Interval]) -> Samples:
@@ -98,7 +163,7 @@ def _elements(field: str, values: NDArray[Any]) -> dict[str, NDArray[Any]]:
 
 
 def on_one_time_base(samples: Mapping[str, Samples], period: float | None = None) -> pandas.DataFrame:
-    """Return `samples` as a table with the index `time_s`, every `period` [s] from the first sample to the last.
+    """Return `samples` as a table with the index `time_s`, every `period` [s] over the time of the samples (EDGE).
 
     None takes the shortest period that any column has. Raises BagError where there is nothing, or where the table would
     have more than MOST_CELLS.
@@ -112,16 +177,24 @@ def on_one_time_base(samples: Mapping[str, Samples], period: float | None = None
     step = period or max(min(map(_period, (time for time, _ in sound.values()))), SHORTEST_PERIOD)
     if not math.isfinite(step):
         step = 1.0  # single samples
-    first, last = min(time[0] for time, _ in sound.values()), max(time[-1] for time, _ in sound.values())
+    first, last = _span([time for time, _ in sound.values()])
     rows = (last - first) / step + 1.0
     if rows * len(sound) > MOST_CELLS:
         raise BagError(
             f"a table of {rows:.3g} rows, every {step:.4g} s from {first:.6g} s to {last:.6g} s, and {len(sound)} "
             "columns is too large: give a longer --period, or --topics of one clock"
         )
-    grid = first + step * np.arange(math.floor(rows + 1e-6))
+    grid: Array = np.asarray(first + step * np.arange(math.floor(rows + 1e-6)), dtype=np.float64)
     table = {name: _at(grid, *one, step) for name, one in sound.items()}
     return pandas.DataFrame(table, index=pandas.Index(grid.round(9), name="time_s"))
+
+
+def _span(times: Sequence[Array]) -> tuple[float, float]:
+    """Return first and last time of a table of columns with these `times` [s]."""
+    begins, ends = [float(time[0]) for time in times], [float(time[-1]) for time in times]
+    first = max(begin for begin in begins if begin <= min(begins) + EDGE)
+    last = min(end for end in ends if end >= max(ends) - EDGE)
+    return (first, last) if first <= last else (min(begins), max(ends))
 
 
 def _in_order(time: Array, values: NDArray[Any]) -> Samples:

@@ -12,7 +12,7 @@ from heave_node.interface.codes import RESTS_REQUESTED
 from heave_node.loads.strength import LoadCheck
 from heave_node.numerics.constants import LARGEST_STRAIN
 
-from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_bags.analyse.kpi_set import DEFINITION_OF, KpiDefinition
 
 if TYPE_CHECKING:
     from heave_bags.analyse.events import Interval
@@ -28,19 +28,28 @@ RELATIONS = {"<=": "at most", "<": "below", ">=": "at least", ">": "above"}
 """The relations of criteria in words."""
 
 
-def required_words(criterion: Criterion) -> str:
-    """Return what a `criterion` requires, in the unit in which tables show its figure: at most 5 cm."""
-    definition = DEFINITION_OF.get(criterion.kpi)
+def required_words(criterion: Criterion, definition: KpiDefinition | None = None) -> str:
+    """Return what a `criterion` requires, in the unit in which tables show its figure: at most 5 cm.
+
+    `definition` is that of the figure; None: it is one of a run.
+    """
+    definition = definition or DEFINITION_OF.get(criterion.kpi)
     bound = definition.bound(criterion.bound) if definition else f"{criterion.bound:.6g}"
     return f"{RELATIONS[criterion.relation]} {bound}"
 
 
 @dataclass(frozen=True)
 class Judged:
-    """A criterion and the value that a run reached; NaN where it is not known."""
+    """A criterion and the value that a run reached; NaN: not known. `known` defines a figure of another table."""
 
     criterion: Criterion
     value: float
+    known: KpiDefinition | None = None
+
+    @property
+    def definition(self) -> KpiDefinition | None:
+        """Definition of the figure; None: there is none."""
+        return self.known or DEFINITION_OF.get(self.criterion.kpi)
 
     @property
     def is_met(self) -> bool:
@@ -55,15 +64,16 @@ class Judged:
 
     def __str__(self) -> str:
         """Return figure, value and bound in the unit of the tables, and whether it is met."""
-        definition = DEFINITION_OF.get(self.criterion.kpi)
+        definition = self.definition
         name = definition.title if definition else self.criterion.kpi
         state = "met" if self.is_met else "MISSED"
-        return f"{name[0].upper()}{name[1:]} {self._got} (required {required_words(self.criterion)}): {state}"
+        required = required_words(self.criterion, self.known)
+        return f"{name[0].upper()}{name[1:]} {self.got} (required {required}): {state}"
 
     @property
-    def _got(self) -> str:
+    def got(self) -> str:
         """The value as tables show it, with more digits where these would not tell it from the bound it misses."""
-        definition = DEFINITION_OF.get(self.criterion.kpi)
+        definition = self.definition
         if definition is None:
             return f"{self.value:.4g}"
         if not math.isfinite(self.value):

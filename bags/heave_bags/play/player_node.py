@@ -113,7 +113,7 @@ class Player(Node):
             self._has_begun = True
             self._publish(self.playback.latched())
         self._publish(self.playback.due(now))
-        self._tell_time(now)
+        self._report_time(now)
         if self.playback.finished:
             self._end()
 
@@ -122,7 +122,7 @@ class Player(Node):
             self._outlets[message.topic].publish(message.data)
         self.published += len(messages)
 
-    def _tell_time(self, now: float) -> None:
+    def _report_time(self, now: float) -> None:
         if self._clock_publisher is None or now - self._clock_at < CLOCK_PERIOD or self.playback.paused:
             return
         self._clock_at = now

@@ -27,7 +27,7 @@ class Findings:
     ----------
     accepts : implausible figures are taken as they are, and noted
     notes : what was found out, left out or bridged, one line each
-    questions : figures that cannot well be, one line each
+    questions : implausible figures, one line each
     """
 
     accepts: bool = False

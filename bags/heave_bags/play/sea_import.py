@@ -32,7 +32,7 @@ from heave_bags.signals import Signal, integrated
 
 WHOLE = Window()
 ACCEPT = "--accept-implausible"
-"""Option of `heave import` that takes figures which cannot well be."""
+"""Option of `heave import` that takes implausible figures."""
 
 
 @dataclass
@@ -68,17 +68,15 @@ def import_sea(
     accept_implausible : take all samples as they are; what is implausible is in the notes
 
     Raises BagError if something named is missing, if nothing is in the window, if there are fewer than 10 samples, or
-    for figures that cannot well be (`heave_node.files.plausible`).
+    for implausible figures (`heave_node.files.plausible`).
     """
     findings = Findings(accept_implausible)
-    is_log = is_text(source)
     if isinstance(mapping, str):
-        if is_log:
+        if is_text(source):
             ShipLog(source)
             raise BagError(f"{source}: is a log in columns, not a bag: give --column or --mapping")
         mapping = mapping_for_topic(Bag(source), mapping)
-    signals = _signals(source, mapping, findings, is_log=is_log)
-    checked = {name: _checked(source, name, signal, mapping, findings) for name, signal in signals.items()}
+    checked = record_channels(source, mapping, findings)
     interval = float(np.median(np.diff(checked["heave"].time)))
     if interval > window.bridge or interval < PLAUSIBLE["sample interval"].least:
         findings.ask(question("sample interval", interval, "time") + " give the size of its unit by --time-scale")
@@ -102,11 +100,24 @@ def import_sea(
     return sea
 
 
-def _signals(source: Path, mapping: SeaMapping, findings: Findings, *, is_log: bool) -> dict[str, Signal]:
-    """Return the channels of a record as it has them."""
+def record_channels(source: Path, mapping: SeaMapping, findings: Findings) -> dict[str, Signal]:
+    """Return the channels of a record by name, in SI units and the suite's signs, usable samples alone.
+
+    Parameters
+    ----------
+    source : bag, log in columns, or what a device sent
+    mapping : where each is found
+    findings : takes what is said and asked
+
+    Raises BagError where something named is missing, or has fewer than 10 usable samples.
+    """
     if mapping.device is not None:
-        return device_signals(source, mapping.device, list(mapping.channels), findings)
-    return _log_signals(source, mapping, findings) if is_log else _bag_signals(source, mapping, findings)
+        signals = device_signals(source, mapping.device, list(mapping.channels), findings)
+    elif is_text(source):
+        signals = _log_signals(source, mapping, findings)
+    else:
+        signals = _bag_signals(source, mapping, findings)
+    return {name: _checked(source, name, signal, mapping, findings) for name, signal in signals.items()}
 
 
 def _refuse(source: Path, findings: Findings) -> None:
@@ -117,16 +128,16 @@ def _refuse(source: Path, findings: Findings) -> None:
 
 def _sea_question(heave: Array, period: float) -> str:
     """Return what is implausible about heave [m] at samples `period` [s] apart as that of a ship in a sea."""
-    doubt = question("four standard deviations of heave", 4.0 * float(heave.std()))
+    objection = question("four standard deviations of heave", 4.0 * float(heave.std()))
     try:
         found = height_and_period(heave, period)
     except RecordTooShortError:
         swing = heave[np.abs(heave) > 0.5 * heave.std()]
         turns = int(np.count_nonzero(np.diff(np.sign(swing))))
         crossing = 2.0 * heave.size * period / max(turns, 1)
-        return doubt or (sea_question(4.0 * float(heave.std()), crossing, crossing) if turns > 3 else "")
-    if doubt or not found.significant_height > 0.0:
-        return doubt
+        return objection or (sea_question(4.0 * float(heave.std()), crossing, crossing) if turns > 3 else "")
+    if objection or not found.significant_height > 0.0:
+        return objection
     return sea_question(found.significant_height, found.peak_period, found.peak_period)
 
 

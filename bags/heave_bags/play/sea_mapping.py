@@ -23,7 +23,7 @@ class SeaMapping:
 
     Attributes
     ----------
-    channels : per motion (surge, sway, heave, roll, pitch); heave there must be
+    channels : per motion (surge, sway, heave, roll, pitch), of a sea; heave there must be
     lever_arm : boom tip from the sensor, x forward, y to port, z up [m]
     time_column, time_scale : of a log: its heading, or those of date and time or of GPS week and seconds ("": found by
         its name); numbers are seconds after the scale, or found out: see `ship_time`
@@ -41,8 +41,13 @@ class SeaMapping:
     device: DeviceMap | None = None
 
 
-def read_mapping(path: Path) -> SeaMapping:
-    """Read the mapping file `path` (YAML), or the map of a device: `heave_node.devices.maps.device_map` has the form.
+def read_mapping(path: Path, quantities: Sequence[str] = MOTIONS) -> SeaMapping:
+    """Read a mapping file, or the map of a device: `heave_node.devices.maps.device_map` has the form.
+
+    Parameters
+    ----------
+    path : of the file (YAML)
+    quantities : of the map that are wanted; by default those of a sea, which needs heave
 
     Raises BagError with the file and the entry that is wrong.
     """
@@ -50,8 +55,8 @@ def read_mapping(path: Path) -> SeaMapping:
         device = read_device_map(path)
     except MapError as error:
         raise BagError(str(error)) from error
-    channels = {name: device.channels[name] for name in MOTIONS if name in device.channels}
-    if "heave" not in channels:
+    channels = {name: device.channels[name] for name in quantities if name in device.channels}
+    if quantities is MOTIONS and "heave" not in channels:
         raise BagError(f"{path}: heave is missing: give its topic and field, or its column")
     record = device.record
     if record.date_order not in ("", *DATE_ORDERS):

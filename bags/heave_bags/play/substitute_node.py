@@ -23,6 +23,7 @@ from heave_node.ros.node import HeaveNode
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.ports import Output
 from heave_node.ros.process import run_node
+from heave_node.ros.transport import parents_death
 from heave_node.tick.tick import Tick
 
 from heave_bags.errors import BagError
@@ -117,7 +118,7 @@ def command(node: str, bag: Path, start: float = 0.0) -> list[str]:
     It plays `bag` from `start` on [s].
     """
     return [
-        *(sys.executable, "-m", "heave_bags.play.substitute_node", node, "--ros-args"),
+        *parents_death.command("heave_bags.play.substitute_node", node, "--ros-args"),
         *("-r", f"__node:={node}_from_bag"),  # the parameters of the node itself do not concern its substitute
         *("-p", f"bag:={bag}", "-p", f"bag_start:={float(start)}"),
     ]

@@ -12,7 +12,7 @@ from pathlib import Path
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment
 
-LIBRARIES = ("heave", "ros-rclpy", "rclpy", "numpy", "scipy", "numba", "mcap", "control", "filterpy")
+LIBRARIES = ("heave", "heave_bags", "ros-rclpy", "rclpy", "numpy", "scipy", "numba", "mcap", "control", "filterpy")
 SCENARIO_ATTACHMENT = "scenario.yaml"
 PARAMETERS_ATTACHMENT = "parameters.yaml"
 """The parameters that all nodes had in a run, defaults included."""
@@ -20,7 +20,7 @@ PARAMETERS_ATTACHMENT = "parameters.yaml"
 
 def versions() -> dict[str, str]:
     """Return the versions of Python, of this project and of the libraries that its results depend on."""
-    found = {name: _version(name) for name in (*LIBRARIES, *_own_distributions())}
+    found = {name: _version(name) for name in LIBRARIES}
     return {"python": platform.python_version(), **{name: version for name, version in found.items() if version}}
 
 
@@ -29,10 +29,6 @@ def _version(distribution: str) -> str:
         return metadata.version(distribution)
     except metadata.PackageNotFoundError:
         return ""
-
-
-def _own_distributions() -> list[str]:
-    return sorted(set(metadata.packages_distributions().get("heave_bags", ())))
 
 
 def git_commit(folder: Path | None = None) -> str:

@@ -243,13 +243,13 @@ class RecorderNode(ParticipantNode):
                         speakers.release()
 
             return take_lawful
-        may_tell_of_faults = topic == self._diagnostics_topic and self.parameters.snapshot_duration > 0.0
+        may_report_faults = topic == self._diagnostics_topic and self.parameters.snapshot_duration > 0.0
 
         def take(data: bytes, _: str) -> None:
             if not self.is_active:
                 return
             write(topic, self._now(), data)
-            if may_tell_of_faults:
+            if may_report_faults:
                 self.controls.watch_for_faults(data)
 
         return take

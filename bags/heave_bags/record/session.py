@@ -118,7 +118,7 @@ class RecordingSession:
         """Begin a bag. Raises BagError while one is being written, or if the folder exists."""
         if self._writer:
             raise BagError(f"{self._writer.folder} is being recorded: stop it first")
-        self._tell_unwritten(at_once=True)
+        self._report_unwritten(at_once=True)
         self._broken = None
         self._writer = self._make_writer(folder)
         for name, topic in self._topics.items():
@@ -185,7 +185,7 @@ class RecordingSession:
     def acknowledge(self) -> None:
         """Make what was written survive a crash of this process."""
         if self._writer is None:
-            self._tell_unwritten()
+            self._report_unwritten()
             return
         try:
             self._writer.acknowledge()
@@ -212,9 +212,9 @@ class RecordingSession:
 
     def finish(self) -> None:
         """Let a bag that the disk has refused say how much was not written until now."""
-        self._tell_unwritten(at_once=True)
+        self._report_unwritten(at_once=True)
 
-    def _tell_unwritten(self, *, at_once: bool = False) -> None:
+    def _report_unwritten(self, *, at_once: bool = False) -> None:
         """Tell the bag that was given up, now and then, how many messages came since."""
         if self._broken is None or self._since is None or (time.monotonic() < self._told_at and not at_once):
             return

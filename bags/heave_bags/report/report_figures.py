@@ -360,7 +360,7 @@ def winch_figure(record: RunRecord) -> Figure:
     shapes = [shape for sign in (1, -1) for shape in _level(sign * signals.speed_limit, "speed limit")]
     for sign in (1, -1):
         shapes += _level(sign * signals.acceleration_limit, "acceleration limit", "y2")
-    learnt = [*_learnt_limit(record, "speed", "y"), *_learnt_limit(record, "acceleration", "y2")]
+    learnt = [*_identified_limit(record, "speed", "y"), *_identified_limit(record, "acceleration", "y2")]
     figure = Figure(
         "Winch speed and acceleration",
         "Positive pays out and lowers the unit. Dashed: limits of the winch as stated"
@@ -379,7 +379,7 @@ def winch_figure(record: RunRecord) -> Figure:
     return figure
 
 
-def _learnt_limit(record: RunRecord, quantity: str, axis: str) -> list[dict[str, Any]]:
+def _identified_limit(record: RunRecord, quantity: str, axis: str) -> list[dict[str, Any]]:
     """Return a limit of the winch that was learnt in the run `record` as two lines, in steps; nothing where none was.
 
     Parameters
@@ -388,7 +388,7 @@ def _learnt_limit(record: RunRecord, quantity: str, axis: str) -> list[dict[str,
     quantity : speed or acceleration
     axis : of the figure
     """
-    learnt = events.learnt_limits(record.alarms, quantity)
+    learnt = events.identified_limits(record.alarms, quantity)
     if not learnt:
         return []
     times = np.repeat([*(time for time, _ in learnt), max(record.end, learnt[-1][0])], 2)[1:-1]

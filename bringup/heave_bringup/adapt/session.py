@@ -61,7 +61,7 @@ class Session:
         self._spinner = Spinner(self._node)
         self._health = self._node.create_publisher(DiagnosticArray, topics.DIAGNOSTICS.name, 10)
         self._before: list[dict[str, float]] = [{} for _ in self.devices]
-        self._told: dict[str, str] = {}
+        self._reported: dict[str, str] = {}
         self._warned: set[str] = set()
 
     def run(self, duration: float) -> None:
@@ -107,14 +107,14 @@ class Session:
         stamp = self._node.get_clock().now().to_msg()
         self._health.publish(diagnostic_array(self._node.get_name(), stamp, parts))
         for part in parts:
-            self._tell(part)
+            self._report(part)
 
-    def _tell(self, part: Health) -> None:
+    def _report(self, part: Health) -> None:
         """Say on the terminal what stops a device, and that it goes on; and once what else is wrong: it is counted."""
-        told = self._told.get(part.part, "")
+        reported = self._reported.get(part.part, "")
         now = without_figures(part.message) if part.level in (Level.ERROR, Level.STALE) else ""
-        self._told[part.part] = now
-        if now != told:
+        self._reported[part.part] = now
+        if now != reported:
             sys.stderr.write(f"{part.part}: {part.message if now else 'readings come again'}\n")
         elif part.level is Level.WARN and part.part not in self._warned:
             self._warned.add(part.part)

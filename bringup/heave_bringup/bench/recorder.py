@@ -16,6 +16,7 @@ from pathlib import Path
 import psutil
 import rclpy
 from heave_bags.mcap.reader import Bag
+from heave_node.ros.transport import parents_death
 from heave_node.ros.transport.environment import prepare_environment
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
@@ -38,10 +39,10 @@ def measure_recorder(seconds: float, say: Callable[[str], None]) -> dict[str, fl
     say : called with what is being measured
     """
     say(f"recorder: {RATE} messages of 1 kB a second for {seconds:g} s")
-    environment = {**os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    environment = {**os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", **parents_death.environment()}
     with tempfile.TemporaryDirectory() as folder:
         bag = Path(folder) / "bag"
-        command = [sys.executable, "-m", "heave_bags.record.live_recorder", "--ros-args", "-p", f"directory:={bag}"]
+        command = parents_death.command("heave_bags.record.live_recorder", "--ros-args", "-p", f"directory:={bag}")
         recorder = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             load = [sys.executable, "-m", __name__, "--seconds", str(seconds)]

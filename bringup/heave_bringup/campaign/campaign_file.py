@@ -19,6 +19,7 @@ A campaign file is YAML:
       uniform: {cable_sim.cable.axial_stiffness: [1.1e7, 2.0e7]}   # the plant alone
       log_uniform: {cable_sim.unit.mass: [1.0e4, 1.0e5]}
       choose: {winch_controller.law: [off, lqg, mpc]}
+      # a place that ends in [] takes the value as the one entry of a list: wave_vessel.mru.faults.start[]: [60, 200]
 
 `vary` may also be a mapping: each of its parameters is then varied by itself.
 """

@@ -7,6 +7,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
+from typing import Any, TypeVar
 
 from heave_node.parameters import ParameterError
 
@@ -63,7 +64,10 @@ def journal_path(table: Path) -> Path:
     return table.with_name(f"{table.name}.partial")
 
 
-class Journal:
+K = TypeVar("K", bound="KeptResults")
+
+
+class KeptResults:
     """Keeps results as lines of JSON, each written at once; a context manager.
 
     Parameters
@@ -73,21 +77,21 @@ class Journal:
 
     Attributes
     ----------
-    results : found in the file, by number of case
+    results : found in the file, by their `number`
 
     Raises ParameterError for a file of another campaign.
     """
 
     def __init__(self, path: Path, mark: Mapping[str, str]) -> None:
         self.path = path
-        self.results: dict[int, Mapping[str, object]] = {}
+        self.results: dict[int | str, Mapping[str, Any]] = {}
         kept = self._read(mark) if path.exists() else []
         self._file = path.open("w", encoding="utf-8")
         for line in (json.dumps(mark), *kept):
             self._file.write(line + "\n")
         self._file.flush()
 
-    def __enter__(self) -> Journal:
+    def __enter__(self: K) -> K:
         return self
 
     def __exit__(
@@ -110,6 +114,15 @@ class Journal:
             kept.append(line)
         return kept
 
+    def keep(self, content: Mapping[str, object]) -> None:
+        """Keep the `content` of a result, its number among it: after this it is on the disk."""
+        self._file.write(json.dumps(content) + "\n")
+        self._file.flush()
+
+
+class Journal(KeptResults):
+    """Results of the cases of a campaign; see `KeptResults`."""
+
     def result_of(self, case: Case) -> CaseResult | None:
         """Return the result that `case` had before; None where it has none yet."""
         found = self.results.get(case.number)
@@ -117,13 +130,13 @@ class Journal:
             return None
         return CaseResult(
             case,
-            kpis=found["kpis"],  # type: ignore[arg-type]
+            kpis=found["kpis"],
             failure=str(found["failure"]),
-            compensating=float(found["compensating"]),  # type: ignore[arg-type]
+            compensating=float(found["compensating"]),
             reason=str(found["reason"]),
-            missed=tuple(found["missed"]),  # type: ignore[arg-type]
+            missed=tuple(found["missed"]),
             baseline_unknown=str(found["baseline_unknown"]),
-            breaches=tuple(found["breaches"]),  # type: ignore[arg-type]
+            breaches=tuple(found["breaches"]),
         )
 
     def add(self, result: CaseResult) -> None:
@@ -138,8 +151,7 @@ class Journal:
             "baseline_unknown": result.baseline_unknown,
             "breaches": list(result.breaches),
         }
-        self._file.write(json.dumps(content) + "\n")
-        self._file.flush()
+        self.keep(content)
 
     def remove(self) -> None:
         """Remove the file: the table holds everything."""

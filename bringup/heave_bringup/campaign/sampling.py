@@ -10,6 +10,8 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
 from scipy.stats import qmc
 
+AS_LIST = "[]"
+"""End of a place whose drawn value is the one entry of a list, as of the faults of a device."""
 STREAM = "campaign/draws"
 """Name of the random stream that draws come from."""
 
@@ -73,14 +75,26 @@ class Draws:
             if not choices:
                 raise ValueError(f"draw.choose: {name}: has nothing to choose from")
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Places that are drawn, each a dimension."""
+        return (*self.uniform, *self.log_uniform, *self.choose)
+
+    def points(self) -> Array:
+        """Return the draws as points of the unit cube, shape (draws, dimensions)."""
+        return METHODS[self.method](self.count, len(self.names), self.seed)[: self.first]
+
     def values(self) -> list[dict[str, object]]:
         """Return the values of each draw by place."""
-        names = [*self.uniform, *self.log_uniform, *self.choose]
-        points = METHODS[self.method](self.count, len(names), self.seed)
-        return [
-            {name: self._value(name, float(share)) for name, share in zip(names, point, strict=True)}
-            for point in points[: self.first]
-        ]
+        return [self.at(point) for point in self.points()]
+
+    def at(self, point: Array) -> dict[str, object]:
+        """Return the values by place at a `point` of the unit cube, shape (dimensions,)."""
+        found: dict[str, object] = {}
+        for name, share in zip(self.names, point, strict=True):
+            value = self._value(name, float(share))
+            found[name.removesuffix(AS_LIST)] = [value] if name.endswith(AS_LIST) else value
+        return found
 
     def _value(self, name: str, share: float) -> object:
         if name in self.choose:

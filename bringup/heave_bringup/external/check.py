@@ -147,13 +147,13 @@ class WinchTrial:
     Attributes
     ----------
     time : since the trial began [s]
-    told : sequence number of the newest command sent
+    reported : sequence number of the newest command sent
     taken : number of the newest command it has taken
     brake, fault, release : as it says
     """
 
     time: float
-    told: int
+    reported: int
     taken: int
     brake: bool
     fault: int
@@ -199,7 +199,7 @@ def judge_winch(plan: Plan, trial: Sequence[WinchTrial]) -> list[Finding]:
 
     braked, released = late(0.0, plan.braked), late(plan.braked, plan.released)
     silent, again = late(plan.released, plan.silent), late(plan.acknowledged, plan.end)
-    lag = max((said.told - said.taken for said in released), default=0)
+    lag = max((said.reported - said.taken for said in released), default=0)
     return [
         finding(
             "brakes on command",

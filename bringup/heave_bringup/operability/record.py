@@ -59,10 +59,10 @@ def read_record(path: Path) -> SeaRecord:
 
     A .csv is a record with the columns time, hs, tp, or a scatter diagram: `hs` and peak periods in its first line, a
     height and the numbers of its seas in each further one. Any other file holds spectra (NDBC, or what `wavespectra`
-    reads), whose heights and periods are taken. Single states that cannot well be, such as fill values, count as not
+    reads), whose heights and periods are taken. Single implausible states, such as fill values, count as not
     measured, and are said.
 
-    Raises ParameterError for what is none of these, and where many states cannot well be.
+    Raises ParameterError for what is none of these, and where many states are implausible.
     """
     if not path.is_file():
         raise ParameterError(f"{path}: no such file")
@@ -102,21 +102,21 @@ def _read_csv(path: Path) -> SeaRecord:
 
 
 def _plausible(path: Path, states: pandas.DataFrame) -> tuple[pandas.DataFrame, tuple[str, ...]]:
-    """Return states of which those that cannot well be are missing, and what is said of them."""
-    doubtful = pandas.Series(False, index=states.index)
+    """Return states without the implausible ones, and what is said of them."""
+    implausible = pandas.Series(False, index=states.index)
     first = ""
     for name, quantity in _QUANTITIES.items():
         known = PLAUSIBLE[quantity]
         wrong = states[name].notna() & ~states[name].between(known.least, known.most)
         if wrong.any() and not first:
             first = question(quantity, float(states[name][wrong].iloc[0]), str(states.index[wrong][0]))
-        doubtful |= wrong
-    if doubtful.mean() > _MOST_IMPLAUSIBLE:
-        raise ParameterError(f"{path}: {int(doubtful.sum())} of {len(states)} states cannot well be: {first}")
-    if not doubtful.any():
+        implausible |= wrong
+    if implausible.mean() > _MOST_IMPLAUSIBLE:
+        raise ParameterError(f"{path}: {int(implausible.sum())} of {len(states)} states are implausible: {first}")
+    if not implausible.any():
         return states, ()
-    warning = f"{path.name}: {int(doubtful.sum())} states that cannot well be count as not measured, the first {first}"
-    return states.where(~doubtful), (warning,)
+    warning = f"{path.name}: {int(implausible.sum())} implausible states count as not measured, the first {first}"
+    return states.where(~implausible), (warning,)
 
 
 def _times(path: Path, column: pandas.Series) -> pandas.Series:
@@ -152,8 +152,8 @@ def _scatter(path: Path, table: pandas.DataFrame) -> SeaRecord:
     states = states[states["share"] > 0.0].reset_index(drop=True)
     for name, quantity in _QUANTITIES.items():
         for value in states[name]:
-            if doubt := question(quantity, float(value), str(path)):
-                raise ParameterError(doubt)
+            if objection := question(quantity, float(value), str(path)):
+                raise ParameterError(objection)
     return SeaRecord(path.name, states, float("nan"))
 
 

@@ -273,8 +273,8 @@ class RunLink:
         for part in message.status:
             self.situation.note(part.name, int.from_bytes(part.level, "little"), part.message)
             if part.name == MODE_PART:
-                told = {value.key: value.value for value in part.values}
-                self.situation.depth = float(told.get("mean depth [m]", "nan"))
+                reported = {value.key: value.value for value in part.values}
+                self.situation.depth = float(reported.get("mean depth [m]", "nan"))
 
 
 class ServiceCall:

@@ -171,9 +171,9 @@ class Stop:
             if answer is None or answer.is_refused:
                 return answer
             self._asked, self._since = None, situation.time
-        return self._told_by_controller() or self._told_by_run()
+        return self._reported_by_controller() or self._reported_by_run()
 
-    def _told_by_controller(self) -> Answer | None:
+    def _reported_by_controller(self) -> Answer | None:
         controller = self._link.situation.controller
         # what was said before the answer came does not count
         if controller is not None and controller.time > self._since:
@@ -183,7 +183,7 @@ class Stop:
                 return refusal(f"mode {controller.mode}: somebody else has taken over: {controller.reason}")
         return None
 
-    def _told_by_run(self) -> Answer | None:
+    def _reported_by_run(self) -> Answer | None:
         situation = self._link.situation
         if situation.is_paused:
             return Answer("stop requested: it begins with the next tick, the run is paused")
@@ -292,7 +292,7 @@ class Lowering:
         if controller.mode not in ("compensating", "manual"):
             return refusal(f"a speed needs mode compensating or manual; the mode is {controller.mode}")
         now = controller.time
-        self._limit = self._limit or self._told_limit()
+        self._limit = self._limit or self._limit_reported()
         if math.isnan(self._began):
             self._began, self._payout_before = now, controller.mean_payout
         if math.isnan(self._ended) and (self._is_let_go or now - self._began >= self._duration):
@@ -307,10 +307,10 @@ class Lowering:
             self._link.ask_speed(self._speed if math.isnan(self._ended) else 0.0)
         return None
 
-    def _told_limit(self) -> str:
+    def _limit_reported(self) -> str:
         """Return what the controller reports about a limit of this speed; empty: nothing, or nothing yet."""
-        told = self._link.situation.troubles.get(ALARMS_PART)
-        found = [] if told is None else alarms_in(told.message)
+        reported = self._link.situation.troubles.get(ALARMS_PART)
+        found = [] if reported is None else alarms_in(reported.message)
         return next((one.text for one in found if one.code == OPERATOR_SPEED_LIMITED), "")
 
     def _silence(self, heard: float) -> float:

@@ -15,6 +15,11 @@ from heave_node.interface.alarm import AlarmRow, AlarmTable, Severity
 from heave_node.interface.node_alarms import NODE_ALARMS
 from wave_vessel_node.alarms import ALARMS as VESSEL
 from winch_controller_node.interface.alarms import ALARMS as CONTROLLER
+from winch_controller_node.parameters.laws import GuardParameters, ModeParameters
+from winch_controller_node.supervision.command_timeouts import MOST, PERIOD, WAIT
+from winch_controller_node.supervision.guard_hold import CAUSE_TIME, HOLD_GROWTH, KNOWN_HOLD
+from winch_controller_node.supervision.modes import BACK_TIME
+from winch_controller_node.supervision.supervisor import TRANSPORT_HOLD
 
 TABLES: dict[str, AlarmTable] = {
     "Controller and adviser": CONTROLLER,
@@ -25,31 +30,99 @@ TABLES: dict[str, AlarmTable] = {
 }
 """The table of each package, under its heading."""
 
-HEAD = """# Alarms
+GUARD, TIMES = GuardParameters(), ModeParameters()
+EXAMPLE = str(CONTROLLER.alarm("MRU_STALE", age=0.31, limit=0.15))
 
-Look an alarm up by its code. This page is written by `python -m heave_bringup.pages.alarms` from the tables that the
-nodes raise their alarms from.
+RETURNS = (
+    ("reason", "comes back", "what you do"),
+    ("---",) * 3,
+    (
+        'a sensor is lost: "mru frozen"',
+        f"automatically: {BACK_TIME:g} s after its readings are good while authority still falls; `modes.resume_time` "
+        f"({TIMES.resume_time:g} s) after that once the winch has stopped; not with `modes.resume` off",
+        "restore the sensor; after a frozen encoder request compensation",
+    ),
+    (
+        "harm: `WORSE_THAN_OFF`, `LITTLE_GAIN`, `UNIT_HEAVE_HIGH`, `UNIT_SWING_HIGH`, `DRUM_SPEED_OFF`",
+        f"automatically: after `guard.hold_time` ({GUARD.hold_time:g} s), {HOLD_GROWTH:g} times longer after each "
+        f"failed attempt, up to {GUARD.hold_time_limit:g} s; {KNOWN_HOLD:g} s where the cause was identified within "
+        f"{CAUSE_TIME:g} s; not while the sea demands more than {GUARD.demand_ratio:g} times the winch's limits",
+        "nothing for a first attempt, then as the alarm says",
+    ),
+    (
+        "`DEPTH_MRU_DISAGREE`",
+        "automatically: after the same times, counted from when the two agree",
+        "check sign and scale of both",
+    ),
+    (
+        "`COMMANDS_CUT`, `COMMANDS_TOO_LATE`",
+        f"automatically: {TRANSPORT_HOLD:g} s after commands are in time",
+        "check the link, the network and the load of the machine",
+    ),
+    (
+        "winch fault: command timeout",
+        f"automatically: {WAIT:g} s after the winch takes commands, at most {MOST} times within {PERIOD:g} s",
+        "the same; after `COMMAND_TIMEOUTS` request compensation",
+    ),
+    (
+        "any other winch fault, emergency stop of the winch",
+        "no",
+        "clear it at the winch, then request a mode",
+    ),
+    (
+        "`WINCH_OR_ENCODER_REVERSED`, `WINCH_OR_ENCODER_SCALE`",
+        "no",
+        "check signs and scales, then request compensation",
+    ),
+    ("a sensor is lost in constant tension", "no", "restore it, then request a mode"),
+)
+"""Whether compensation that has ended comes back, by the reason for which it ended."""
+
+
+def _lines(rows: Iterable[tuple[str, ...]]) -> str:
+    """Return the `rows` of a table as Markdown."""
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in rows)
+
+
+HEAD = f"""# Alarms
+
+Look an alarm up by its code: what is wrong, what follows, what to do. This page is written by
+`python -m heave_bringup.pages.alarms` from the tables that the nodes raise their alarms from.
 
 An alarm is one line: code, severity, what is wrong with value and limit, what follows, what to do.
 
 ```text
-MRU_STALE (high): no data for 0.31 s, limit 0.15 s. Compensation fades out. Check power, cable, driver, clock.
+{EXAMPLE}
 ```
 
 | severity | act | level of the status on `/diagnostics` |
 |---|---|---|
 | critical | at once: people, unit, cable or winch are in danger | error |
-| high | at once: compensation ends or is less than requested | error |
-| medium | within minutes: something is missing that a further fault would need | warning |
+| high | at once: compensation ends or cannot be relied on, or the lift is beyond what was planned | error |
+| medium | within minutes: compensation does less than it could, or a further fault would end it | warning |
 | low | before the next lift | warning |
 | event | nothing to do: an entry of the log | ok |
 
 Severities are priorities as in IEC 62682 and ISA-18.2. Codes are stable; words may improve. The controller reports its
 alarms in part `alarms` of its diagnostics, a warning whatever their severity; its parts `sensor NAME` are an error
-while that sensor is lost. Bags, reports, `heave run`, `heave operate` and `heave panel` show code and severity. Values
-stand in italics below. MRU is the motion sensor on the ship, ENCODER that of the drum; DEPTH, VELOCITY and IMU are on
-the subsea unit, LOAD_CELL is at the boom tip. What to do about a fault that is identified stands in
-the guide, "My winch differs from its data sheet".
+while that sensor is lost. Bags, reports, `heave run`, `heave operate` and `heave panel` show code and severity.
+
+How to read the tables: values stand in italics. MRU is the motion sensor on the ship, ENCODER that of the drum; DEPTH,
+VELOCITY and IMU are on the subsea unit, LOAD_CELL is at the boom tip. *measurement* is the quantity that a sensor
+measures: `mru_heave`, `mru_heave_rate`, `unit_heave` (by the depth sensor), `unit_velocity`, `unit_acceleration`.
+Names with a dot are [parameters](parameters.md) of `winch_controller`. What to do about a fault that is identified
+stands in the guide, "My winch differs from its data sheet".
+
+## Does compensation come back?
+
+`COMPENSATION_LOST` gives the reason. Authority falls to zero over `modes.fade_out_time`
+({TIMES.fade_out_time:g} s), then the winch stops and the brake goes on. After that:
+
+{_lines(RETURNS)}
+
+Once the winch has stopped, compensation begins again after `modes.settling_time` ({TIMES.settling_time:g} s) of good
+readings, and when nothing else stands in its way: the reason of mode `standby` names what does. Authority rises over
+`modes.fade_in_time` ({TIMES.fade_in_time:g} s).
 """
 
 COLUMNS = ("code", "severity", "what is wrong", "consequence", "action")
@@ -60,7 +133,7 @@ def page() -> str:
     parts = [HEAD]
     for title, table in TABLES.items():
         lines = [COLUMNS, ("---",) * len(COLUMNS), *map(_cells, _grouped(table.values()))]
-        parts.append(f"## {title}\n\n" + "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n")
+        parts.append(f"## {title}\n\n{_lines(lines)}\n")
     return "\n".join(parts)
 
 

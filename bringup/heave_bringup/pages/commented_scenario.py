@@ -94,6 +94,6 @@ def _words_of(node: str) -> dict[str, str]:
 
 def _words(info: ParameterInfo) -> str:
     unit = f"[{info.unit}] " if info.unit else ""
-    untold = any(choice not in info.description for choice in info.choices)
-    choices = f" ({', '.join(info.choices)})" if untold else ""
+    unreported = any(choice not in info.description for choice in info.choices)
+    choices = f" ({', '.join(info.choices)})" if unreported else ""
     return f"{unit}{info.description.rstrip('.')}{choices}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -28,7 +29,7 @@ class Alarm:
     severity : priority
     text : what is wrong, and what follows
     action : what to do; empty where that is not known
-    since : simulated time at which it came [s]
+    since : simulated time at which it was raised [s]; NaN: not known yet
     is_active : it still holds
     is_acknowledged : somebody has seen it
     """
@@ -38,7 +39,7 @@ class Alarm:
     severity: Severity
     text: str
     action: str = ""
-    since: float = 0.0
+    since: float = math.nan
     is_active: bool = True
     is_acknowledged: bool = False
 
@@ -51,7 +52,7 @@ def alarms_of(trouble: Trouble) -> Iterator[Alarm]:
         if one.severity > Severity.EVENT:
             action = ROWS[one.code].action if one.code in ROWS else ""
             text = one.text.removesuffix(f" {action}.") if action else one.text
-            yield Alarm(f"{node} {one.code}", one.title, one.severity, text, action)
+            yield Alarm(f"{node} {one.code}", one.title, one.severity, text, action, one.time)
     if not found:
         severity = Severity.HIGH if trouble.is_error else Severity.MEDIUM
         yield Alarm(trouble.part, trouble.part, severity, trouble.message)
@@ -64,20 +65,21 @@ class AlarmList:
         self._alarms: dict[str, Alarm] = {}
 
     def note(self, time: float, troubles: Mapping[str, Trouble]) -> None:
-        """Take what is wrong now, `troubles` by part, at a simulated `time` [s].
+        """Take what is wrong now, `troubles` by part, at a simulated `time` [s]; that counts where a line has none.
 
         An alarm that comes back, or gets worse, is to be acknowledged again. One that several parts report is one.
         """
         present: dict[str, Alarm] = {}
         for alarm in (alarm for trouble in troubles.values() for alarm in alarms_of(trouble)):
             other = present.get(alarm.key)
-            if other is None or alarm.severity > other.severity:
-                present[alarm.key] = alarm
+            since = alarm.since if other is None or math.isfinite(alarm.since) else other.since
+            worst = alarm if other is None or alarm.severity > other.severity else other
+            present[alarm.key] = replace(worst, since=since)
         for key, alarm in present.items():
             known = self._alarms.get(key)
             if known is None or not known.is_active or alarm.severity > known.severity:
                 self._alarms.pop(key, None)
-                self._alarms[key] = replace(alarm, since=time)
+                self._alarms[key] = replace(alarm, since=alarm.since if math.isfinite(alarm.since) else time)
             else:
                 self._alarms[key] = replace(alarm, since=known.since, is_acknowledged=known.is_acknowledged)
         for key, alarm in list(self._alarms.items()):

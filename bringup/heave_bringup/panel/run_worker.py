@@ -119,7 +119,7 @@ class RunWorker:
             try:
                 self._tasks.append(_Begun(name, viewer, begin(self._link)))
             except ValueError as error:
-                self._tell(name, str(error), is_refused=True)
+                self._report(name, str(error), is_refused=True)
 
         self._wanted.put(begun)
 
@@ -165,9 +165,9 @@ class RunWorker:
             answer = begun.task.poll()
             if answer is not None:
                 self._tasks.remove(begun)
-                self._tell(begun.name, answer.text, is_refused=answer.is_refused)
+                self._report(begun.name, answer.text, is_refused=answer.is_refused)
 
-    def _tell(self, name: str, text: str, *, is_refused: bool) -> None:
+    def _report(self, name: str, text: str, *, is_refused: bool) -> None:
         self._log.appendleft(Entry(self._link.situation.time, f"{name}: {text}", is_refused))
 
     def _take_limits(self, limits: WinchLimits) -> None:

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from heave_node.ros.process import run_composed
+from heave_node.ros.transport import parents_death
 
 from heave_bringup.nodes import PROCESS_BY_NAME
 
@@ -17,7 +18,7 @@ def command(names: Sequence[str], *, is_public: bool) -> list[str]:
 
     `is_public` says that other processes get every message.
     """
-    return [sys.executable, "-m", __name__, *names, *([PUBLISH] if is_public else [])]
+    return parents_death.command(__name__, *names, *([PUBLISH] if is_public else []))
 
 
 def main() -> None:

@@ -19,7 +19,7 @@ from winch_controller_node.design.bounds import (
     recorded_spectrum,
     sensor_bound,
 )
-from winch_controller_node.design.design import believed_cable
+from winch_controller_node.design.design import assumed_cable
 from winch_controller_node.interface.sensors import (
     DepthModelParameters,
     EncoderModelParameters,
@@ -92,7 +92,7 @@ def bounds_of(scenario: Scenario, boom_tip: Array, step: float) -> tuple[float, 
         ),
         vessel=VesselModelParameters(model="direct"),
     )
-    cable = believed_cable(truth, truth.length)
+    cable = assumed_cable(truth, truth.length)
     winch = truth.winch
     limits = WinchLimits(winch.speed_limit, winch.acceleration_limit, min(-winch.payout_minimum, winch.payout_maximum))
     return sensor_bound(truth, scenario.run.tick_period, spectrum), actuator_bound(cable, limits, heave, step)
@@ -101,13 +101,13 @@ def bounds_of(scenario: Scenario, boom_tip: Array, step: float) -> tuple[float, 
 def true_parameters(scenario: Scenario) -> WinchControllerParameters:
     """Return the parameters of a controller whose ship, winch, cable and sensors are those of `scenario`."""
     sea, plant, winch = (scenario.parameters[name] for name in ("wave_vessel", "cable_sim", "virtual_winch"))
-    believed: WinchControllerParameters = scenario.parameters["winch_controller"]
+    assumed: WinchControllerParameters = scenario.parameters["winch_controller"]
     known = {info.name for info in describe(WinchModelParameters)}
     drum = {name: value for name, value in flatten(winch).items() if name in known}
     mru, depth, cell = sea.mru, plant.sensors.depth, plant.sensors.load_cell
     linear = plant.model == "linear"
     return replace(
-        believed,
+        assumed,
         length=plant.length,
         water_density=plant.water_density,
         gravity=plant.gravity,
@@ -118,7 +118,7 @@ def true_parameters(scenario: Scenario) -> WinchControllerParameters:
         ),
         winch=build_parameters(WinchModelParameters, drum, where="virtual_winch"),
         sensors=replace(
-            SensorsModelParameters(use=believed.sensors.use),
+            SensorsModelParameters(use=assumed.sensors.use),
             mru=MruModelParameters(
                 noise=max(mru.noise, LEAST_NOISE),
                 rate_noise=max(mru.rate_noise, LEAST_NOISE),

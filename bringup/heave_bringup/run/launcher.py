@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from heave_bags.play import substitute_node
-from heave_node.ros.process import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, EXIT_STUCK, LAUNCHER_VARIABLE, in_namespace
+from heave_node.ros.process import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, EXIT_STUCK, in_namespace
+from heave_node.ros.transport import parents_death
 
 from heave_bringup.nodes import PROCESS_BY_NAME
 from heave_bringup.run import composed
@@ -130,7 +130,7 @@ class Launcher:
                 stdin=subprocess.DEVNULL,
                 stdout=sink,
                 stderr=subprocess.STDOUT,
-                env={**ALLOCATOR, **os.environ, LAUNCHER_VARIABLE: str(os.getpid())},
+                env={**ALLOCATOR, **os.environ, **parents_death.environment()},
                 start_new_session=True,  # a Ctrl-C in the terminal is passed on in order, not to all at once
             )
         self.nodes.append(NodeProcess(name, process, log, nodes))
@@ -176,7 +176,7 @@ class Launcher:
 def _command(name: str, bag: Path | None) -> list[str]:
     if bag is not None:
         return substitute_node.command(name, bag)
-    return [sys.executable, "-m", PROCESS_BY_NAME[name].module]
+    return parents_death.command(PROCESS_BY_NAME[name].module)
 
 
 def _ros_arguments(scenario_file: Path) -> list[str]:

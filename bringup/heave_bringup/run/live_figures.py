@@ -49,18 +49,18 @@ class LiveFigures:
         self._loss_reason = reason
         return loss_words(time, mode, reason)
 
-    def note_modes(self, time: float, words: str, told: Mapping[str, str]) -> list[str]:
+    def note_modes(self, time: float, words: str, reported: Mapping[str, str]) -> list[str]:
         """Take what the controller reports about its mode in diagnostics.
 
         Parameters
         ----------
         time : of the diagnostics, simulated [s]
         words : the mode and its reason
-        told : values beside them, each change since the last diagnostics among them
+        reported : values beside them, each change since the last diagnostics among them
 
         Returns the lines about compensation that was lost, with the time of the change.
         """
-        changes = [(at, change) for key, change in told.items() if (at := time_of(key)) is not None]
+        changes = [(at, change) for key, change in reported.items() if (at := time_of(key)) is not None]
         lines = []
         for at, change in [*changes, (time, words)]:
             mode, _, reason = change.partition(": ")
@@ -68,7 +68,7 @@ class LiveFigures:
         return [line for line in lines if line]
 
     @property
-    def is_told(self) -> bool:
+    def is_reported(self) -> bool:
         """Whether the mode is one that compensation was lost into, for the reason that was reported then."""
         is_same = without_figures(self.reason) == without_figures(self._loss_reason)
         return self.mode not in COMPENSATES and bool(self._loss_reason) and is_same

@@ -11,7 +11,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_bags.analyse.events import ALARMS_PART, MODE_PART, SENSOR_PARTS
 from heave_msgs.msg import CableState, CompensationKpi, PointMotion, TickStatus
 from heave_node.interface import topics
-from heave_node.interface.codes import without_figures
+from heave_node.interface.alarm import alarms_in
+from heave_node.interface.codes import time_key, time_of, without_figures
 from heave_node.ros.process import in_namespace, node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.qos import qos_of
@@ -142,20 +143,20 @@ class Monitor:
         for part in message.status:
             if part.name == MODE_PART:
                 time_of_tick = seconds_of(message.header.stamp)
-                told = {value.key: value.value for value in part.values}
-                self.live.note_depth(time_of_tick, float(told.get("mean depth [m]", "nan")))
-                self._news += self.live.note_modes(time_of_tick, part.message, told)
-                if self.live.is_told:
+                reported = {value.key: value.value for value in part.values}
+                self.live.note_depth(time_of_tick, float(reported.get("mean depth [m]", "nan")))
+                self._news += self.live.note_modes(time_of_tick, part.message, reported)
+                if self.live.is_reported:
                     continue
             if part.name == ALARMS_PART:
-                self._news += [f"{told.key}: {told.value}" for told in part.values]
+                self._news += [f"{reported.key}: {reported.value}" for reported in part.values]
             if part.level != DiagnosticStatus.ERROR:
                 self._errors.pop(part.name, None)
             elif self._errors.get(part.name) != without_figures(part.message):
                 self._errors[part.name] = without_figures(part.message)
                 if part.name.endswith(f": {STRANGERS}"):
                     self.strangers |= dict.fromkeys(part.message.split("; "))
-                self.alarms.append(f"t = {seconds_of(message.header.stamp):.2f} s: {part.name}: {part.message}")
+                self.alarms.append(f"{time_key(_raised(message, part))}: {part.name}: {part.message}")
                 if not part.name.startswith(SENSOR_PARTS):  # the controller's own alarms tell it, when it was
                     self._news.append(self.alarms[-1])
 
@@ -193,3 +194,13 @@ class Monitor:
         self._truth.close()
         self._node.destroy_node()
         rclpy.try_shutdown()
+
+
+def _raised(message: DiagnosticArray, part: DiagnosticStatus) -> float:
+    """Return when what a `part` of a `message` reports was raised [s]: by its own values, or by alarms beside it."""
+    codes = {alarm.code for alarm in alarms_in(part.message)}
+    beside = [reported for other in message.status if other.name == ALARMS_PART for reported in other.values]
+    reported = [one for one in beside if codes & {alarm.code for alarm in alarms_in(one.value)}]
+    reported += [one for one in part.values if one.value == part.message]
+    times = [time_of(one.key) for one in reported]
+    return next((time for time in times if time is not None), seconds_of(message.header.stamp))

@@ -19,7 +19,7 @@ from heave_node.ros.transport.shared_memory import remove_dead_segments
 from heave_node.ros.transport.start_watchdog import StartWatchdog, watched_start
 from heave_node.scenario import write_sections
 
-from heave_bringup.errors import CommandError
+from heave_bringup.errors import CommandError, InterruptedCommandError
 from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, NODES, RECORDER, SHIP_CLOCK
 from heave_bringup.progress import ProgressLine
 from heave_bringup.run.launcher import Launcher, NodeProcess
@@ -175,7 +175,7 @@ def run_scenario(
             status = _watch(scenario, folder, launcher, monitor, progress, _until_started(watchdog, on_look))
             return Outcome(status, monitor.alarms, list(monitor.strangers))
         except KeyboardInterrupt:
-            raise CommandError(f"interrupted; {_where_to_look(folder)}") from None
+            raise InterruptedCommandError(f"interrupted; {_where_to_look(folder)}") from None
         finally:
             with interrupts_skip_grace(launcher):
                 progress.close()

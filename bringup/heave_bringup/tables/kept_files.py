@@ -151,7 +151,7 @@ def make_good(
 
     Raises ParameterError for a file that was too large to be kept, or that cannot be written.
     """
-    anew, told = {}, []
+    anew, reported = {}, []
     for path, digest in read.items():
         if path not in named:
             continue
@@ -167,8 +167,8 @@ def make_good(
             size = f"{file.size / 2**20:.1f} MB"
             raise ParameterError(f"{where}: {path} {wrong}, and, {size}, was too large for the table to keep it")
         anew[path] = str(_write(file, folder / digest[:DIGITS], where))
-        told.append(f"{path} {wrong}: the case reads what its table kept, {anew[path]}")
-    return anew, told
+        reported.append(f"{path} {wrong}: the case reads what its table kept, {anew[path]}")
+    return anew, reported
 
 
 def _found(path: Path, file: KeptFile) -> str:

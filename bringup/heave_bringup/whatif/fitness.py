@@ -26,7 +26,7 @@ LARGEST_LEFT = 0.1
 """Motion that the twin does not explain, over that of the unit with the winch locked, above which cable and unit are
 something else."""
 
-DOUBTFUL_CHI2 = 1.5
+POOR_CHI2 = 1.5
 """Mean square of what is left of the depth over its noise, above which a report warns."""
 
 SAME_PAYOUT = 1e-3
@@ -92,7 +92,7 @@ def check_known(known: Known, where: str) -> None:
         raise CommandError(f"{where}: the cable was slack: what came before a snap does not tell what comes after")
 
 
-def told(known: Known) -> list[tuple[str, bool, str]]:
+def reported(known: Known) -> list[tuple[str, bool, str]]:
     """Return what the record shows by what is `known` of it: of what, whether, and why, in words."""
     fit, record, window = known.fit, known.past.record, known.window
     limits = record.limits_hit[window] & int(~WinchLimit.PAYOUT)
@@ -112,7 +112,7 @@ def told(known: Known) -> list[tuple[str, bool, str]]:
 def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
     """Return what a reader of `answers` that stand on what is `known` must be aware of, a line each."""
     lines = []
-    if known.fit.chi2 > DOUBTFUL_CHI2:
+    if known.fit.chi2 > POOR_CHI2:
         lines.append(
             f"the fit of cable and unit leaves {known.fit.chi2:.1f} times the noise of the depth sensor: the bands "
             "may be too narrow"
@@ -127,7 +127,7 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             f"the same law parts from the record at {known.again.parted:.1f} s (mode {known.again.mode}, recorded "
             f"{known.again.was or 'unknown'}): an operator, a late answer, or another version"
         )
-    is_reached = next(is_told for of, is_told, _ in told(known) if of == "winch limits")
+    is_reached = next(is_reported for of, is_reported, _ in reported(known) if of == "winch limits")
     for answer in answers:
         limit = answer.figures.values["time_at_limit_percent"]
         if limit > 0.0 and not is_reached:

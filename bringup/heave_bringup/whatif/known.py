@@ -147,7 +147,7 @@ def learn(
     show("cable and unit", 0.0)
     beliefs = again.beliefs
     winch = past_winch(record, winch_under(beliefs, nominal), beliefs.value(ENCODER_SCALE, nominal))
-    source = tip_source(record, corrections(beliefs, nominal)["mru"], believed_high_pass(beliefs, nominal))
+    source = tip_source(record, corrections(beliefs, nominal)["mru"], assumed_high_pass(beliefs, nominal))
     depth_scale, end = beliefs.value(DEPTH_SCALE, nominal), float(record.time[-1])
     evidence = Evidence(record, nominal, source, winch, depth_scale, end)
     fit = identified(evidence, prior or prior_of(nominal))
@@ -175,7 +175,7 @@ def taut_until(evidence: Evidence, fit: CableFit) -> float:
     return evidence.end if slack.size == 0 else float(evidence.record.time[slack[0]]) - AFTER_SNAP
 
 
-def believed_high_pass(beliefs: Beliefs, nominal: WinchControllerParameters) -> HighPass:
+def assumed_high_pass(beliefs: Beliefs, nominal: WinchControllerParameters) -> HighPass:
     """Return the high-pass that the MRU has under `beliefs` about the `nominal` parameters."""
     mru = parameters_under(beliefs, nominal).sensors.mru
     return HighPass(mru.high_pass_period, mru.high_pass_damping)

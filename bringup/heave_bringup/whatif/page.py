@@ -12,7 +12,7 @@ from heave_node.numerics.arrays import Array
 
 from heave_bringup.whatif.answer import unit_motion
 from heave_bringup.whatif.fitness import warnings
-from heave_bringup.whatif.words import Result, causes, check_line, headings, identified_rows, rows, told_line
+from heave_bringup.whatif.words import Result, causes, check_line, headings, identified_rows, report_line, rows
 
 FOOTER = (
     "Bands are of 90 %: the plants that the record allows, and the error of the twins. Motions are about their mean."
@@ -27,7 +27,7 @@ def render(title: str, result: Result) -> str:
         f"<h1>{html.escape(title)}</h1>",
         '<p class="lead">What another law, gain or winch would have done in the sea of this record</p>',
         f"<p>{html.escape(check_line(result))}</p>",
-        f"<p>{html.escape(told_line(result.known))}</p>",
+        f"<p>{html.escape(report_line(result.known))}</p>",
         *(f'<p class="notice">{html.escape(one)}</p>' for one in notices),
         "<h2>Answers</h2>",
         _table(headings(), rows(result)),

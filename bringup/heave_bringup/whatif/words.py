@@ -10,7 +10,7 @@ from typing import Any
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 
 from heave_bringup.whatif.answer import KEYS, Figures
-from heave_bringup.whatif.fitness import SAME_PAYOUT, told, warnings
+from heave_bringup.whatif.fitness import SAME_PAYOUT, reported, warnings
 from heave_bringup.whatif.identify.prior import AS_THEY_ARE
 from heave_bringup.whatif.known import Known, off_sigma
 from heave_bringup.whatif.study import Answer
@@ -77,10 +77,10 @@ def check_line(result: Result) -> str:
     )
 
 
-def told_line(known: Known) -> str:
+def report_line(known: Known) -> str:
     """Return what the record shows by what is `known` of it, in one line."""
     return "known from this record: " + "; ".join(
-        f"{of} {'yes' if is_told else 'no'}: {why}" for of, is_told, why in told(known)
+        f"{of} {'yes' if is_reported else 'no'}: {why}" for of, is_reported, why in reported(known)
     )
 
 
@@ -111,7 +111,7 @@ def to_json(result: Result) -> dict[str, Any]:
     known = result.known
     return {
         "same_law_again": {"payout_sigma_m": result.payout_error[0], "payout_largest_m": result.payout_error[1]},
-        "told": {of: {"is_told": is_told, "why": why} for of, is_told, why in told(known)},
+        "reported": {of: {"is_reported": is_reported, "why": why} for of, is_reported, why in reported(known)},
         "identified": {
             name: {"value": value, "sigma": known.fit.sigma(name)} for name, value in known.fit.values.items()
         },

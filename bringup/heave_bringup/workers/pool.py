@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import ctypes
 import multiprocessing
 import os
 import signal
-import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
-from typing import Any, ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar
+
+from heave_node.ros.transport.parents_death import end_with
 
 P = ParamSpec("P")
 T = TypeVar("T")
-
-_SIGNAL_OF_PARENTS_DEATH = 1
-"""`PR_SET_PDEATHSIG` of Linux: the kernel ends a process whose parent has ended, whatever it is doing."""
 
 
 @contextmanager
@@ -31,7 +28,7 @@ def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
     pool = _Pool(
         processes,
         mp_context=multiprocessing.get_context("spawn"),
-        initializer=_end_with_parent,
+        initializer=end_with,
         initargs=(os.getpid(),),
     )
     try:
@@ -60,12 +57,3 @@ class _Pool(ProcessPoolExecutor):
             return super().submit(function, *args, **kwargs)
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _end_with_parent(parent: int) -> None:
-    """Ask the kernel, in a worker, to be killed when the process `parent` ends."""
-    if sys.platform == "linux":
-        libc: Any = ctypes.CDLL(None)
-        libc.prctl(_SIGNAL_OF_PARENTS_DEATH, signal.SIGKILL)
-    if os.getppid() != parent:  # it ended before the kernel knew
-        os._exit(1)

@@ -19,9 +19,10 @@ from heave_node.numerics.compiled import inlined_kernel, inner_kernel
 
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.forces.contact import add_contacts
-from cable_sim_node.line.forces.direction import FOLDED, folded
+from cable_sim_node.line.forces.direction import FOLDED, direction_at, folded
 from cable_sim_node.line.forces.flow import set_flow_at
 from cable_sim_node.line.forces.segment import rank_one, tension_of
+from cable_sim_node.line.forces.surface import dry_part, level_above, take_from_water, take_out_of_water
 from cable_sim_node.line.layout import (
     ACCELERATION,
     ADDED_MASS,
@@ -75,6 +76,7 @@ from cable_sim_node.line.layout import (
     SHIFT,
     STIFFNESS,
     STRIDE,
+    SURFACE_ON,
     TANGENTIAL_DRAG,
     TENSION,
     TILE,
@@ -173,14 +175,8 @@ def add_wave_force(tile: Array, count: int) -> None:
     Half of it at each: (displaced + added mass) of the water's acceleration, less that of the added mass along e.
     """
     for j in range(count):
-        dx = tile[MIDDLE + X + j + 1] - tile[MIDDLE + X + j]
-        dy = tile[MIDDLE + Y + j + 1] - tile[MIDDLE + Y + j]
-        dz = tile[MIDDLE + Z + j + 1] - tile[MIDDLE + Z + j]
-        per_length, half = tile[PER_LENGTH + j], 0.5 * tile[LENGTH + j]
-        stretched = math.sqrt(dx * dx + dy * dy + dz * dz)
-        ratio = stretched * per_length
-        size = 1.0 / (stretched + 1e-300) if ratio >= FOLDED else per_length * folded(ratio)
-        ex, ey, ez = dx * size, dy * size, dz * size
+        ex, ey, ez = direction_at(tile, j)
+        half = 0.5 * tile[LENGTH + j]
         ax, ay, az = tile[FLOW_AX + j + 1], tile[FLOW_AY + j + 1], tile[FLOW_AZ + j + 1]
         added = half * tile[ADDED_MASS + j]
         moved = half * tile[DISPLACED + j] + added
@@ -335,6 +331,8 @@ def assemble_present(line: LineArrays, n: int, i: int) -> None:
     assemble_segments(tile[j:], ONE, 0.0, 0.0)
     if numbers[WAVE_AMPLITUDE] > 0.0:
         add_wave_force(tile[j:], ONE)
+    if numbers[SURFACE_ON] > 0.0:
+        take_from_water(tile, j, dry_part(tile, j, level_above(line, n)), numbers, 0.0)
     restore_sheave(tile, j + 1, sheave)
 
 
@@ -355,6 +353,8 @@ def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tupl
         if numbers[WAVE_AMPLITUDE] > 0.0:
             add_wave_force(tile, count)
         most = max(most, largest_of(tile, count))
+    if numbers[SURFACE_ON] > 0.0:
+        take_out_of_water(line, n, c_mass)
     restore_sheave(top_tile, end, sheave)
     join_segments(tiles, n)
     add_unit(tiles[0], numbers, c_mass, c_velocity)

@@ -42,7 +42,8 @@ class CableDynamics:
     The lumped-mass model of thesis chapter 5 (Eq. 5.1-5.6, with the right projection I - e e'): node 0 is the unit,
     node N the top end, which is the boom tip (or the sheave that a passive compensator carries). Cable that is paid
     out or hauled in passes the top end; everything below is material that stays itself, so N changes with the length.
-    The fluid surrounds all of it: there is no splash zone.
+    Water ends at its surface, z = 0 and the wave on it, unless the parameters let it surround everything: cable above
+    it is in air, and a unit with a box gets wet on its way through.
 
     Time: `advance` takes the motion at the start and at the end of an interval; all properties are those of the end of
     the last interval. Two objects share nothing; `copy.deepcopy` makes a second one in the same state.
@@ -284,7 +285,8 @@ class CableDynamics:
         if thrust.shape != (3,) or not np.all(np.isfinite(thrust)):
             raise BadMotionError(f"thrust must be three finite numbers [N]; got {thrust.tolist()}")
         rest = unit_properties(self.parameters).force - np.array(self.parameters.unit.thrust)
-        self._line.numbers[at.UNIT_FORCE : at.UNIT_FORCE + 3] = thrust + rest
+        for first in (at.UNIT_FORCE, at.DEEP + at.UNIT_FORCE):
+            self._line.numbers[first : first + 3] = thrust + rest
         self._fresh = False
 
     # --- inside

@@ -82,14 +82,9 @@ def numbers_of(parameters: CableSimParameters) -> Array:
     """Return the numbers of a line of these parameters: unit and settings; all else is 0."""
     unit, settings = unit_properties(parameters), settings_of(parameters)
     numbers = np.zeros(at.SETTINGS + len(settings))
-    for first, values in (
-        (at.UNIT_INERTIA, unit.inertia),
-        (at.UNIT_DRAG, unit.drag),
-        (at.UNIT_FORCE, unit.force),
-        (at.UNIT_FLUID, unit.fluid),
-    ):
-        numbers[first : first + 3] = values
-    numbers[at.UNIT_BODY_DRAG] = unit.body_drag
+    deep = np.concatenate((unit.inertia, unit.drag, unit.force, unit.fluid, [unit.body_drag]))
+    numbers[: at.DEEP] = numbers[at.DEEP : at.UNIT_MASS] = deep
+    numbers[at.UNIT_MASS] = unit.mass
     numbers[at.SETTINGS :] = settings
     return numbers
 
@@ -100,7 +95,7 @@ def settings_of(parameters: CableSimParameters) -> Array:
     The coefficients of generalised-alpha follow from the spectral radius (Chung & Hulbert 1993).
     """
     seabed = Seabed(parameters.seabed)
-    numbers = np.append(np.zeros(at.NUMBERS), seabed.profile)
+    numbers = np.concatenate((np.zeros(at.NUMBERS), seabed.profile.ravel(), *map(np.ravel, unit_tables(parameters))))
     solver, bed, wave, spring = parameters.solver, parameters.seabed, parameters.wave, parameters.compensator
     radius = solver.spectral_radius
     alpha_m, alpha_f = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
@@ -137,7 +132,34 @@ def settings_of(parameters: CableSimParameters) -> Array:
     numbers[at.SPRING_PRELOAD] = spring.preload
     numbers[at.LUMPS_ON] = float(len(parameters.clumps.position) > 0)
     numbers[at.BENDING_ON] = float(parameters.cable.bending_stiffness > 0.0)
+    numbers[at.SURFACE_ON] = float(parameters.surface and parameters.water_density > 0.0)
+    numbers[at.GRAVITY] = parameters.gravity
+    _set_unit(parameters, numbers)
     return numbers[at.SETTINGS :]
+
+
+def unit_tables(parameters: CableSimParameters) -> tuple[Array, Array, Array]:
+    """Return the tables of the parameters' unit, see `layout`: over KC, near seabed, near surface; shape (k, 3)."""
+    unit, density = parameters.unit, parameters.water_density
+    table, area = unit.oscillation, unit.drag_area[2]
+    drag = 0.5 * density * area * np.array(table.drag_coefficient)
+    over_kc = np.column_stack((table.kc, table.added_mass, drag))
+    near = [np.column_stack((one.distance, one.factor, one.factor)) for one in (unit.near_seabed, unit.near_surface)]
+    return over_kc, near[0], near[1]
+
+
+def _set_unit(parameters: CableSimParameters, numbers: Array) -> None:
+    """Set the settings of a unit that depends on its place or motion."""
+    unit, density = parameters.unit, parameters.water_density
+    rows = [len(table) for table in unit_tables(parameters)]
+    is_in_water = density > 0.0
+    numbers[at.KC_ROWS], numbers[at.NEAR_BED_ROWS], numbers[at.NEAR_SURFACE_ROWS] = rows
+    numbers[at.KC_WIDTH], numbers[at.KC_MEMORY] = unit.oscillation.width, unit.oscillation.memory
+    numbers[at.BOX_HEIGHT] = unit.box.height if parameters.surface else 0.0
+    numbers[at.BUOYANCY] = unit_properties(parameters).buoyancy
+    numbers[at.SLAMMING] = 0.5 * density * unit.box.slamming * unit.box.area
+    is_crossing = parameters.surface and unit.box.height > 0.0
+    numbers[at.UNIT_VARIES] = float(is_in_water and (any(rows) or is_crossing))
 
 
 def _fill_segments(parameters: CableSimParameters, points: Array, grid: Array) -> None:

@@ -86,7 +86,9 @@ TILE_COLUMNS = 94
 # The numbers of the whole line stand in one row. First the unit, three each: inertia along each axis [kg],
 # (1/2) rho C_D S [kg/m], steady force [N], displaced and added mass [kg]; then (1/2) rho C_D S of an isotropic unit.
 UNIT_INERTIA, UNIT_DRAG, UNIT_FORCE, UNIT_FLUID, UNIT_BODY_DRAG = 0, 3, 6, 9, 12
-UNIT_NUMBERS = 13
+# From DEEP on the same numbers of the unit as its parameters give them, far from surface and bottom; its mass [kg].
+DEEP, UNIT_MASS = 13, 26
+UNIT_NUMBERS = 27
 
 GRID_END = UNIT_NUMBERS
 """Longest line that leaves grid points to look ahead at [m]."""
@@ -112,11 +114,17 @@ SEEN_AX, SEEN_FX, SEEN_TENSION, SEEN_STRAIN, SEEN_SLACK, SEEN_BED, SEEN_LARGEST 
     REFUSED + k for k in (1, 4, 7, 8, 9, 10, 11)
 )
 
+# The unit's heave through the water: its path [m], high-passed, the mean square of that [m^2], and the weight of the
+# mean so far, which rises to 1.
+HEAVE_PATH, HEAVE_SQUARE, HEAVE_WEIGHT = (REFUSED + k for k in (12, 13, 14))
+
 # Settings: generalised-alpha, Newton, seabed (BED_TOP is the height of its profile's highest point), wave, current
 # (rows of its profile; whether the water's motion changes at all), compensator, whether there are bodies on the cable
 # and whether it is stiff; the largest step, the one that the next interval begins with (0: the largest), and the time
-# for which steps stay short because the line was slack.
-SETTINGS = REFUSED + 12
+# for which steps stay short because the line was slack. Of the unit: whether it depends on its place or motion; points
+# of its tables over KC, over the height above the seabed and over depth; width and memory of KC; height of its box [m],
+# buoyancy [N], and slamming (1/2) rho C_s A [kg/m]. Whether the water ends at a surface; gravity [m/s^2].
+SETTINGS = REFUSED + 15
 (
     ALPHA_F,
     ALPHA_M,
@@ -157,9 +165,23 @@ SETTINGS = REFUSED + 12
     PROFILE_X,
     PROFILE_Y,
     PROFILE_ROWS,
+    UNIT_VARIES,
+    KC_ROWS,
+    NEAR_BED_ROWS,
+    NEAR_SURFACE_ROWS,
+    KC_WIDTH,
+    KC_MEMORY,
+    BOX_HEIGHT,
+    BUOYANCY,
+    SLAMMING,
+    SURFACE_ON,
+    GRAVITY,
     NUMBERS,
-) = range(SETTINGS, SETTINGS + 40)
-"""From NUMBERS on the points of the seabed's profile follow, three numbers each: distance [m], height [m], slope."""
+) = range(SETTINGS, SETTINGS + 51)
+"""From NUMBERS on the points of the seabed's profile follow, three numbers each: distance [m], height [m], slope. Then
+those of the unit's tables: KC, vertical added mass [kg] and (1/2) rho C_D S [kg/m]; distance [m] and factor on the
+added mass, near the seabed and near the surface.
+"""
 
 # The wide system of a line with bending, three rows for each node: half bandwidth 8, and the right side.
 CENTRE, RIGHT = 8, 17

@@ -11,6 +11,7 @@ from heave_node.numerics.compiled import inlined_kernel, inner_kernel
 
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.feed import follow_length
+from cable_sim_node.line.forces.body import follow_heave, set_unit
 from cable_sim_node.line.forces.contact import carry_holds
 from cable_sim_node.line.forces.flow import set_flow
 from cable_sim_node.line.layout import (
@@ -126,6 +127,7 @@ def predict(line: LineArrays, n: int, count: int, h: float) -> None:
     copy_borders(line.tiles, n, MIDDLE, MOTION_COLUMNS)
     follow_length(n, line.numbers[MIDWAY + TOTAL], line.tiles)
     set_flow(line, n, line.numbers[MIDWAY + TIME])
+    set_unit(line, line.numbers[MIDWAY + TIME])
 
 
 @inlined_kernel
@@ -162,3 +164,4 @@ def finish(line: LineArrays, n: int, count: int, h: float) -> None:
     hold_top(line.tiles, n, X, numbers, NOW, count > n)
     follow_length(n, numbers[NOW + TOTAL], line.tiles)
     carry_holds(line, n)
+    follow_heave(line, h)

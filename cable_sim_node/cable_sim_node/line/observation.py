@@ -23,6 +23,7 @@ from cable_sim_node.line.assembly import (
     take_present_tip,
 )
 from cable_sim_node.line.forces.bending import add_bending
+from cable_sim_node.line.forces.body import set_unit
 from cable_sim_node.line.forces.contact import add_contact, seabed_force_on_unit
 from cable_sim_node.line.forces.direction import direction_of
 from cable_sim_node.line.forces.flow import set_flow, set_flow_at
@@ -78,6 +79,7 @@ def evaluate(line: LineArrays) -> float:
     take_present_tip(line.numbers)
     take_present(line.tiles, n)
     set_flow(line, n, line.numbers[NOW + TIME])
+    set_unit(line, line.numbers[NOW + TIME])
     least, _ = assemble(line, n, 0.0, 0.0)
     if line.numbers[BENDING_ON] > 0.0:
         add_bending(line, n)
@@ -104,6 +106,7 @@ def evaluate_unit(line: LineArrays, n: int) -> None:
     assemble_present(line, n, NONE)
     if numbers[FLOW_VARIES] > 0.0:
         set_flow_at(line, NONE, NONE, NONE, numbers[NOW + TIME])
+    set_unit(line, numbers[NOW + TIME])
     add_unit(tile, numbers, 0.0, 0.0)
     if numbers[BED_ON] > 0.0:
         add_contact(line, 0, 0.0)

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 
-from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
+from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters
+from cable_sim_node.unit_parameters import UnitParameters
 
 DEEP_900: Mapping[str, object] = {
     "length": 900.0,
@@ -34,7 +35,7 @@ def s300(
     time_step: float = 0.05,
     spectral_radius: float = 0.8,
 ) -> CableSimParameters:
-    """Return the 300 m system of thesis section 5.7.
+    """Return the 300 m system of thesis section 5.7; water surrounds all of it, as in the peers' runs.
 
     Parameters
     ----------
@@ -46,6 +47,7 @@ def s300(
         length=300.0,
         segments=segments,
         current=current,
+        surface=False,
         solver=SolverParameters(time_step=time_step, spectral_radius=spectral_radius),
     )
 
@@ -53,7 +55,8 @@ def s300(
 def s900(segments: int = 100, *, time_step: float = 0.05, spectral_radius: float = 0.8) -> CableSimParameters:
     """Return the 900 m system of thesis section 6.2.6: 54 N/m and 50 kN in water, effective mass 125 t.
 
-    The thesis gives no volume and no added mass apart from the effective mass, so all of it is mass here.
+    The thesis gives no volume and no added mass apart from the effective mass, so all of it is mass here. Water
+    surrounds all of it, as in the peers' runs.
 
     Parameters
     ----------
@@ -64,6 +67,7 @@ def s900(segments: int = 100, *, time_step: float = 0.05, spectral_radius: float
     return CableSimParameters(
         length=900.0,
         segments=segments,
+        surface=False,
         cable=CableParameters(
             # 54 N/m in water with 7.2 kg/m: this diameter displaces the difference, drag stays on 0.047 m
             displaced_diameter=0.045868,

@@ -10,6 +10,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.hydrostatics import weight_in_fluid
 
 from cable_sim_node.parameters import CableParameters, CableSimParameters
+from cable_sim_node.physics.hydrodynamics import box_added_mass
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,7 @@ class CableProperties:
     axial_stiffness, quadratic, cubic : EA [N] and the coefficients of the tension law, see `tension_law`
     internal_damping : tension per strain rate [N s]
     mass, added_mass, displaced_mass : of the cable, added normal to it, and of the displaced fluid [kg/m]
-    weight : in the fluid, positive down [N/m]
+    weight, weight_in_air : in the fluid and out of it, positive down [N/m]
     normal_drag, tangential_drag : N and T of `drag` [N s2/m3]
     bending_stiffness : EI [N m2]
     """
@@ -34,6 +35,7 @@ class CableProperties:
     added_mass: float
     displaced_mass: float
     weight: float
+    weight_in_air: float
     normal_drag: float
     tangential_drag: float
     bending_stiffness: float
@@ -66,6 +68,8 @@ class UnitProperties:
     body_drag : the same of an isotropic unit, along the flow [kg/m]; one of both is zero
     force : thrust, and weight in the fluid [N]
     fluid : displaced and added mass, which moving water accelerates [kg]
+    mass : in air [kg]
+    buoyancy : [N]
     """
 
     inertia: Array
@@ -73,6 +77,8 @@ class UnitProperties:
     body_drag: float
     force: Array
     fluid: Array
+    mass: float
+    buoyancy: float
 
     @property
     def vertical_drag(self) -> float:
@@ -119,9 +125,12 @@ def cable_sections(parameters: CableSimParameters) -> list[CableSection]:
 
 
 def unit_properties(parameters: CableSimParameters) -> UnitProperties:
-    """Return the unit of the parameters."""
+    """Return the unit of the parameters, far from surface and bottom."""
     unit, density = parameters.unit, parameters.water_density
     added = np.array(unit.added_mass) if density > 0.0 else np.zeros(3)
+    if unit.vertical_added_mass == "box":
+        box = unit.box
+        added[2] = box_added_mass(box.length, box.breadth, box.height, density, box.perforation)
     weight = unit.weight_in_fluid(density, parameters.gravity)
     drag = 0.5 * density * np.array(unit.drag_coefficient) * np.array(unit.drag_area)
     is_isotropic = unit.drag_law == "isotropic"
@@ -131,6 +140,8 @@ def unit_properties(parameters: CableSimParameters) -> UnitProperties:
         body_drag=float(drag[0]) if is_isotropic else 0.0,
         force=np.array(unit.thrust) - np.array([0.0, 0.0, weight]),
         fluid=density * unit.volume + added,
+        mass=unit.mass,
+        buoyancy=density * unit.volume * parameters.gravity,
     )
 
 
@@ -163,6 +174,7 @@ def _cable_properties(parameters: CableSimParameters, cable: CableParameters) ->
         added_mass=density * cable.added_mass * cable.displaced_area,
         displaced_mass=density * cable.displaced_area,
         weight=cable.weight_in_fluid(density, parameters.gravity),
+        weight_in_air=cable.weight_in_fluid(0.0, parameters.gravity),
         normal_drag=0.5 * density * cable.normal_drag * cable.diameter,
         tangential_drag=0.5 * math.pi * density * cable.tangential_drag * cable.diameter,
         bending_stiffness=cable.bending_stiffness,

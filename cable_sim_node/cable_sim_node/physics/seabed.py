@@ -10,9 +10,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from cable_sim_node.parameters import SeabedParameters
 
@@ -41,9 +41,9 @@ class Seabed:
         self.profile: Array = np.zeros((len(points.distance), PROFILE_COLUMNS))
         if points.distance:
             self.profile[:, DISTANCE], self.profile[:, HEIGHT] = points.distance, points.height
-            slopes = PchipInterpolator(points.distance, points.height).derivative()(points.distance)
+            slopes = scipy.interpolate.PchipInterpolator(points.distance, points.height).derivative()(points.distance)
             self.profile[1:-1, SLOPE] = slopes[1:-1]  # 0 at the ends, beyond which it is level
-            self._curve = CubicHermiteSpline(*self.profile.T)
+            self._curve = scipy.interpolate.CubicHermiteSpline(*self.profile.T)
 
     def height(self, position: Sequence[float] | Array) -> float:
         """Return z of the bottom [m] below or above a `position`, of which x and y count [m]."""

@@ -13,11 +13,12 @@ from numpy.typing import ArrayLike
 from cable_sim_node.errors import StaticsError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of
+from cable_sim_node.physics.properties import cable_sections
 from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.reports.report import labelled_rows
 from cable_sim_node.statics.problems import towing_cable
 from cable_sim_node.statics.shape import StaticShape
-from cable_sim_node.statics.suspended import refuse_floating, suspended_cable, with_tension_law
+from cable_sim_node.statics.suspended import refuse_floating, shape_at_rest
 from cable_sim_node.statics.tables import LENGTH
 
 if TYPE_CHECKING:
@@ -37,6 +38,8 @@ class HangingReport:
     unit_pull : force of the cable on the unit [N]
     seabed_depth : [m] below the origin, None without a seabed
     clearance : height of the unit above the seabed below it [m], None without a seabed
+    pressure_shortening : by how much the water's pressure shortens the cable [m], see `pressure_shortening`; the shape
+        is without it
     """
 
     shape: StaticShape
@@ -47,6 +50,7 @@ class HangingReport:
     unit_pull: Array
     seabed_depth: float | None
     clearance: float | None
+    pressure_shortening: float
 
     @property
     def top_tension(self) -> float:
@@ -89,6 +93,7 @@ class HangingReport:
             "least_tension_n": float(self.shape.tension.min()),
             "horizontal_offset_m": float(np.hypot(*(self.unit - self.boom_tip)[:2])),
             "clearance_m": self.clearance,
+            "pressure_shortening_m": self.pressure_shortening,
         }
 
     def table(self) -> str:
@@ -107,6 +112,7 @@ class HangingReport:
             ("force of the cable on the unit [kN]", vector(self.unit_pull / 1e3)),
             ("unstretched length [m]", f"{self.shape.cable.length:12.3f}"),
             ("stretch [m]", f"{stretch:12.4f}"),
+            ("shorter by the water's pressure at most [m]", f"{self.pressure_shortening:12.4f}"),
             ("horizontal offset of the unit [m]", f"{offset:12.3f}"),
             ("weight of the unit in water [kN]", f"{self.unit_weight / 1e3:12.3f}"),
             ("top tension [kN]", f"{self.top_tension / 1e3:12.3f}"),
@@ -172,6 +178,26 @@ def clearance_of(parameters: CableSimParameters, unit: Array) -> float | None:
     return clearance
 
 
+def pressure_shortening(parameters: CableSimParameters, shape: StaticShape) -> float:
+    """Return by how much the water's pressure shortens a cable [m]: the integral of p A/EA, p = rho g y.
+
+    With the effective tension T, of which the weight in water is the slope, the strain is (T - p A)/EA (Pinto, Eq. 16,
+    which prints rho for rho g). This is the second part of it. It takes the cable as closed, and as not thicker for
+    being shorter: water that gets between the wires leaves a part of it only.
+
+    Parameters
+    ----------
+    parameters : of the plant
+    shape : of its cable at rest
+    """
+    labels, heights = shape.cable.labels, shape.positions[:, 2]
+    middles, sections = 0.5 * (labels[1:] + labels[:-1]), cable_sections(parameters)
+    owners = np.searchsorted([section.start for section in sections], middles, side="right") - 1
+    squeeze = np.array([section.cable.displaced_mass / section.cable.axial_stiffness for section in sections])
+    depths = np.maximum(-0.5 * (heights[1:] + heights[:-1]), 0.0)
+    return float(parameters.gravity * np.sum(squeeze[owners] * depths * np.diff(labels)))
+
+
 def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0.0, 0.0)) -> HangingReport:
     """Return the static equilibrium of a plant's cable and unit at payout 0.
 
@@ -193,7 +219,7 @@ def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0
     """
     tip = np.asarray(boom_tip, dtype=np.float64)
     current = current_of(parameters)
-    shape = with_tension_law(parameters, suspended_cable(parameters), lambda cable: towing_cable(cable, tip, current))
+    shape = shape_at_rest(parameters, lambda cable: towing_cable(cable, tip, current))
     unit = shape.positions[0]
     refuse_floating(float(unit[2]), float(tip[2]))
     seabed = parameters.seabed
@@ -207,4 +233,5 @@ def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0
         unit_pull=shape.lower[0],
         seabed_depth=seabed.depth if seabed.depth > 0.0 else None,
         clearance=clearance,
+        pressure_shortening=pressure_shortening(parameters, shape),
     )

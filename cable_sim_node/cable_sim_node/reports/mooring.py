@@ -15,7 +15,7 @@ from cable_sim_node.physics.current import current_of
 from cable_sim_node.reports.report import columns
 from cable_sim_node.statics.problems import mooring_cable, submerged_cable
 from cable_sim_node.statics.shape import StaticShape
-from cable_sim_node.statics.suspended import suspended_cable, with_tension_law
+from cable_sim_node.statics.suspended import shape_at_rest
 from cable_sim_node.statics.system import PointLoad, StaticCable
 
 if TYPE_CHECKING:
@@ -162,7 +162,6 @@ def mooring_report(
     """
     along = np.array([math.cos(direction), math.sin(direction)])
     anchor, current = np.array([0.0, 0.0, -depth]), current_of(parameters)
-    cable = suspended_cable(parameters, PointLoad(0.0))
 
     def at_offset(offset: float) -> Callable[[StaticCable], StaticShape]:
         tip = np.array([*(offset * along), boom_tip_height])
@@ -172,7 +171,7 @@ def mooring_report(
         return lambda line: mooring_cable(line, anchor, boom_tip_height, pull * along, current)
 
     solvers = [*(at_offset(offset) for offset in offsets), *(under_pull(pull) for pull in pulls)]
-    shapes = [with_tension_law(parameters, cable, solve) for solve in solvers]
+    shapes = [shape_at_rest(parameters, solve, PointLoad(0.0)) for solve in solvers]
     return MooringReport(depth, direction, tuple(_moored(shape, along) for shape in shapes))
 
 

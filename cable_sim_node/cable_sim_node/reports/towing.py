@@ -19,7 +19,7 @@ from cable_sim_node.reports.hanging import clearance_of
 from cable_sim_node.reports.report import columns
 from cable_sim_node.statics.problems import towing_cable
 from cable_sim_node.statics.shape import StaticShape
-from cable_sim_node.statics.suspended import refuse_floating, suspended_cable, with_tension_law
+from cable_sim_node.statics.suspended import refuse_floating, shape_at_rest
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -154,13 +154,13 @@ def towing_report(
     """
     tip = np.asarray(boom_tip, dtype=np.float64)
     along = np.array([math.cos(course), math.sin(course)])
-    cable, current = suspended_cable(parameters), current_of(parameters)
+    current = current_of(parameters)
     tows = []
     for speed in speeds:
         if not (math.isfinite(speed) and speed >= 0.0):
             raise StaticsError(f"the towing speed must be finite and not negative; got {speed:g}")
         solve = partial(towing_cable, end=tip, current=current.shifted(speed * along))
-        shape = with_tension_law(parameters, cable, solve)
+        shape = shape_at_rest(parameters, solve)
         refuse_floating(float(shape.positions[0, 2]), float(tip[2]))
         clearance_of(parameters, shape.positions[0])
         offset = shape.positions[0] - tip

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from heave_node.numerics.arrays import Array
-from scipy.optimize import brentq
 
 from cable_sim_node.physics.current import Current
 from cable_sim_node.statics.march import march
@@ -128,7 +128,7 @@ def cut_at_height(shape: StaticShape, height: float) -> Crossing | None:
         return float(shape.positions[index, 2] + span[2] - height)
 
     size = float(row[LENGTH])
-    part = size if miss(size) <= 0.0 else float(brentq(miss, 0.0, size, xtol=1e-13 * size))
+    part = size if miss(size) <= 0.0 else float(scipy.optimize.brentq(miss, 0.0, size, xtol=1e-13 * size))
     if part > 0.0:
         miss(part)
     else:

@@ -19,15 +19,19 @@ from cable_sim_node.statics.tables import STIFFNESS
 
 FEWEST_SEGMENTS = 100
 STIFFNESS_ITERATIONS = 50
+SURFACE_ITERATIONS = 50
 
 
-def suspended_cable(parameters: CableSimParameters, end_load: PointLoad | None = None) -> StaticCable:
+def suspended_cable(
+    parameters: CableSimParameters, end_load: PointLoad | None = None, *, dry: float = 0.0
+) -> StaticCable:
     """Return the cable with its bodies, cut into `segments` but 100 at least.
 
     Parameters
     ----------
     parameters : of the plant
     end_load : what is at s = 0; the unit with its weight, thrust and drag if None
+    dry : unstretched length at the top that is above the surface [m]
 
     Raises
     ------
@@ -37,7 +41,7 @@ def suspended_cable(parameters: CableSimParameters, end_load: PointLoad | None =
     loads = [unit_load(parameters) if end_load is None else end_load]
     loads += [PointLoad(b.label, (0.0, 0.0, -b.weight), body_drag=b.drag) for b in body_properties(parameters)]
     segments = max(parameters.segments, FEWEST_SEGMENTS)
-    return static_cable(static_sections(parameters), loads, segments=segments)
+    return static_cable(static_sections(parameters, dry=dry), loads, segments=segments)
 
 
 def unit_load(parameters: CableSimParameters, *, is_carried: bool = False) -> PointLoad:
@@ -50,19 +54,57 @@ def unit_load(parameters: CableSimParameters, *, is_carried: bool = False) -> Po
     return PointLoad(0.0, _triple(force), _triple(unit.drag), unit.body_drag)
 
 
-def static_sections(parameters: CableSimParameters) -> list[StaticSection]:
-    """Return the sections of the parameters' cable that is out, from the unit upwards."""
-    return [
-        StaticSection(
-            length=min(section.length, parameters.length - section.start),
-            axial_stiffness=section.cable.axial_stiffness,
-            weight=section.cable.weight,
-            normal_drag=section.cable.normal_drag,
-            tangential_drag=section.cable.tangential_drag,
-        )
-        for section in cable_sections(parameters)
-        if section.start < parameters.length
-    ]
+def static_sections(parameters: CableSimParameters, *, dry: float = 0.0) -> list[StaticSection]:
+    """Return the sections of the parameters' cable that is out, from the unit upwards; `dry` [m] of it hang in air."""
+    level = parameters.length - dry
+    sections = []
+    for section in cable_sections(parameters):
+        cable, end = section.cable, min(section.start + section.length, parameters.length)
+        wet, in_air = min(end, level) - section.start, end - max(section.start, level)
+        if wet > 0.0:
+            drags = (cable.normal_drag, cable.tangential_drag)
+            sections.append(StaticSection(wet, cable.axial_stiffness, cable.weight, *drags))
+        if in_air > 0.0:
+            sections.append(StaticSection(in_air, cable.axial_stiffness, cable.weight_in_air))
+    return sections
+
+
+def shape_at_rest(
+    parameters: CableSimParameters,
+    solve: Callable[[StaticCable], StaticShape],
+    end_load: PointLoad | None = None,
+) -> StaticShape:
+    """Return the shape that a solver finds for the parameters' cable, under its tension law and with its top in air.
+
+    Parameters
+    ----------
+    parameters : of the plant
+    solve, end_load : as `with_tension_law` and `suspended_cable` take them
+
+    Raises as these two.
+    """
+    dry = 0.0
+    for _ in range(SURFACE_ITERATIONS):
+        shape = with_tension_law(parameters, suspended_cable(parameters, end_load, dry=dry), solve)
+        if parameters.surface:
+            refuse_floating(float(shape.positions[0, 2]), float(shape.positions[-1, 2]))
+        before, dry = dry, _length_in_air(shape) if parameters.surface else 0.0
+        if abs(dry - before) < 1e-9 * parameters.length:
+            return shape
+    raise NoEquilibriumError("the length of cable above the surface does not converge")
+
+
+def _length_in_air(shape: StaticShape) -> float:
+    """Return the unstretched length at the top that is above z = 0 [m]."""
+    heights, labels = shape.positions[:, 2], shape.cable.labels
+    below = np.flatnonzero(heights <= 0.0)
+    if len(below) == 0:
+        return float(labels[-1])
+    i = int(below[-1])
+    if i == len(heights) - 1:
+        return 0.0
+    share = -heights[i] / (heights[i + 1] - heights[i])
+    return float(labels[-1] - labels[i] - share * (labels[i + 1] - labels[i]))
 
 
 def with_tension_law(
@@ -126,10 +168,15 @@ def refuse_unbearable(parameters: CableSimParameters, strain: float) -> None:
 def refuse_floating(unit_height: float, boom_tip_height: float) -> None:
     """Raise NoEquilibriumError for a unit that hangs upwards, its `unit_height` above the `boom_tip_height` [m]."""
     if unit_height > boom_tip_height:
-        raise NoEquilibriumError(
-            f"the line does not hang: the unit's buoyancy lifts it above the boom tip, to {unit_height:.0f} m; "
-            "there is no surface here to float on: use a heavier unit or more cable"
-        )
+        raise NoEquilibriumError(floating_words(unit_height))
+
+
+def floating_words(unit_height: float) -> str:
+    """Return in words that a unit floats up to its `unit_height` [m], above the boom tip."""
+    return (
+        f"the line does not hang: the unit's buoyancy lifts it above the boom tip, to {unit_height:.0f} m; "
+        "there is no surface here to float on: use a heavier unit or more cable"
+    )
 
 
 def _triple(values: Array) -> tuple[float, float, float]:

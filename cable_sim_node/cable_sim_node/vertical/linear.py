@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from heave_node.numerics.arrays import Array, ComplexArray
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq, least_squares
 
 from cable_sim_node.errors import LinearisationError
 from cable_sim_node.physics.drag import HARMONIC_DRAG
@@ -231,7 +231,7 @@ def natural_frequencies(line: AxialLine, length: float, count: int) -> Array:
         high = low + step
         next_value = top(high)
         if value * next_value <= 0.0:
-            roots.append(float(brentq(top, low, high, xtol=1e-14, rtol=1e-13)))
+            roots.append(float(scipy.optimize.brentq(top, low, high, xtol=1e-14, rtol=1e-13)))
             step = 0.05 * math.pi / travel
         low, value = high, next_value
     return np.array(roots)
@@ -329,6 +329,8 @@ def fit_two_state(omegas: ArrayLike, unit_heave: ArrayLike, *, weights: ArrayLik
     scale = weight / np.abs(inverse)
     a = float(np.sum(scale * omega**2 * (1.0 - inverse.real)) / np.sum(scale * omega**4))
     b = float(np.sum(scale * omega * inverse.imag) / np.sum(scale * omega**2))
-    fit = least_squares(difference, np.array([a, max(b, 1e-6)]), x_scale=np.array([abs(a) + 1e-9, abs(b) + 1e-3]))
+    fit = scipy.optimize.least_squares(
+        difference, np.array([a, max(b, 1e-6)]), x_scale=np.array([abs(a) + 1e-9, abs(b) + 1e-3])
+    )
     size = float(np.sqrt(np.sum(np.abs(weight * exact) ** 2)))
     return TwoStateModel(float(fit.x[0]), float(fit.x[1]), float(np.sqrt(2.0 * fit.cost)) / size)

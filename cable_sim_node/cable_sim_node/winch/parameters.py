@@ -42,14 +42,20 @@ class WinchDriftParameters:
     Each value goes in a straight line over `duration` from that of the start to a factor of it, and stays there.
     """
 
-    start: float = parameter(0.0, unit="s", minimum=0.0, description="When the drift begins, simulated time.")
-    duration: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=1e5, description="How long it takes; 0 means no drift."
+    start: float = parameter(
+        0.0, unit="s", minimum=0.0, description="Slow change of the winch: simulated time at which it begins."
     )
-    gain: float = parameter(1.0, unit="", minimum=0.1, maximum=3.0, description="Factor reached on speed_gain.")
-    speed: float = parameter(1.0, unit="", minimum=0.05, maximum=2.0, description="Factor reached on speed_limit.")
+    duration: float = parameter(
+        0.0, unit="s", minimum=0.0, maximum=1e5, description="Duration of the change; 0 means none."
+    )
+    gain: float = parameter(
+        1.0, unit="", minimum=0.1, maximum=3.0, description="Factor on speed_gain at the end of the change."
+    )
+    speed: float = parameter(
+        1.0, unit="", minimum=0.05, maximum=2.0, description="Factor on speed_limit at the end of the change."
+    )
     acceleration: float = parameter(
-        1.0, unit="", minimum=0.05, maximum=2.0, description="Factor reached on acceleration_limit."
+        1.0, unit="", minimum=0.05, maximum=2.0, description="Factor on acceleration_limit at the end of the change."
     )
 
     def __post_init__(self) -> None:

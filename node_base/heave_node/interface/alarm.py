@@ -15,12 +15,15 @@ A package has one table (`alarm_table`), and raises its alarms by code with thei
 from __future__ import annotations
 
 import enum
+import math
 import re
 import string
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
+
+from heave_node.interface.codes import TIME_KEY
 
 Value = float | str
 
@@ -136,11 +139,12 @@ def alarm_table(*rows: AlarmRow) -> AlarmTable:
 
 
 class ReadAlarm(NamedTuple):
-    """An alarm as read from a line: code, severity and text."""
+    """An alarm as read from a line: code, severity, text, and simulated time [s] where the line says it, else NaN."""
 
     code: str
     severity: Severity
     text: str
+    time: float = math.nan
 
     @property
     def title(self) -> str:
@@ -149,7 +153,10 @@ class ReadAlarm(NamedTuple):
 
 
 _CODE = re.compile(r"[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
-_HEAD = re.compile(rf"(?:^|(?<=[;:] ))({_CODE.pattern}) \(({'|'.join(one.word for one in Severity)})\): ")
+_HEAD = re.compile(
+    rf"(?:^|(?<=[;:] ))(?:{TIME_KEY.pattern}: )?(?P<code>{_CODE.pattern}) "
+    rf"\((?P<severity>{'|'.join(one.word for one in Severity)})\): "
+)
 
 
 def alarms_in(text: str) -> list[ReadAlarm]:
@@ -157,6 +164,11 @@ def alarms_in(text: str) -> list[ReadAlarm]:
     heads = list(_HEAD.finditer(text))
     ends = [*(head.start() for head in heads[1:]), len(text)]
     return [
-        ReadAlarm(head[1], Severity[head[3].upper()], text[head.end() : end].rstrip("; "))
+        ReadAlarm(
+            head["code"],
+            Severity[head["severity"].upper()],
+            text[head.end() : end].rstrip("; "),
+            math.nan if head[1] is None else float(head[1]),
+        )
         for head, end in zip(heads, ends, strict=False)  # a text without a head has one end
     ]

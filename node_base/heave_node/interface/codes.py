@@ -95,24 +95,25 @@ WINCH_MODEL_UPDATED, OPERATOR_SPEED_LIMITED = "WINCH_MODEL_UPDATED", "OPERATOR_S
 """Codes of the controller's alarms that other packages look for."""
 
 
-def told_at(time: float) -> str:
+def time_key(time: float) -> str:
     """Return the key of a value for an event at a simulated `time` [s]."""
     return f"t = {time:.2f} s"
 
 
 def time_of(key: str) -> float | None:
     """Return the simulated time [s] of the event of a `key`; None for any other key."""
-    found = _TOLD_AT.fullmatch(key)
+    found = TIME_KEY.fullmatch(key)
     return None if found is None else float(found[1])
 
 
-def told_in(message: str) -> list[tuple[float, str]]:
+def timed_words(message: str) -> list[tuple[float, str]]:
     """Return simulated time [s] and words of all events in a `message`: "t = 1.00 s: this; t = 2.00 s: that"."""
-    _, *found = re.split(rf"(?:^|; ){_TOLD_AT.pattern}: ", message)
+    _, *found = re.split(rf"(?:^|; ){TIME_KEY.pattern}: ", message)
     return [(float(time), words) for time, words in zip(found[::2], found[1::2], strict=True)]
 
 
-_TOLD_AT = re.compile(r"t = ([0-9.]+) s")
+TIME_KEY = re.compile(r"t = ([0-9.]+) s")
+"""What `time_key` returns, with the time as its group."""
 _FIGURES = re.compile(r"[0-9.]+")
 
 

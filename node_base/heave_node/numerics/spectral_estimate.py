@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import chdtri, stdtrit
+import scipy
 
 from heave_node.numerics.arrays import Array
 
@@ -119,7 +119,7 @@ def height_interval(omega: Array, density: Array, m0: float, record_length: floa
     squared = float((density**2).sum() * (omega[1] - omega[0]))
     freedom = max(1.0, m0**2 * record_length / (math.pi * squared)) if squared > 0.0 else 1.0
     height = 4.0 * math.sqrt(m0)
-    low, high = (height * math.sqrt(freedom / chdtri(freedom, q)) for q in (0.025, 0.975))  # upper tails
+    low, high = (height * math.sqrt(freedom / scipy.special.chdtri(freedom, q)) for q in (0.025, 0.975))  # upper tails
     return low, high
 
 
@@ -179,7 +179,7 @@ def peak_period_interval(omega: Array, density: Array, drawn: Array, count: int)
     """
     period = 2.0 * math.pi / float(peak_frequency(omega, density[None])[0])
     low, high = np.percentile(2.0 * math.pi / peak_frequency(omega, drawn), [2.5, 97.5])
-    wider = float(stdtrit(count - 1, 0.975)) / _NORMAL_95 * math.sqrt(count / (count - 1))
+    wider = float(scipy.special.stdtrit(count - 1, 0.975)) / _NORMAL_95 * math.sqrt(count / (count - 1))
     return period + wider * (float(low) - period), period + wider * (float(high) - period)
 
 

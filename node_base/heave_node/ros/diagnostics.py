@@ -51,8 +51,8 @@ LEVELS = {
 
 def alarm_health(part: str, alarm: Alarm, values: Mapping[str, str] | None = None) -> Health:
     """Return the health of a `part` that raises an `alarm`, with figures (`values`): its line, code and severity."""
-    told = {"code": alarm.code, "severity": alarm.severity.word, **(values or {})}
-    return Health(part, LEVELS[alarm.severity], str(alarm), told)
+    reported = {"code": alarm.code, "severity": alarm.severity.word, **(values or {})}
+    return Health(part, LEVELS[alarm.severity], str(alarm), reported)
 
 
 def diagnostic_array(node: str, stamp: Time, parts: Sequence[Health]) -> DiagnosticArray:

@@ -29,6 +29,7 @@ from heave_node.ros.transport.exchange import LocalPublisher
 from heave_node.ros.transport.host_clocks import HostClocks
 from heave_node.ros.transport.identity import describe_sender, host_of, identity_of_endpoint
 from heave_node.ros.transport.qos import mismatches
+from heave_node.ros.transport.real_time import after_tick
 from heave_node.tick import malformed
 from heave_node.tick.loop_timing import LoopTiming
 from heave_node.tick.protocol import TickDone, TickStart
@@ -211,8 +212,8 @@ class ClockMasterNode(HeaveNode):
             self._end(TickStatus.FAILED, far)
             return False
         if others:
-            told = self._host_clocks.words(others) or "not known"
-            self.get_logger().info(f"clocks of other hosts, ahead of this one's: {told}")
+            reported = self._host_clocks.words(others) or "not known"
+            self.get_logger().info(f"clocks of other hosts, ahead of this one's: {reported}")
         return True
 
     def _begin_run(self) -> None:
@@ -266,8 +267,8 @@ class ClockMasterNode(HeaveNode):
         """Add the loop age of every tick, those that missed their deadline too."""
         if self.run.is_lockstep or not len(self.timing.ages):
             return []
-        told = self._host_clocks.words(self._on_other_hosts())
-        clocks = [Health("clocks of other hosts", Level.OK, told)] if told else []
+        reported = self._host_clocks.words(self._on_other_hosts())
+        clocks = [Health("clocks of other hosts", Level.OK, reported)] if reported else []
         values = {**self.timing.ages.to_values(), "missed_deadlines": str(self.timing.missed_deadlines)}
         return [timing_health("loop age", values), *clocks, *super().diagnose_timing()]
 
@@ -337,6 +338,8 @@ class ClockMasterNode(HeaveNode):
         if self.run.is_lockstep:
             self.fail_on_error(lambda: self.on_advance(tick))
             self._begin_what_follows()
+        else:
+            after_tick()
 
     def _has_all_inputs(self) -> bool:
         """Return whether all inputs of the tick are here; at the end in real time, whether no more of them come."""

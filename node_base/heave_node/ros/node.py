@@ -47,6 +47,7 @@ from heave_node.ros.transport.qos import (
     reader_qos_of,
     unused_overrides,
 )
+from heave_node.ros.transport.real_time import collect_between_ticks, take_priority
 from heave_node.ros.transport.strangers import Strangers
 from heave_node.run_parameters import RunParameters
 from heave_node.tick.external_clock import ExternalClock
@@ -331,6 +332,7 @@ class HeaveNode(LifecycleNode):
             self._refuse_unused_overrides()
             # The first line of a log looks for its caller among all modules, which takes up to a second: not in a tick.
             inspect.getmodule(inspect.currentframe())
+            self._prepare_real_time()
         except InvalidQosOverridesError as error:
             self.fail(" ".join(str(error).split()), error)
             return TransitionCallbackReturn.ERROR
@@ -341,6 +343,15 @@ class HeaveNode(LifecycleNode):
             JOIN_PERIOD, lambda: self._join_until_started(join_timer), clock=steady_clock()
         )
         return super().on_configure(state)
+
+    def _prepare_real_time(self) -> None:
+        """Collect garbage between ticks; with a priority where the run wants one and others wait for this node."""
+        if self.run.is_lockstep:
+            return
+        collect_between_ticks()
+        if self.run.realtime_priority and self.lag == 0:
+            for refused in take_priority(self.run.realtime_priority):
+                self.get_logger().warning(refused)
 
     def _refuse_unused_overrides(self) -> None:
         """Refuse a quality of service for a topic that this node does not have: it would be lost silently."""

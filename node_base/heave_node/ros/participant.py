@@ -17,6 +17,7 @@ from heave_node.interface import topics
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
 from heave_node.ros.silence import Patience, Silence
+from heave_node.ros.transport.real_time import after_tick
 from heave_node.tick import malformed
 from heave_node.tick.protocol import TickDone, TickStart
 from heave_node.tick.punctuality import Punctuality
@@ -27,7 +28,7 @@ CATCH_UP_SHARE = 0.4
 """Share of a tick for which a node that was held up takes messages in before it makes up for ticks."""
 CATCH_UP_LIMIT = 0.2
 """Wall time for which a node makes up for the ticks that it is behind, before it jumps to the newest one [s]."""
-TOLD_TIMEOUT = 2.0
+REPORTED_TIMEOUT = 2.0
 """Wall time in which the clock master must be found, and hear why a node has ended [s]."""
 HELD_MESSAGES = 1000
 """Messages of the protocol that wait at most for the roster to say who may publish."""
@@ -278,6 +279,7 @@ class ParticipantNode(HeaveNode):
         self.flush_deferred()
         if not self._starts and not start.flush and start.tick < self.run.tick_count:
             self.fail_on_error(lambda: self.prepare(start.tick + 1))
+        after_tick()
         self._begin_next()
 
     def _do_tick(self, tick: Tick) -> None:
@@ -347,11 +349,11 @@ class ParticipantNode(HeaveNode):
         is_of_run = bool(self.failure) and self.exchange is None and (self.run.is_lockstep or not self.was_ended)
         if not is_of_run or not hasattr(self, "_join"):
             return
-        deadline = time.monotonic() + TOLD_TIMEOUT
+        deadline = time.monotonic() + REPORTED_TIMEOUT
         while not self.has_started and not self._join.get_subscription_count() and time.monotonic() < deadline:
             time.sleep(0.02)
         self.publish_join()
-        self._join.wait_for_all_acked(Duration(seconds=TOLD_TIMEOUT))
+        self._join.wait_for_all_acked(Duration(seconds=REPORTED_TIMEOUT))
 
 
 def _order(message: TickStart) -> tuple[int, int]:

@@ -23,12 +23,10 @@ from heave_node.ros.spin import spin
 from heave_node.ros.transport.environment import is_bound_to_loopback, prepare_environment
 from heave_node.ros.transport.exchange import Exchange
 from heave_node.ros.transport.exposure import exposed_ports
+from heave_node.ros.transport.parents_death import close_with, end_with, launcher_of
 from heave_node.ros.transport.start_watchdog import watched_start
 
 RCLError = rclpy_implementation.RCLError
-
-LAUNCHER_VARIABLE = "HEAVE_LAUNCHER"
-"""Environment variable with the process id of the launcher: a node ends when that process is gone."""
 
 EXIT_OK = 0
 EXIT_FAILED = 1
@@ -77,6 +75,9 @@ def run_composed(node_types: Sequence[type[HeaveNode]], args: list[str], *, is_p
 def _run(
     node_types: Sequence[type[HeaveNode]], args: list[str] | None, spin_nodes: Callable[[Sequence[HeaveNode]], None]
 ) -> int:
+    launcher = launcher_of(os.environ)
+    if launcher is not None:
+        end_with(launcher)  # the middleware may never come back from its start
     try:
         notice = prepare_environment()
         with watched_start():
@@ -97,6 +98,8 @@ def _run(
     if notice:
         nodes[0].get_logger().warning(notice)
     _end_on_signals(nodes)
+    if launcher is not None:
+        close_with(launcher)
     for node in reversed(nodes):
         node.fail_on_error(partial(_start, node))
     spin_nodes(nodes)
@@ -172,8 +175,8 @@ def _exposure(node: HeaveNode) -> str:
 
 def _on_idle(node: HeaveNode) -> None:
     """Let the node check the wall clock, and end it when its launcher is gone."""
-    launcher = os.environ.get(LAUNCHER_VARIABLE)
-    if launcher and os.getppid() != int(launcher):
+    launcher = launcher_of(os.environ)
+    if launcher is not None and os.getppid() != launcher:
         node.fail("its parent process has ended")
     node.on_idle()
 

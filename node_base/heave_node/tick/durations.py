@@ -87,7 +87,7 @@ class TickTimes:
         p50, p999 = np.percentile(np.array(self._newest), [50.0, 99.9])
         return float(p50), float(p999), max(self._newest)
 
-    def told(self) -> tuple[str, dict[str, str]]:
+    def reported(self) -> tuple[str, dict[str, str]]:
         """Return them in words, and as values of a diagnostic status."""
         p50, p999, largest = (f"{1e3 * value:.2f}" for value in self.percentiles())
         words = f"p50 {p50} ms, p99.9 {p999} ms, largest {largest} ms"

@@ -158,8 +158,8 @@ class Roster:
     def lost_words(self, own: int) -> str:
         """Return which messages never came to whom, in words, with the clock master's `own`; "" for none."""
         lost = {self.expected[0]: own, **{p.name: p.lost for p in self._present if p.lost}}
-        told = ", ".join(f"{count} to {name}" for name, count in lost.items() if count)
-        return f"messages of the run were lost: {told}" if told else ""
+        reported = ", ".join(f"{count} to {name}" for name, count in lost.items() if count)
+        return f"messages of the run were lost: {reported}" if reported else ""
 
     def answered_by_all(self) -> int:
         """Return the last tick that all have answered; those that may lag do not count."""

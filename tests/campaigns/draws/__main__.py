@@ -84,10 +84,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return status
     if before is not None and not options.json:
         out.write("\n" + comparison(drawn, before.outcomes) + "\n")
-    return _tell(heading, drawn, is_json=options.json, is_loud=options.alarms)
+    return _report(heading, drawn, is_json=options.json, is_loud=options.alarms)
 
 
-def _tell(heading: Heading, drawn: Sequence[Drawn], *, is_json: bool, is_loud: bool) -> int:
+def _report(heading: Heading, drawn: Sequence[Drawn], *, is_json: bool, is_loud: bool) -> int:
     """Print the figures of what was `drawn`; return 1 where the promise is broken."""
     figures = figures_of(drawn)
     breaches = broken(heading.kind, figures)
@@ -129,7 +129,7 @@ def _run(wanted: Sequence[int], workers: int, journal: Journal) -> Iterator[int]
     """Run those of the `wanted` draws that the `journal` has not, and return their numbers as they are done."""
     heading = journal.heading
     tasks = [
-        Task(draw(heading.kind, heading.day, index), heading.is_told)
+        Task(draw(heading.kind, heading.day, index), heading.is_informed)
         for index in wanted
         if index not in journal.outcomes
     ]

@@ -41,7 +41,7 @@ class Heading:
     commit, sources : of the code
     kind, day : of the draws
     latency : of what the controller finds [s], or "true"; empty: its own
-    is_told : the draws for which that is possible are run with an informed controller as well
+    is_informed : the draws for which that is possible are run with an informed controller as well
     without : part of the controller that is switched off; empty: none
     """
 
@@ -50,7 +50,7 @@ class Heading:
     kind: str
     day: int
     latency: str
-    is_told: bool
+    is_informed: bool
     without: str = ""
 
     @property
@@ -63,7 +63,7 @@ class Heading:
         """Return the name of its file."""
         late = f"-late-{self.latency}" if self.latency else ""
         without = f"-without-{self.without.replace(' ', '-')}" if self.without else ""
-        return f"{self.kind}-{self.day}-{self.sources}{late}{without}{'-told' if self.is_told else ''}.jsonl"
+        return f"{self.kind}-{self.day}-{self.sources}{late}{without}{'-told' if self.is_informed else ''}.jsonl"
 
 
 class Journal:

@@ -91,11 +91,11 @@ def set_latency(latency: str) -> None:
     beliefs.LATENCY = float(latency)
 
 
-def run_case(case: Case, *, is_told: bool = False, duration: float = DURATION) -> Outcome:
-    """Run a case for a `duration` [s]; where `is_told`, once more with an informed controller, if there can be one."""
+def run_case(case: Case, *, is_informed: bool = False, duration: float = DURATION) -> Outcome:
+    """Run a case for a `duration` [s]; where `is_informed`, once more with an informed controller, if there is one."""
     began = clock.monotonic()
     found = _run(case, duration)
-    if is_told and case.told is not None and not found.failure:
+    if is_informed and case.told is not None and not found.failure:
         told = _run(case.as_told(), duration) if case.told else found
         found = replace(found, told=told.efficiency)
     return replace(found, seconds=clock.monotonic() - began)

@@ -26,11 +26,11 @@ class Task:
     Attributes
     ----------
     case : of the campaign
-    is_told : it is run with an informed controller as well
+    is_informed : it is run with an informed controller as well
     """
 
     case: Case
-    is_told: bool = False
+    is_informed: bool = False
 
 
 def run_tasks(
@@ -76,6 +76,6 @@ def _end(*_: object) -> None:
 def _run(task: Task) -> tuple[Case, Outcome]:
     signal.alarm(LIMIT)
     try:
-        return task.case, run_case(task.case, is_told=task.is_told)
+        return task.case, run_case(task.case, is_informed=task.is_informed)
     finally:
         signal.alarm(0)

@@ -4,8 +4,9 @@
     python -m tests.campaigns.mutants --only guard --sample 50 --seed 3
 
 Comparisons, conditions, arithmetic, numbers and statements are changed (`mutations`), in memory only. Every verdict
-goes to the journal at once; what has a verdict for the same text of module and tests is not tried again. Prints a
-table and what survived, and ends with status 1 where a module's tests notice less than 90 % of its changes.
+goes to the journal at once; what has a verdict for the same text of module and tests is not tried again. With
+`--only-survivors` a change that was caught is not tried again either where tests were added since: they take none away.
+Prints a table and what survived, and ends with status 1 where a module's tests notice less than 90 % of its changes.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from heave_bringup.progress import ProgressLine
 
@@ -33,38 +34,57 @@ LEAST = 0.9
 Tried = list[tuple[Mutation, Verdict]]
 
 
+class Digests(NamedTuple):
+    """Of the text of a module, and of that and its tests."""
+
+    module: str
+    every: str
+
+
 class Journal:
     """The verdicts so far, one a line of a file.
 
     Parameters
     ----------
     path : of the file; made with its folder where there is none
+    keeps_caught : what was caught stays so, whatever has become of the tests
     """
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
+    def __init__(self, path: Path, *, keeps_caught: bool = False) -> None:
+        self._path, self._keeps_caught = path, keeps_caught
         path.parent.mkdir(parents=True, exist_ok=True)
         lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
         self._known: dict[tuple[str, int], Verdict] = {}
         for entry in map(json.loads, lines):
-            self._known[entry["digest"], entry["number"]] = Verdict(entry["outcome"], entry["by"])
+            verdict = Verdict(entry["outcome"], entry["by"])
+            self._known[entry["digest"], entry["number"]] = verdict
+            if verdict.is_caught:
+                self._known[entry["module_digest"], entry["number"]] = verdict
 
-    def get(self, digest: str, mutation: Mutation) -> Verdict | None:
-        """Return the verdict on a `mutation` of the text with a `digest`; None: it has none."""
-        return self._known.get((digest, mutation.number))
+    def get(self, digests: Digests, mutation: Mutation) -> Verdict | None:
+        """Return the verdict on a `mutation` of the texts with these `digests`; None: it has none."""
+        known = self._known.get((digests.every, mutation.number))
+        if known is None and self._keeps_caught:
+            return self._known.get((digests.module, mutation.number))
+        return known
 
-    def add(self, module: str, digest: str, mutation: Mutation, verdict: Verdict) -> None:
-        """Note a `verdict` on a `mutation` of a `module`, whose text and tests have the `digest`."""
-        entry: dict[str, Any] = {"module": module, "digest": digest, "number": mutation.number}
+    def add(self, module: str, digests: Digests, mutation: Mutation, verdict: Verdict) -> None:
+        """Note a `verdict` on a `mutation` of a `module`, whose texts have these `digests`."""
+        entry: dict[str, Any] = {"module": module, "digest": digests.every, "module_digest": digests.module}
+        entry |= {"number": mutation.number}
         entry |= {"change": str(mutation), "outcome": verdict.outcome, "by": verdict.by}
         with self._path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(entry) + "\n")
 
 
-def digest_of(judge: Judge, subject: Subject) -> str:
-    """Return a digest of the texts of the module that a `judge` has, and of the tests of its `subject`."""
-    files = [Path(__file__).with_name("mutations.py"), *(ROOT / test for test in subject.tests)]
-    texts = [judge.source, *(file.read_text(encoding="utf-8") for file in files)]
+def digests_of(judge: Judge, subject: Subject) -> Digests:
+    """Return the digests of what a `judge` has of a `subject`."""
+    texts = [judge.source, Path(__file__).with_name("mutations.py").read_text(encoding="utf-8")]
+    tests = [(ROOT / test).read_text(encoding="utf-8") for test in subject.tests]
+    return Digests(_digest(texts), _digest([*texts, *tests]))
+
+
+def _digest(texts: Iterable[str]) -> str:
     return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:16]
 
 
@@ -81,11 +101,11 @@ def try_subject(
     until : monotonic time from which on no further one is tried [s]
     """
     judge = Judge(*subject)
-    every, digest = mutations_of(judge.source), digest_of(judge, subject)
+    every, digests = mutations_of(judge.source), digests_of(judge, subject)
     tried: Tried = []
     has_learnt = False
     for mutation in chosen(every):
-        verdict = journal.get(digest, mutation)
+        verdict = journal.get(digests, mutation)
         if verdict is None:
             if time.monotonic() > until:
                 break
@@ -93,7 +113,7 @@ def try_subject(
                 judge.learn()
                 has_learnt = True
             verdict = judge.judge(mutation)
-            journal.add(subject.module, digest, mutation, verdict)
+            journal.add(subject.module, digests, mutation, verdict)
         tried.append((mutation, verdict))
         yield len(every), tried
 
@@ -130,13 +150,14 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="of the sample (default 0)")
     parser.add_argument("--budget", type=float, default=240.0, help="time [minutes] (default 240)")
     parser.add_argument("--journal", type=Path, default=Path("runs/mutants.jsonl"), help="file of the verdicts")
+    parser.add_argument("--only-survivors", action="store_true", help="what was caught is not tried again")
     options = parser.parse_args()
 
     def chosen(every: list[Mutation]) -> list[Mutation]:
         order = random.Random(options.seed).sample(every, len(every))
         return order[: options.sample] if options.sample else order
 
-    progress, journal, results = ProgressLine(), Journal(options.journal), {}
+    progress, journal, results = ProgressLine(), Journal(options.journal, keeps_caught=options.only_survivors), {}
     until = time.monotonic() + 60.0 * options.budget
     for name in options.only:
         for count, tried in try_subject(SUBJECTS[name], chosen, journal, until):

@@ -86,7 +86,7 @@ class Judge:
         self._tests = list(tests)
         spec = importlib.util.find_spec(module)
         assert spec is not None and spec.origin is not None
-        _forget_own()  # a parent package was loaded to find it
+        _reset_own()  # a parent package was loaded to find it
         self.path = Path(spec.origin)
         self.source = self.path.read_text(encoding="utf-8")
         self._sound = Pass(0)
@@ -104,7 +104,7 @@ class Judge:
             with suppress(Exception):  # modules that cannot be loaded by their name are loaded by who needs them
                 importlib.import_module(name)
         if self._module in sys.modules:  # one of them knows it nevertheless
-            _forget_own()
+            _reset_own()
 
     def judge(self, mutation: Mutation) -> Verdict:
         """Run the tests with a `mutation`, up to the first that fails."""
@@ -132,7 +132,7 @@ class Judge:
         return watch.found
 
 
-def _forget_own() -> None:
+def _reset_own() -> None:
     for name in [name for name in sys.modules if name.split(".")[0] in OWN]:
         del sys.modules[name]
 

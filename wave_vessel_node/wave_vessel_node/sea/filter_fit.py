@@ -12,9 +12,9 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
+import scipy
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
-from scipy.optimize import least_squares
 
 from wave_vessel_node.sea.filter_form import FilterForm, sections_of
 from wave_vessel_node.sea.filter_quality import FilterQuality, filter_quality, low_band_edge
@@ -202,7 +202,9 @@ def _best_form(
     best, best_cost = None, math.inf
     for guess in problem.starts():
         start = np.clip(guess, lowest + 1e-6, highest - 1e-6)
-        result = least_squares(problem.residual, start, jac=problem.jacobian, bounds=(lowest, highest), max_nfev=300)
+        result = scipy.optimize.least_squares(
+            problem.residual, start, jac=problem.jacobian, bounds=(lowest, highest), max_nfev=300
+        )
         if result.cost < best_cost:
             best, best_cost = result.x, result.cost
     assert best is not None

@@ -23,7 +23,7 @@ from wave_vessel_node.sea.spectrum_record import (
     SpectrumFile,
     SpectrumFileError,
     SpectrumRecord,
-    doubt_of,
+    objection_to,
     refuse_without_records,
     tabulated_from_hertz,
 )
@@ -39,7 +39,7 @@ def read_ndbc(path: Path, *, accept_implausible: bool = False) -> SpectrumFile:
     Parameters
     ----------
     path : of the file
-    accept_implausible : keep records that cannot well be a sea, which else are left out; both are in the warnings
+    accept_implausible : keep implausible records, which else are left out; both are in the warnings
 
     Raises SpectrumFileError where the file is of another format, truncated within its header, or holds no usable
     record.
@@ -76,8 +76,8 @@ class _Findings:
         self.accepts = accepts
         self._counts: dict[str, tuple[int, int, str]] = {}
 
-    def add(self, what: str, line: int, doubt: str = "") -> None:
-        count, first, why = self._counts.get(what, (0, line, doubt))
+    def add(self, what: str, line: int, objection: str = "") -> None:
+        count, first, why = self._counts.get(what, (0, line, objection))
         self._counts[what] = (count + 1, first, why)
 
     def warnings(self) -> tuple[str, ...]:
@@ -179,10 +179,10 @@ def _usable(row: _Row, findings: _Findings) -> TabulatedSpectrum | None:
     except SpectrumError as error:
         findings.add(f"record skipped: {str(error).split(': ', 1)[-1]}", row.line)
         return None
-    doubt = doubt_of(spectrum)
-    if doubt:
-        findings.add(f"record that cannot well be a sea {'kept' if findings.accepts else 'skipped'}", row.line, doubt)
-    return spectrum if findings.accepts or not doubt else None
+    objection = objection_to(spectrum)
+    if objection:
+        findings.add(f"implausible record {'kept' if findings.accepts else 'skipped'}", row.line, objection)
+    return spectrum if findings.accepts or not objection else None
 
 
 def _number(path: Path, line: int, text: str) -> float:

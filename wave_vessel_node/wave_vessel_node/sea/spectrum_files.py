@@ -15,7 +15,7 @@ def read_spectra(path: str | Path, *, accept_implausible: bool = False) -> Spect
     Parameters
     ----------
     path : of the file; what it is shows in its first bytes, not in its name
-    accept_implausible : keep records that cannot well be a sea (`heave_node.files.plausible`), which else are left out
+    accept_implausible : keep implausible records (`heave_node.files.plausible`), which else are left out
 
     Raises SpectrumFileError when the file is missing, of no known format, truncated within its header, or holds no
     usable record.

@@ -91,7 +91,7 @@ def tabulated_from_hertz(frequency: Array, density: Array, *, name: str) -> Tabu
     return TabulatedSpectrum(2.0 * math.pi * frequency, density / (2.0 * math.pi), name=name)
 
 
-def doubt_of(spectrum: TabulatedSpectrum) -> str:
+def objection_to(spectrum: TabulatedSpectrum) -> str:
     """Return what is implausible about a measured `spectrum` of a sea, in one line; "" where it is plausible."""
     return sea_question(spectrum.significant_wave_height, spectrum.zero_crossing_period, spectrum.peak_period)
 

@@ -15,16 +15,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 from heave_node.extras import how_to_install
 from heave_node.numerics.arrays import Array
-from scipy.io import netcdf_file
 
 from wave_vessel_node.sea.spectra import SpectrumError, TabulatedSpectrum
 from wave_vessel_node.sea.spectrum_record import (
     SpectrumFile,
     SpectrumFileError,
     SpectrumRecord,
-    doubt_of,
+    objection_to,
     refuse_without_records,
     tabulated_from_hertz,
 )
@@ -103,7 +103,7 @@ def read_with_wavespectra(path: Path, *, accept_implausible: bool = False) -> Sp
     Parameters
     ----------
     path : of the file
-    accept_implausible : keep records that cannot well be a sea, which else are left out; both are in the warnings
+    accept_implausible : keep implausible records, which else are left out; both are in the warnings
 
     Raises SpectrumFileError when the library is not installed, cannot read the file, or finds no usable spectrum.
     """
@@ -148,7 +148,7 @@ def _refuse_cut(path: Path) -> None:
         if file.read(4) not in (b"CDF\x01", b"CDF\x02"):
             return
     try:
-        with netcdf_file(str(path), mmap=False):
+        with scipy.io.netcdf_file(str(path), mmap=False):
             pass
     except Exception as error:  # it has no class of its own for a file without an end
         raise SpectrumFileError(f"{path}: is cut short or damaged: copy it again") from error
@@ -218,22 +218,22 @@ def _direction_weights(path: Path, direction: Array) -> Array:
 
 def _records(path: Path, table: _Table, warnings: list[str], accept: bool) -> list[SpectrumRecord]:
     """Return the usable records of a table; what is left out goes into the warnings."""
-    records, doubtful = [], []
+    records, implausible = [], []
     for number, time in enumerate(table.times):
         try:
             spectrum = table.spectrum(number)
         except SpectrumError as error:
             warnings.append(f"{path}: skipped: {error}")
             continue
-        doubt = doubt_of(spectrum)
-        if doubt:
-            doubtful.append(f"record {number}: {doubt}")
-        if accept or not doubt:
+        objection = objection_to(spectrum)
+        if objection:
+            implausible.append(f"record {number}: {objection}")
+        if accept or not objection:
             seconds = np.datetime64(time, "s").astype(int) if np.issubdtype(table.times.dtype, np.datetime64) else 0
             records.append(SpectrumRecord(datetime.fromtimestamp(int(seconds), tz=timezone.utc), spectrum))
-    if doubtful:
+    if implausible:
         what = "kept" if accept else "skipped"
-        warnings.append(f"{path}: {len(doubtful)} records that cannot well be a sea {what}, the first {doubtful[0]}")
+        warnings.append(f"{path}: {len(implausible)} implausible records {what}, the first {implausible[0]}")
     if not records:
         refuse_without_records(str(path), warnings)
     return records

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from wave_vessel_node.mru.oscillator import DrivenOscillator
 from wave_vessel_node.sources.motion_source import MotionSource
@@ -41,7 +41,7 @@ class RecordedSource(MotionSource):
 
     def __init__(self, recording: Recording, vessel: SecondOrderVessel | None, tick_period: float) -> None:
         self._recording = recording
-        self._spline = CubicSpline(recording.time, recording.position)
+        self._spline = scipy.interpolate.CubicSpline(recording.time, recording.position)
         self._tick_period = tick_period
         self._oscillator: DrivenOscillator | None = None
         if vessel is not None:

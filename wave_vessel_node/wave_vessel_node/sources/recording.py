@@ -55,11 +55,11 @@ def read_recording(path: str | Path, topic: str = "boom_tip", *, accept_implausi
     ----------
     path : a .csv file, an .mcap file, or a bag folder with one
     topic : last part of the topic's name in a bag
-    accept_implausible : take figures that cannot well be as they are; they are in the warnings
+    accept_implausible : take implausible figures as they are; they are in the warnings
 
     The mean is taken out, time begins at 0. Samples that are not numbers, that the MRU calls invalid, or that are not
     later than the one before are left out, with a warning. Raises RecordingError when the file is missing, of another
-    kind, has a gap of more than 2 s, fewer than 10 samples, or figures that cannot well be
+    kind, has a gap of more than 2 s, fewer than 10 samples, or implausible figures
     (`heave_node.files.plausible`).
     """
     path = Path(path)
@@ -101,10 +101,10 @@ def _checked(path: Path, samples: Array, lost: list[str], accept: bool) -> Recor
             f"{path}: no sample for {gap.max():.1f} s after {samples[np.argmax(gap), 0]:g} s: "
             f"gaps may be at most {_LONGEST_GAP:g} s{''.join(f'; {text}' for text in lost[:1])}"
         )
-    doubts = _questions(samples[:, 0], samples[:, 3])
-    if doubts and not accept:
-        raise RecordingError(f"{path}: {refusal(doubts, ACCEPT)}")
-    warnings += [f"{path}: {text}" for text in (*doubts, *_standstill(samples[:, 0], samples[:, 3]))]
+    objections = _questions(samples[:, 0], samples[:, 3])
+    if objections and not accept:
+        raise RecordingError(f"{path}: {refusal(objections, ACCEPT)}")
+    warnings += [f"{path}: {text}" for text in (*objections, *_standstill(samples[:, 0], samples[:, 3]))]
     position = samples[:, 1:] - samples[:, 1:].mean(axis=0)
     return Recording(str(path), samples[:, 0] - samples[0, 0], position, tuple(warnings))
 
@@ -117,7 +117,7 @@ def _questions(time: Array, heave: Array) -> list[str]:
         question("heave", float(abs(about[worst])), f"at {time[worst]:g} s"),
         question("four standard deviations of heave", 4.0 * float(heave.std())),
     )
-    return [doubt for doubt in asked if doubt]
+    return [objection for objection in asked if objection]
 
 
 def _standstill(time: Array, heave: Array) -> list[str]:

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 from heave_node.extras import how_to_install
 from heave_node.numerics.arrays import Array, ComplexArray
-from scipy.interpolate import CubicSpline
 
 from wave_vessel_node.vessel.motion import DEGREES_OF_FREEDOM
 from wave_vessel_node.vessel.rao import MIRROR, RaoError, ResponseTable, encounter_frequency
@@ -71,7 +71,7 @@ def read_capytaine(
     A soft position keeping (natural period 120 s) holds surge, sway and yaw, which would have no bound where the
     encounter frequency is 0. Frequencies of 0, infinity, or without a coefficient are left out, and said.
 
-    Raises RaoError when xarray is not installed, the file lacks what is needed, or its figures cannot well be.
+    Raises RaoError when xarray is not installed, the file lacks what is needed, or has implausible figures.
     """
     path = Path(path)
     database = _read(path)
@@ -81,7 +81,7 @@ def read_capytaine(
     fine = np.asarray(frequencies, dtype=float)
     if fine.min() < omega[0] - 1e-9 or fine.max() > omega[-1] + 1e-9:
         raise RaoError(f"{path}: has frequencies {omega[0]:g} to {omega[-1]:g} rad/s: the table must lie within")
-    force = np.asarray(CubicSpline(omega, database.excitation, axis=1)(fine))
+    force = np.asarray(scipy.interpolate.CubicSpline(omega, database.excitation, axis=1)(fine))
     response = np.array(
         [_motions(fine, omega, database.heading, database.coefficients, force, speed, roll_damping) for speed in speeds]
     )
@@ -235,7 +235,8 @@ def _motions(
     """
     added_mass, damping, inertia, stiffness = coefficients
     keeping, viscous = _added_by_hand(omega, coefficients, roll_damping)
-    mass_at, damping_at = CubicSpline(omega, added_mass, axis=0), CubicSpline(omega, damping, axis=0)
+    mass_at = scipy.interpolate.CubicSpline(omega, added_mass, axis=0)
+    damping_at = scipy.interpolate.CubicSpline(omega, damping, axis=0)
     response = np.empty((heading.size, 6, frequency.size), dtype=complex)
     for h, angle in enumerate(heading):
         encounter = encounter_frequency(frequency, angle, speed)[:, None, None]

@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
-from scipy.optimize import least_squares
 
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.vessel.motion import lever_arm_matrix
@@ -64,7 +63,7 @@ class VesselOnCourse:
     boom_tip_arm : boom tip from the vessel's reference point [m], shape (3,)
     heading : of the waves relative to the bow [rad]
     speed : forward speed [m/s]
-    accept_implausible : take RAOs that cannot well be, as `read_rao` does
+    accept_implausible : take implausible RAOs, as `read_rao` does
     """
 
     rao_file: str
@@ -88,7 +87,7 @@ class VesselOnCourse:
 
 
 @lru_cache(maxsize=16)
-def _heave_on_course(vessel: VesselOnCourse, changed: int) -> CubicSpline:  # noqa: ARG001
+def _heave_on_course(vessel: VesselOnCourse, changed: int) -> scipy.interpolate.CubicSpline:  # noqa: ARG001
     """Return boom-tip heave per wave amplitude at the frequencies of the table, with a spline between them.
 
     A design asks for it again and again, and the whole table takes a second to read and to turn to one heading. Splines
@@ -101,7 +100,7 @@ def _heave_on_course(vessel: VesselOnCourse, changed: int) -> CubicSpline:  # no
     """
     table = read_rao(vessel.rao_file, sorted({0.0, vessel.speed}), vessel.accept_implausible)
     heave = boom_tip_heave_response(table, table.frequency, vessel.heading, vessel.speed, np.array(vessel.boom_tip_arm))
-    return CubicSpline(table.frequency, heave)
+    return scipy.interpolate.CubicSpline(table.frequency, heave)
 
 
 def fit_vessel(omega: Array, response: NDArray[Any], spectrum: WaveSpectrum) -> VesselFit:
@@ -135,7 +134,7 @@ def fit_vessel(omega: Array, response: NDArray[Any], spectrum: WaveSpectrum) -> 
         for natural in (0.6, 1.0, 1.5)
         for damping in (0.2, 0.7)
     ]
-    results = [least_squares(residual, np.clip(start, *bounds), bounds=bounds) for start in starts]
+    results = [scipy.optimize.least_squares(residual, np.clip(start, *bounds), bounds=bounds) for start in starts]
     best = min(results, key=lambda result: result.cost)
     fitted = vessel(best.x)
     ratio = float(np.abs(fitted.response(omega)) * weight @ (np.abs(fitted.response(omega)) * weight)) / norm**2

@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from heave_node.numerics.arrays import Array, ComplexArray
 from heave_node.numerics.constants import STANDARD_GRAVITY
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
 """Factor of each motion of a symmetric ship when the waves come from the other side."""
@@ -95,8 +95,8 @@ class ResponseTable:
         headings = self._headings()
         coefficients = []
         for response in self.response:
-            in_frequency = CubicSpline(self.frequency, self._all_round(response), axis=2)(inside) * tail
-            spline = CubicSpline(headings, in_frequency, axis=0, bc_type="periodic")
+            in_frequency = scipy.interpolate.CubicSpline(self.frequency, self._all_round(response), axis=2)
+            spline = scipy.interpolate.CubicSpline(headings, in_frequency(inside) * tail, axis=0, bc_type="periodic")
             coefficients.append(np.ascontiguousarray(spline.c.transpose(3, 1, 2, 0)))  # (n, cell, 6, 4)
         return SampledResponse(self.speed, headings, np.array(coefficients))
 

@@ -1,4 +1,4 @@
-"""Response amplitude operators that cannot well be: wrong units, exchanged columns."""
+"""Implausible response amplitude operators: wrong units, exchanged columns."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ def judged(path: Path, table: ResponseTable, questions: Sequence[str] = (), *, a
 
     Raises RaoError for what is implausible and not accepted.
     """
-    doubts = [*questions, *response_questions(table)]
-    if doubts and not accept:
-        raise RaoError(f"{path}: {refusal(doubts, ACCEPT)}")
-    return replace(table, warnings=(*table.warnings, *(f"{path}: {doubt}" for doubt in doubts)))
+    objections = [*questions, *response_questions(table)]
+    if objections and not accept:
+        raise RaoError(f"{path}: {refusal(objections, ACCEPT)}")
+    return replace(table, warnings=(*table.warnings, *(f"{path}: {objection}" for objection in objections)))
 
 
 def response_questions(table: ResponseTable) -> list[str]:
@@ -50,4 +50,4 @@ def response_questions(table: ResponseTable) -> list[str]:
         at = np.unravel_index(np.argmax(size), size.shape)
         where = f"at {table.frequency[at[2]]:g} rad/s, heading {table.heading[at[1]]:.3g} rad"
         asked.append(question(f"{name} response", float(size[at]), where))
-    return [doubt for doubt in asked if doubt]
+    return [objection for objection in asked if objection]

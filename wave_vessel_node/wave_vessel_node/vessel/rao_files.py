@@ -46,9 +46,9 @@ def read_rao(path: str | Path, speeds: Sequence[float] = (0.0,), accept_implausi
     ----------
     path : ends in .csv or .nc; empty takes the hull form that ships with the package
     speeds : forward speeds [m/s] of the table that is made of a Capytaine database (.nc); a .csv has its own
-    accept_implausible : take figures that cannot well be as they are; they are in the table's warnings
+    accept_implausible : take implausible figures as they are; they are in the table's warnings
 
-    Raises RaoError when the file is missing, of another kind or broken, or for figures that cannot well be
+    Raises RaoError when the file is missing, of another kind or broken, or for implausible figures
     (`heave_node.files.plausible`).
     """
     if not str(path):
@@ -111,7 +111,7 @@ def _phase_questions(values: Array, lines: Sequence[int]) -> list[str]:
         question("phase", float(value), f"line {lines[row]}: {name}")
         for row, value, name in zip(worst, largest, _PHASES, strict=True)
     )
-    return [doubt for doubt in asked if doubt]
+    return [objection for objection in asked if objection]
 
 
 def _grid_table(path: Path, values: Array) -> ResponseTable:

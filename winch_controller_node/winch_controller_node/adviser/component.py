@@ -16,7 +16,7 @@ import numpy as np
 from winch_controller_node.adviser.judge import (
     AGAIN,
     SEA,
-    Believed,
+    Assumed,
     Change,
     Hypothesis,
     Judge,
@@ -132,7 +132,7 @@ class Adviser:
         silence = Record(self._dt)
         silence.add(Observations(0, ticks, (), np.zeros((0, len(READING_COLUMNS))), epoch=0, beliefs=0))
         excerpt = silence.last(1.0)
-        Judge(excerpt, self._believed())
+        Judge(excerpt, self._assumed())
         self._winch.compile(excerpt)
 
     @property
@@ -176,8 +176,8 @@ class Adviser:
         if not identifies_winch(self._nominal):
             return
         excerpt = self._record.last(min(self._winch.length, self._record.duration))
-        believed = {name: belief.value for name, belief in self._beliefs.values.items()}
-        answer = self._winch.look(excerpt, self._history, believed)
+        assumed = {name: belief.value for name, belief in self._beliefs.values.items()}
+        answer = self._winch.look(excerpt, self._history, assumed)
         if answer is None:
             return
         if answer.factor is not None:
@@ -199,7 +199,7 @@ class Adviser:
         self._beliefs = replace(self._beliefs, authority=1.0)
         if changed or answer.nominal:
             values = {n: b for n, b in self._beliefs.values.items() if n not in answer.nominal} | changed
-            self._believe(values)
+            self._assume(values)
 
     def _knows_gain(self) -> bool:
         """Tell whether a gain of the winch that is far off is the winch's: the encoder's scale would explain less."""
@@ -213,7 +213,7 @@ class Adviser:
         held = self._history, self._beliefs
         self._rescale(since, factor * self._history.encoder_scale, step)
         belief = Belief(ENCODER_SCALE, self._history.encoder_scale, sigma, nats, since)
-        if self._believe({**self._beliefs.values, ENCODER_SCALE: belief}, excluded=""):
+        if self._assume({**self._beliefs.values, ENCODER_SCALE: belief}, excluded=""):
             self._adopt_present()
         else:
             self._history, self._beliefs = held
@@ -249,9 +249,9 @@ class Adviser:
         is_urgent = bool(observations.excluded) or not observations.is_trusted
         return is_urgent or self._seconds % JUDGED_EVERY == 0
 
-    def _believed(self) -> Believed:
+    def _assumed(self) -> Assumed:
         values = {name: belief.value for name, belief in self._beliefs.values.items()}
-        return Believed(
+        return Assumed(
             nominal=self._nominal,
             parameters=self.parameters,
             cable=self._design.cable,
@@ -264,7 +264,7 @@ class Adviser:
 
     def _judge(self) -> None:
         """Look for the sensor, or the cable, that differs from what is assumed."""
-        judge = Judge(self._record.last(min(MINUTE, self._record.duration)), self._believed())
+        judge = Judge(self._record.last(min(MINUTE, self._record.duration)), self._assumed())
         present, used = judge.present, judge.used
         self._gain_is_winch = False
         worst = present.worst(used)
@@ -302,7 +302,7 @@ class Adviser:
             if name == ENCODER_SCALE:
                 self._rescale(change.since, change.value)
         self._note_corrections(found.changes, values)
-        if not self._believe(values, excluded=found.excluded):
+        if not self._assume(values, excluded=found.excluded):
             self._history, self._beliefs = held
             return
         if "mru" in found.culprits:
@@ -323,7 +323,7 @@ class Adviser:
     def _adopt_present(self) -> None:
         """Have the core continue from the state that the last minute leads to under the present beliefs."""
         if self._record.duration >= SHORTEST:
-            self._leads_to = Judge(self._record.last(min(MINUTE, self._record.duration)), self._believed()).present
+            self._leads_to = Judge(self._record.last(min(MINUTE, self._record.duration)), self._assumed()).present
 
     def _adopt(self) -> None:
         """Have the core continue from the state at the end of the record that the present beliefs lead to, if any."""
@@ -372,18 +372,18 @@ class Adviser:
             for name, value in sea.items()
             if value != QUANTITIES[name].nominal_in(self._nominal)
         }
-        self._believe(values)
+        self._assume(values)
 
     def _is_sea(self, sea: Mapping[str, float]) -> bool:
         """Tell whether no other culprit would explain the last minute better than another `sea`."""
-        judge = Judge(self._record.last(min(MINUTE, self._record.duration)), self._believed())
+        judge = Judge(self._record.last(min(MINUTE, self._record.duration)), self._assumed())
         others = [one.total for one in judge.best() if one.changes or one.excluded != judge.present.excluded]
         other = min(others, default=math.inf)
         return other > judge.present.total - AGAIN or judge.total_with(sea) < other
 
     # beliefs
 
-    def _believe(self, values: Mapping[str, Belief], *, excluded: str | None = None) -> bool:
+    def _assume(self, values: Mapping[str, Belief], *, excluded: str | None = None) -> bool:
         """Take over other `values`, and design for them where the model is another one; return whether that succeeds.
 
         Where it does not, the beliefs stay as they are.

@@ -214,24 +214,24 @@ def _linearised(record: DrumRecord, theta: Array, columns: Sequence[int]) -> tup
     return left[0], ((left[0] - left[1:]) / steps[:, None]).T
 
 
-def identify(record: DrumRecord, prior: DrumPrior, believed: Array) -> DrumFit:
+def identify(record: DrumRecord, prior: DrumPrior, assumed: Array) -> DrumFit:
     """Return the drum that a record shows.
 
     Parameters
     ----------
     record, prior : what was read, and what can be
-    believed : the drum assumed so far, shape (FIELDS + 1,)
+    assumed : the drum assumed so far, shape (FIELDS + 1,)
     """
-    start = begun(record, believed)
+    start = begun(record, assumed)
     # what is assumed is fitted again, but limits stay where the record does not reach them
     kept = [i for i in (DEADBAND, BACKLASH, HAULING, CREEP) if start[i] != prior.nominal[i]]
     best = fit_drum(record, prior, start, (*ALWAYS, *kept))
     others = _other_starts(prior, start) if best.residual > UNEXPLAINED else []
     best = min([best, *(fit_drum(record, prior, other, best.free) for other in others)], key=lambda fit: fit.loss)
-    held_limits = {index for index in LIMITS if believed[index] < prior.nominal[index]}
-    onsets = _sudden(record, prior, believed) if best.residual > UNEXPLAINED else []
+    held_limits = {index for index in LIMITS if assumed[index] < prior.nominal[index]}
+    onsets = _sudden(record, prior, assumed) if best.residual > UNEXPLAINED else []
     best, freed = _with_groups(prior, best, others, onsets, held_limits)
-    return _without_held(prior, _without_passengers(prior, best, freed, believed), held_limits)
+    return _without_held(prior, _without_passengers(prior, best, freed, assumed), held_limits)
 
 
 def _other_starts(prior: DrumPrior, start: Array) -> list[Array]:
@@ -244,11 +244,11 @@ def _other_starts(prior: DrumPrior, start: Array) -> list[Array]:
     return starts
 
 
-def begun(record: DrumRecord, believed: Array) -> Array:
-    """Return theta of a drum as `believed`, shape (FIELDS + 1,), that begins where the `record` does."""
+def begun(record: DrumRecord, assumed: Array) -> Array:
+    """Return theta of a drum as `assumed`, shape (FIELDS + 1,), that begins where the `record` does."""
     first = record.readings[record.seen]
     rate = (first[min(4, len(first) - 1)] - first[0]) / (4.0 * record.dt)
-    return np.concatenate([believed, [first[0], rate]])
+    return np.concatenate([assumed, [first[0], rate]])
 
 
 def price_of(new: Iterable[int]) -> float:
@@ -265,8 +265,8 @@ def _price(group: tuple[int, ...], held: set[int]) -> float:
     return HELD if set(group) <= held else PRICES[group]
 
 
-def _sudden(record: DrumRecord, prior: DrumPrior, believed: Array) -> list[int]:
-    """Return the readings from which on the encoder may differ: before them the drum did what was `believed` of it.
+def _sudden(record: DrumRecord, prior: DrumPrior, assumed: Array) -> list[int]:
+    """Return the readings from which on the encoder may differ: before them the drum did what was `assumed` of it.
 
     A drum does not change all at once; but one that is not known, or at a limit, is weak before its encoder is wrong.
     """
@@ -276,7 +276,7 @@ def _sudden(record: DrumRecord, prior: DrumPrior, believed: Array) -> list[int]:
         if onset < round(LEAST_BEFORE / record.dt) or np.mean(record.limited[onset:]) > LIMITED:
             continue
         before = record.until(onset)
-        if np.count_nonzero(before.seen) > 2 and fit_drum(before, prior, begun(before, believed), ()).residual < KNOWN:
+        if np.count_nonzero(before.seen) > 2 and fit_drum(before, prior, begun(before, assumed), ()).residual < KNOWN:
             found.append(onset)
     return found
 
@@ -366,15 +366,15 @@ def shown_limits(record: DrumRecord) -> dict[int, float]:
     }
 
 
-def _without_passengers(prior: DrumPrior, best: DrumFit, freed: Iterable[tuple[int, ...]], believed: Array) -> DrumFit:
+def _without_passengers(prior: DrumPrior, best: DrumFit, freed: Iterable[tuple[int, ...]], assumed: Array) -> DrumFit:
     """Return the fit without those of the `freed` groups, and of their parts, that it does not need beside the rest.
 
-    They return to their `believed` values.
+    They return to their `assumed` values.
     """
     found = {index for group in freed for index in group}
     for group in sorted(group for group in PRICES if set(group) <= found):
         start = best.theta.copy()
-        start[list(group)] = believed[list(group)]
+        start[list(group)] = assumed[list(group)]
         other = fit_drum(best.record, prior, start, tuple(i for i in best.free if i not in group))
         if other.loss - best.loss < PRICES[group]:
             best = other

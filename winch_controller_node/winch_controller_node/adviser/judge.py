@@ -187,7 +187,7 @@ class Hypothesis:
 
 
 @dataclass(frozen=True)
-class Believed:
+class Assumed:
     """What a judgement begins with.
 
     Attributes
@@ -246,7 +246,7 @@ class Judge:
     Parameters
     ----------
     excerpt : the last minute
-    believed : the beliefs so far
+    assumed : the beliefs so far
     onsets : times before its end from which on something may be wrong [s]
 
     Attributes
@@ -254,15 +254,15 @@ class Judge:
     present : the present beliefs, judged
     """
 
-    def __init__(self, excerpt: Excerpt, believed: Believed, onsets: tuple[float, ...] = ONSETS) -> None:
-        self._believed = believed
-        self._parameters = _linear(believed.parameters)
-        plain, model = pass_model(self._parameters, believed.cable, believed.design)
-        measurements = measurement_models(self._parameters, model, believed.cable)
+    def __init__(self, excerpt: Excerpt, assumed: Assumed, onsets: tuple[float, ...] = ONSETS) -> None:
+        self._assumed = assumed
+        self._parameters = _linear(assumed.parameters)
+        plain, model = pass_model(self._parameters, assumed.cable, assumed.design)
+        measurements = measurement_models(self._parameters, model, assumed.cable)
         self._names = tuple(known.name for known in measurements)
         self._sensors = tuple(known.sensor for known in measurements)
         self._excerpt = excerpt.of(self._names)
-        self._columns = in_columns(self._excerpt, measurements, believed.history, onsets)
+        self._columns = in_columns(self._excerpt, measurements, assumed.history, onsets)
         self._first_judged = excerpt.first + round(SETTLING / excerpt.dt)
         late = self._excerpt.readings[:, TICK] >= self._first_judged
         seconds = np.floor(self._excerpt.readings[:, TICK] * excerpt.dt)
@@ -270,9 +270,9 @@ class Judge:
             sensor: len(np.unique(seconds[late & self._excerpt.is_of(sensor)])) for sensor in self._sensors
         }
         alone = self._columns.data.among(np.array([0]))
-        used = np.array([sensor != believed.excluded for sensor in self._sensors])
+        used = np.array([sensor != assumed.excluded for sensor in self._sensors])
         self._shows_unit = self._unit_is_shown(run_pass(plain, alone, used))
-        self.present = self._of_model({}, believed.excluded, corrections=False)[0]
+        self.present = self._of_model({}, assumed.excluded, corrections=False)[0]
 
     def _unit_is_shown(self, result: PassResult) -> bool:
         """Tell whether the unit has moved by more than the noise of the depth sensor, as it reads or as is expected.
@@ -305,15 +305,15 @@ class Judge:
 
     def total_with(self, values: Mapping[str, float]) -> float:
         """Return the total of the present beliefs with other `values`, as of another sea [nats]."""
-        return self._of_model(values, self._believed.excluded, corrections=False)[0].total
+        return self._of_model(values, self._assumed.excluded, corrections=False)[0].total
 
     def best(self) -> list[Hypothesis]:
         """Return the best hypothesis of each set of culprits, the best of all first; the present beliefs are one."""
-        found = self._of_model({}, self._believed.excluded)
+        found = self._of_model({}, self._assumed.excluded)
         for sensor in ("mru", "depth"):
-            if sensor in self._sensors and sensor != self._believed.excluded:
+            if sensor in self._sensors and sensor != self._assumed.excluded:
                 found += self._of_model({}, sensor, corrections=False)
-        if self._believed.excluded:
+        if self._assumed.excluded:
             found += self._of_model({}, "")
         found += self._of_models()
         found += self._refined(min(found, key=lambda one: one.total))
@@ -330,23 +330,23 @@ class Judge:
             return []
         before = (excerpt.last - onset) * excerpt.dt
         near = tuple(before * share for share in NEAR)
-        return Judge(excerpt, self._believed, near)._of_model({}, best.excluded)
+        return Judge(excerpt, self._assumed, near)._of_model({}, best.excluded)
 
     def _of_models(self) -> list[Hypothesis]:
         """Return hypotheses with another model: first values, then the best of each kind refined."""
         found: list[Hypothesis] = []
         families = self._shows_unit * [
-            (INERTIA, tuple(self._believed.value(INERTIA) * factor for factor in INERTIAS), 1),
-            (DAMPING, tuple(self._believed.value(DAMPING) * factor for factor in DAMPINGS), 3),
+            (INERTIA, tuple(self._assumed.value(INERTIA) * factor for factor in INERTIAS), 1),
+            (DAMPING, tuple(self._assumed.value(DAMPING) * factor for factor in DAMPINGS), 3),
         ]
-        uses_mru = "mru" in self._sensors and self._believed.excluded != "mru"
+        uses_mru = "mru" in self._sensors and self._assumed.excluded != "mru"
         if uses_mru:
             families.append((HIGH_PASS, HIGH_PASSES, 1))
         for quantity, values, power in families:
             found += self._of_family(quantity, values, power)
-        stated = {name: QUANTITIES[name].nominal_in(self._believed.nominal) for name in SEA}
-        if any(name in self._believed.values for name in SEA):
-            found += self._of_model(stated, self._believed.excluded, since=self._excerpt.first)
+        stated = {name: QUANTITIES[name].nominal_in(self._assumed.nominal) for name in SEA}
+        if any(name in self._assumed.values for name in SEA):
+            found += self._of_model(stated, self._assumed.excluded, since=self._excerpt.first)
         if uses_mru:
             for drift in DRIFTS:
                 if drift > self._parameters.sensors.mru.bias_drift:
@@ -355,18 +355,18 @@ class Judge:
 
     def _of_family(self, quantity: str, values: tuple[float, ...], power: int) -> list[Hypothesis]:
         """Return hypotheses with other `values` of a `quantity`, and the nominal one, and refinements of the best."""
-        nominal, believed = QUANTITIES[quantity].nominal_in(self._believed.nominal), self._believed.value(quantity)
-        excluded = self._believed.excluded
+        nominal, assumed = QUANTITIES[quantity].nominal_in(self._assumed.nominal), self._assumed.value(quantity)
+        excluded = self._assumed.excluded
         tried: dict[float, list[Hypothesis]] = {}
 
         def attempt(value: float) -> None:
             value = nominal if nominal > 0.0 and abs(math.log(value / nominal)) < SAME else value
-            if value != believed and value not in tried:
+            if value != assumed and value not in tried:
                 tried[value] = self._of_model({quantity: value}, excluded, since=self._excerpt.first)
 
         for value in values:
             attempt(value)
-        if believed != nominal:
+        if assumed != nominal:
             tried[nominal] = self._of_model({quantity: nominal}, excluded, since=self._excerpt.first)
         for factor in REFINEMENTS:
             best = min(tried, key=lambda value: min(one.total for one in tried[value]))
@@ -384,18 +384,18 @@ class Judge:
 
         `since` : onset of the corrections; None: any
         """
-        parameters, cable = self._parameters, self._believed.cable
+        parameters, cable = self._parameters, self._assumed.cable
         for name, value in values.items():
             parameters = with_value(parameters, QUANTITIES[name].path, value)
-            share = value / self._believed.value(name) if name in (INERTIA, DAMPING) else 1.0
+            share = value / self._assumed.value(name) if name in (INERTIA, DAMPING) else 1.0
             if name == INERTIA:
                 cable = replace(cable, a=cable.a * share)
             if name == DAMPING:
                 cable = replace(cable, b=cable.b * share, drag=cable.drag * share)
-        model, _ = pass_model(parameters, cable, self._believed.design)
+        model, _ = pass_model(parameters, cable, self._assumed.design)
         keys = [key for key in self._columns.index if key[0] != excluded and since in (None, key[2])]
         keys = [key for key in keys if self._read_for[key[0]] >= LEAST_READ and (key[0] != "depth" or self._shows_unit)]
-        if any(one.since > self._excerpt.first for one in self._believed.history.encoder):
+        if any(one.since > self._excerpt.first for one in self._assumed.history.encoder):
             # it has changed within the record, and from then on it is known
             keys = [key for key in keys if key[0] != "encoder"]
         keys = keys if corrections else []
@@ -416,7 +416,7 @@ class Judge:
                 factors = self._shares([keys[place - 1] for place in mine]) if kind == FACTOR else None
                 fits = list(zip(mine, proof.fit(np.array(mine), starts / tick, factors), strict=True))
                 # the encoder reads all that the drum does otherwise than nominal, or what fits best
-                whole = self._believed.value(ENCODER_SCALE) / self._believed.drum_gain - 1.0
+                whole = self._assumed.value(ENCODER_SCALE) / self._assumed.drum_gain - 1.0
                 fits += [(place, proof.at(place, whole)) for place in mine if keys[place - 1][0] == "encoder"]
                 for place, fitted in fits:
                     changed = self._changed(changes, keys[place - 1], fitted)
@@ -437,17 +437,17 @@ class Judge:
         """Return `changes` with the correction of a column of a `key`; None: it cannot be, or is none."""
         sensor, kind, since = key
         quantity, weight, sigma = JUDGED[kind][sensor], fitted.weight, fitted.sigma
-        believed, nominal = self._believed.value(quantity), QUANTITIES[quantity].nominal
+        assumed, nominal = self._assumed.value(quantity), QUANTITIES[quantity].nominal
         if kind == FACTOR:
-            value = believed / (1.0 + weight) if abs(1.0 + weight) > LEAST_FACTOR else math.inf
+            value = assumed / (1.0 + weight) if abs(1.0 + weight) > LEAST_FACTOR else math.inf
         elif kind == STEP:
-            value = believed - weight
+            value = assumed - weight
         else:
-            value, sigma = believed + weight * self._excerpt.dt, sigma * self._excerpt.dt
+            value, sigma = assumed + weight * self._excerpt.dt, sigma * self._excerpt.dt
         if not math.isfinite(value) or (kind == DELAY and abs(value) > LARGEST_DELAY):
             return None
         value = nominal if abs(value - nominal) < TOLERANCE[quantity] else value
-        return None if value == believed else {**changes, quantity: Change(value, sigma, since)}
+        return None if value == assumed else {**changes, quantity: Change(value, sigma, since)}
 
     def _hypothesis(
         self,
@@ -469,7 +469,7 @@ class Judge:
             changes=changes,
             excluded=excluded,
             loss=fitted.loss,
-            price=self._believed.price(changes, excluded) + (ONSET if late else 0.0),
+            price=self._assumed.price(changes, excluded) + (ONSET if late else 0.0),
             misfits=misfits,
             state=state,
             covariance=result.covariance,

@@ -117,16 +117,16 @@ class Excerpt:
             return np.zeros(len(self.readings), dtype=np.bool_)
         return np.asarray(self.readings[:, ROW] == self.rows.index(name))
 
-    def corrected(self, believed: SensorHistory) -> Array:
-        """Return the readings under the `believed` corrections, the mean payout's share included; delays are kept."""
+    def corrected(self, assumed: SensorHistory) -> Array:
+        """Return the readings under the `assumed` corrections, the mean payout's share included; delays are kept."""
         values, ticks = self.readings[:, VALUE].copy(), self.readings[:, TICK]
-        for sensor, since, correction in believed.corrections:
+        for sensor, since, correction in assumed.corrections:
             mine = self.is_of(sensor) & (ticks >= since)
             values[mine] = self.readings[mine, VALUE]
             values[mine & self.is_row("mru_heave")] -= correction.offset
             values[mine] /= correction.scale
         payout = self.is_row("payout")
-        values[payout] = payouts(self.readings[payout, VALUE], ticks[payout], believed.encoder)
+        values[payout] = payouts(self.readings[payout, VALUE], ticks[payout], assumed.encoder)
         return values
 
 

@@ -107,11 +107,11 @@ def likeliest_sea(
     """
     # its scale and lever arm are known by the motion of the unit alone
     mru = replace(parameters.sensors.mru, scale_sigma=0.0, lever_arm_sigma=0.0)
-    believed = replace(parameters, sensors=replace(parameters.sensors, use=SENSORS, mru=mru))
+    assumed = replace(parameters, sensors=replace(parameters.sensors, use=SENSORS, mru=mru))
 
     def fits(sea: SeaModelParameters) -> float:
-        likelihood = _likelihood(replace(believed, sea=sea), design, excerpt, history)
-        return likelihood - FARTHER * distance(sea, seas.believed)
+        likelihood = _likelihood(replace(assumed, sea=sea), design, excerpt, history)
+        return likelihood - FARTHER * distance(sea, seas.assumed)
 
     is_long = len(excerpt.ticks) * excerpt.dt >= SHORTEST
     found = _best(seas, fits, parameters.vessel) if is_long else seas.stretched

@@ -133,14 +133,14 @@ class WinchIdentifier:
         if record is not None:
             fit_drum(record, self._prior, begun(record, np.array([*drum_of(self._winch), 1.0])), ())
 
-    def look(self, excerpt: Excerpt, history: SensorHistory, believed: Mapping[str, float]) -> WinchAnswer | None:
+    def look(self, excerpt: Excerpt, history: SensorHistory, assumed: Mapping[str, float]) -> WinchAnswer | None:
         """Return what the last seconds say of the winch; None: too little.
 
         Parameters
         ----------
         excerpt : of `length`, or what there is
         history : assumed scales of the encoder over the record
-        believed : of the winch, by quantity
+        assumed : of the winch, by quantity
         """
         record = drum_record(excerpt, self._lag.window, self._ahead, history, self._winch.position_gain)
         if record is None or record.duration < SHORTEST or record.duration < 0.5 * len(record.readings) * self._dt:
@@ -149,7 +149,7 @@ class WinchIdentifier:
         newest = newest[np.isfinite(newest)]
         if len(newest) == 0 or np.ptp(newest) <= FLOOR:
             return None
-        held = np.array([*drum_of(self._winch, believed), 1.0])
+        held = np.array([*drum_of(self._winch, assumed), 1.0])
         self._looks += 1
         present = fit_drum(record, self._prior, begun(record, held), ())
         if present.residual < OFF and self._looks % CHECKED != 0:

@@ -33,8 +33,8 @@ QUANTITY_OF = {
 """Quantity of each field of `Drum`."""
 
 
-def drum_of(winch: WinchModelParameters, believed: Mapping[str, float] | None = None) -> Drum:
-    """Return the drum of the nominal `winch` with the `believed` values, by quantity, in their place."""
+def drum_of(winch: WinchModelParameters, assumed: Mapping[str, float] | None = None) -> Drum:
+    """Return the drum of the nominal `winch` with the `assumed` values, by quantity, in their place."""
     drum = Drum(
         lag=winch.time_constant,
         delay=winch.command_delay,
@@ -48,5 +48,5 @@ def drum_of(winch: WinchModelParameters, believed: Mapping[str, float] | None = 
         reach=winch.set_point_reach,
         power=winch.power_limit if winch.power_limit > 0.0 else NO_POWER_LIMIT,
     )
-    held = believed or {}
+    held = assumed or {}
     return drum._replace(**{name: held[quantity] for name, quantity in QUANTITY_OF.items() if quantity in held})

@@ -106,7 +106,7 @@ class ControllerDesign:
     def wave_round_trip(self, payout: float) -> float:
         """Return the time of an axial wave down the cable and back with a `payout` [m] out [s]."""
         length = self.parameters.length + payout
-        pieces = believed_plant(self.parameters).line(length).pieces(length)
+        pieces = assumed_plant(self.parameters).line(length).pieces(length)
         return 2.0 * sum(piece.length * math.sqrt(piece.mass / piece.axial_stiffness) for piece in pieces)
 
     def make_estimator(self) -> KalmanEstimator:
@@ -187,7 +187,7 @@ def design_controller(
     """
     length = parameters.length if length is None else length
     _check_inputs(parameters, tick_period)
-    cable = believed_cable(parameters, length) if cable is None else cable
+    cable = assumed_cable(parameters, length) if cable is None else cable
     model = augmented_model(model_inputs(parameters, cable), tick_period)
     measurements = measurement_models(parameters, model, cable)
     _check_observability(parameters, model, measurements)
@@ -286,14 +286,14 @@ def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> 
         )
 
 
-def believed_plant(parameters: WinchControllerParameters) -> PlantBelief:
+def assumed_plant(parameters: WinchControllerParameters) -> PlantBelief:
     """Return what the `parameters` say of cable, unit and water."""
     return PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
 
 
-def believed_cable(parameters: WinchControllerParameters, length: float) -> CableModel:
+def assumed_cable(parameters: WinchControllerParameters, length: float) -> CableModel:
     """Return the two-state cable at `length` [m] of the plant of `parameters`, fitted where the boom tip has energy."""
-    plant = believed_plant(parameters)
+    plant = assumed_plant(parameters)
     tip = boom_tip_block(parameters.sea, parameters.vessel)
     P = state_covariance(tip)
     heave, rate = tip.row("boom_tip_heave"), tip.row("boom_tip_heave_rate")

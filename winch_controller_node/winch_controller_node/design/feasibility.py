@@ -10,7 +10,7 @@ import numpy as np
 from cable_sim_node.vertical.linear import heave_transfer_function
 from heave_node.numerics.arrays import Array
 
-from winch_controller_node.design.design import believed_plant
+from winch_controller_node.design.design import assumed_plant
 from winch_controller_node.model.models import boom_tip_response, sea_spectrum
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
@@ -80,7 +80,7 @@ def uncompensated_sigma(parameters: WinchControllerParameters, length: float) ->
     much as the Gaussian sea, sqrt(8/pi) / (8/(3 pi)) sigma. The compensated loop's own model is not fit for this: it is
     linearised about the small motion it leaves.
     """
-    plant = believed_plant(parameters)
+    plant = assumed_plant(parameters)
     omega = np.linspace(0.05, BAND, 400)
     density = boom_tip_density(parameters.sea, parameters.vessel, omega)
     step = omega[1] - omega[0]
@@ -130,7 +130,7 @@ def feasibility_table(
 
     The rest of the sea is that of `parameters`; `drum_radius` [m] gives the torque.
     """
-    plant = believed_plant(parameters)
+    plant = assumed_plant(parameters)
     tension = plant.line(parameters.length).static_top_tension(parameters.length)
     rows = []
     for height in heights:

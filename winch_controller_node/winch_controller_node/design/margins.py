@@ -1,10 +1,11 @@
-"""Stability margins of the loop at the winch command, with the exact delay."""
+"""Stability margins of the loop at the winch command, with the exact delay, by python-control."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
+import control
 import numpy as np
 from heave_node.numerics.arrays import Array, ComplexArray
 
@@ -82,21 +83,13 @@ def margins(omegas: Array, L: ComplexArray) -> Margins:
     """
     if len(omegas) != len(L) or not len(L):
         raise DesignError("margins need a loop gain at each frequency")
-    size, angle = np.abs(L), np.unwrap(np.angle(L))
-    crossings = np.flatnonzero((size[:-1] - 1.0) * (size[1:] - 1.0) < 0.0)
-    phases, delays = [], []
-    for i in crossings:
-        share = (1.0 - size[i]) / (size[i + 1] - size[i])
-        phase = (angle[i] + share * (angle[i + 1] - angle[i]) + math.pi) % (2.0 * math.pi)
-        omega = omegas[i] + share * (omegas[i + 1] - omegas[i])
-        phases.append(float(min(phase, 2.0 * math.pi - phase)))
-        delays.append(float(phase / omega))
-    real_axis = np.flatnonzero((L.imag[:-1] * L.imag[1:] < 0.0) & (L.real[:-1] < 0.0))
-    gains = [float(1.0 / np.mean(size[i : i + 2])) for i in real_axis]
+    loop = np.abs(L), np.degrees(np.unwrap(np.angle(L))), omegas
+    gains, phases, _, _, crossover, _ = control.stability_margins(loop, returnall=True)
+    phases = np.radians(phases)
     return Margins(
-        gain_up=min((g for g in gains if g > 1.0), default=math.inf),
-        gain_down=max((g for g in gains if g < 1.0), default=0.0),
-        phase=min(phases, default=math.inf),
-        delay=min(delays, default=math.inf),
+        gain_up=float(min(gains[gains > 1.0], default=math.inf)),
+        gain_down=float(max(gains[gains < 1.0], default=0.0)),
+        phase=float(min(np.abs(phases), default=math.inf)),
+        delay=float(min(phases % (2.0 * math.pi) / crossover, default=math.inf)),
         sensitivity_peak=float(np.max(1.0 / np.abs(1.0 + L))),
     )

@@ -13,7 +13,7 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import spectral_abscissa, with_feedback
 
-from winch_controller_node.design.design import ControllerDesign, at_cable, believed_plant, design_controller
+from winch_controller_node.design.design import ControllerDesign, assumed_plant, at_cable, design_controller
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.models import cable_between
@@ -52,7 +52,7 @@ class GainSchedule:
         a = math.exp((1.0 - share) * math.log(low.a) + share * math.log(high.a))
         b = (1.0 - share) * low.b + share * high.b
         p = self.designs[0].parameters
-        plant = believed_plant(p)
+        plant = assumed_plant(p)
         return cable_between(plant, p.cable_model, length, a=a, b=b)
 
     def design_at(self, length: float) -> ControllerDesign:

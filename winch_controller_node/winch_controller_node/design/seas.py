@@ -109,14 +109,14 @@ class PossibleSeas:
     Attributes
     ----------
     seen : what all of them must explain
-    believed : the sea assumed at first
+    assumed : the sea assumed at first
     in_force : that of the design, as high as was seen
     stretched : that assumed at first, as long and as high as was seen; None: the active one is as good
     parts : of which one part, swell or wind sea, is as assumed, and that move the boom tip as was seen
     """
 
     seen: SeaSeen
-    believed: SeaModelParameters
+    assumed: SeaModelParameters
     in_force: SeaModelParameters
     stretched: SeaModelParameters | None
     parts: list[SeaModelParameters]
@@ -235,7 +235,7 @@ def sigma_and_frequency(sea: SeaModelParameters, vessel: VesselModelParameters) 
 
 
 def sea_that_was_seen(
-    seen: SeaSeen, believed: SeaModelParameters, in_force: SeaModelParameters, vessel: VesselModelParameters
+    seen: SeaSeen, assumed: SeaModelParameters, in_force: SeaModelParameters, vessel: VesselModelParameters
 ) -> SeaModelParameters | None:
     """Return the sea that moves the boom tip as was seen, or None where the active one is as good.
 
@@ -245,32 +245,32 @@ def sea_that_was_seen(
     Parameters
     ----------
     seen : what was seen
-    believed, in_force : seas assumed at first, and of the active design
+    assumed, in_force : seas assumed at first, and of the active design
     vessel : assumed
     """
     weight = seen.waves / (seen.waves + (REFUTED_WAVES if seen.is_refuted else ASSUMED_WAVES))
     # a higher sea than assumed is most likely as steep, and so longer
-    higher = max(seen.heave / sigma_and_frequency(believed, vessel)[0], 1.0)
-    expected = sigma_and_frequency(_changed(believed, min(math.sqrt(higher), LONGEST), 1.0), vessel)[1]
+    higher = max(seen.heave / sigma_and_frequency(assumed, vessel)[0], 1.0)
+    expected = sigma_and_frequency(_changed(assumed, min(math.sqrt(higher), LONGEST), 1.0), vessel)[1]
     wanted = expected * (seen.frequency / expected) ** weight
     off = math.log(wanted / sigma_and_frequency(in_force, vessel)[1])
     if abs(off) < LEAST_CHANGE or (not seen.is_refuted and abs(off) < weight * SCATTER / math.sqrt(seen.waves)):
         return None
-    return as_high_as_seen(_changed(believed, _period_factor(wanted, believed, _changed, vessel), 1.0), seen, vessel)
+    return as_high_as_seen(_changed(assumed, _period_factor(wanted, assumed, _changed, vessel), 1.0), seen, vessel)
 
 
 def possible_seas(
-    seen: SeaSeen, believed: SeaModelParameters, in_force: SeaModelParameters, vessel: VesselModelParameters
+    seen: SeaSeen, assumed: SeaModelParameters, in_force: SeaModelParameters, vessel: VesselModelParameters
 ) -> PossibleSeas:
     """Return the seas that may be there.
 
     Parameters
     ----------
-    seen, believed, in_force, vessel : see `sea_that_was_seen`
+    seen, assumed, in_force, vessel : see `sea_that_was_seen`
     """
-    stretched = sea_that_was_seen(seen, believed, in_force, vessel)
-    parts = _of_two_parts(seen, believed, vessel)
-    return PossibleSeas(seen, believed, as_high_as_seen(in_force, seen, vessel), stretched, parts)
+    stretched = sea_that_was_seen(seen, assumed, in_force, vessel)
+    parts = _of_two_parts(seen, assumed, vessel)
+    return PossibleSeas(seen, assumed, as_high_as_seen(in_force, seen, vessel), stretched, parts)
 
 
 def neighbours(
@@ -313,16 +313,16 @@ def no_lower_while_it_grows(sea: SeaModelParameters, seas: PossibleSeas) -> SeaM
     """Return a `sea` of the possible `seas`, no lower than assumed at first while it may still grow."""
     if seas.seen.is_settled:
         return sea
-    return _changed(sea, 1.0, max(seas.believed.significant_wave_height / sea.significant_wave_height, 1.0))
+    return _changed(sea, 1.0, max(seas.assumed.significant_wave_height / sea.significant_wave_height, 1.0))
 
 
 def _of_two_parts(
-    seen: SeaSeen, believed: SeaModelParameters, vessel: VesselModelParameters
+    seen: SeaSeen, assumed: SeaModelParameters, vessel: VesselModelParameters
 ) -> list[SeaModelParameters]:
     """Return the seas that move the boom tip as was seen and of which one part, swell or wind sea, is as assumed."""
-    if not _has_swell(believed):
+    if not _has_swell(assumed):
         return []
-    wind_alone, swell_alone = _changed_swell(believed, 1.0, 0.0), _changed_wind(believed, 1.0, 0.0)
+    wind_alone, swell_alone = _changed_swell(assumed, 1.0, 0.0), _changed_wind(assumed, 1.0, 0.0)
     found = []
     for changed, alone, kept in (
         (_changed_wind, wind_alone, swell_alone),
@@ -334,7 +334,7 @@ def _of_two_parts(
             continue
         period = _period_factor(math.sqrt(rate_variance / variance), alone, changed, vessel)
         height = math.sqrt(variance) / sigma_and_frequency(changed(alone, period, 1.0), vessel)[0]
-        found.append(changed(believed, period, height))
+        found.append(changed(assumed, period, height))
     return found
 
 

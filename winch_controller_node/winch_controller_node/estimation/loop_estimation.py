@@ -129,7 +129,7 @@ class LoopEstimation:
     def take_design(self, design: ControllerDesign) -> None:
         """Go on with a design of the same states, each of which means the same."""
         self.estimator.set_model(design.model, design.measurements, design.drag, design.slack)
-        self.forget_readings()
+        self.reset_readings()
         self._refer_to(design)
 
     def carry(self, design: ControllerDesign, matrix: Array, added: Array | float = 0.0) -> None:
@@ -145,7 +145,7 @@ class LoopEstimation:
         if tick is not None:
             self.estimator.step(tick, 0.0, [])
         self.motion.carry(matrix)
-        self.observer.terms.forget_shares()
+        self.observer.terms.reset_shares()
         self._refer_to(design)
 
     def adopt(self, design: ControllerDesign, matrix: Array | None, adopted: Adopted, tick: int) -> None:
@@ -167,7 +167,7 @@ class LoopEstimation:
                 RecordedTick(
                     number,
                     command,
-                    [self.observer.as_believed(one) for one in observed if self.observer.is_taken(one.reading)],
+                    [self.observer.as_assumed(one) for one in observed if self.observer.is_taken(one.reading)],
                 )
                 for number, command, observed in self._recent
                 if adopted.tick < number <= tick
@@ -175,7 +175,7 @@ class LoopEstimation:
         )
         if matrix is not None:
             self.motion.carry(matrix)
-            self.observer.terms.forget_shares()
+            self.observer.terms.reset_shares()
         self.consistency.restart()
         self._refer_to(design)
         # the boom tip was another one, and so is what it does to a unit that no winch moves
@@ -199,7 +199,7 @@ class LoopEstimation:
             begin_anew(covariance, bias, self._design.parameters.sensors.depth.bias_sigma)
             estimator.reset(estimator.estimate.copy(), covariance, streams)
             estimator.step(tick, 0.0, [])
-        self.forget_readings()
+        self.reset_readings()
 
     def rescale_encoder(self, encoder: EncoderScale, tick: int, *, is_adopted: bool) -> None:
         """Go on after `tick` with an `encoder` of another scale; no other state `is_adopted`: the drum is elsewhere."""
@@ -228,7 +228,7 @@ class LoopEstimation:
         self._continue_shadow(self._shadow.state + unit - self._hanging_unit.state)
         self._hanging_unit.continue_at(unit)
 
-    def forget_sea(self) -> None:
+    def reset_sea(self) -> None:
         """Look at the sea again: the boom tip was not where it was taken to be."""
         self._sea = SeaTracker(self._design)
         self._tip_power = 0.0
@@ -242,7 +242,7 @@ class LoopEstimation:
         self._shadow.continue_at(state)
         self.begin_share()
 
-    def forget_readings(self) -> None:
+    def reset_readings(self) -> None:
         """Discard the readings of the past: they hold nothing about the state from now on."""
         self.log.break_record()
         self._recent.clear()
@@ -365,7 +365,7 @@ class LoopEstimation:
 
     def _follow_sea(self, tip: Array) -> None:
         """Let the estimator's driving noise follow the sea that moves the boom `tip`, heave and rate, shape (2,)."""
-        if not self._tells_sea:
+        if not self._shows_sea:
             return
         innovation = self.estimator.innovations.get("mru_heave_rate")
         if innovation is not None and math.isfinite(innovation.nis):
@@ -375,7 +375,7 @@ class LoopEstimation:
             self.estimator.set_process_noise(noise)
 
     @property
-    def _tells_sea(self) -> bool:
+    def _shows_sea(self) -> bool:
         """Return whether the sea is followed: its sensor, of the boom tip's motion, delivers and is not excluded."""
         is_seen = self.knows_tip and self.observer.excluded != "mru"
         return self._design.parameters.estimator.sea_adaptation and is_seen
@@ -437,7 +437,7 @@ class LoopEstimation:
         else:
             after = hand_over(*now)
         self.motion.continue_at(after.mean_state, after.lowered)
-        self.forget_readings()
+        self.reset_readings()
         self.estimator.reset(after.estimate, after.covariance)
         self.estimator.step(tick.number, 0.0, [])
         self._hanging_unit.continue_at(self.estimator.estimate[tick.rows.unit_states])

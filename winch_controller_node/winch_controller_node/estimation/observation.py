@@ -192,7 +192,7 @@ class Observer:
         self._quiet = [
             self._quiet_alarm(name, estimator.measurements[name].sensor, mean)
             for name, mean in consistency.newly_quiet().items()
-            if name in self._noise and self._noise[name].believed > NEGLIGIBLE
+            if name in self._noise and self._noise[name].nominal > NEGLIGIBLE
         ]
         # one that came too late to be compared says nothing against the sensor; `stale` does, when they all are
         refused = [
@@ -221,7 +221,8 @@ class Observer:
             f"{sensor.upper()}_NOISE_LOW",
             measurement=name,
             ratio=math.sqrt(mean),
-            sigma=noise.believed,
+            sigma=noise.nominal,
+            unit=self._sensors.row[name].unit,
             seen="none" if noise.seen is None else f"{noise.seen:.2g}",
         )
 
@@ -241,15 +242,18 @@ class Observer:
             factor = noise.news()
             if factor > 0.0:
                 code = f"{self._sensors.sensor_of[name].upper()}_NOISE_HIGH"
-                found.append(ALARMS.alarm(code, measurement=name, sigma=noise.sigma, factor=factor))
+                unit = self._sensors.row[name].unit
+                found.append(ALARMS.alarm(code, measurement=name, sigma=noise.sigma, unit=unit, factor=factor))
         return [*found, *self._quiet]
 
     def _fault(self, name: str, gate: SensorGate) -> Alarm:
-        """Return what is wrong with the sensor `name` of a `gate`."""
-        if gate.reason == "jump" and name == "depth":
+        """Return what is wrong with the sensor `name` of a `gate`; of a single jump what follows from that."""
+        if gate.is_lost or gate.reason != "jump":
+            return gate.alarm
+        if name == "depth":
             code = "DEPTH_SCALE_JUMP" if self._depth_jumps.is_like_scale else "DEPTH_JUMP"
             return ALARMS.alarm(code, jump=self._depth_jumps.jump)
-        if gate.reason == "jump" and name == "encoder":
+        if name == "encoder":
             return ALARMS.alarm("ENCODER_JUMP", jump=self.encoder.jump)
         return gate.alarm
 
@@ -354,7 +358,7 @@ class Observer:
         self.observed.append(Observed(reading, as_read, share, is_used))
         return self.terms.corrected(reading, share)
 
-    def as_believed(self, observed: Observed) -> Measurement:
+    def as_assumed(self, observed: Observed) -> Measurement:
         """Return a reading `observed` in the last seconds in the estimator's terms, by the corrections assumed now."""
         reading = observed.reading
         if reading.name == "payout":

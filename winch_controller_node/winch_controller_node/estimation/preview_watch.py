@@ -42,7 +42,7 @@ class PreviewWatch:
         self.fault = ""
         self.has_come = False
         lead_ticks = max(1, round(LEAD / tick_period))
-        self._told = deque([math.nan] * lead_ticks, maxlen=lead_ticks)
+        self._reported = deque([math.nan] * lead_ticks, maxlen=lead_ticks)
         self._lead = lead_ticks * tick_period
         self._compared = 0
         self._error_square = self._heave_square = 0.0
@@ -75,14 +75,14 @@ class PreviewWatch:
 
     def _compare(self, seen: HeavePreview | None, boom_tip: float | None) -> None:
         """Compare what was predicted some time ago with what has come."""
-        told_for_now = self._told[0]
+        predicted_now = self._reported[0]
         reaches = seen is not None and seen.covers(self._lead, self._lead)
-        self._told.append(float(np.interp(self._lead, seen.ahead, seen.heave)) if seen and reaches else math.nan)
-        if boom_tip is None or not math.isfinite(told_for_now):
+        self._reported.append(float(np.interp(self._lead, seen.ahead, seen.heave)) if seen and reaches else math.nan)
+        if boom_tip is None or not math.isfinite(predicted_now):
             return
         self._compared += 1
         weight = max(self._dt / MEMORY, 1.0 / self._compared)
-        self._error_square += weight * ((told_for_now - boom_tip) ** 2 - self._error_square)
+        self._error_square += weight * ((predicted_now - boom_tip) ** 2 - self._error_square)
         self._heave_square += weight * (boom_tip**2 - self._heave_square)
 
     def _fault_of(self, noise: float) -> str:
@@ -114,8 +114,8 @@ def _seen_from(now: int, newest: HeavePreview, use: PreviewUse) -> tuple[HeavePr
         return None, f"no data for more than {MAXIMUM_AGE:g} s"
     seen = newest.seen_from(now)
     if not seen.covers(use.first, use.last):
-        told = f"{seen.ahead[0]:.3g} to {seen.ahead[-1]:.3g} s"
-        return seen, f"it covers {told} ahead; the law needs {use.first:g} to {use.last:g} s (mpc.preview_time)"
+        reported = f"{seen.ahead[0]:.3g} to {seen.ahead[-1]:.3g} s"
+        return seen, f"it covers {reported} ahead; the law needs {use.first:g} to {use.last:g} s (mpc.preview_time)"
     return seen, ""
 
 

@@ -81,7 +81,7 @@ class ReadingTerms:
 
     def begin_at(self, payout: float) -> None:
         """Take the unit to have hung on a `payout` [m] that is not 0 when its depth was first read."""
-        self.forget_shares()
+        self.reset_shares()
         self._first_heave = -payout * (1.0 + self.stretch_per_payout)
         for name, zero in self._zeros.items():
             self._zeros[name] = self._zero_from(zero, self._sensors.watched[name])
@@ -94,7 +94,7 @@ class ReadingTerms:
         """Note the state of the mean payout's own motion at `tick`, `mean_state`, shape (n,)."""
         self._shares.append((tick, mean_state))
 
-    def forget_shares(self) -> None:
+    def reset_shares(self) -> None:
         """Discard the shares noted so far: the states are counted otherwise from now on."""
         self._shares.clear()
 

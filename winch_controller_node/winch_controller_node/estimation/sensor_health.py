@@ -71,6 +71,17 @@ LOST_STATES = {
 }
 """End of the alarm code of a lost sensor, by the reason for which its readings are rejected."""
 
+REJECTED_WORDS = {
+    "nan": "it is not a number",
+    "wrong stamp": "its time stamp is missing or ahead of the clock",
+    "late": "it is out of order",
+    "spike": "it is far from the estimate",
+    "jump": "it has jumped",
+    "status settling": "the sensor reports settling",
+    "status invalid": "the sensor reports invalid",
+}
+"""Why a reading was rejected, in the words of its alarm."""
+
 
 def lost_alarm(sensor: str, reason: str, *, age: float, limit: float) -> Alarm:
     """Return the alarm of a `sensor` that is lost.
@@ -143,7 +154,8 @@ class SensorGate:
     def alarm(self) -> Alarm:
         """Fault of the sensor, where its level is `suspect` or `lost`."""
         if not self.is_lost:
-            return ALARMS.alarm(f"{self.sensor.upper()}_READING_REJECTED", reason=self.reason)
+            reason = REJECTED_WORDS.get(self.reason, self.reason)
+            return ALARMS.alarm(f"{self.sensor.upper()}_READING_REJECTED", reason=reason)
         return lost_alarm(self.sensor, self.reason, age=self._age, limit=self._largest_age)
 
     def state(self, now: float) -> SensorState:

@@ -39,7 +39,7 @@ class SensorNoise:
 
     Parameters
     ----------
-    believed : assumed standard deviation, in the sensor's unit
+    nominal : assumed standard deviation, in the sensor's unit
     period : between readings [s]
 
     Attributes
@@ -47,16 +47,16 @@ class SensorNoise:
     sigma : now
     """
 
-    def __init__(self, believed: float, period: float) -> None:
-        self.believed = believed
+    def __init__(self, nominal: float, period: float) -> None:
+        self.nominal = nominal
         self._is_judged = period <= LONGEST_PERIOD
         self._last: deque[float] = deque(maxlen=4)
         self._differences: deque[float] = deque(maxlen=READINGS)
         self._count = 0
         self._seen = math.nan
-        self._told = believed
+        self._reported = nominal
         self._worse = 0
-        self.sigma = believed
+        self.sigma = nominal
 
     def add(self, value: float, stated: float = math.nan) -> float:
         """Take in a reading; return the standard deviation to use.
@@ -73,12 +73,12 @@ class SensorNoise:
             self._count += 1
             if len(self._differences) >= FEWEST and self._count % UPDATED == 0:
                 self._seen = median(self._differences) / MEDIAN_OF_MAGNITUDE
-                self._worse = self._worse + UPDATED if self._seen >= WORSE * self._told else 0
+                self._worse = self._worse + UPDATED if self._seen >= WORSE * self._reported else 0
         is_stated = math.isfinite(stated)
         # one that is not a number is no maximum
-        self.sigma = max(self.believed, self._seen, stated if is_stated else 0.0)
+        self.sigma = max(self.nominal, self._seen, stated if is_stated else 0.0)
         is_known = is_stated or math.isfinite(self._seen)
-        return self.sigma if is_known or not self._is_judged else UNKNOWN * self.believed
+        return self.sigma if is_known or not self._is_judged else UNKNOWN * self.nominal
 
     @property
     def seen(self) -> float | None:
@@ -88,7 +88,7 @@ class SensorNoise:
     def news(self) -> float:
         """Return the ratio of the noise to the assumed one when it has become much larger; else 0."""
         is_sure = math.isnan(self._seen) or self._worse >= READINGS
-        if not is_sure or self.sigma < WORSE * self._told:
+        if not is_sure or self.sigma < WORSE * self._reported:
             return 0.0
-        self._told, self._worse = self.sigma, 0
-        return self.sigma / self.believed
+        self._reported, self._worse = self.sigma, 0
+        return self.sigma / self.nominal

@@ -13,7 +13,7 @@ from heave_node.numerics.arrays import Array
 from wave_vessel_node.ramp import smooth_ramp
 
 from winch_controller_node.design.bounds import boom_tip_realisation
-from winch_controller_node.design.design import believed_cable, believed_plant
+from winch_controller_node.design.design import assumed_cable, assumed_plant
 from winch_controller_node.identification.cable import Identification, identify
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -60,12 +60,12 @@ def identify_simulated(
     Raises IdentificationError, or the AxialError of a response that cannot be simulated.
     """
     length = parameters.length if length is None else length
-    plant = believed_plant(parameters)
+    plant = assumed_plant(parameters)
     tip = boom_tip_realisation(parameters.sea, parameters.vessel, duration=DURATION, step=SAMPLE_PERIOD, seed=seed)
     time = SAMPLE_PERIOD * np.arange(len(tip))
     tip = tip * np.array([smooth_ramp(float(t), RAMP)[0] for t in time])
     response = simulate_axial(plant.line(length), length, tip, SAMPLE_PERIOD, segments=20, largest_step=0.025)
-    guess = believed_cable(parameters, length)
+    guess = assumed_cable(parameters, length)
     found = identify(
         time, tip, response.unit_heave, drag=drag, guess=(guess.a, max(guess.b, 0.01)), starts_at_rest=True
     )
@@ -85,7 +85,7 @@ def identify_against_length(
     """
     points = []
     for length in lengths:
-        cable = believed_cable(parameters, length)
+        cable = assumed_cable(parameters, length)
         found = identify_simulated(parameters, length=length, drag=drag, seed=seed)
         points.append(LengthPoint(length, found, cable.a, cable.b))
     return points

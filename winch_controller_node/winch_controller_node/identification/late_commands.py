@@ -62,7 +62,7 @@ class LateCommands:
         return later[self._window // 2] if len(later) > self._window // 2 else 0.0
 
     @property
-    def is_told(self) -> bool:
+    def is_reported(self) -> bool:
         """Tell whether an alarm holds."""
         return self._is_slow or self._is_ragged
 

@@ -54,14 +54,14 @@ LOAD = (
         "winch",
         "at its limits for {percent:.0f} % of the last {time:g} s",
         "The unit moves more than it would with a stronger winch",
-        "Reduce the factor, or wait for a lower sea",
+        "Reduce the factor of compensation, or wait for a lower sea",
     ),
     AlarmRow(
         "TENSION_TRAVEL_HALF",
         MEDIUM,
         "cable",
         "constant tension has travelled {travel:g} m, half of tension.travel",
-        "",
+        "Constant tension continues up to tension.travel, and the winch holds there",
         "Check whether the load yields or is suspended; request stopped if it is",
     ),
     AlarmRow(
@@ -91,13 +91,15 @@ LOAD = (
     ),
 )
 
+RESTS = "The winch comes to rest; compensation does not resume automatically"
+
 COMMANDS = (
     AlarmRow(
         "COMMANDS_LATE",
         MEDIUM,
         "winch",
         "commands take effect {delay:.2f} s later than modelled",
-        "The delay is identified; compensation ends where it is too long",
+        "Compensation continues while the delay is identified, and ends where that is too long",
         "Check the drive, the network and the load of the machine",
     ),
     AlarmRow(
@@ -113,7 +115,7 @@ COMMANDS = (
         HIGH,
         "winch",
         "commands take effect {delay:.2f} s later than modelled, limit {limit:.2f} s",
-        "The loop would be unstable: no compensation",
+        "The loop would be unstable: no compensation until commands are in time again",
         "Check the drive, the network and the load of the machine",
     ),
     AlarmRow(
@@ -121,7 +123,7 @@ COMMANDS = (
         HIGH,
         "winch",
         "no command reached the winch for {time:g} s",
-        "No compensation; the winch stops by its watchdog",
+        "The winch stops by its own watchdog; compensation resumes automatically once commands arrive",
         "Check the link to the winch",
     ),
     AlarmRow(
@@ -136,7 +138,7 @@ COMMANDS = (
         HIGH,
         "winch",
         "more than {count} command timeouts of the winch within {period:g} s",
-        "The winch waits for an operator",
+        "The winch stays stopped; compensation does not resume automatically",
         "Check the network and the load of the machine, then request compensation",
     ),
     AlarmRow(
@@ -144,7 +146,7 @@ COMMANDS = (
         HIGH,
         "winch",
         "the encoder turns opposite to the commands, and which of the two is reversed is not known",
-        "No compensation",
+        RESTS,
         "Check the sign of encoder and drive, then request compensation",
     ),
     AlarmRow(
@@ -152,9 +154,15 @@ COMMANDS = (
         HIGH,
         "winch",
         "the encoder reads far more or less than commanded, and which of the two is wrong is not known",
-        "No compensation",
+        RESTS,
         "Check the scale of encoder and drive, then request compensation",
     ),
+)
+
+TRIED_AGAIN = "Compensation fades out; it is tried again automatically, first after guard.hold_time"
+CHECK_MODEL = (
+    "If the next attempt fails too, request standby; check mass of the unit, length of the cable, lag of the winch, "
+    "signs of MRU and encoder"
 )
 
 HARM = (
@@ -162,42 +170,44 @@ HARM = (
         "UNIT_HEAVE_HIGH",
         HIGH,
         "loop",
-        "the depth sensor reads {heave:.3f} m of heave, more than without compensation",
-        "Compensation fades out",
-        "Check depth sensor and MRU if the unit does not move that much",
+        "the depth sensor reads {heave:.3f} m rms of heave, more than without compensation",
+        TRIED_AGAIN,
+        "Check depth sensor and MRU if the unit does not move that much; if it does, and the next attempt fails too, "
+        "request standby",
     ),
     AlarmRow(
         "UNIT_SWING_HIGH",
         HIGH,
         "loop",
-        "the unit swings by {swing:.3f} m, more than without compensation",
-        "Compensation fades out, and is tried again automatically",
-        "Check winch, cable and sensor parameters if it repeats",
+        "the unit swings by {swing:.3f} m rms, more than without compensation",
+        TRIED_AGAIN,
+        CHECK_MODEL,
     ),
     AlarmRow(
         "DRUM_SPEED_OFF",
         HIGH,
         "loop",
-        "the drum is {error:.3f} m/s off its intended speed, more than the speed of the boom tip",
-        "Compensation fades out, and is tried again automatically",
-        "Check the drive and its parameters if it repeats",
+        "the drum is {error:.3f} m/s rms off its intended speed, more than the speed of the boom tip",
+        TRIED_AGAIN,
+        "If the next attempt fails too, request standby, and check the drive (pressure, speed control, brake) and its "
+        "parameters",
     ),
     AlarmRow(
         "WORSE_THAN_OFF",
         HIGH,
         "loop",
-        "heave of the unit {sigma:.3f} m, {free:.3f} m without compensation (standard deviations)",
-        "Compensation fades out, and is tried again automatically",
-        "Check winch, cable and sensor parameters if it repeats",
+        "the unit heaves {sigma:.3f} m rms; without compensation it would heave {free:.3f} m",
+        TRIED_AGAIN,
+        CHECK_MODEL,
     ),
     AlarmRow(
         "LITTLE_GAIN",
         MEDIUM,
         "loop",
-        "heave of the unit {sigma:.3f} m, {free:.3f} m without compensation (standard deviations): less than "
-        "{percent:.0f} % gained",
-        "Compensation fades out, and is tried again automatically",
-        "Check winch, cable and sensor parameters if it repeats",
+        "the unit heaves {sigma:.3f} m rms; without compensation it would heave {free:.3f} m: less than "
+        "{percent:.0f} % is removed",
+        TRIED_AGAIN,
+        CHECK_MODEL,
     ),
 )
 
@@ -207,7 +217,7 @@ MODES = (
         HIGH,
         "sensors",
         "depth sensor and MRU disagree by {error:.3f} m, and which of them is wrong is not known",
-        "No compensation until they agree",
+        "No compensation; it is tried again automatically, guard.hold_time after they agree",
         "Check sign and scale of both",
     ),
     AlarmRow(
@@ -223,24 +233,24 @@ MODES = (
         HIGH,
         "mode",
         "mode {mode}: {reason}",
-        "The unit is no longer held still",
-        "Remove the cause; request compensation where it does not resume automatically",
+        "The winch no longer follows the sea: the unit moves with the ship",
+        "Remove the cause. Request compensation, unless the line says that it resumes or when it is tried again",
     ),
     AlarmRow(
         "AUTHORITY_LIMITED_BY_SEA",
         LOW,
         "sea",
         "authority limited to {percent:.0f} %: the boom tip moves otherwise than in the assumed sea",
-        "The rest of the motion stays until the sea is identified",
-        "Wait; check the MRU if it lasts",
+        "{rest:.0f} % of the motion stays until the sea is identified, or fits again",
+        "Wait two minutes; check the MRU if it lasts",
     ),
     AlarmRow(
         "AUTHORITY_LIMITED_BY_WINCH",
         MEDIUM,
         "winch",
         "authority limited to {percent:.0f} %: the winch does not follow its commands as modelled",
-        "The rest of the motion stays until the winch is identified",
-        "Wait; check the drive if it lasts",
+        "{rest:.0f} % of the motion stays until the winch is identified, or follows again",
+        "Wait two minutes; if it lasts, check the drive (pressure, limits of speed and torque, brake)",
     ),
     AlarmRow("AUTHORITY_RESTORED", EVENT, "loop", "authority is {percent:.0f} % again"),
     AlarmRow(
@@ -252,7 +262,13 @@ MODES = (
         "Wait for a lower sea where the unit must move less",
     ),
     AlarmRow("TOUCHDOWN", EVENT, "unit", "the unit has landed", "Constant tension is held"),
-    AlarmRow("UNIT_SUSPENDED", EVENT, "unit", "the unit is suspended again", "Compensation continues"),
+    AlarmRow(
+        "UNIT_SUSPENDED",
+        EVENT,
+        "unit",
+        "the unit is suspended again",
+        "The winch compensates, and raises the unit by tension.lift_height",
+    ),
     AlarmRow("PREVIEW_USED", EVENT, "preview", "the preview of the sea is used"),
     AlarmRow(
         "PREVIEW_REJECTED",
@@ -291,6 +307,7 @@ MODES = (
         "mode",
         "{requested:.2f} m/s requested, limit {limit:.2f} m/s (operator.speed_share of the winch's speed limit)",
         "The winch moves at the limit",
+        "Ask for less, or raise operator.speed_share",
     ),
 )
 

@@ -17,14 +17,23 @@ class Loss(NamedTuple):
 
 
 LOSSES = {
-    "mru": Loss(HIGH, "Compensation fades out"),
-    "encoder": Loss(HIGH, "Compensation fades out, and the winch stops"),
+    "mru": Loss(HIGH, "Compensation fades out until readings are good again"),
+    "encoder": Loss(HIGH, "Compensation fades out and the winch stops, until readings are good again"),
     "depth": Loss(MEDIUM, "Compensation continues without it; touchdown is recognised later"),
-    "load_cell": Loss(MEDIUM, "No tension alarms and no constant tension"),
+    "load_cell": Loss(MEDIUM, "Compensation continues; no tension alarms and no constant tension"),
     "velocity": Loss(LOW, "Compensation continues without it"),
     "imu": Loss(LOW, "Compensation continues without it"),
 }
 """The loss of each sensor, by name."""
+
+EXCLUSIONS = {
+    "mru": "Compensation fades out until they agree again",
+    "encoder": "It is not used while the sensors are compared; compensation ends if that takes longer than 20 s",
+}
+"""What follows where a sensor contradicts all others; of any other compensation continues without it."""
+
+JUMPING, STATED_NOISE = ("mru", "encoder", "depth"), ("mru", "depth", "velocity", "imu")
+"""Sensors whose readings are checked for jumps, and whose noise is compared with the nominal one."""
 
 
 def _losses_of(sensor: str) -> list[AlarmRow]:
@@ -39,45 +48,79 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
     if sensor == "encoder":
         frozen = (
             "readings do not change while the winch is commanded to turn",
-            "Check that the drum turns (brake, dead zone of the drive), then restart the encoder or its driver",
+            "Check that the drum turns (brake, dead zone of the drive); restart the encoder or its driver, then "
+            "request compensation",
         )
-    return [
+    found = [
         lost("STALE", "no data for {age:.2f} s, limit {limit:.2f} s", "Check power, cable, driver, clock"),
         lost("NOT_A_NUMBER", "readings are not numbers", "Restart the sensor or its driver"),
         lost("BAD_STAMP", "time stamps are missing or ahead of the clock of the run", "Set the clock of the sensor"),
         lost("OUT_OF_ORDER", "readings come out of order, or twice", "Check the driver and the network"),
         lost("FROZEN", *frozen),
-        lost("SPIKES", "readings are far from the estimate", "Check mounting, sign and unit of measurement"),
-        lost("JUMPS", jumps, "Check mounting, scale and sign, and the driver"),
+    ]
+    if sensor != "encoder":
+        found.append(
+            lost("SPIKES", "readings are far from the estimate", "Check mounting, sign and unit of measurement")
+        )
+    if sensor in JUMPING:
+        found.append(lost("JUMPS", jumps, "Check mounting, scale and sign, and the driver"))
+    if sensor == "mru":
+        found += _reported_by_mru(severity, consequence)
+    return found
+
+
+def _reported_by_mru(severity: Severity, consequence: str) -> list[AlarmRow]:
+    """Return what the MRU reports of itself: no other sensor has a status."""
+    return [
         AlarmRow(
-            f"{prefix}_SETTLING",
-            min(severity, MEDIUM),
-            sensor,
-            "the sensor reports that it is settling",
-            "It is not used until it has settled",
-            "Wait",
+            "MRU_SETTLING",
+            MEDIUM,
+            "mru",
+            "the MRU reports that it is settling",
+            "Compensation fades out, or does not begin, until it has settled; it then resumes automatically",
+            "Wait: an MRU settles for minutes after power-on, and some after a turn. If it lasts, check its aiding "
+            "(position, heading)",
         ),
-        lost("FAULT", "the sensor reports {status}", "Read its display, then restart it"),
+        AlarmRow(
+            "MRU_FAULT", severity, "mru", "the MRU reports {status}", consequence, "Read its display, then restart it"
+        ),
     ]
 
 
 def _others_of(sensor: str) -> list[AlarmRow]:
     """Return the alarms of a `sensor` that is not lost."""
     prefix, severity = sensor.upper(), LOSSES[sensor].severity
-    return [
+    found = [
         AlarmRow(
             f"{prefix}_READING_REJECTED",
             LOW,
             sensor,
-            "one reading rejected ({reason})",
-            "Compensation continues",
-            "Check the sensor if it repeats",
+            "one reading rejected: {reason}",
+            "Compensation continues; three such readings in a row count as loss of the sensor",
+            "None for a single reading; check the sensor if it repeats",
         ),
+        AlarmRow(
+            f"{prefix}_EXCLUDED",
+            HIGH if severity is HIGH else MEDIUM,
+            sensor,
+            "readings contradict all other sensors",
+            EXCLUSIONS.get(sensor, "Compensation continues without it"),
+            "Check sign, scale and mounting",
+        ),
+        AlarmRow(f"{prefix}_RECOVERED", EVENT, sensor, "the sensor agrees with all others", "It is used again"),
+    ]
+    return found + _noise_of(sensor) if sensor in STATED_NOISE else found
+
+
+def _noise_of(sensor: str) -> list[AlarmRow]:
+    """Return the alarms of a `sensor` whose noise differs from the nominal one."""
+    prefix = sensor.upper()
+    return [
         AlarmRow(
             f"{prefix}_NOISE_HIGH",
             LOW,
             sensor,
-            "noise of {measurement} is {sigma:.3g}, {factor:.1f} times nominal",
+            "noise of {measurement} is {sigma:.3g} {unit}, {factor:.1f} times nominal",
             "The estimate relies less on it",
             "Check the sensor, or enter its noise (winch_controller.sensors)",
         ),
@@ -85,20 +128,11 @@ def _others_of(sensor: str) -> list[AlarmRow]:
             f"{prefix}_NOISE_LOW",
             EVENT,
             sensor,
-            "innovations of {measurement} are {ratio:.2f} times their assumed size (noise {sigma:.2g} assumed, {seen} "
-            "seen)",
+            "readings of {measurement} are {ratio:.2f} times as far from the estimate as expected (noise {sigma:.2g} "
+            "{unit} assumed, {seen} seen)",
             "Compensation continues, with less benefit from this sensor than possible",
             "Enter its noise (winch_controller.sensors), or check its scale",
         ),
-        AlarmRow(
-            f"{prefix}_EXCLUDED",
-            HIGH if severity is HIGH else MEDIUM,
-            sensor,
-            "readings contradict all other sensors",
-            "The sensor is not used",
-            "Check sign, scale and mounting",
-        ),
-        AlarmRow(f"{prefix}_RECOVERED", EVENT, sensor, "the sensor agrees with all others and is used again"),
     ]
 
 
@@ -134,7 +168,7 @@ READINGS = (
         HIGH,
         "encoder",
         "the encoder turns opposite to the commands",
-        "The encoder is not used while the sensors are compared",
+        EXCLUSIONS["encoder"],
         "Check the sign of encoder and drive",
     ),
     AlarmRow(
@@ -142,7 +176,7 @@ READINGS = (
         HIGH,
         "encoder",
         "the encoder reads far more or less than commanded",
-        "The encoder is not used while the sensors are compared",
+        EXCLUSIONS["encoder"],
         "Check the scale of the encoder, and the drive",
     ),
     AlarmRow(
@@ -157,8 +191,8 @@ READINGS = (
         "SENSORS_DISAGREE",
         MEDIUM,
         "sensors",
-        "cause unknown: innovations of {measurement} {ratio:.1f} times their expected size for {time:.0f} s, and no "
-        "known fault explains it",
+        "readings of {measurement} have been {ratio:.1f} times as far from the estimate as expected for {time:.0f} s; "
+        "cause unknown",
         "Compensation continues on the present assumptions",
         "Check all sensors, cable and unit; request standby if the unit moves more than expected",
     ),

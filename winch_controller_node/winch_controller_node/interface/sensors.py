@@ -38,6 +38,7 @@ class MeasurementRow(NamedTuple):
     name : of the measurement
     output : of the augmented model
     sigma : standard deviation of the noise, in the sensor's unit
+    unit : that unit, in words; empty where it is the static tension
     state : slow state of the sensor that adds to the output, where the model has it; empty: none
     scale_state : slow state that is its relative error of scale, where the model has it; empty: none
     is_gated : False: never refused for being far off its prediction
@@ -46,6 +47,7 @@ class MeasurementRow(NamedTuple):
     name: str
     output: str
     sigma: float
+    unit: str
     state: str = ""
     scale_state: str = ""
     is_gated: bool = True
@@ -186,8 +188,8 @@ class MruModelParameters(SampledSensorParameters):
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell heave and heave rate; the high-pass is in the model."""
         return (
-            MeasurementRow("mru_heave", "mru_heave", self.noise, state=MRU_BIAS, scale_state=MRU_SCALE),
-            MeasurementRow("mru_heave_rate", "mru_heave_rate", self.rate_noise, scale_state=MRU_SCALE),
+            MeasurementRow("mru_heave", "mru_heave", self.noise, "m", state=MRU_BIAS, scale_state=MRU_SCALE),
+            MeasurementRow("mru_heave_rate", "mru_heave_rate", self.rate_noise, "m/s", scale_state=MRU_SCALE),
         )
 
     def slow_states(self) -> tuple[SlowState, ...]:
@@ -228,7 +230,7 @@ class DepthModelParameters(SampledSensorParameters):
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the heave of the unit, with an unknown mean."""
-        return (MeasurementRow("unit_heave", "unit_heave", self.noise, state=DEPTH_BIAS),)
+        return (MeasurementRow("unit_heave", "unit_heave", self.noise, "m", state=DEPTH_BIAS),)
 
     def slow_states(self) -> tuple[SlowState, ...]:
         """Follow the mean."""
@@ -255,7 +257,7 @@ class EncoderModelParameters(SensorModelParameters):
         A servo other than assumed moves the drum otherwise, at the winch's limits by centimetres in a second: refusing
         the encoder would leave the loop blind when it is needed most; jumps are found by a gate of its own.
         """
-        return (MeasurementRow("payout", "payout", self.noise, is_gated=False),)
+        return (MeasurementRow("payout", "payout", self.noise, "m", is_gated=False),)
 
 
 @dataclass(frozen=True)
@@ -270,7 +272,7 @@ class VelocityModelParameters(SampledSensorParameters):
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the unit's heave rate."""
-        return (MeasurementRow("unit_velocity", "unit_heave_rate", self.noise),)
+        return (MeasurementRow("unit_velocity", "unit_heave_rate", self.noise, "m/s"),)
 
 
 @dataclass(frozen=True)
@@ -285,7 +287,7 @@ class ImuModelParameters(SampledSensorParameters):
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the unit's acceleration."""
-        return (MeasurementRow("unit_acceleration", "unit_heave_acceleration", self.noise),)
+        return (MeasurementRow("unit_acceleration", "unit_heave_acceleration", self.noise, "m/s^2"),)
 
 
 @dataclass(frozen=True)
@@ -323,7 +325,9 @@ class LoadCellModelParameters(SampledSensorParameters):
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the tension less the static one."""
-        return (MeasurementRow("tension", "tension", math.hypot(self.noise, self.model_error), state=LOAD_CELL_BIAS),)
+        return (
+            MeasurementRow("tension", "tension", math.hypot(self.noise, self.model_error), "", state=LOAD_CELL_BIAS),
+        )
 
     def slow_states(self) -> tuple[SlowState, ...]:
         """Follow the static tension."""

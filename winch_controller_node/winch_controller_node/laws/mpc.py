@@ -47,32 +47,40 @@ class MpcParameters:
         200, unit="", minimum=5, maximum=100_000, description="Iterations after which the last good plan is followed."
     )
     unit_heave: float = parameter(
-        0.01, unit="m", minimum=1e-4, maximum=10.0, description="Scale of unit heave in this law's own quadratic cost."
+        0.01,
+        unit="m",
+        minimum=1e-4,
+        maximum=10.0,
+        description="Cost of law mpc: scale of unit heave. Laws lqr and lqg have weights.unit_heave.",
     )
     payout_acceleration: float = parameter(
         0.5,
         unit="m/s^2",
         minimum=0.0,
         maximum=1e3,
-        description="Scale of payout acceleration in that cost; 0 leaves it out.",
+        description="The same cost: scale of payout acceleration; 0 leaves it out.",
     )
-    payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="Scale of payout in that cost.")
+    payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="The same cost: scale of payout.")
     command: float = parameter(
         0.3,
         unit="m/s",
         minimum=1e-3,
         maximum=1e3,
-        description="Scale of the command in that cost; a small one leaves some of the motion uncompensated.",
+        description="The same cost: scale of the command; a small one leaves some of the motion uncompensated.",
     )
     free_payout_acceleration: float = parameter(
         0.6,
         unit="m/s^2",
         minimum=0.0,
         maximum=1e3,
-        description="Scale of payout acceleration away from the limits; 0 leaves it out.",
+        description="Cost away from the winch limits: scale of payout acceleration; 0 leaves it out.",
     )
     free_command: float = parameter(
-        2.0, unit="m/s", minimum=1e-3, maximum=1e3, description="Scale of the command away from the limits."
+        2.0,
+        unit="m/s",
+        minimum=1e-3,
+        maximum=1e3,
+        description="Cost away from the winch limits: scale of the command; smaller is more frugal.",
     )
     release_time: float = parameter(
         60.0,
@@ -92,7 +100,11 @@ class MpcParameters:
         0.05, unit="m", minimum=1e-3, maximum=10.0, description="Error of that preview, 1 sigma."
     )
     softness: float = parameter(
-        1e-7, unit="", minimum=1e-12, maximum=1.0, description="Reciprocal weight of a violated constraint."
+        1e-7,
+        unit="",
+        minimum=1e-12,
+        maximum=1.0,
+        description="Reciprocal weight of a violated constraint: smaller is harder.",
     )
 
 

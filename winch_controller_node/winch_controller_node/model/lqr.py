@@ -1,4 +1,4 @@
-"""Linear-quadratic regulators: cost by outputs, gains by python-control, and what has no solution is refused first."""
+"""Linear-quadratic regulators: cost by outputs, gains by a Riccati equation, and what has no solution is refused."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel, is_stable, with_feedback
 
@@ -58,17 +59,19 @@ def lqr_gain(model: LinearModel, cost: QuadraticCost) -> Array:
     ------
     DesignError : singular or indefinite weights, a model that no command can stabilise, a growing state without weight
     """
-    import control  # noqa: PLC0415  # heavy, and needed only where something is designed
-
     _check_weights(cost)
     check_stabilisable(model)
     check_seen_by_cost(model, cost)
-    solve = control.lqr if model.dt is None else control.dlqr
+    A, B = model.A, model.B
     try:
-        gain, _, _ = solve(model.A, model.B, cost.Q, cost.R, cost.N)
-    except (np.linalg.LinAlgError, control.ControlException, ValueError) as error:
+        if model.dt is None:
+            X = scipy.linalg.solve_continuous_are(A, B, cost.Q, cost.R, s=cost.N)
+            gain = np.linalg.solve(cost.R, B.T @ X + cost.N.T)
+        else:
+            X = scipy.linalg.solve_discrete_are(A, B, cost.Q, cost.R, s=cost.N)
+            gain = np.linalg.solve(cost.R + B.T @ X @ B, B.T @ X @ A + cost.N.T)
+    except (np.linalg.LinAlgError, ValueError) as error:
         raise DesignError(f"the Riccati equation has no solution for these weights: {error}") from error
-    gain = np.asarray(gain, dtype=float)
     if not (np.all(np.isfinite(gain)) and is_stable(with_feedback(model, gain))):
         raise DesignError(
             "the Riccati equation gave no stabilising gain: decrease weights.command or increase the others"

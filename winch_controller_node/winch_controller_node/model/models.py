@@ -12,7 +12,8 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
-from cable_sim_node.parameters import CableParameters, CableSimParameters, UnitParameters
+from cable_sim_node.parameters import CableParameters, CableSimParameters
+from cable_sim_node.unit_parameters import UnitParameters
 from cable_sim_node.vertical.axial_line import AxialLine, axial_line
 from cable_sim_node.vertical.linear import drag_at_unit, first_mode, fit_two_state, heave_transfer_function
 from heave_node.numerics.arrays import Array

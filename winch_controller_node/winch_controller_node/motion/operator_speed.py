@@ -57,7 +57,7 @@ class OperatorSpeed:
         self._timeout = parameters.timeout
         self._asked = 0.0
         self._age = math.inf
-        self._is_limit_told = False
+        self._is_limit_reported = False
         self._begun_at: float | None = None
 
     @property
@@ -67,7 +67,7 @@ class OperatorSpeed:
 
     def ask(self, speed: float) -> None:
         """Ask for a `speed` of the mean payout, positive lowers [m/s]."""
-        self._is_limit_told = self._is_limit_told and self.is_asked and speed != 0.0
+        self._is_limit_reported = self._is_limit_reported and self.is_asked and speed != 0.0
         self._asked, self._age = speed, 0.0
 
     def drop(self) -> None:
@@ -92,7 +92,7 @@ class OperatorSpeed:
 
     def limit_news(self, bounds: OperatorRange) -> Alarm | None:
         """Return that more is requested than `bounds` allow, once until it rests or lapses; else None."""
-        if self._is_limit_told or not self.is_asked or abs(self._asked) <= bounds.speed:
+        if self._is_limit_reported or not self.is_asked or abs(self._asked) <= bounds.speed:
             return None
-        self._is_limit_told = True
+        self._is_limit_reported = True
         return ALARMS.alarm("OPERATOR_SPEED_LIMITED", requested=abs(self._asked), limit=bounds.speed)

@@ -33,7 +33,7 @@ class LimitParameters:
         minimum=0.0,
         maximum=100.0,
         description="Highest tension as a multiple of static tension: plans respect it, and above it the winch pays "
-        "out, unless compensation needs more in the sea that is seen, which is told; 0: none.",
+        "out. Where compensation needs more in the sea that is seen it is not kept (TENSION_LIMIT_LOW); 0: none.",
     )
 
     def __post_init__(self) -> None:
@@ -61,8 +61,8 @@ class GuardParameters:
         minimum=0.05,
         maximum=10.0,
         description=(
-            "Fade out when residual over uncompensated motion exceeds this; where a share of the sea is compensated, "
-            "only that share of the gain is asked for."
+            "Fade out when residual over uncompensated motion exceeds this; under an authority A below 1, when it "
+            "exceeds 1 - A (1 - harm_ratio)."
         ),
     )
     floor: float = parameter(
@@ -81,7 +81,11 @@ class GuardParameters:
         "respect the limits by itself; its authority is reduced to that.",
     )
     hold_time: float = parameter(
-        60.0, unit="s", minimum=0.0, maximum=86_400.0, description="Time without compensation before it is tried again."
+        60.0,
+        unit="s",
+        minimum=0.0,
+        maximum=86_400.0,
+        description="Time without compensation after harm, before it is tried again.",
     )
     hold_time_limit: float = parameter(
         960.0,
@@ -95,7 +99,8 @@ class GuardParameters:
         unit="",
         minimum=0.1,
         maximum=100.0,
-        description="No attempt while the sea demands more than this multiple of the winch's limits (1/3 highest).",
+        description="No attempt while the significant amplitude of the boom tip demands more than this multiple of the "
+        "winch's limits.",
     )
 
 
@@ -106,9 +111,11 @@ class LagParameters:
     adaptation: bool = parameter(
         True,
         unit="",
-        description="Learn servo, delay, gain and limits of the winch from its encoder; not with a gain schedule.",
+        description="Identify lag, delay, gain and limits of the winch by its encoder; not with a gain schedule.",
     )
-    window: float = parameter(20.0, unit="s", minimum=5.0, maximum=600.0, description="Length of the record used.")
+    window: float = parameter(
+        20.0, unit="s", minimum=5.0, maximum=600.0, description="Length of the record by which the winch is identified."
+    )
     step: float = parameter(
         0.008,
         unit="s",
@@ -117,7 +124,11 @@ class LagParameters:
         description="Smallest change of time constant or delay that triggers a redesign.",
     )
     largest: float = parameter(
-        0.3, unit="s", minimum=0.0, maximum=5.0, description="Largest change of the delay from its configured value."
+        0.3,
+        unit="s",
+        minimum=0.0,
+        maximum=5.0,
+        description="Largest delay of commands beyond the nominal one: above it compensation ends.",
     )
 
 
@@ -141,15 +152,24 @@ class ModeParameters:
         10.0, unit="s", minimum=0.05, maximum=600.0, description="Time over which compensation is faded out."
     )
     coast_time: float = parameter(
-        1.5, unit="s", minimum=0.0, maximum=10.0, description="Time to run on prediction when the MRU is lost."
+        1.5,
+        unit="s",
+        minimum=0.0,
+        maximum=10.0,
+        description="Time for which prediction replaces a lost MRU or encoder before compensation fades out.",
     )
     resume: bool = parameter(
         True,
         unit="",
-        description="Resume compensation automatically when a lost sensor is back; winch faults wait for an operator.",
+        description="Resume compensation automatically after a lost sensor or a command timeout of the winch; other "
+        "winch faults wait for an operator.",
     )
     resume_time: float = parameter(
-        15.0, unit="s", minimum=0.0, maximum=3600.0, description="Time for which all sensors must be good before that."
+        15.0,
+        unit="s",
+        minimum=0.0,
+        maximum=3600.0,
+        description="Time for which all sensors must be good before a winch that has stopped for one resumes.",
     )
     stop_deceleration: float = parameter(
         0.5, unit="m/s^2", minimum=1e-3, maximum=100.0, description="Deceleration of an orderly stop."

@@ -18,15 +18,19 @@ class CableModelParameters:
     """The two-state cable a x'' + b x' + x = x0 - payout (thesis Eq. 6.2): from the plant's data, or as identified."""
 
     inertia: float = parameter(
-        0.0, unit="s^2", minimum=0.0, maximum=1e4, description="a; 0 derives it from cable, unit and length."
+        0.0,
+        unit="s^2",
+        minimum=0.0,
+        maximum=1e4,
+        description="a of a x'' + b x' + x = x0 - payout; 0 derives it from cable, unit, length.",
     )
     damping: float = parameter(
         0.0,
         unit="s",
         minimum=0.0,
         maximum=1e4,
-        description="b; 0 derives it from drag: linearised at drag_amplitude, and at the unit's speed where that is "
-        "more. A value given holds at any speed.",
+        description="b of the same equation; 0 derives it from drag: linearised at drag_amplitude, and at the unit's "
+        "speed where that is more. A value given holds at any speed.",
     )
     inertia_factor: float = parameter(
         1.0, unit="", minimum=0.1, maximum=10.0, description="Factor on a, for model errors and trials."
@@ -192,9 +196,7 @@ class VesselModelParameters:
         unit="",
         description="RAO table (models rao, fitted), .csv or Capytaine .nc; empty is the hull form shipped.",
     )
-    accept_implausible: bool = parameter(
-        False, unit="", description="Take RAOs of rao_file that cannot well be as they are."
-    )
+    accept_implausible: bool = parameter(False, unit="", description="Take implausible RAOs of rao_file as they are.")
     boom_tip_arm: tuple[float, ...] = parameter(
         (-20.0, 10.0, 15.0),
         unit="m",
@@ -222,14 +224,36 @@ class WeightParameters:
     0 leaves it out.
     """
 
-    unit_heave: float = parameter(0.05, unit="m", minimum=0.0, description="Heave of the unit.")
-    unit_heave_rate: float = parameter(0.0, unit="m/s", minimum=0.0, description="Heave rate of the unit.")
-    outlet_heave: float = parameter(0.05, unit="m", minimum=0.0, description="Boom-tip heave less payout.")
-    payout: float = parameter(50.0, unit="m", minimum=0.0, description="Payout about its mean: prevents drift.")
-    payout_rate: float = parameter(0.0, unit="m/s", minimum=0.0, description="Payout speed.")
-    payout_acceleration: float = parameter(2.0, unit="m/s^2", minimum=0.0, description="Payout acceleration.")
+    unit_heave: float = parameter(
+        0.05,
+        unit="m",
+        minimum=0.0,
+        description="Cost of laws lqr and lqg: scale of unit heave (one scale of each costs the same); smaller is "
+        "tighter. Law mpc has mpc.unit_heave.",
+    )
+    unit_heave_rate: float = parameter(
+        0.0, unit="m/s", minimum=0.0, description="The same cost: scale of the unit's heave rate; 0 leaves it out."
+    )
+    outlet_heave: float = parameter(
+        0.05, unit="m", minimum=0.0, description="The same cost: scale of boom-tip heave less payout; 0 leaves it out."
+    )
+    payout: float = parameter(
+        50.0,
+        unit="m",
+        minimum=0.0,
+        description="The same cost: scale of payout about its mean, which prevents drift; 0 leaves it out.",
+    )
+    payout_rate: float = parameter(
+        0.0, unit="m/s", minimum=0.0, description="The same cost: scale of payout speed; 0 leaves it out."
+    )
+    payout_acceleration: float = parameter(
+        2.0, unit="m/s^2", minimum=0.0, description="The same cost: scale of payout acceleration; 0 leaves it out."
+    )
     command: float = parameter(
-        20.0, unit="m/s", minimum=0.0, description="The command itself (m for a first-order winch); must not be 0."
+        20.0,
+        unit="m/s",
+        minimum=0.0,
+        description="The same cost: scale of the command (m for a first-order winch); must not be 0.",
     )
 
 
@@ -273,10 +297,16 @@ class ScheduleParameters:
     """Gain schedule over the deployed length."""
 
     minimum_length: float = parameter(
-        0.0, unit="m", minimum=0.0, description="Shortest scheduled length; both 0: design at `length` only."
+        0.0,
+        unit="m",
+        minimum=0.0,
+        description="Gain schedule over the length of cable: the shortest; both 0: gains for `length` alone.",
     )
     maximum_length: float = parameter(
-        0.0, unit="m", minimum=0.0, description="Longest scheduled length; both 0: design at `length` only."
+        0.0,
+        unit="m",
+        minimum=0.0,
+        description="Gain schedule over the length of cable: the longest; both 0: gains for `length` alone.",
     )
     points: int = parameter(
         9, unit="", minimum=2, maximum=200, description="Number of lengths at which gains are computed."

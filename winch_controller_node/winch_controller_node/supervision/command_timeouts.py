@@ -52,6 +52,11 @@ class CommandTimeouts:
         self._is_pending = self._is_tried = False
         self._well_time = 0.0
 
+    @property
+    def is_pending(self) -> bool:
+        """Tell whether compensation is asked for again once commands reach the winch."""
+        return self._is_pending
+
     def cancel(self) -> None:
         """Leave it to the operator, who has asked for something."""
         self._is_pending = False

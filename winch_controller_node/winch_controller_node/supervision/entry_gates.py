@@ -61,9 +61,9 @@ class EntryGates:
                 self._mean_squares[name] = before + INNOVATION_WEIGHT * (innovation.nis - before)
                 self._readings[name] = self._readings.get(name, 0) + 1
                 self._newest[name] = self._time
-        self._forget_unread()
+        self._reset_unread()
 
-    def _forget_unread(self) -> None:
+    def _reset_unread(self) -> None:
         for name, newest in self._newest.items():
             if self._time - newest > UNREAD * self._interval(name):
                 self._mean_squares[name] = 1.0

@@ -109,16 +109,16 @@ class HarmGuard:
         self._hold = HarmHold(parameters, tick_period)
         self.trusts_estimate = True
         self._authority_before = 0.0
-        self.forget_sea()
+        self.reset_sea()
 
-    def forget_sea(self) -> None:
+    def reset_sea(self) -> None:
         """Restart the comparison: what was seen until now was another sea."""
         window = self._parameters.window
         self._demand = WinchDemand(window, tick_period=self._dt)
         self._waves = WaveComparison(self._parameters, self._dt)
         self._drum = DrumCheck(window, self._dt)
         self._unit = UnitCheck(window, FLOOR_FACTOR * self._parameters.floor, self._dt)
-        self._excused = Countdown(self._dt)
+        self._allowance = Countdown(self._dt)
         self._corrected_first: dict[str, float] = {}
         self._time = 0.0
 
@@ -166,15 +166,15 @@ class HarmGuard:
         """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
         self._drum.allow_catch_up()
 
-    def forget_mismatch(self) -> None:
+    def reset_mismatch(self) -> None:
         """Compare depth sensor and estimate again: what was seen until now says nothing of either."""
-        self._unit.forget_mismatch()
+        self._unit.reset_mismatch()
 
     def allow_resumption(self) -> None:
         """Do not hold against the loop how drum and unit moved while a sensor was lost."""
         self.allow_catch_up()
         self._unit.allow_left_over()
-        self._excused.start(LEFT_OVER_TIME)
+        self._allowance.start(LEFT_OVER_TIME)
         self._waves.restart()
 
     def allow_correction(self, belief: str) -> None:
@@ -194,7 +194,7 @@ class HarmGuard:
             return
         self.allow_resumption()
         self.trusts_estimate = True
-        self.forget_mismatch()
+        self.reset_mismatch()
 
     def inhibit(self, reason: Alarm, hold: float | None = None) -> None:
         """Keep compensation off while there is a `reason` that is certain, and for a time after it.
@@ -217,7 +217,7 @@ class HarmGuard:
         """
         self._demand.add(motions.boom_tip.rate)
         self._time += self._dt
-        is_excused = self._excused.step()
+        is_allowed = self._allowance.step()
         self._check(motions, authority)
         if self.inhibits:
             self._wait(authority)
@@ -225,7 +225,7 @@ class HarmGuard:
             self._waves.restart()
         elif harm := self._harm_over_seconds():
             self._hold.begin(harm)
-        elif not is_excused and authority >= FULL_SHARE * target:
+        elif not is_allowed and authority >= FULL_SHARE * target:
             if harm := self._waves.harm(motions, authority):
                 self._hold.begin(harm)
             else:

@@ -224,7 +224,7 @@ class UnitCheck:
         """Do not hold the swing that the unit has now against the loop."""
         self._is_corrected = True
 
-    def forget_mismatch(self) -> None:
+    def reset_mismatch(self) -> None:
         """Compare depth sensor and estimate again: one of them has been corrected."""
         self._mismatch.restart()
         self._error = DetrendedHeave(self._dt)

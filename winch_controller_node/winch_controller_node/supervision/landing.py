@@ -56,7 +56,7 @@ CERTAIN = 3.0
 INNOVATION_ABOVE = 1.0
 """Standard deviations by which the depth sensor reads a landed unit above a hanging one, on average over a window."""
 
-SUSPICION_TIME = 3.0
+UNCONFIRMED_TIME = 3.0
 """Longest time of an unconfirmed touchdown, in windows: then compensation is judged again."""
 
 
@@ -181,18 +181,18 @@ class Landing:
     Attributes
     ----------
     unit_stands : on the seabed
-    is_suspected : the unit may just have landed: its readings are no check on the estimate of a hanging unit
+    may_stand : the unit may just have landed: its readings are no check on the estimate of a hanging unit
     """
 
     def __init__(self, parameters: TensionLawParameters, load: HangingLoad) -> None:
         self._parameters = parameters
         self._load = load
         self.unit_stands = False
-        self.is_suspected = False
+        self.may_stand = False
         self._is_lifting = False
         self._depth, self._hanging, self._tension, self._payout, self._innovation = (Trend() for _ in range(5))
         self._hanging_share = Trend()
-        self._suspected_time = -math.inf
+        self._may_stand_since = -math.inf
 
     def take_load(self, load: HangingLoad) -> None:
         """Judge another load, or another length of its cable, from now on."""
@@ -234,7 +234,7 @@ class Landing:
         """
         share = self._load.weight_share(sensed.filtered_tension)
         if not self.unit_stands and self._touches_down(time, sensed, share, mode):
-            self.unit_stands, self.is_suspected, self._is_lifting = True, False, False
+            self.unit_stands, self.may_stand, self._is_lifting = True, False, False
             return LandingEvent.TOUCHDOWN
         if self._is_lifting and share > self._parameters.lift_off_ratio:
             self.unit_stands, self._is_lifting = False, False
@@ -249,14 +249,14 @@ class Landing:
         is_compensating = mode.mode is Mode.COMPENSATING and mode.authority > 0.5
         rate = self.lowering_rate if is_compensating else 0.0
         if rate < LEAST_RATE:
-            self.is_suspected = False
+            self.may_stand = False
             return False
         if not sensed.sees_landing:
             return self._is_relieved_throughout(rate)
         if not sensed.depths:
             return False
         window = min(max(LOWERED / rate, SHORTEST), LONGEST)
-        self._suspect(time, window, rate)
+        self._watch_unconfirmed(time, window, rate)
         return any(self._shows_landing(factor * window, rate, share) for factor in WINDOWS)
 
     @property
@@ -299,12 +299,12 @@ class Landing:
         share = self._load.weight_share(self._tension.mean(time))
         return share < self._parameters.touchdown_ratio * self._hanging_share.mean(time)
 
-    def _suspect(self, time: float, window: float, rate: float) -> None:
+    def _watch_unconfirmed(self, time: float, window: float, rate: float) -> None:
         """Notice within half a window that the unit may have landed."""
         depth, tension = self._depth.slope(0.5 * window), self._tension.slope(0.5 * window)
         stands = depth is not None and abs(depth.value) < STANDING_SHARE * rate
         relieved = tension is None or tension.value < 0.0
-        is_suspected = stands and relieved and self._innovation.mean(0.5 * window) > INNOVATION_ABOVE
-        if is_suspected and time - self._suspected_time > 4.0 * SUSPICION_TIME * window:
-            self._suspected_time = time
-        self.is_suspected = is_suspected and time - self._suspected_time < SUSPICION_TIME * window
+        may_stand = stands and relieved and self._innovation.mean(0.5 * window) > INNOVATION_ABOVE
+        if may_stand and time - self._may_stand_since > 4.0 * UNCONFIRMED_TIME * window:
+            self._may_stand_since = time
+        self.may_stand = may_stand and time - self._may_stand_since < UNCONFIRMED_TIME * window

@@ -5,6 +5,7 @@ from __future__ import annotations
 from heave_node.interface.codes import WinchFault, fault_words
 
 from winch_controller_node.parameters.laws import ModeParameters
+from winch_controller_node.supervision.command_timeouts import WAIT
 from winch_controller_node.supervision.modes import (
     BRAKED,
     MAY_RESUME,
@@ -193,13 +194,18 @@ class ModeMachine:
         situation = self._situation
         if event in (Event.WINCH_FAULT, Event.WINCH_EMERGENCY_STOP):
             cause = f": {situation.fault_cause}" if situation.fault_cause else ""
-            return f"winch fault: {self.fault}{cause}"
+            return f"winch fault: {self.fault}{cause}; {self._after_fault()}"
         if event in (Event.SENSOR_LOST, Event.WINCH_SILENT):
             return f"{situation.lost}; {self._after_loss()}"
         if event is Event.HARM:
-            return situation.harm
+            return self._harm
         # a stop that comes to its end goes on for the reason for which it began
         return self.reason if event in (Event.FADED, Event.AT_REST) else event.value
+
+    @property
+    def _harm(self) -> str:
+        """What harm compensation does, and when it is tried again; empty where it does none."""
+        return "; ".join(part for part in (self._situation.harm, self._situation.prospect) if part)
 
     def _after_loss(self) -> str:
         """Return what becomes of a mode that a lost sensor has ended, once that is good again."""
@@ -207,6 +213,12 @@ class ModeMachine:
         if self.wants_compensation and self._memory.may_resume and self._parameters.resume:
             return f"compensation resumes automatically once the sensor is good{until}"
         return "request a mode once the sensor is good"
+
+    def _after_fault(self) -> str:
+        """Return what becomes of a mode that a fault of the winch has ended, once that is cleared."""
+        if self._situation.resumes_after_fault:
+            return f"compensation resumes automatically {WAIT:g} s after commands reach the winch again"
+        return "clear it, then request a mode"
 
     def _refusal(self, name: str, event: Event) -> str:
         """Return why no row of a request can be taken."""
@@ -232,7 +244,7 @@ class ModeMachine:
             self._approach(self.target, self._parameters.fade_in_time)
             self.reason = f"coasting on prediction: {situation.lost}" if situation.lost else ""
         elif self.mode is Mode.FADE_OUT and self.wants_compensation and situation.harm:
-            self.reason = situation.harm  # the cause may have become known
+            self.reason = self._harm  # the cause may have become known
         elif self.mode is Mode.STANDBY and situation.lost:
             self.reason = situation.lost
         elif self.mode is Mode.STANDBY and self.wants_compensation:
@@ -243,6 +255,4 @@ class ModeMachine:
         if not SETTLED_ESTIMATE.holds(self._view):
             return f"estimate settling, {self._parameters.settling_time - self._well_time:.0f} s more"
         situation = self._situation
-        if situation.harm and situation.prospect:
-            return f"{situation.harm}; {situation.prospect}"
-        return situation.harm or situation.closed_gates or self.reason
+        return self._harm or situation.closed_gates or self.reason

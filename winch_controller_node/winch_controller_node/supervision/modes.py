@@ -118,6 +118,7 @@ class Situation(NamedTuple):
     tension_refusal : why constant tension may not begin now; empty when it may
     fault_cause : why the winch has its fault, in words; empty where that is not known
     awaits_operator : after this harm compensation is tried again only once an operator asks for it
+    resumes_after_fault : the winch has stopped for want of commands, and compensation is asked for again once they come
     """
 
     lost: str
@@ -133,6 +134,7 @@ class Situation(NamedTuple):
     fault_cause: str = ""
     prospect: str = ""
     awaits_operator: bool = False
+    resumes_after_fault: bool = False
 
 
 NOTHING_KNOWN = Situation(lost="", has_estimate=False, winch_fault=WinchFault.NONE, harm="", speed=0.0)

@@ -75,7 +75,7 @@ class WinchSituation(NamedTuple):
     share : largest authority with the winch as it is known
     inhibition : why compensation must be off; None: it need not
     fault_cause : why the winch has its fault, in words; empty: unknown
-    is_contrary : drum or encoder are reversed: the winch is brought to rest until an operator releases it
+    is_reversed : drum or encoder are reversed: the winch is brought to rest until an operator releases it
     mean_acceleration : with which the winch goes there [m/s^2]
     """
 
@@ -86,7 +86,7 @@ class WinchSituation(NamedTuple):
     share: float = 1.0
     inhibition: Alarm | None = None
     fault_cause: str = ""
-    is_contrary: bool = False
+    is_reversed: bool = False
     mean_acceleration: float = 0.0
 
 
@@ -156,9 +156,9 @@ class Supervisor:
         self.landing.take_load(hanging_load(design))
         self._refer_to(design, law)
 
-    def forget_sea(self) -> None:
+    def reset_sea(self) -> None:
         """Look at the sea again: what was seen until now was another one."""
-        self.guard.forget_sea()
+        self.guard.reset_sea()
         self._watch_sea()
 
     def _watch_sea(self) -> None:
@@ -183,7 +183,7 @@ class Supervisor:
         self._gates.observe(tick)
         alarms += self._watch_highest_tension(tick)
         lost = self._lost(tick)
-        alarms += self._tell_share(tick, winch)
+        alarms += self._report_share(tick, winch)
         authority_limit = min(
             _known_share(tick),
             winch.share,
@@ -194,7 +194,7 @@ class Supervisor:
         can_settle = not self.landing.unit_stands and math.isinf(self._limits.maximum_tension)
         settles = self._fades_by_law and can_settle
         has_faded = settles and self.modes.authority == 0.0
-        is_damped = not winch.is_contrary and (is_damped_blind or has_faded or self._may_damp(tick, lost))
+        is_damped = not winch.is_reversed and (is_damped_blind or has_faded or self._may_damp(tick, lost))
         situation = self._situation(tick, winch, lost)._replace(
             authority_limit=authority_limit,
             is_settled=not (is_damped or settles) or self._is_settled(tick, winch.settled_swing),
@@ -203,20 +203,20 @@ class Supervisor:
         mode = self.modes.step(situation)
         if mode.before is not None:
             alarms += (mode_alarm(mode),)
-            alarms += self._tell_peaks(mode, authority_limit)
+            alarms += self._report_peaks(mode, authority_limit)
         if mode.mode is Mode.COMPENSATING and mode.before is Mode.FADE_OUT:
             self.guard.allow_resumption()
         if mode.mode is not Mode.FADE_OUT or lost:
             self._fades_by_law = False
         elif mode.before is Mode.COMPENSATING:
             self._fades_by_law = not self.modes.wants_compensation
-        alarms += self._tell_blind_lowering(tick, mode)
+        alarms += self._report_blind_lowering(tick, mode)
         landing = self._watch_landing(time, tick, mode)
         return Decision(
             mode=mode,
             is_inhibited=self.guard.inhibits,
             is_damped=is_damped,
-            trusts_estimate=self.guard.trusts_estimate and not winch.is_contrary,
+            trusts_estimate=self.guard.trusts_estimate and not winch.is_reversed,
             fades_by_law=self._fades_by_law,
             unit_stands=self.landing.unit_stands,
             bounds_tension=self.highest_tension.is_kept,
@@ -226,15 +226,16 @@ class Supervisor:
 
     def _situation(self, tick: LoopTick, winch: WinchSituation, lost: str) -> Situation:
         """Return what `winch`, guard, gates and the sensors that are `lost` tell the modes in a tick."""
-        is_contrary = winch.is_contrary
+        is_reversed = winch.is_reversed
         return Situation(
             has_estimate=tick.sensed.has_encoder,
             winch_fault=winch.fault,
             fault_cause=winch.fault_cause,
             lost=lost,
-            harm=f"{self.guard.reason}; {ASK_AGAIN}" if is_contrary else self.guard.reason,
-            prospect="" if is_contrary else self.guard.prospect,
-            awaits_operator=is_contrary,
+            harm=f"{self.guard.reason}; {ASK_AGAIN}" if is_reversed else self.guard.reason,
+            prospect="" if is_reversed else self.guard.prospect,
+            awaits_operator=is_reversed,
+            resumes_after_fault=self.timeouts.is_pending,
             speed=winch.speed,
             closed_gates=self._closed_gates(tick, winch.mean_payout),
             tension_refusal=self._why_no_tension(tick, winch.mean_payout),
@@ -257,7 +258,7 @@ class Supervisor:
     def _judge(self, tick: LoopTick, mean_acceleration: float) -> tuple[Alarm, ...]:
         """Have the guard judge the tick, with the `mean_acceleration` of the payout [m/s^2]; return its new alarm."""
         # the estimate is that of a hanging unit
-        hangs = not (self.landing.unit_stands or self.landing.is_suspected)
+        hangs = not (self.landing.unit_stands or self.landing.may_stand)
         is_judged = hangs and tick.knows_tip and self.modes.mode is not Mode.CONSTANT_TENSION
         motions = GuardedMotions(
             unit=tick.unit,
@@ -273,7 +274,7 @@ class Supervisor:
         self._code_before = "" if alarm is None else alarm.code
         return (alarm,) if alarm is not None and alarm.code != before else ()
 
-    def _tell_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
+    def _report_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
         """Return what limits authority, where it lasts, or that it is over."""
         known_share = _known_share(tick)
         is_of_sea = known_share <= winch.share
@@ -286,7 +287,7 @@ class Supervisor:
         )
         return (alarm,) if alarm else ()
 
-    def _tell_peaks(self, mode: ModeOutput, authority_limit: float) -> tuple[Alarm, ...]:
+    def _report_peaks(self, mode: ModeOutput, authority_limit: float) -> tuple[Alarm, ...]:
         """Return that compensation begins in a sea whose peaks are beyond what the winch should be used for.
 
         Parameters
@@ -393,7 +394,7 @@ class Supervisor:
         self._blind_time = self._blind_time + self._dt if is_blind else 0.0
         return is_blind and self._blind_time < BLIND_LIMIT
 
-    def _tell_blind_lowering(self, tick: LoopTick, mode: ModeOutput) -> tuple[Alarm, ...]:
+    def _report_blind_lowering(self, tick: LoopTick, mode: ModeOutput) -> tuple[Alarm, ...]:
         """Return that the winch lowers without depth readings, and how touchdown is known then, where that is new."""
         is_blind = mode.mode is Mode.COMPENSATING and not tick.sensed.sees_landing and not self.landing.unit_stands
         if not self._blind_lowering.begins(is_blind and self.landing.lowering_rate >= LEAST_RATE):

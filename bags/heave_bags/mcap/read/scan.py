@@ -489,8 +489,8 @@ class McapScan:
         self._settle_lost_chunk()
         read = sum(self.counts.values()) - self._damaged
         expected = self._expected if self._expected is not None else count_in_record(self.contents.metadata)
-        is_told = self._is_whole and expected is not None and expected >= read
-        lacking = expected - read if is_told and expected is not None else None
+        is_reported = self._is_whole and expected is not None and expected >= read
+        lacking = expected - read if is_reported and expected is not None else None
         if self._is_whole and expected is not None and self.contents.complete and read > expected:
             self._lose(0, f"{read - expected} messages more than the file says it has: some are repeated", 0)
         self.contents.losses = self._account.settle(lacking, is_cut=not self.contents.complete)

@@ -6,11 +6,15 @@ import argparse
 import math
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
+
+if TYPE_CHECKING:
+    from heave_bags.analyse.time_base import Column
 
 ENDINGS = (".csv", ".parquet", ".xlsx")
 
@@ -39,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Write the tables that `options` name, and say what is in them."""
     from heave_bags.analyse import time_base
-    from heave_bags.analyse.analysis import save_frame
+    from heave_bags.analyse.analysis import legend_file, save_frame
     from heave_bags.analyse.run_record import read_run
     from heave_bags.mcap.loss import remarks
     from heave_bags.mcap.reader import Bag
@@ -62,24 +66,37 @@ def execute(options: argparse.Namespace) -> None:
             bag = Bag(options.bag)
             samples = time_base.topic_samples(bag, options.topics, lambda share: progress.show("reading", share))
             lost = remarks(bag.notes, bag.losses)
+            columns = time_base.topic_columns(bag, samples)
         else:
             record = read_run(options.bag, progress=lambda share: progress.show("reading", share))
             samples, lost = time_base.run_samples(record), record.remarks()
+            columns = {name: time_base.COLUMNS.get(name, time_base.MODE) for name in samples}
         frame = time_base.on_one_time_base(samples, options.period)
         progress.show("writing")
+        columns = {name: columns[name] for name in frame.columns}
+        legend = time_base.legend(columns)
         for path in paths:
-            save_frame(frame, path)
+            save_frame(frame, path, legend)
     warn(lost)
     step = float(frame.index[1] - frame.index[0]) if len(frame) > 1 else 0.0
     span = f"{len(frame)} rows every {step:.6g} s, from {frame.index[0]:.6g} s to {frame.index[-1]:.6g} s"
     lines = [f"{path.resolve()}: {span}" for path in paths]
-    told = {
+    lines += [f"{legend_file(path).resolve()}: what each column is" for path in paths if path.suffix != ".xlsx"]
+    width = max(map(len, columns))
+    reported = {
         "files": [str(path.resolve()) for path in paths],
         "rows": len(frame),
-        "columns": list(frame.columns),
+        "columns": {name: one._asdict() for name, one in columns.items()},
         "remarks": lost,
     }
-    write_result(options, "\n".join([*lines, *(f"  {name}" for name in frame.columns)]), told)
+    described = [f"  {name:{width}}  {_described(one)}".rstrip() for name, one in columns.items()]
+    write_result(options, "\n".join([*lines, *described]), reported)
+
+
+def _described(column: Column) -> str:
+    """Return meaning and unit of a `column` in words."""
+    has_unit = not column.unit or f"[{column.unit}]" in column.meaning
+    return column.meaning if has_unit else f"{column.meaning} [{column.unit}]"
 
 
 COMMAND = Command(

@@ -60,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--accept-implausible",
         action="store_true",
-        help="take figures that cannot well be (heave of 130 m, fill values, a sensor that stands still) as they are",
+        help="take implausible figures (heave of 130 m, fill values, a sensor that stands still) as they are",
     )
     parser.add_argument("--force", action="store_true", help="write over files that are there")
 

@@ -42,8 +42,8 @@ def execute(options: argparse.Namespace) -> None:
         {**analysis.to_json(record, options.window), "warnings": own}
         for record, own in zip(records, warnings, strict=True)
     ]
-    told = [f"{record.name}: {line}" for record, own in zip(records, warnings, strict=True) for line in own]
-    text = "\n".join([analysis.table(records), *told])
+    reported = [f"{record.name}: {line}" for record, own in zip(records, warnings, strict=True) for line in own]
+    text = "\n".join([analysis.table(records), *reported])
     if options.window is not None:
         text = "\n\n".join([text, *(analysis.window_table(record, options.window) for record in records)])
     if options.table is not None:

@@ -62,17 +62,17 @@ def execute(options: argparse.Namespace) -> None:
     if options.picture:
         files["picture"] = options.picture.resolve()
         save_picture(output, files["picture"])
-    told = [f"{record.name}: {line}" for record, one in zip(records, verdicts, strict=True) for line in one.lines()]
+    reported = [f"{record.name}: {line}" for record, one in zip(records, verdicts, strict=True) for line in one.lines()]
     table = analysis.table(records) if options.full else headline.table(records)
     places = [f"{name:<9} {path}" for name, path in files.items()]
     runs = [
         {**analysis.to_json(record), "verdict": one.to_json()} for record, one in zip(records, verdicts, strict=True)
     ]
     result = {**{name: str(path) for name, path in files.items()}, "runs": runs}
-    write_result(options, "\n".join([table, "", *places, "", *told]), result)
+    write_result(options, "\n".join([table, "", *places, "", *reported]), result)
     failures = [f"{record.name}: {one}" for record, of in zip(records, verdicts, strict=True) for one in of.failures]
     if failures:
-        raise VerdictError(failures)
+        raise VerdictError(failures, str(output))
 
 
 def _output(given: Path | None, bags: Sequence[Path]) -> Path:

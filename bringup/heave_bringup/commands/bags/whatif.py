@@ -49,7 +49,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.progress import ProgressLine
     from heave_bringup.whatif.fitness import warnings
     from heave_bringup.whatif.page import render
-    from heave_bringup.whatif.words import causes, check_line, headings, identified_rows, rows, told_line
+    from heave_bringup.whatif.words import causes, check_line, headings, identified_rows, report_line, rows
     from heave_bringup.whatif.words import to_json as json_of
 
     warn(["whatif is experimental: its answers are not validated (docs/guide/howto/what_would_have_been.md)"])
@@ -69,7 +69,7 @@ def execute(options: argparse.Namespace) -> None:
         raise CommandError(f"{page}: cannot be written: {error.strerror}") from error
     table = make_table(headings(), rows(result))
     values = make_table(["identified", "value", "sigma", "assumed"], identified_rows(result.known))
-    lines = [check_line(result), told_line(result.known), *causes(result.answers)]
+    lines = [check_line(result), report_line(result.known), *causes(result.answers)]
     warn(warnings(result.known, result.answers))
     ends = f"bands are of 90 %\n\npage      {page.resolve()}"
     write_result(options, ["\n".join(lines), table, values, ends], {**json_of(result), "page": str(page.resolve())})

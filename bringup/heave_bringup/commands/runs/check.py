@@ -56,7 +56,7 @@ def execute(options: argparse.Namespace) -> None:
         {"external": node, "good": not wrong, "findings": [vars(finding) for finding in findings]},
     )
     if wrong:
-        raise VerdictError([f"{node}: {wrong[0].topic}: {wrong[0].what}: {wrong[0].words}"])
+        raise VerdictError([f"{node}: {one.topic}: {one.what}" for one in wrong], "the table above")
 
 
 COMMAND = Command(

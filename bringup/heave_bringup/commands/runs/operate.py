@@ -182,14 +182,14 @@ def execute(options: argparse.Namespace) -> None:
         if options.verb is None:
             operate_on_screen(link, link.place)
         elif options.verb == "status":
-            _tell_status(options, link)
+            _report_status(options, link)
         else:
-            _tell_answer(options, _do(options, link))
+            _report_answer(options, _do(options, link))
     finally:
         link.close()
 
 
-def _tell_status(options: argparse.Namespace, link: RunLink) -> None:
+def _report_status(options: argparse.Namespace, link: RunLink) -> None:
     from dataclasses import asdict
 
     from heave_bringup.operate.situation import status_line
@@ -202,7 +202,7 @@ def _tell_status(options: argparse.Namespace, link: RunLink) -> None:
     write_result(options, status_line(situation), asdict(situation))
 
 
-def _tell_answer(options: argparse.Namespace, answer: Answer) -> None:
+def _report_answer(options: argparse.Namespace, answer: Answer) -> None:
     from heave_bringup.output import write_result
 
     if options.json or not answer.is_refused:

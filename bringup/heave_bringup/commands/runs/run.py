@@ -36,6 +36,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--pacing", choices=(LOCKSTEP, REALTIME), help="as fast as possible, or paced by the wall clock"
     )
+    parser.add_argument(
+        "--realtime-priority",
+        type=int,
+        metavar="N",
+        help="in real time: SCHED_FIFO priority N (1 to 99) for the nodes that others wait for, with their memory "
+        "locked; where the machine does not permit it, the run says so and goes on without",
+    )
     parser.add_argument("--duration", type=float, metavar="S", help="simulated seconds")
     parser.add_argument("--seed", type=int, metavar="N", help="seed of all random numbers")
     parser.add_argument(
@@ -165,14 +172,14 @@ def execute(options: argparse.Namespace) -> None:
         f"bag       {folder.bag}",
         *([f"report    {report}"] if report else []),
     ]
-    told = [
-        *_told("errors reported by the nodes:", outcome.alarms),
-        *_told("compensation was lost:", result.losses),
-        *_told("warnings:", result.warnings),
+    reported = [
+        *_reported("errors reported by the nodes:", outcome.alarms),
+        *_reported("compensation was lost:", result.losses),
+        *_reported("warnings:", result.warnings),
     ]
     more = f"all figures: heave kpi {shlex.quote(str(folder.path))}"
     table = result.table if options.full else f"{result.headline}\n{more}"
-    text = "\n".join([table, "", *told, *places, "", *result.verdict.lines()])
+    text = "\n".join([table, "", *reported, *places, "", *result.verdict.lines()])
     if options.quiet:
         warn(result.warnings)
     write_result(
@@ -189,7 +196,7 @@ def execute(options: argparse.Namespace) -> None:
     if unsound:
         raise CommandError("; ".join(unsound))
     if result.verdict.failures:
-        raise VerdictError(result.verdict.failures)
+        raise VerdictError(result.verdict.failures, str(report or folder.path))
 
 
 def _required(texts: Sequence[str]) -> list[Criterion]:
@@ -204,8 +211,8 @@ def _required(texts: Sequence[str]) -> list[Criterion]:
 def _own_settings(options: argparse.Namespace) -> list[Setting]:
     """Return the command's own options as changes of the scenario."""
     settings = [
-        Setting(WILDCARD, name, value, f"--{name} {value}")
-        for name in ("pacing", "duration", "seed")
+        Setting(WILDCARD, name, value, f"--{name.replace('_', '-')} {value}")
+        for name in ("pacing", "realtime_priority", "duration", "seed")
         if (value := getattr(options, name)) is not None
     ]
     if options.external:
@@ -268,7 +275,7 @@ def _substitutes(settings: Sequence[str]) -> dict[str, Path]:
     return chosen
 
 
-def _told(heading: str, lines: Sequence[str]) -> list[str]:
+def _reported(heading: str, lines: Sequence[str]) -> list[str]:
     return [heading, *(f"  {line}" for line in lines), ""] if lines else []
 
 

@@ -195,13 +195,13 @@ def fit_cable(evidence: Evidence, prior: Prior, near: Values | None = None) -> C
     centre = values_at(np.array([*prior.centre.values()]), prior.centre)
     starts: list[Values] = [near] if near else [centre, *({**centre, INERTIA: math.exp(one)} for one in STARTS)]
     fit = _fitted(evidence, prior, near or centre, starts)
-    believed = evidence.source.high_pass
+    assumed = evidence.source.high_pass
     x, noise = point_of(fit.values), evidence.noise
     held = Search(evidence, prior, fit.values, noise).at(x).loss
     for period in HIGH_PASSES:
-        if period == believed.period:
+        if period == assumed.period:
             continue
-        source = tip_source(evidence.record, evidence.source.believed, believed._replace(period=period))
+        source = tip_source(evidence.record, evidence.source.assumed, assumed._replace(period=period))
         other = replace(evidence, source=source)
         # at the same values first: it is seldom worth a search of its own
         if held - Search(other, prior, fit.values, noise).at(x).loss > PRICES[HIGH_PASS]:

@@ -61,10 +61,10 @@ def disturbance(readings: Array, time: Array, twin: Array, stated_noise: float) 
     transform = np.fft.rfft(gap)
     power = np.abs(transform) ** 2
     quiet = power[omega > QUIET]
-    told = float(np.median(quiet)) / math.log(2.0) if quiet.size >= LEAST_QUIET else count * stated_noise**2
+    reported = float(np.median(quiet)) / math.log(2.0) if quiet.size >= LEAST_QUIET else count * stated_noise**2
     smooth = smooth_spectrum(power, omega)
     # what chance alone may raise over the noise is none
-    chance = told * (1.0 + CHANCE / math.sqrt(smoothed_count(omega)))
+    chance = reported * (1.0 + CHANCE / math.sqrt(smoothed_count(omega)))
     kept = np.where(omega <= WAVES[1], np.clip(1.0 - chance / np.maximum(smooth, 1e-300), 0.0, 1.0), 0.0)
     kept[0] = 0.0
     inside = (omega >= WAVES[0]) & (omega <= WAVES[1])
@@ -73,7 +73,7 @@ def disturbance(readings: Array, time: Array, twin: Array, stated_noise: float) 
     return Disturbance(
         heave=np.interp(time, grid, motion),
         waves=math.sqrt(2.0 * float(np.sum(waves)) / count**2),
-        left=math.sqrt(2.0 * float(kept @ kept) * told / count**2),
-        noise=math.sqrt(told / count),
-        chi2=float(np.mean(power[inside]) / told),
+        left=math.sqrt(2.0 * float(kept @ kept) * reported / count**2),
+        noise=math.sqrt(reported / count),
+        chi2=float(np.mean(power[inside]) / reported),
     )

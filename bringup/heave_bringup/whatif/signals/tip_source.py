@@ -26,14 +26,14 @@ class TipSource:
     ----------
     time : of each tick (n,) [s]
     plain : boom tip under what is assumed of the MRU
-    believed : of the MRU
+    assumed : of the MRU
     high_pass : that the MRU has
     pitch, pitch_rate : of the vessel at each tick, about its mean (n,) [rad], [rad/s]
     """
 
     time: Array
     plain: Tip
-    believed: Correction
+    assumed: Correction
     high_pass: HighPass
     pitch: Array
     pitch_rate: Array
@@ -59,17 +59,17 @@ class TipSource:
         return Tip(heave, rate, self.plain.sigma)
 
 
-def tip_source(record: SensorRecord, believed: Correction, high_pass: HighPass) -> TipSource:
-    """Return what the MRU of a `record` says of the boom tip, with what is `believed` of it and its `high_pass`."""
+def tip_source(record: SensorRecord, assumed: Correction, high_pass: HighPass) -> TipSource:
+    """Return what the MRU of a `record` says of the boom tip, with what is `assumed` of it and its `high_pass`."""
     time, _, pitch = record.attitude.T
-    read = at_ticks(record, time - believed.delay, pitch) if len(time) else np.zeros(record.ticks)
+    read = at_ticks(record, time - assumed.delay, pitch) if len(time) else np.zeros(record.ticks)
     half = max(1, round(0.5 * STEADY / record.tick_period))
     about = np.ones(2 * half + 1)
     mean = np.convolve(read - read.mean(), about, "same") / np.convolve(np.ones_like(read), about, "same")
     return TipSource(
         record.time,
-        smoothed_tip(record, believed, high_pass),
-        believed,
+        smoothed_tip(record, assumed, high_pass),
+        assumed,
         high_pass,
         mean,
         np.gradient(mean, record.tick_period),

@@ -8,7 +8,7 @@ import numpy as np
 from cable_sim_node.vertical.axial_line import AxialLine
 from cable_sim_node.vertical.axial_stepper import AxialInput, AxialStepper
 from heave_node.numerics.arrays import Array
-from winch_controller_node.design.design import believed_cable, believed_plant
+from winch_controller_node.design.design import assumed_cable, assumed_plant
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.whatif.signals.tip import Tip
@@ -37,12 +37,12 @@ class PlantFactors:
 
 def nominal_line(parameters: WinchControllerParameters) -> AxialLine:
     """Return cable and unit as the `parameters` of a controller state them, its own a and factors with them."""
-    believed = parameters.cable_model
-    derived = replace(parameters, cable_model=replace(believed, inertia=0.0, inertia_factor=1.0))
-    a, length = believed_cable(parameters, parameters.length).a, parameters.length
-    drag = believed.damping_factor
-    factors = PlantFactors(a / believed_cable(derived, length).a, drag, drag)
-    return scaled_line(believed_plant(parameters).line(length), factors)
+    assumed = parameters.cable_model
+    derived = replace(parameters, cable_model=replace(assumed, inertia=0.0, inertia_factor=1.0))
+    a, length = assumed_cable(parameters, parameters.length).a, parameters.length
+    drag = assumed.damping_factor
+    factors = PlantFactors(a / assumed_cable(derived, length).a, drag, drag)
+    return scaled_line(assumed_plant(parameters).line(length), factors)
 
 
 def scaled_line(line: AxialLine, factors: PlantFactors) -> AxialLine:

@@ -24,8 +24,8 @@ SLOW = 1.0
 
 def winch_under(beliefs: Beliefs, nominal: WinchControllerParameters) -> WinchParameters:
     """Return the winch that the `nominal` parameters name, with what `beliefs` say otherwise."""
-    believed = {name: belief.value for name, belief in beliefs.values.items()}
-    drum, winch = drum_of(nominal.winch, believed), nominal.winch
+    assumed = {name: belief.value for name, belief in beliefs.values.items()}
+    drum, winch = drum_of(nominal.winch, assumed), nominal.winch
     speed, acceleration = max(drum.speed_out, drum.speed_in), max(drum.acceleration_out, drum.acceleration_in)
     return WinchParameters(
         law=winch.law,

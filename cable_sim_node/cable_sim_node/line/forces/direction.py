@@ -13,7 +13,13 @@ as they are of a heap of cable.
 
 from __future__ import annotations
 
+import math
+
+from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel, kernel
+
+from cable_sim_node.line.layout import MIDDLE, PER_LENGTH, X, Y, Z
+from cable_sim_node.physics.drag import Vector
 
 FOLDED = 0.5
 """Chord over unstretched length below which a segment counts as folded.
@@ -27,6 +33,19 @@ def folded(ratio: float) -> float:
     """Return f of a folded segment, at `ratio` r below FOLDED."""
     share = ratio / FOLDED
     return (1.5 - 0.5 * share * share) / FOLDED
+
+
+@inner_kernel
+def direction_at(tile: Array, j: int) -> Vector:
+    """Return the direction of segment `j` of `tile` in the middle state."""
+    dx = tile[MIDDLE + X + j + 1] - tile[MIDDLE + X + j]
+    dy = tile[MIDDLE + Y + j + 1] - tile[MIDDLE + Y + j]
+    dz = tile[MIDDLE + Z + j + 1] - tile[MIDDLE + Z + j]
+    per_length = tile[PER_LENGTH + j]
+    stretched = math.sqrt(dx * dx + dy * dy + dz * dz)
+    ratio = stretched * per_length
+    size = 1.0 / (stretched + 1e-300) if ratio >= FOLDED else per_length * folded(ratio)
+    return dx * size, dy * size, dz * size
 
 
 @inner_kernel

@@ -15,16 +15,20 @@ from heave_node.numerics.compiled import inner_kernel, kernel
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.forces.bending import solve_with_bending
+from cable_sim_node.line.forces.body import set_unit
 from cable_sim_node.line.forces.flow import set_flow
+from cable_sim_node.line.forces.surface import dry_part
 from cable_sim_node.line.layout import (
     BENDING_ON,
     CENTRE,
     CUBIC,
     CX,
+    DISPLACED,
     FLOW_AX,
     FLOW_X,
     FLOW_Y,
     FLOW_Z,
+    GRAVITY,
     LANES,
     LENGTH,
     LUMP_DRAG,
@@ -36,6 +40,7 @@ from cable_sim_node.line.layout import (
     SHIFT,
     STIFFNESS,
     STRIDE,
+    SURFACE_ON,
     TANGENTIAL_DRAG,
     TIME,
     UNIT_BODY_DRAG,
@@ -52,6 +57,7 @@ from cable_sim_node.line.observation import evaluate
 from cable_sim_node.line.tiles import take_present
 from cable_sim_node.physics.drag import Vector, drag_force, resolve
 from cable_sim_node.physics.tension_law import strain_at, yielding_words
+from cable_sim_node.statics.suspended import floating_words
 
 _PASSES = 200
 
@@ -119,6 +125,7 @@ def march(line: LineArrays, n: int, force: Array, drag: Array, direction: Array)
     tiles, numbers = line.tiles, line.numbers
     take_present(tiles, n)
     set_flow(line, n, numbers[NOW + TIME])
+    set_unit(line, numbers[NOW + TIME])
     water = tiles[0]
     speed = math.sqrt(water[FLOW_X] ** 2 + water[FLOW_Y] ** 2 + water[FLOW_Z] ** 2)
     for k in range(3):
@@ -131,8 +138,11 @@ def march(line: LineArrays, n: int, force: Array, drag: Array, direction: Array)
         length = tile[LENGTH + j]
         half = 0.5 * length
         u = (tile[FLOW_X + j + 1], tile[FLOW_Y + j + 1], tile[FLOW_Z + j + 1])
-        force[2] += half * tile[WEIGHT + j]
-        tension = aim(force, u, tile[NORMAL_DRAG + j] * half, tile[TANGENTIAL_DRAG + j] * half, direction, drag)
+        dry = dry_part(tile, j, 0.0) if numbers[SURFACE_ON] > 0.0 else 0.0
+        weight = half * (tile[WEIGHT + j] + dry * tile[DISPLACED + j] * numbers[GRAVITY])
+        wet = (1.0 - dry) * half
+        force[2] += weight
+        tension = aim(force, u, tile[NORMAL_DRAG + j] * wet, tile[TANGENTIAL_DRAG + j] * wet, direction, drag)
         if not tension > 0.0:
             return False
         strain = strain_at(tile[STIFFNESS + j], tile[QUADRATIC + j], tile[CUBIC + j], tension)
@@ -143,7 +153,7 @@ def march(line: LineArrays, n: int, force: Array, drag: Array, direction: Array)
             above[X + k * STRIDE + m] = tile[X + k * STRIDE + j] + stretched * direction[k]
             # the upper half of the segment hangs on the next one
             force[k] -= 2.0 * drag[k]
-        force[2] += half * tile[WEIGHT + j] + above[LUMP_WEIGHT + m]
+        force[2] += weight + above[LUMP_WEIGHT + m]
         lump_drag = above[LUMP_DRAG + m] * math.sqrt(u[0] ** 2 + u[1] ** 2 + u[2] ** 2)
         for k in range(3):
             force[k] -= lump_drag * u[k]
@@ -263,6 +273,8 @@ def hang(line: LineArrays, boom_tip: Array) -> None:
         line.write(X, positions)
         if np.max(np.abs(miss)) < 1e-12 * total:
             break
+        if positions[0, 2] > boom_tip[2] and line.numbers[SURFACE_ON] > 0.0:
+            raise NoEquilibriumError(floating_words(float(positions[0, 2])))
     else:
         raise NoEquilibriumError("the line has no equilibrium in the current: the current changes too fast with depth")
     positions[n] = boom_tip

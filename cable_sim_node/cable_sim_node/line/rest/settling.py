@@ -78,7 +78,7 @@ def settle(line: LineArrays, parameters: CableSimParameters, boom_tip: Array) ->
     hold_here(line)
     rests = _let_go(line, n, boom_tip)
     numbers[at.SETTINGS :] = settings
-    numbers[[at.NEWTON, at.STEPS, at.REFUSED]] = 0.0
+    numbers[[at.NEWTON, at.STEPS, at.REFUSED, at.HEAVE_PATH, at.HEAVE_SQUARE, at.HEAVE_WEIGHT]] = 0.0
     if not rests:
         raise NoEquilibriumError(
             f"the line does not come to rest on the seabed within {_LONGEST:g} s: give it more friction or less current"

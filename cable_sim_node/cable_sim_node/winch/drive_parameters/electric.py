@@ -46,7 +46,11 @@ class ElectricParameters:
         10e3, unit="W", minimum=0.0, maximum=1e8, description="Copper loss at torque_limit; proportional to torque^2."
     )
     reference_time: float = parameter(
-        0.05, unit="s", minimum=1e-3, maximum=60.0, description="Time constant of the reference behind the set-point."
+        0.05,
+        unit="s",
+        minimum=1e-3,
+        maximum=60.0,
+        description="Time constant with which the speed reference follows the set-point.",
     )
     bandwidth: float = parameter(
         20.0, unit="rad/s", minimum=0.1, maximum=1000.0, description="Gain of the speed loop, divided by mass."

@@ -62,7 +62,11 @@ class FrictionParameters:
         0.0, unit="", minimum=0.0, maximum=1.0, description="Friction proportional to tension, as a fraction of it."
     )
     slip_speed: float = parameter(
-        0.01, unit="m/s", minimum=1e-6, maximum=100.0, description="Rope speed at which both reach 76 % of their value."
+        0.01,
+        unit="m/s",
+        minimum=1e-6,
+        maximum=100.0,
+        description="Rope speed at which the two frictions above reach 76 % of their value.",
     )
     viscous: float = parameter(
         0.0, unit="N s/m", minimum=0.0, maximum=1e9, description="Friction proportional to speed."

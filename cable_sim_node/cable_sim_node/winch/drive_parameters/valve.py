@@ -71,7 +71,9 @@ class ServoValveParameters:
 class SupplyParameters:
     """The hydraulic power unit. Pressures are above atmospheric, as gauges read them."""
 
-    pressure: float = parameter(24e6, unit="Pa", minimum=1e5, maximum=1e8, description="Set pressure of the unit.")
+    pressure: float = parameter(
+        24e6, unit="Pa", minimum=1e5, maximum=1e8, description="Set pressure of the hydraulic power unit."
+    )
     accumulator_volume: float = parameter(
         0.0, unit="m^3", minimum=0.0, maximum=100.0, description="Gas volume at precharge; 0: constant supply pressure."
     )

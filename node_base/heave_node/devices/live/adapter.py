@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from heave_node.devices.formats.device_time import DeviceTime
 from heave_node.devices.formats.sample import Sample
+from heave_node.devices.live.counted_time import CountedTime
 from heave_node.devices.live.crane_maker import CraneMaker
 from heave_node.devices.live.link_watch import LinkWatch
 from heave_node.devices.live.mru_maker import MruMaker
@@ -17,6 +18,8 @@ from heave_node.devices.maps.device_map import DeviceMap
 from heave_node.interface import sensors, topics
 from heave_node.interface.sensors import WireReading
 
+_COUNT_BEGAN = 10**18
+"""Stamp of a counted time of 0 s [ns]: far from any simulated time, so that it is taken for a clock of its own."""
 NO_STAMP = 0
 """Stamp of a reading whose time of arrival counts."""
 WINCH_STATE = "winch/state"
@@ -69,6 +72,7 @@ class Adapter:
         self._mru = MruMaker(device)
         self._crane = CraneMaker(device.timeout)
         self._time = DeviceTime()
+        self._counted: dict[str, CountedTime] = {}
         self._payout = RecentMotion()
         self._beside: dict[str, float] = {}
         self._count = math.nan
@@ -78,7 +82,7 @@ class Adapter:
         """Return the readings, each with its topic, that `samples` which arrived at `now` [s] make."""
         made = []
         for sample in samples:
-            stamp, time = self._stamp(self._time.nanoseconds(sample), now)
+            stamp, time = self._stamp(self._time.nanoseconds(sample), now, sample.kind)
             made += self._made(self.taker.of_sample(sample, time), stamp, now)
         return made
 
@@ -97,13 +101,19 @@ class Adapter:
         used, time = self._stamp(stamp, now)
         return self._made(self.taker.of_message(topic, message, time), used, now)
 
-    def _stamp(self, own: int | None, now: float) -> tuple[int, float]:
+    def _stamp(self, own: int | None, now: float, kind: str = "") -> tuple[int, float]:
         """Return the stamp [ns] and the time [s] of what has an `own` time [ns], or none, and arrived at `now` [s].
 
-        Without one among stamped ones, the time of arrival counts.
+        Without one, samples of each `kind` are counted where the map states their rate; else the time of arrival
+        counts.
         """
-        stamp = own if self.device.clock == "own" and own is not None else NO_STAMP
-        return stamp, stamp * 1e-9 if stamp else now
+        if self.device.clock == "own" and own is not None:
+            return own, own * 1e-9
+        rate = self.device.record.sample_rate
+        if not (kind and rate):
+            return NO_STAMP, now
+        time = self._counted.setdefault(kind, CountedTime(rate)).time(now)
+        return _COUNT_BEGAN + round(time * 1e9), time
 
     def _made(self, taken: Taken, stamp: int, now: float) -> list[tuple[str, WireReading | WinchReading]]:
         if not taken.values and not taken.invalid:

@@ -43,7 +43,7 @@ class RecordForm:
     ----------
     time_column, time_scale, date_order : of a log in columns
     rate : samples per second of the result
-    sample_rate : of sentences without any time [Hz]; 0: they have one
+    sample_rate : of sentences without any time [Hz], live too: see `counted_time`; 0: they have one
     """
 
     time_column: str | Sequence[str] = ""

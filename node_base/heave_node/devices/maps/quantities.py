@@ -48,6 +48,8 @@ QUANTITIES: Mapping[str, Quantity] = {
     "tension": Quantity("force", 1e8),
     "payout": Quantity("length", 1e4, _OUT),
     "payout_rate": Quantity("speed", 30.0, _OUT),
+    "ordered_rate": Quantity("speed", 30.0, _OUT),
+    "unit_heave": Quantity("length", 1e4, _UP),
     "brake": Quantity("number", 1e9),
     "fault": Quantity("number", 1e9),
     "watchdog": Quantity("number", 1e19),
@@ -60,7 +62,7 @@ QUANTITIES: Mapping[str, Quantity] = {
     "knuckle_rate": Quantity("turn rate", 3.0, _UP),
     "extension_rate": Quantity("speed", 10.0, _OUT),
 }
-"""Quantities by name; SI units, signs of `sample`."""
+"""Quantities by name; SI units, signs of `sample`. Of ordered_rate and unit_heave only records are made use of."""
 NED_WAYS = {
     "heave": "down",
     "heave_rate": "down",

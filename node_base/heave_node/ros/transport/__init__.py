@@ -1,1 +1,1 @@
-"""Who can reach a node and whom it listens to: environment, quality of service, identity, strangers."""
+"""Who can reach a node and whom it listens to, and what its process asks of the machine."""

@@ -101,9 +101,9 @@ class DrumWatch:
         # compiled here, not in a tick of a run in real time
         self._error_after(np.zeros(3))
 
-    def take(self, believed: Mapping[str, float]) -> None:
-        """Go by the `believed` winch from now on, by quantity."""
-        self._drum = np.array(drum_of(self._nominal, believed), dtype=float)
+    def take(self, assumed: Mapping[str, float]) -> None:
+        """Go by the `assumed` winch from now on, by quantity."""
+        self._drum = np.array(drum_of(self._nominal, assumed), dtype=float)
 
     def reset(self, payout: float = 0.0) -> None:
         """Restart with the drum at rest at `payout` [m]."""

@@ -6,7 +6,7 @@ from heave_node.interface.alarm import Alarm
 
 from winch_controller_node.interface.alarms import ALARMS
 
-HELD_TIME, TOLD_AGAIN = 5.0, 60.0
+HELD_TIME, REPORTED_AGAIN = 5.0, 60.0
 """Limited authority is reported once it has lasted for the first time [s], and again after the second; its end, once
 that has lasted for the first time.
 """
@@ -23,7 +23,7 @@ class ShareNews:
     def __init__(self, tick_period: float) -> None:
         self._dt = tick_period
         self._held_time = self._free_time = 0.0
-        self._is_told = False
+        self._is_reported = False
 
     def update(self, share: float, code: str, *, authority: float, factor: float, compensates: bool) -> Alarm | None:
         """Return what is to be reported in this tick; None: nothing.
@@ -38,12 +38,12 @@ class ShareNews:
         is_held = share < 1.0 and compensates
         self._held_time = self._held_time + self._dt if is_held else min(self._held_time + self._dt, 0.0)
         if self._held_time >= HELD_TIME:
-            self._held_time, self._is_told = -TOLD_AGAIN, True
-            return ALARMS.alarm(code, percent=100.0 * share)
+            self._held_time, self._is_reported = -REPORTED_AGAIN, True
+            return ALARMS.alarm(code, percent=100.0 * share, rest=100.0 * (1.0 - share))
         # whatever ends compensation is reported with its mode
-        self._is_told = self._is_told and compensates
-        self._free_time = self._free_time + self._dt if self._is_told and not is_held else 0.0
+        self._is_reported = self._is_reported and compensates
+        self._free_time = self._free_time + self._dt if self._is_reported and not is_held else 0.0
         if self._free_time < HELD_TIME or authority < factor:
             return None
-        self._is_told = False
+        self._is_reported = False
         return ALARMS.alarm("AUTHORITY_RESTORED", percent=100.0 * authority)

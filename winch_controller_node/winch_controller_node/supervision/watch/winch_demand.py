@@ -47,7 +47,7 @@ class WinchDemand:
         self._group_rate = RunningSigma(GROUP_TIME, tick_period)
         self._group_acceleration = RunningSigma(GROUP_TIME, tick_period)
         self._highest_rate = self._highest_acceleration = 0.0
-        self._forgetting = math.exp(-tick_period / HIGHEST_TIME)
+        self._decay = math.exp(-tick_period / HIGHEST_TIME)
         self._last_rate: float | None = None
 
     def add(self, rate: float) -> None:
@@ -55,12 +55,12 @@ class WinchDemand:
         self._growth.add(rate)
         self._rate.add(rate)
         self._group_rate.add(rate)
-        self._highest_rate = max(abs(rate), self._forgetting * self._highest_rate)
+        self._highest_rate = max(abs(rate), self._decay * self._highest_rate)
         if self._last_rate is not None:
             acceleration = (rate - self._last_rate) / self._dt
             self._acceleration.add(acceleration)
             self._group_acceleration.add(acceleration)
-            self._highest_acceleration = max(abs(acceleration), self._forgetting * self._highest_acceleration)
+            self._highest_acceleration = max(abs(acceleration), self._decay * self._highest_acceleration)
         self._last_rate = rate
 
     def significant(self, limits: WinchLimits) -> float:

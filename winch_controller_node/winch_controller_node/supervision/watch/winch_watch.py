@@ -71,9 +71,9 @@ class WinchWatch:
         self._given: WinchOrder | None = None
         self._cautious = 0.0
 
-    def take(self, believed: Mapping[str, float]) -> None:
-        """Go by the `believed` winch from now on, by quantity."""
-        self.drum.take(believed)
+    def take(self, assumed: Mapping[str, float]) -> None:
+        """Go by the `assumed` winch from now on, by quantity."""
+        self.drum.take(assumed)
         self._cautious = 0.0
 
     @property

@@ -1,0 +1,193 @@
+"""What a step of a procedure left: its signals, its event and its alarms, and what several figures take from them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from heave_bags.signals import RunSignals, Signal
+from heave_node.numerics.arrays import Array
+
+GRID = 0.01
+"""Step of the time grid on which a winch is compared with its orders [s]."""
+LONGEST_LAG = 1.5
+"""Largest lag that is looked for [s]."""
+SMOOTH = 0.2
+"""Time over which a rate is averaged before its largest value counts [s]."""
+AT_REST = 0.05
+"""A drum slower than this is at rest [m/s], as in the figures of safety."""
+REMAINS = 0.5
+"""A drum has stopped once it has been at rest for so long [s]."""
+STEADY = 1.0
+"""An order that stays for so long shows how far the rate overshoots [s]."""
+
+
+class Following(NamedTuple):
+    """How a winch followed its orders: rate(t) = gain ordered(t - lag) + what is left.
+
+    Attributes
+    ----------
+    lag : [s]
+    gain : over the whole window [-]
+    least_gain : smallest of those of its fifths [-]
+    error : standard deviation of what is left over that of the rate [-]
+    """
+
+    lag: float = math.nan
+    gain: float = math.nan
+    least_gain: float = math.nan
+    error: float = math.nan
+
+
+@dataclass(frozen=True)
+class Nominal:
+    """The winch by its data sheet: speed limit [m/s], acceleration limit [m/s^2], lag and delay together [s]."""
+
+    speed: float = math.nan
+    acceleration: float = math.nan
+    lag: float = math.nan
+
+
+@dataclass
+class Measured:
+    """What a step left, and the window of it that is judged.
+
+    Attributes
+    ----------
+    run : signals that figures of merit are computed from
+    start, end : of the window [s]
+    ordered_rate : ordered payout rate [m/s], positive pays out
+    event, event_end : of what was done to the part [s]; NaN: nothing was
+    alarms : time [s] and code of each; of what a controller holds of a sensor or a winch, its words
+    readings : of each sensor, by name: heave [m] of the MRU, depth [m], tension [N], payout [m] and rate [m/s] of the
+        encoder; of a run the payout of its signals is about the programme of depth, that of the encoder is not
+    nominal : the winch as it should be
+    notes : what a reader must know
+    """
+
+    run: RunSignals
+    start: float
+    end: float
+    ordered_rate: Signal = field(default_factory=Signal)
+    event: float = math.nan
+    event_end: float = math.nan
+    alarms: Sequence[tuple[float, str]] = ()
+    readings: Mapping[str, Signal] = field(default_factory=dict)
+    nominal: Nominal = field(default_factory=Nominal)
+    notes: list[str] = field(default_factory=list)
+
+    def reading(self, sensor: str) -> Signal:
+        """Return what a `sensor` read within the window; empty where it read nothing."""
+        return self.readings.get(sensor, Signal()).window(self.start, self.end)
+
+    @cached_property
+    def payout(self) -> Signal:
+        """Payout within the window [m]: what the encoder reads, where it is known."""
+        return self.reading("encoder") if "encoder" in self.readings else self.run.payout.window(self.start, self.end)
+
+    @cached_property
+    def rate(self) -> Signal:
+        """Payout rate within the window [m/s]: as it is reported, else the difference of payout."""
+        if "encoder_rate" in self.readings:
+            return self.reading("encoder_rate")
+        if self.run.payout_rate.size:
+            return self.run.payout_rate.window(self.start, self.end)
+        payout = self.payout
+        return Signal(payout.time, np.gradient(payout.value, payout.time)) if payout.size > 2 else Signal()
+
+    @cached_property
+    def grid(self) -> Array:
+        """Times at which rate and order are compared [s]; empty where either is not known."""
+        rate, ordered = self.rate, self.ordered_rate
+        if rate.size < 3 or ordered.size < 3:
+            return np.empty(0)
+        first, last = max(rate.time[0], ordered.time[0]), min(rate.time[-1], ordered.time[-1])
+        return np.arange(first, last, GRID)
+
+    @cached_property
+    def smooth_rate(self) -> Array:
+        """The rate at the times of the grid, averaged over SMOOTH [m/s]."""
+        width = round(SMOOTH / GRID)
+        if self.grid.size <= width:
+            return np.empty(0)
+        return np.convolve(np.interp(self.grid, self.rate.time, self.rate.value), np.full(width, 1.0 / width), "valid")
+
+    @cached_property
+    def following(self) -> Following:
+        """How the winch followed its orders, by least squares over the lag."""
+        shifts = round(LONGEST_LAG / GRID)
+        if self.grid.size < 2 * shifts:
+            return Following()
+        rate = np.interp(self.grid, self.rate.time, self.rate.value)
+        ordered = np.interp(self.grid, self.ordered_rate.time, self.ordered_rate.value)
+        count = rate.size - shifts
+        seen, orders = rate[shifts:], [ordered[shifts - k : shifts - k + count] for k in range(shifts + 1)]
+        powers = np.array([one @ one for one in orders])
+        if powers.min() < count * AT_REST**2:
+            return Following()
+        explained = np.array([seen @ one for one in orders]) ** 2 / powers
+        lag, best = _peak(explained), orders[int(explained.argmax())]
+        gain = float(seen @ best / (best @ best))
+        whole = float(best @ best) / count
+        fifths = [(a, o) for a, o in zip(np.array_split(seen, 5), np.array_split(best, 5), strict=True)]
+        gains = [float(a @ o / (o @ o)) for a, o in fifths if o @ o > 0.1 * whole * o.size]
+        return Following(GRID * lag, gain, min(gains), float(np.std(seen - gain * best) / np.std(seen)))
+
+    @cached_property
+    def stop(self) -> float:
+        """Time at which the drum has stopped after the event [s]; NaN where it does not, or nothing happened."""
+        after = self.rate.window(self.event, self.end) if math.isfinite(self.event) else Signal()
+        if not after.size:
+            return math.nan
+        moves = np.array([self.event, *after.time[np.abs(after.value) >= AT_REST], after.time[-1]])
+        rests = np.flatnonzero(np.diff(moves) >= REMAINS)
+        return float(moves[rests[0]]) if rests.size else math.nan
+
+    def alarm_time(self, codes: Collection[str] | None = None) -> float:
+        """Return the time from the event until the first alarm came [s]; NaN where none did.
+
+        Parameters
+        ----------
+        codes : of which one counts; None: of any, and what a controller holds of a sensor or a winch
+        """
+        times = [time for time, code in self.alarms if (codes is None or code in codes) and time >= self.event]
+        return min(times) - self.event if times else math.nan
+
+    @cached_property
+    def recovery(self) -> float:
+        """Time from the end of the event until compensation is active to the end of the window [s]; NaN: it is not."""
+        works = self.run.compensating.window(self.event, self.end) if math.isfinite(self.event) else Signal()
+        if not works.size or not works.value[-1]:
+            return math.nan
+        out = works.time[works.value == 0.0]
+        return max(float(out[-1]) - self.event_end, 0.0) if out.size else 0.0
+
+    @cached_property
+    def depth_gains(self) -> tuple[float, float]:
+        """Depth per payout and per heave downwards, by least squares [-]; NaN for what did not move."""
+        depth, payout, heave = self.reading("depth"), self.reading("encoder"), self.reading("mru")
+        if depth.size < 20:
+            return math.nan, math.nan
+        columns, places = [np.ones(depth.size)], {}
+        for name, signal, least in (("payout", payout, 0.1), ("heave", heave, 0.1)):
+            at = signal.at(depth) if signal.size > 2 else np.zeros(depth.size)
+            if np.ptp(at) > least:
+                places[name] = len(columns)
+                columns.append(at)
+        found = np.linalg.lstsq(np.column_stack(columns), depth.value, rcond=None)[0]
+        per_heave = -float(found[places["heave"]]) if "heave" in places else math.nan
+        return float(found[places["payout"]]) if "payout" in places else math.nan, per_heave
+
+
+def _peak(values: Array) -> float:
+    """Return the place of the largest of `values`, between them by the parabola through its neighbours."""
+    top = int(values.argmax())
+    if not 0 < top < values.size - 1:
+        return float(top)
+    before, at, after = values[top - 1 : top + 2]
+    bend = before - 2.0 * at + after
+    return top + 0.5 * float(before - after) / float(bend) if bend else float(top)

@@ -1,0 +1,207 @@
+"""The search: differential evolution over the unit cube of a campaign's draws, by a budget of time, kept as it comes.
+
+Storn, R. and Price, K. (1997), Differential evolution, Journal of Global Optimization 11, 341-359, as scipy has it. A
+seed fixes which points are asked for, and every answer is in the journal: a search that was ended asks for the same
+points again, is answered from there, and goes on where it was.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+import time
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import TimeoutError as NotDoneError
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from heave_node.interface.alarm import Severity
+from heave_node.numerics.arrays import Array
+from heave_node.parameters import ParameterError
+from scipy.optimize import differential_evolution
+
+from heave_bringup.campaign.journal import KeptResults
+from heave_bringup.campaign.plan import Campaign, Case, unlinked
+from heave_bringup.campaign.runs import Task, make_tasks
+from heave_bringup.campaign.sampling import Draws
+from heave_bringup.falsify.objective import Minute, worst_minute
+from heave_bringup.workers.pool import worker_pool
+
+GENERATIONS = 100_000
+"""The budget of time ends a search, not a number of generations."""
+LEAST_POPULATION = 5
+"""Points that differential evolution needs at least."""
+
+
+class _OverError(Exception):
+    """The budget of time is spent."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """A case that was run.
+
+    Attributes
+    ----------
+    number : in the order in which it was asked for first, from 1
+    values : by place
+    minute : its worst
+    """
+
+    number: int
+    values: Mapping[str, object]
+    minute: Minute
+
+
+class Search:
+    """Looks for the worst case of a campaign's space.
+
+    Parameters
+    ----------
+    campaign : with draws; their number is that of the population
+    severity : from which on an alarm announces
+    journal : file that keeps the answers
+    mark : identifies the search
+
+    Attributes
+    ----------
+    found : cases so far, the worst first
+    asked : number of different points so far
+
+    Raises ParameterError for a space that is none, or the journal of another search.
+    """
+
+    def __init__(self, campaign: Campaign, severity: Severity, journal: Path, mark: Mapping[str, str]) -> None:
+        if campaign.draws is None:
+            raise ParameterError(f"{campaign.path}: has nothing to search: give draw with uniform, log_uniform, choose")
+        if campaign.draws.count < LEAST_POPULATION:
+            raise ParameterError(f"{campaign.path}: draw.count must be at least {LEAST_POPULATION}")
+        self.campaign, self.draws, self.severity = campaign, campaign.draws, severity
+        self._kept = KeptResults(journal, mark)
+        self._cases: dict[str, Found] = {}
+
+    @property
+    def found(self) -> list[Found]:
+        """Cases so far, the worst first."""
+        return sorted(self._cases.values(), key=lambda one: -one.minute.ratio)
+
+    @property
+    def asked(self) -> int:
+        """Number of different points so far."""
+        return len(self._cases)
+
+    def task(self, found: Found) -> Task:
+        """Return the case that was `found`, ready to run."""
+        (task,) = make_tasks(self.campaign, [self._case(found.number, found.values)])
+        return task
+
+    def run(self, budget: float, processes: int | None, show: Callable[[int, float, float], None]) -> bool:
+        """Search until the budget is spent; return whether the search has ended by itself before.
+
+        Parameters
+        ----------
+        budget : wall time [s]
+        processes : number of worker processes; None: one per processor
+        show : called with the number of cases, the worst ratio so far, and the share of the budget that is spent
+        """
+        begun = time.monotonic()
+
+        def spent() -> float:
+            return (time.monotonic() - begun) / budget
+
+        points = self.draws.points()
+        with self._kept, worker_pool(processes or os.cpu_count() or 1) as pool:
+
+            def answers(_: object, asked: Iterable[Array]) -> list[float]:
+                return self._answers(np.array(list(asked)), pool, spent, show)
+
+            try:
+                differential_evolution(
+                    lambda _: 0.0,
+                    [(0.0, 1.0)] * points.shape[1],
+                    init=points,
+                    maxiter=GENERATIONS,
+                    tol=0.0,
+                    polish=False,
+                    updating="deferred",
+                    workers=answers,
+                    seed=self.draws.seed,
+                )
+            except _OverError:
+                pool.shutdown(wait=False, cancel_futures=True)
+                return False
+        return True
+
+    def _answers(
+        self,
+        points: Array,
+        pool: ProcessPoolExecutor,
+        spent: Callable[[], float],
+        show: Callable[[int, float, float], None],
+    ) -> list[float]:
+        """Return what differential evolution makes small: the ratios of the points, negative."""
+        keys = [key_of(point) for point in points]
+        new = {key: point for key, point in zip(keys, points, strict=True) if key not in self._cases}
+        coming = {}
+        for key, point in new.items():
+            values = unlinked(self.draws.at(point))
+            number = len(self._cases) + len(coming) + 1
+            known = self._kept.results.get(key)
+            coming[key] = (number, values, _minute_of(known) if known else None)
+        waiting = {
+            key: pool.submit(worst_minute, self.task(Found(number, values, Minute(0.0))), self.severity)
+            for key, (number, values, minute) in coming.items()
+            if minute is None
+        }
+        for key, (number, values, kept) in coming.items():
+            minute = kept
+            while minute is None:
+                if spent() >= 1.0:
+                    raise _OverError
+                minute = _result_within(waiting[key], 0.5)
+            if kept is None:
+                self._kept.keep({"number": key, **_plain(minute)})
+            self._cases[key] = Found(number, values, minute)
+            show(self.asked, max(one.minute.ratio for one in self._cases.values()), min(spent(), 1.0))
+        return [-self._cases[key].minute.ratio for key in keys]
+
+    def _case(self, number: int, values: Mapping[str, object]) -> Case:
+        return Case(number, self.campaign.seeds[0], values)
+
+
+def _result_within(future: Future[Minute], wait: float) -> Minute | None:
+    """Return what a `future` gives within a time [s]; None where it is not done yet."""
+    try:
+        return future.result(timeout=wait)
+    except NotDoneError:
+        return None
+
+
+def key_of(point: Array) -> str:
+    """Return what identifies a `point` of the unit cube, shape (dimensions,), to the last bit."""
+    return hashlib.sha256(np.asarray(point, dtype=np.float64).tobytes()).hexdigest()[:24]
+
+
+def _plain(minute: Minute) -> dict[str, object]:
+    start = None if math.isnan(minute.start) else minute.start
+    return {"ratio": minute.ratio, "start": start, "alarms": list(minute.alarms), "failure": minute.failure}
+
+
+def _minute_of(kept: Mapping[str, Any]) -> Minute:
+    start = math.nan if kept["start"] is None else float(kept["start"])
+    return Minute(float(kept["ratio"]), start, tuple(kept["alarms"]), str(kept["failure"]))
+
+
+def over_scenario(campaign: Campaign, scenario: str) -> Campaign:
+    """Return a campaign's space over another `scenario`; changes that belong to its own are kept."""
+    return replace(campaign, scenario=scenario)
+
+
+def population(campaign: Campaign, count: int | None) -> Campaign:
+    """Return the campaign with a population of another `count`; None leaves what the file says."""
+    draws: Draws | None = campaign.draws
+    return campaign if count is None or draws is None else replace(campaign, draws=replace(draws, count=count))

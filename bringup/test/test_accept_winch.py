@@ -1,0 +1,198 @@
+"""Acceptance tests of a winch by itself: set signals, figures with exact answers, and the step that fails."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cable_sim_node.winch.parameters import WinchParameters
+from heave_bags.signals import RunSignals, Signal
+from heave_bringup.accept import figures, set_signal
+from heave_bringup.accept.measured import Measured, Nominal
+from heave_bringup.accept.page import render
+from heave_bringup.accept.parts.winch import VirtualPart, run_winch
+from heave_bringup.accept.procedure import Event, Limits, amount, find_procedure, read_head, read_procedure
+from heave_bringup.accept.session import Parts, Session
+from heave_bringup.cli import main
+from heave_node.parameters import ParameterError
+
+NOMINAL = Nominal(2.0, 1.5, 0.35)
+FAILS_OF_SLOW = {"speed_limit": {"Full speed"}, "acceleration_limit": {"Acceleration"}}
+"""Steps that say so where a winch has 80 % of its nominal speed, or of its nominal acceleration."""
+
+
+def following(lag, gain):
+    """Return a rate of sines that follows its order after a lag [s] with a gain, exactly."""
+    time = np.arange(0.0, 60.0, 0.05)
+
+    def ordered(at):
+        return np.sin(0.7 * at) + 0.5 * np.sin(1.1 * at + 1.0)
+
+    rate = Signal(time, gain * ordered(time - lag))
+    run = RunSignals(payout=Signal(time, np.cumsum(rate.value) * 0.05), payout_rate=rate)
+    return Measured(run, 0.0, 60.0, Signal(time, ordered(time)), nominal=NOMINAL)
+
+
+@pytest.mark.parametrize(("lag", "gain"), [(0.0, 1.0), (0.35, 0.8), (0.733, 1.1), (1.2, -1.0)])
+def test_lag_and_gain_of_a_winch_are_those_it_has(lag, gain):
+    found = figures.evaluate(following(lag, gain))
+    assert found["following_lag_s"] == pytest.approx(lag, abs=0.002)
+    assert found["lag_excess_s"] == pytest.approx(lag - 0.35, abs=0.002)
+    assert found["following_gain"] == pytest.approx(gain, rel=0.005)
+    assert found["following_error"] < 0.01
+
+
+def test_a_stop_takes_the_time_and_the_way_of_its_deceleration():
+    # 1 m/s and 2 m/s^2 from 10 s on: 0.475 s to 0.05 m/s, and v^2/2a less the rest
+    time = np.arange(0.0, 15.0, 0.001)
+    rate = np.clip(1.0 - 2.0 * (time - 10.0), 0.0, 1.0)
+    run = RunSignals(payout=Signal(time, np.cumsum(rate) * 0.001), payout_rate=Signal(time, rate))
+    found = figures.evaluate(Measured(run, 0.0, 15.0, event=10.0))
+    assert found["stopping_time_s"] == pytest.approx(0.475, abs=0.002)
+    assert found["stopping_distance_m"] == pytest.approx((1.0 - 0.05**2) / 4.0, abs=0.002)
+    assert np.isnan(figures.evaluate(Measured(run, 0.0, 10.2, event=10.0))["stopping_time_s"])
+
+
+def test_rate_gap_and_noise_of_a_sensor_are_those_it_has():
+    draw, time = np.random.default_rng(1), np.arange(0.0, 100.0, 0.1)
+    time = time[(time < 50.0) | (time > 50.65)]
+    depth = 300.0 + 0.5 * np.sin(0.6 * time) + draw.normal(0.0, 0.02, time.size)
+    found = figures.evaluate(Measured(RunSignals(), 0.0, 100.0, readings={"depth": Signal(time, depth)}))
+    assert found["depth_rate_hz"] == pytest.approx(10.0, rel=0.01)
+    assert found["depth_gap_max_s"] == pytest.approx(0.8, abs=0.11)
+    assert found["depth_noise_m"] == pytest.approx(0.02, rel=0.1)
+
+
+def test_signs_and_scales_of_depth_by_payout_and_heave_are_told_apart():
+    time = np.arange(0.0, 120.0, 0.1)
+    heave, payout = np.sin(0.6 * time), np.clip(0.1 * (time - 60.0), 0.0, 3.0)
+    depth = 20.0 - 0.9 * heave + 1.05 * payout
+    readings = {name: Signal(time, of) for name, of in (("mru", heave), ("depth", depth), ("encoder", payout))}
+    found = figures.evaluate(Measured(RunSignals(), 0.0, 120.0, readings=readings))
+    assert found["depth_per_heave"] == pytest.approx(0.9, abs=1e-6)
+    assert found["depth_per_payout"] == pytest.approx(1.05, abs=1e-6)
+
+
+def test_an_irregular_sea_has_the_height_that_is_asked_for():
+    # over twice its duration, after which it repeats itself, its variance is exact; 0.4 to 4 peak frequencies hold all
+    # but 0.5 % of it, and the fade at the start takes a little
+    time = np.arange(0.0, 600.0, 0.1)
+    payout = np.cumsum(set_signal.sea(2.0, 8.0, 300.0).rate(time)) * 0.1
+    assert 4.0 * np.std(payout) == pytest.approx(2.0, rel=0.02)
+
+
+def test_a_sweep_goes_from_its_first_period_to_its_last():
+    signal = set_signal.sweep(0.5, 20.0, 4.0, 240.0)
+    time = np.arange(0.0, 240.0, 0.001)
+    ups = time[1:][np.diff(np.sign(signal.rate(time))) > 0]
+    assert np.diff(ups)[0] == pytest.approx(19.0, abs=2.0)
+    assert np.diff(ups)[-1] == pytest.approx(4.0, abs=0.2)
+
+
+@pytest.fixture(scope="module")
+def steps():
+    head = read_head(find_procedure("winch_factory_test"))
+    return read_procedure(head, Limits(NOMINAL.speed, NOMINAL.acceleration)).steps
+
+
+def failing(steps, parameters):
+    found = set()
+    for step in steps:
+        trace = run_winch(VirtualPart(parameters, step.test.load), step.test, step.event, step.name, lambda *_: None)
+        values = figures.evaluate(trace.measured(step.test, NOMINAL), step.alarms)
+        found |= {step.name for one in step.wanted if not figures.judged(one, values).is_met}
+    return found
+
+
+def test_the_nominal_winch_passes_its_factory_test(steps):
+    assert failing(steps, WinchParameters()) == set()
+
+
+@pytest.mark.parametrize("limit", FAILS_OF_SLOW)
+def test_a_winch_that_is_a_fifth_too_slow_fails_at_the_step_that_says_so(limit, steps):
+    slow = replace(WinchParameters(), **{limit: 0.8 * getattr(WinchParameters(), limit)}, stop_deceleration=1.0)
+    assert failing(steps, slow) == FAILS_OF_SLOW[limit]
+
+
+def test_a_brake_that_slips_fails_where_the_brake_holds_the_load(steps):
+    held = steps[0]
+    part = VirtualPart(WinchParameters(), 30e3)
+    trace = run_winch(part, held.test, Event("winch", "brake_slip", 1.0, magnitude=0.01), held.name, lambda *_: None)
+    values = figures.evaluate(trace.measured(held.test, NOMINAL))
+    assert values["payout_drift_m"] == pytest.approx(0.05, rel=0.1), "5 s at 1 cm/s are watched after an event"
+
+
+def test_the_command_judges_writes_its_report_and_judges_its_own_records_again(tmp_path, capsys):
+    json_file, folder = tmp_path / "result.json", tmp_path / "out"
+    arguments = ["--step", "Full speed", "--step", "Ramp"]
+    assert main(["accept", "winch_factory_test", *arguments, "--output", str(folder), "--json", str(json_file)]) == 0
+    result = json.loads(json_file.read_text())
+    assert [step["state"] for step in result["steps"]] == ["passed", "passed"]
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    for words in ("Signatures", "SHA-256", result["steps"][0]["sha256"], "surveyor", "passed: 2"):
+        assert words in page.replace("<strong>", "").replace("</strong>", "")
+    again = ["accept", "winch_factory_test", *arguments, "--output", str(tmp_path / "again")]
+    records = ["--record", f"Full speed={folder / 'full_speed.csv'}", "--record", f"Ramp={folder / 'ramp.csv'}"]
+    assert main([*again, *records, "--json", str(json_file)]) == 0
+    seen = json.loads(json_file.read_text())["steps"]
+    for one, other in zip(seen, result["steps"], strict=True):
+        for mine, first in zip(one["criteria"], other["criteria"], strict=True):
+            assert mine["got"] == pytest.approx(first["got"], abs=0.02)
+    capsys.readouterr()
+
+
+def test_a_slow_winch_gives_exit_status_3_and_names_the_step(tmp_path, capsys):
+    slow = ["--set", "virtual_winch.speed_limit=1.6", "--output", str(tmp_path / "out")]
+    assert main(["accept", "winch_factory_test", "--step", "Full speed", *slow]) == 3
+    assert "Full speed: Speed reached" in capsys.readouterr().err
+
+
+HEAD = "title: t\nscenario: b2_calm_300\nsteps:\n"
+
+
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [
+        ("- {name: a, winch: {signal: hold, duration: 5 s}}", "step 1 (a): wanted is missing"),
+        ("- {name: a, winch: {signal: hold, duration: 5 m}, wanted: {overshoot: '< 1 %'}}", "duration = '5 m'"),
+        ("- {name: a, winch: {signal: step}, wanted: {overshoot: '< 1 %'}}", "must be one of steps, ramp"),
+        ("- {name: a, winch: {signal: hold, duration: 5}, wanted: {overshot: '< 1 %'}}", "did you mean overshoot"),
+        ("- {name: a, winch: {signal: hold, duration: 5}, wanted: {overshoot: '< 1 s'}}", "not a figure"),
+        ("- {name: a, run: {duration: 5}, winch: {}, wanted: {snaps: '< 1'}}", "a winch or a run, not both"),
+        ("- {name: a, run: {}, event: {device: mru, fault: gone, at: 1}, wanted: {snaps: '< 1'}}", "fault = 'gone'"),
+        ("- {name: a, run: {}, alarms: [MRU_GONE], wanted: {snaps: '< 1'}}", "MRU_GONE is no code of an alarm"),
+        ("- {name: a, run: {set: {winch_controller.low: mpc}}, wanted: {snaps: '< 1'}}", "there is no parameter low"),
+        ("- {name: a, runs: {}, wanted: {snaps: '< 1'}}", "unknown key runs"),
+        ("- {name: a, record: {from: 1 kg}, wanted: {snaps: '< 1'}}", "record: from"),
+    ],
+)
+def test_what_is_wrong_with_a_procedure_is_one_line_before_anything_runs(step, words, tmp_path, capsys):
+    path = tmp_path / "own.yaml"
+    path.write_text(HEAD + step)
+    assert main(["accept", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "runs").exists()
+
+
+def test_amounts_have_units_and_percent_is_of_the_nominal_limit():
+    limits = Limits(2.0, 1.5)
+    assert amount("50 %", "speed", "", limits) == 1.0
+    assert amount("30 kN", "force", "") == 30e3
+    with pytest.raises(ParameterError, match="with or without a unit"):
+        amount("50 %", "length", "", limits)
+
+
+@pytest.mark.parametrize("name", ["winch_factory_test", "sensor_check", "harbour_test", "sea_trial"])
+def test_each_shipped_procedure_is_right(name):
+    session = Session(read_head(find_procedure(name)), Parts())
+    assert session.procedure.signatures
+    assert all(step.what and step.wanted for step in session.procedure.steps)
+
+
+def test_a_page_of_steps_that_were_not_done_says_so(tmp_path):
+    session = Session(read_head(find_procedure("sea_trial")), Parts(records={"Irregular sea": tmp_path / "none"}))
+    found = session.run(tmp_path, ["Regular sea"])
+    assert not found.is_passed
+    assert "there is no record of it" in render(found)

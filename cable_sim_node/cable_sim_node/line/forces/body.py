@@ -1,0 +1,140 @@
+"""What the unit weighs, moves along and is held back by, where that depends on its place and its motion.
+
+- Over the Keulegan-Carpenter number KC = 2 pi z_m/D of its heave, tables give vertical added mass and drag. z_m is the
+  root of 2 times the mean square of its path through the water, both with the time constant `memory`: of a harmonic
+  motion its amplitude. At rest KC is 0; a unit that sinks steadily gets to the end of the table.
+- Near the seabed and near the surface, tables give a factor on the vertical added mass.
+- A unit with a box is wet by the share s of its height that is below the surface: so are its buoyancy, its drag and its
+  horizontal added mass. Its vertical added mass grows as A_33 = (1/2) rho C_s A_p h with the wet height h, up to what
+  it is under water; while it grows and the unit enters, water slams with A_33' U^2 = (1/2) rho C_s A_p U^2, U the speed
+  through the surface (slamming in DNV-RP-N103: C_s = 2/(rho A_p) dA_33/dh). The momentum A_33 U that is lost to
+  the water is then what is gained by it (von Karman). Nothing pulls on the unit when it leaves.
+
+Everything is taken in the middle state, and holds for a whole step: what a predicted position misses is of the third
+order in the step. Arguments: `line` the arrays, `time` [s].
+"""
+
+from __future__ import annotations
+
+import math
+
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel
+
+from cable_sim_node.line.arrays import LineArrays
+from cable_sim_node.line.forces.contact import bottom_under
+from cable_sim_node.line.forces.surface import surface_at
+from cable_sim_node.line.layout import (
+    BED_ON,
+    BOX_HEIGHT,
+    BUOYANCY,
+    DEEP,
+    FLOW_Z,
+    HEAVE_PATH,
+    HEAVE_SQUARE,
+    HEAVE_WEIGHT,
+    KC_MEMORY,
+    KC_ROWS,
+    KC_WIDTH,
+    MIDDLE,
+    NEAR_BED_ROWS,
+    NEAR_SURFACE_ROWS,
+    NUMBERS,
+    PROFILE_ROWS,
+    SLAMMING,
+    UNIT_BODY_DRAG,
+    UNIT_DRAG,
+    UNIT_FLUID,
+    UNIT_FORCE,
+    UNIT_INERTIA,
+    UNIT_MASS,
+    UNIT_VARIES,
+    VZ,
+    X,
+    Y,
+    Z,
+)
+from cable_sim_node.physics.current import between, locate
+
+
+@inner_kernel
+def keulegan_carpenter(numbers: Array) -> float:
+    """Return the KC of the unit's heave through the water until now, from the `numbers` of the line."""
+    if numbers[HEAVE_WEIGHT] == 0.0:
+        return 0.0
+    amplitude = math.sqrt(2.0 * numbers[HEAVE_SQUARE] / numbers[HEAVE_WEIGHT])
+    return 2.0 * math.pi * amplitude / numbers[KC_WIDTH]
+
+
+@inner_kernel
+def follow_heave(line: LineArrays, h: float) -> None:
+    """Take the unit's heave in a step of `h` [s], which it has made, into its path and the mean square of that."""
+    numbers, tile = line.numbers, line.tiles[0]
+    if numbers[KC_ROWS] == 0.0:
+        return
+    memory = numbers[KC_MEMORY]
+    kept = math.exp(-h / memory)
+    path = kept * numbers[HEAVE_PATH] + (1.0 - kept) * memory * (tile[VZ] - tile[FLOW_Z])
+    numbers[HEAVE_PATH] = path
+    numbers[HEAVE_SQUARE] = kept * numbers[HEAVE_SQUARE] + (1.0 - kept) * path * path
+    numbers[HEAVE_WEIGHT] = kept * numbers[HEAVE_WEIGHT] + 1.0 - kept
+
+
+@inner_kernel
+def look_up(at: float, numbers: Array, first: int, rows: int) -> tuple[float, float]:
+    """Return what the table of so many `rows` of three numbers from `first` on gives at `at`, the second and third."""
+    table = numbers[first : first + 3 * rows].reshape((rows, 3))
+    low, high, share = locate(at, table)
+    return between(table, low, high, share, 1), between(table, low, high, share, 2)
+
+
+@inner_kernel
+def vertical_coefficients(line: LineArrays, depth: float) -> tuple[float, float]:
+    """Return vertical added mass [kg] and (1/2) rho C_D S [kg/m] of the unit at `depth` [m], all of it wet."""
+    numbers, tile = line.numbers, line.tiles[0]
+    added = numbers[DEEP + UNIT_INERTIA + 2] - numbers[UNIT_MASS]
+    drag = numbers[DEEP + UNIT_DRAG + 2]
+    first = NUMBERS + 3 * int(numbers[PROFILE_ROWS])
+    rows = int(numbers[KC_ROWS])
+    if rows > 0:
+        added, drag = look_up(keulegan_carpenter(numbers), numbers, first, rows)
+    first += 3 * rows
+    rows = int(numbers[NEAR_BED_ROWS])
+    if rows > 0 and numbers[BED_ON] > 0.0:
+        place = (tile[MIDDLE + X], tile[MIDDLE + Y], tile[MIDDLE + Z])
+        added *= look_up(-bottom_under(place, numbers)[0], numbers, first, rows)[0]
+    first += 3 * rows
+    rows = int(numbers[NEAR_SURFACE_ROWS])
+    if rows > 0:
+        added *= look_up(depth, numbers, first, rows)[0]
+    return added, drag
+
+
+@inner_kernel
+def set_unit(line: LineArrays, time: float) -> None:
+    """Set the unit's inertia, drag, force and what moving water accelerates."""
+    numbers, tile = line.numbers, line.tiles[0]
+    if numbers[UNIT_VARIES] == 0.0:
+        return
+    level, rise = surface_at(tile[MIDDLE + X], tile[MIDDLE + Y], time, numbers)
+    depth = level - tile[MIDDLE + Z]
+    added, drag = vertical_coefficients(line, depth)
+    height, slamming, wet, slam = numbers[BOX_HEIGHT], numbers[SLAMMING], 1.0, 0.0
+    if height > 0.0:
+        wet = min(max(depth / height, 0.0), 1.0)
+        speed = min(tile[MIDDLE + VZ] - rise, 0.0)
+        full = added
+        added = min(slamming * max(depth, 0.0), full) if slamming > 0.0 else wet * full
+        if depth > 0.0 and slamming * depth < full:
+            slam = slamming * speed * speed
+    mass = numbers[UNIT_MASS]
+    displaced = numbers[DEEP + UNIT_FLUID + 2] - (numbers[DEEP + UNIT_INERTIA + 2] - mass)
+    for axis in range(3):
+        sideways = wet * (numbers[DEEP + UNIT_INERTIA + axis] - mass)
+        moved = added if axis == 2 else sideways
+        numbers[UNIT_INERTIA + axis] = mass + moved
+        numbers[UNIT_FLUID + axis] = wet * displaced + moved
+        numbers[UNIT_DRAG + axis] = wet * (drag if axis == 2 else numbers[DEEP + UNIT_DRAG + axis])
+        numbers[UNIT_FORCE + axis] = numbers[DEEP + UNIT_FORCE + axis]
+    numbers[UNIT_BODY_DRAG] = wet * numbers[DEEP + UNIT_BODY_DRAG]
+    numbers[UNIT_FORCE + 2] += slam - (1.0 - wet) * numbers[BUOYANCY]

@@ -1,0 +1,173 @@
+"""Parameters of the subsea unit: mass, volume, added mass and drag, and how these depend on its motion and place."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+from heave_node.loads.strength import SAFETY_FACTOR
+from heave_node.numerics import hydrostatics
+from heave_node.numerics.constants import STANDARD_GRAVITY
+from heave_node.parameters import check_ranges, group, parameter
+
+
+def _check_table(group_name: str, columns: dict[str, tuple[float, ...]]) -> None:
+    """Raise ValueError unless the `columns` of a table are of one length and the first one increases."""
+    first, *others = columns
+    for name in others:
+        if len(columns[name]) != len(columns[first]):
+            raise ValueError(f"{group_name}.{first} and .{name} must have the same number of values")
+    if any(later <= earlier for earlier, later in itertools.pairwise(columns[first])):
+        raise ValueError(f"{group_name}.{first} must be strictly increasing")
+
+
+@dataclass(frozen=True)
+class BoxParameters:
+    """The box around the unit, which stands on the unit's own point; where its height is given, it may be in air."""
+
+    length: float = parameter(0.0, unit="m", minimum=0.0, description="Length of the box; 0 means no box.")
+    breadth: float = parameter(0.0, unit="m", minimum=0.0, description="Breadth of the box.")
+    height: float = parameter(
+        0.0,
+        unit="m",
+        minimum=0.0,
+        description="Height of the box, over which the unit gets wet on its way through the surface; 0 means that it "
+        "is always under water.",
+    )
+    perforation: float = parameter(
+        0.0,
+        unit="",
+        minimum=0.0,
+        maximum=0.5,
+        description="Share of the box's horizontal area that is open: it reduces the added mass.",
+    )
+    slamming: float = parameter(
+        5.0,
+        unit="",
+        minimum=0.0,
+        description="Slamming coefficient C_s of the underside: force (1/2) rho C_s A U^2 while it enters the water.",
+    )
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        if (self.length > 0.0) != (self.breadth > 0.0):
+            raise ValueError("unit.box needs length and breadth, or neither")
+
+    @property
+    def area(self) -> float:
+        """Horizontal area [m^2], holes included."""
+        return self.length * self.breadth
+
+
+@dataclass(frozen=True)
+class OscillationParameters:
+    """Vertical added mass and drag over the Keulegan-Carpenter number KC = 2 pi z_m / width.
+
+    z_m is the amplitude of the unit's heave through the water, measured as it moves. Values are linear between the
+    points and constant beyond them.
+    """
+
+    kc: tuple[float, ...] = parameter(
+        (), unit="", minimum=0.0, description="KC of each point, increasing; empty means no dependence."
+    )
+    added_mass: tuple[float, ...] = parameter(
+        (), unit="kg", minimum=0.0, description="Vertical added mass at each point."
+    )
+    drag_coefficient: tuple[float, ...] = parameter(
+        (), unit="", minimum=0.0, description="Vertical C_D at each point, for the vertical drag_area."
+    )
+    width: float = parameter(0.0, unit="m", minimum=0.0, description="Length that KC is formed with.")
+    memory: float = parameter(
+        60.0,
+        unit="s",
+        minimum=1.0,
+        description="Time constant over which z_m is taken, the square root of 2 times the rms of the heave.",
+    )
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        columns = {"kc": self.kc, "added_mass": self.added_mass, "drag_coefficient": self.drag_coefficient}
+        _check_table("unit.oscillation", columns)
+        if self.kc and self.width == 0.0:
+            raise ValueError("unit.oscillation needs the width that its kc are formed with")
+
+
+@dataclass(frozen=True)
+class NearnessParameters:
+    """Factor on the unit's vertical added mass near a boundary; linear between the points, constant beyond them."""
+
+    distance: tuple[float, ...] = parameter(
+        (), unit="m", minimum=0.0, description="Distance of each point, increasing; empty means no dependence."
+    )
+    factor: tuple[float, ...] = parameter((), unit="", minimum=0.0, description="Factor on the vertical added mass.")
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        _check_table("unit.near_seabed or unit.near_surface", {"distance": self.distance, "factor": self.factor})
+
+
+@dataclass(frozen=True)
+class UnitParameters:
+    """The subsea unit, a point mass with its own added mass and drag along each axis of frame `world`."""
+
+    mass: float = parameter(3000.0, unit="kg", minimum=1e-6, description="Mass in air.")
+    volume: float = parameter(0.354, unit="m^3", minimum=0.0, description="Displaced volume.")
+    added_mass: tuple[float, ...] = parameter(
+        (3000.0, 3000.0, 3000.0), unit="kg", minimum=0.0, length=3, description="Added mass along x, y, z."
+    )
+    vertical_added_mass: str = parameter(
+        "given",
+        unit="",
+        choices=("given", "box"),
+        description="The vertical added mass as given in added_mass, or that of `unit.box` by DNV-RP-N103.",
+    )
+    box: BoxParameters = group(BoxParameters)
+    oscillation: OscillationParameters = group(OscillationParameters)
+    near_seabed: NearnessParameters = group(NearnessParameters)
+    near_surface: NearnessParameters = group(NearnessParameters)
+    drag_coefficient: tuple[float, ...] = parameter(
+        (1.5, 1.5, 1.5), unit="", minimum=0.0, length=3, description="C_D along x, y, z."
+    )
+    drag_area: tuple[float, ...] = parameter(
+        (0.5, 0.5, 0.5), unit="m^2", minimum=0.0, length=3, description="Projected area along x, y, z."
+    )
+    drag_law: str = parameter(
+        "per_axis",
+        unit="",
+        choices=("per_axis", "isotropic"),
+        description="Drag along each axis from the speed along it (thesis 5.2.2), or isotropic drag along the flow.",
+    )
+    thrust: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0), unit="N", length=3, description="Constant thruster force on the unit, x, y, z."
+    )
+    attachment_breaking_force: float = parameter(
+        0.0,
+        unit="N",
+        minimum=0.0,
+        description="Breaking force of what joins cable and unit (termination, shackle, padeye); 0 means not stated.",
+    )
+    attachment_safety_factor: float = parameter(
+        SAFETY_FACTOR,
+        unit="",
+        minimum=1.0,
+        maximum=100.0,
+        description="The attachment's breaking force over its largest load that is required, as cable.safety_factor.",
+    )
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        if self.vertical_added_mass == "box" and self.box.area == 0.0:
+            raise ValueError("unit.vertical_added_mass = box needs unit.box.length, .breadth and .height")
+        if self.drag_law == "isotropic" and self.oscillation.kc:
+            raise ValueError("unit.oscillation is of vertical drag: it needs unit.drag_law = per_axis")
+        if self.drag_law == "isotropic":
+            products = {c * s for c, s in zip(self.drag_coefficient, self.drag_area, strict=True)}
+            if len(products) > 1:
+                raise ValueError(
+                    "unit.drag_law = isotropic needs the same drag_coefficient times drag_area along x, y and z, got "
+                    f"{list(self.drag_coefficient)} and {list(self.drag_area)}"
+                )
+
+    def weight_in_fluid(self, density: float, gravity: float = STANDARD_GRAVITY) -> float:
+        """Return weight minus buoyancy [N] in a fluid of `density` [kg/m^3] under `gravity` [m/s^2]."""
+        return hydrostatics.weight_in_fluid(self.mass, self.volume, density, gravity)

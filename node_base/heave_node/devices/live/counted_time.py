@@ -1,0 +1,53 @@
+"""The time of samples that state none, from a device that takes them at a known rate: counted, and held to arrivals."""
+
+from __future__ import annotations
+
+from collections import deque
+
+LONG_SILENCE = 1.0
+"""A sample that is later than this by the count begins it again: the line was silent [s]."""
+JUDGED = 10
+"""Periods over which all samples must be late before some are taken to be lost."""
+LEAST_STEP = 0.01
+"""Least time between two samples, in periods."""
+
+
+class CountedTime:
+    """Says when each sample was taken: one period after the one before, and never after its own arrival.
+
+    A sample that a busy machine hands over late, or several at once, so get the times at which they were taken. Samples
+    that were lost, or a device a little slower than stated, leave all that follow late: then the count moves on by the
+    smallest delay of the last JUDGED periods.
+
+    Parameters
+    ----------
+    rate : samples per second [Hz]
+    """
+
+    def __init__(self, rate: float) -> None:
+        self._period = 1.0 / rate
+        self._newest: float | None = None
+        self._delays: deque[tuple[float, float]] = deque()
+
+    def time(self, now: float) -> float:
+        """Return when the sample that arrives `now` [s] was taken, by the same clock [s]."""
+        before = self._newest
+        if before is None or now - before > LONG_SILENCE + self._period:
+            self._delays.clear()
+            self._newest = now
+            return now
+        self._newest = before + self._period
+        self._move_on(now)
+        self._newest = max(self._newest, before + LEAST_STEP * self._period)
+        return self._newest
+
+    def _move_on(self, now: float) -> None:
+        """Shift the count: back where a sample is earlier than by it, on where all have been late for long enough."""
+        assert self._newest is not None
+        self._delays.append((now, now - self._newest))
+        while now - self._delays[0][0] > JUDGED * self._period:
+            self._delays.popleft()
+        late = min(delay for _, delay in self._delays)
+        if late < 0.0 or now - self._delays[0][0] > (JUDGED - 2) * self._period:
+            self._newest += late
+            self._delays = deque((arrival, delay - late) for arrival, delay in self._delays)

@@ -1,0 +1,55 @@
+"""What real time asks of Python and of the machine: garbage collected between ticks, locked memory, a priority."""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+MIDDLE_AGED = 50
+"""Ticks between two collections of what has lived through some already."""
+OLD = 20
+"""Such collections between two of everything that was made since the start, which take milliseconds."""
+
+_MCL_CURRENT_AND_FUTURE = 1 | 2
+
+
+def collect_between_ticks() -> None:
+    """Collect what the start has left, never look at what stays again, and from now on collect in `after_tick` alone.
+
+    Python's collector comes when enough objects were made, wherever the program is, and then may look at all of them:
+    tens of milliseconds.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+
+
+def after_tick() -> None:
+    """Collect what a tick has left: mostly what is young, for some 20 us. Nothing where Python's collector is on."""
+    if not gc.isenabled():
+        _, young, middle_aged = gc.get_count()  # collections of the generation before
+        gc.collect(2 if middle_aged >= OLD else 1 if young >= MIDDLE_AGED else 0)
+
+
+def take_priority(priority: int) -> Iterator[str]:
+    """Lock this process's memory, and give all of its threads the real-time `priority` (SCHED_FIFO, 1 to 99).
+
+    Yields, for each of both that the machine does not permit, one line on what is missing and how it is permitted.
+    """
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.mlockall(_MCL_CURRENT_AND_FUTURE):
+        why = os.strerror(ctypes.get_errno())
+        yield f"memory is not locked ({why}), a page fault may delay a tick: set `memlock unlimited` in limits.conf"
+    try:
+        for thread in Path("/proc/self/task").iterdir():
+            with suppress(ProcessLookupError):  # a thread that has ended meanwhile
+                os.sched_setscheduler(int(thread.name), os.SCHED_FIFO, os.sched_param(priority))
+    except OSError as error:
+        yield (
+            f"real-time priority {priority} is not permitted ({error.strerror}), other programs may delay a tick: set "
+            f"`rtprio {priority}` in limits.conf, or grant CAP_SYS_NICE"
+        )

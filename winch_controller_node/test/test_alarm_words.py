@@ -1,0 +1,45 @@
+"""What an alarm promises is what the code does: figures in its words, and rows that something can raise."""
+
+from __future__ import annotations
+
+import pytest
+from winch_controller_node.crane.pose_watch import CONFIRMED_AFTER
+from winch_controller_node.design.design import design_controller
+from winch_controller_node.estimation.observation import Observer
+from winch_controller_node.estimation.sensor_health import BAD_IN_A_ROW, LOST_STATES, REJECTED_WORDS
+from winch_controller_node.interface.alarms import ALARMS
+from winch_controller_node.interface.sensor_alarms import JUMPING, LOSSES
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.supervision.watch.encoder_reflex import LONGEST_ASIDE
+
+
+def test_the_times_in_the_words_are_those_of_the_code():
+    for code in ("ENCODER_REVERSED", "ENCODER_SCALE_STEP", "ENCODER_EXCLUDED"):
+        assert f"longer than {LONGEST_ASIDE:g} s" in ALARMS[code].consequence
+    assert f"after {CONFIRMED_AFTER:g} s" in ALARMS["CRANE_POSE_JUMP"].consequence
+    assert BAD_IN_A_ROW == 3
+    assert "three such readings" in ALARMS["MRU_READING_REJECTED"].consequence
+
+
+@pytest.mark.parametrize("sensor", LOSSES)
+@pytest.mark.parametrize("reason", ["stale", *LOST_STATES, "status invalid"])
+def test_a_sensor_has_a_row_for_what_it_can_be_lost_for_and_for_no_more(sensor, reason):
+    """A status is the MRU's alone; jumps of MRU, encoder and depth are looked for; no spike of the encoder is."""
+    is_status = reason.startswith("status")
+    can_be = (sensor == "mru" or not is_status) and (reason != "jump" or sensor in JUMPING)
+    can_be = can_be and not (sensor == "encoder" and reason == "spike")
+    ended = {"stale": "STALE", "status invalid": "FAULT"} | LOST_STATES
+    assert (f"{sensor.upper()}_{ended[reason]}" in ALARMS) is can_be
+
+
+def test_every_reason_to_reject_a_reading_has_words():
+    assert set(REJECTED_WORDS) >= set(LOST_STATES) - {"frozen"}, "a frozen sensor is lost at once"
+
+
+def test_a_sensor_that_jumps_so_often_that_it_is_lost_is_not_reported_as_one_whose_jump_was_subtracted():
+    design = design_controller(WinchControllerParameters(), tick_period=0.05)
+    observer = Observer(design, design.parameters.health)
+    observer.new_faults()
+    for _ in range(BAD_IN_A_ROW):
+        observer.gates["depth"].take_back_jump()
+    assert [alarm.code for alarm in observer.new_faults()] == ["DEPTH_JUMPS"]
