@@ -180,4 +180,4 @@ def test_a_winch_on_another_host_stops_where_the_link_is_down_for_longer_than_it
     assert (1 in winch["fault"][later]) == stops, "FAULT_COMMAND_TIMEOUT, after the 0.5 s of its watchdog"
     assert winch["brake"][later].any() == stops
     modes = [str(message.mode) for _, message in bag.decoded(["/controller/state"])]
-    assert modes[-1] == "compensating" if seconds < 10.0 else modes[-1] != "stopped", "it goes on by itself"
+    assert modes[-1] == "compensating", "it goes on by itself"

@@ -484,6 +484,9 @@ class WinchController:
         before = mode.before
         if before is None:
             return
+        if before is Mode.STOPPED and mode.mode is Mode.STANDBY:
+            # what has stopped the winch may have left the unit elsewhere than the estimate has it: found again first
+            self._estimation.find_drum(loop.number)
         if Mode.CONSTANT_TENSION in (before, mode.mode):
             # the winch made the tension until now, or does so from now on
             self._estimation.mean_tension.restart()
@@ -598,8 +601,11 @@ class WinchController:
         observer, lasting = self.observer, round(LOST_TIME / self._dt)
         is_lost = observer.gates["encoder"].is_lost
         before, self._has_lost_encoder = self._has_lost_encoder, self._has_lost_encoder + 1 if is_lost else 0
-        if before >= lasting and not is_lost:
-            self._estimation.find_drum(tick - 1)
+        if before >= lasting:
+            # where the drum is was not known: the depth sensor is not held against the estimate
+            self._supervisor.guard.reset_mismatch()
+            if not is_lost:
+                self._estimation.find_drum(tick - 1)
         moves = self.mode in (Mode.COMPENSATING, Mode.FADE_OUT)
         if not moves or not identifies_winch(self.parameters) or observer.excluded not in ("", "encoder"):
             return

@@ -166,6 +166,10 @@ class HarmGuard:
         """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
         self._drum.allow_catch_up()
 
+    def reset_mismatch(self) -> None:
+        """Compare depth sensor and estimate again: what was seen until now says nothing of either."""
+        self._unit.reset_mismatch()
+
     def allow_resumption(self) -> None:
         """Do not hold against the loop how drum and unit moved while a sensor was lost."""
         self.allow_catch_up()
@@ -190,7 +194,7 @@ class HarmGuard:
             return
         self.allow_resumption()
         self.trusts_estimate = True
-        self._unit.reset_mismatch()
+        self.reset_mismatch()
 
     def inhibit(self, reason: Alarm, hold: float | None = None) -> None:
         """Keep compensation off while there is a `reason` that is certain, and for a time after it.
