@@ -11,7 +11,7 @@ from winch_controller_node.parameters.model import WinchModelParameters
 
 COLUMNS = ("unit", "uncompensated", "tip", "payout", "rate", "acceleration", "tension", "at_limit")
 HEAVES = np.array([name in ("unit", "uncompensated", "tip") for name in COLUMNS])
-"""Columns that are unknown (NaN) where no sensor tells them."""
+"""Columns that are unknown (NaN) where no sensor reports them."""
 
 
 class KpiWindow:
@@ -36,7 +36,7 @@ class KpiWindow:
         Parameters
         ----------
         unit, uncompensated, tip : heave of the unit, of the uncompensated one, of the boom tip [m]; NaN: no sensor
-            tells
+            reports it
         payout, rate : of the winch, about its mean [m], [m/s]
         tension : at the top [N]; NaN: unknown
         """
@@ -51,7 +51,7 @@ class KpiWindow:
         self._count += 1
 
     def figures(self) -> RollingKpi:
-        """Return the figures over what the window holds; those of a heave that no sensor tells now are NaN."""
+        """Return the figures over what the window holds; those of a heave that no sensor reports now are NaN."""
         rows = self._ring[: min(self._count, len(self._ring))]
         is_unknown = np.isnan(self._ring[(self._count - 1) % len(self._ring)]) & HEAVES
         rows = np.where(is_unknown, np.nan, rows[np.all(np.isfinite(rows) | is_unknown | ~HEAVES, axis=1)])
