@@ -258,7 +258,7 @@ def test_a_limited_drum_goes_by_the_tension_of_each_tick_from_the_first_one_on()
 
 
 def test_orders_that_act_only_after_the_longest_delay_are_all_at_hand():
-    """To and fro by steps of 0.4 m/s: an order that is forgotten before it acts leaves the drum where it was not."""
+    """To and fro by steps of 0.4 m/s: an order that is lost before it acts leaves the drum where it was not."""
     longest = BELIEF.winch.command_delay + BELIEF.lag.largest
     watch = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT)
     drum = VirtualWinch(WinchParameters(command_delay=longest), tick_period=DT)
