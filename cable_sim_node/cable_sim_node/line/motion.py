@@ -24,6 +24,7 @@ from cable_sim_node.line.layout import (
     END,
     ENDS,
     GAMMA,
+    KC_ROWS,
     LANES,
     MIDDLE,
     MIDWAY,
@@ -39,6 +40,7 @@ from cable_sim_node.line.layout import (
     TIP_NUMBERS,
     TIP_VX,
     TOTAL,
+    UNIT_VARIES,
     VX,
     X,
 )
@@ -127,7 +129,8 @@ def predict(line: LineArrays, n: int, count: int, h: float) -> None:
     copy_borders(line.tiles, n, MIDDLE, MOTION_COLUMNS)
     follow_length(n, line.numbers[MIDWAY + TOTAL], line.tiles)
     set_flow(line, n, line.numbers[MIDWAY + TIME])
-    set_unit(line, line.numbers[MIDWAY + TIME])
+    if line.numbers[UNIT_VARIES] > 0.0:
+        set_unit(line, line.numbers[MIDWAY + TIME])
 
 
 @inlined_kernel
@@ -164,4 +167,5 @@ def finish(line: LineArrays, n: int, count: int, h: float) -> None:
     hold_top(line.tiles, n, X, numbers, NOW, count > n)
     follow_length(n, numbers[NOW + TOTAL], line.tiles)
     carry_holds(line, n)
-    follow_heave(line, h)
+    if numbers[KC_ROWS] > 0.0:
+        follow_heave(line, h)

@@ -61,6 +61,7 @@ from cable_sim_node.line.layout import (
     TILE,
     TIME,
     UNIT_INERTIA,
+    UNIT_VARIES,
     X,
     Y,
     Z,
@@ -79,7 +80,8 @@ def evaluate(line: LineArrays) -> float:
     take_present_tip(line.numbers)
     take_present(line.tiles, n)
     set_flow(line, n, line.numbers[NOW + TIME])
-    set_unit(line, line.numbers[NOW + TIME])
+    if line.numbers[UNIT_VARIES] > 0.0:
+        set_unit(line, line.numbers[NOW + TIME])
     least, _ = assemble(line, n, 0.0, 0.0)
     if line.numbers[BENDING_ON] > 0.0:
         add_bending(line, n)
@@ -106,7 +108,8 @@ def evaluate_unit(line: LineArrays, n: int) -> None:
     assemble_present(line, n, NONE)
     if numbers[FLOW_VARIES] > 0.0:
         set_flow_at(line, NONE, NONE, NONE, numbers[NOW + TIME])
-    set_unit(line, numbers[NOW + TIME])
+    if numbers[UNIT_VARIES] > 0.0:
+        set_unit(line, numbers[NOW + TIME])
     add_unit(tile, numbers, 0.0, 0.0)
     if numbers[BED_ON] > 0.0:
         add_contact(line, 0, 0.0)

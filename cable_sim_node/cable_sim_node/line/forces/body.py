@@ -48,7 +48,6 @@ from cable_sim_node.line.layout import (
     UNIT_FORCE,
     UNIT_INERTIA,
     UNIT_MASS,
-    UNIT_VARIES,
     VZ,
     X,
     Y,
@@ -68,10 +67,11 @@ def keulegan_carpenter(numbers: Array) -> float:
 
 @inner_kernel
 def follow_heave(line: LineArrays, h: float) -> None:
-    """Take the unit's heave in a step of `h` [s], which it has made, into its path and the mean square of that."""
+    """Take the unit's heave in a step of `h` [s], which it has made, into its path and the mean square of that.
+
+    For a unit with a table over KC only.
+    """
     numbers, tile = line.numbers, line.tiles[0]
-    if numbers[KC_ROWS] == 0.0:
-        return
     memory = numbers[KC_MEMORY]
     kept = math.exp(-h / memory)
     path = kept * numbers[HEAVE_PATH] + (1.0 - kept) * memory * (tile[VZ] - tile[FLOW_Z])
@@ -112,10 +112,8 @@ def vertical_coefficients(line: LineArrays, depth: float) -> tuple[float, float]
 
 @inner_kernel
 def set_unit(line: LineArrays, time: float) -> None:
-    """Set the unit's inertia, drag, force and what moving water accelerates."""
+    """Set the inertia, drag and force of a unit that varies, and what moving water accelerates of it."""
     numbers, tile = line.numbers, line.tiles[0]
-    if numbers[UNIT_VARIES] == 0.0:
-        return
     level, rise = surface_at(tile[MIDDLE + X], tile[MIDDLE + Y], time, numbers)
     depth = level - tile[MIDDLE + Z]
     added, drag = vertical_coefficients(line, depth)

@@ -46,6 +46,7 @@ from cable_sim_node.line.layout import (
     UNIT_BODY_DRAG,
     UNIT_DRAG,
     UNIT_FORCE,
+    UNIT_VARIES,
     VX,
     WAVE_AMPLITUDE,
     WEIGHT,
@@ -125,7 +126,8 @@ def march(line: LineArrays, n: int, force: Array, drag: Array, direction: Array)
     tiles, numbers = line.tiles, line.numbers
     take_present(tiles, n)
     set_flow(line, n, numbers[NOW + TIME])
-    set_unit(line, numbers[NOW + TIME])
+    if numbers[UNIT_VARIES] > 0.0:
+        set_unit(line, numbers[NOW + TIME])
     water = tiles[0]
     speed = math.sqrt(water[FLOW_X] ** 2 + water[FLOW_Y] ** 2 + water[FLOW_Z] ** 2)
     for k in range(3):
