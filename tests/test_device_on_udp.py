@@ -75,3 +75,28 @@ def test_the_loop_compensates_by_a_motion_sensor_and_a_load_cell_on_udp(tmp_path
     assert figures["sensor"]["invalid"] >= 2
     assert figures["cell"]["checksum_errors"] == 0
     assert "readings" in adapter.out
+
+
+@pytest.mark.long
+def test_a_load_cell_alone_takes_the_place_of_the_simulated_one_and_the_truth_stays(tmp_path):
+    port = free_port()
+    cell = tmp_path / "cell.yaml"
+    cell.write_text(CELL_MAP.format(port=port))
+    options = ["--pacing", "realtime", "--duration", "45", "--external", "winch/load_cell", "--no-report"]
+    options += ["--set", "all.transient=30", "--set", "winch_controller.modes.settling_time=5.0"]
+    with domain_id() as domain:
+        program = str(Path(__file__).with_name("udp_ship.py"))
+        ship = subprocess.Popen([sys.executable, program, str(free_port()), str(port)])
+        try:
+            with adapting(domain, str(cell)):
+                run = give(domain, "run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options, timeout=180.0)
+        finally:
+            ship.kill()
+            ship.wait()
+    assert run.returncode == 0, run.stdout + run.stderr
+    columns = Bag(tmp_path / "run" / "bag").columns({"/winch/load_cell": ["tension"], "/cable/state": ["top_tension"]})
+    tension = columns["/winch/load_cell"]["tension"]
+    assert len(tension) > 300, "ten a second for 45 s"
+    # 25 kN is what udp_ship.py sends; the simulated cell reads the weight of another unit
+    assert tension == pytest.approx(25e3, rel=0.1)
+    assert len(columns["/cable/state"]["top_tension"]) > 100

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from heave_node.criteria import WANTED, Criterion, parse_criterion
+from heave_node.interface.topic import Topic
 from heave_node.parameters import Given, build_given, describe, parameter
 from heave_node.system_parameters import take_system
 from heave_node.tick.clock_rule import ClockRule, parse_clock
@@ -53,8 +54,8 @@ class RunParameters:
     external: tuple[str, ...] = parameter(
         (),
         unit="",
-        description="Nodes replaced by hardware or other programs: their messages are used as they arrive, real time "
-        "only.",
+        description="Nodes, or single topics of nodes that stay (winch/load_cell), replaced by hardware or other "
+        "programs: their messages are used as they arrive, real time only.",
     )
     external_clocks: tuple[str, ...] = parameter(
         (),
@@ -122,9 +123,14 @@ class RunParameters:
             if node not in self.external:
                 raise ValueError(f"external_clocks names {node}, which is not external: {list(self.external)}")
 
-    def clock_rule(self, node: str) -> ClockRule:
-        """Return how an external `node` stamps, as declared."""
-        return dict(map(parse_clock, self.external_clocks)).get(node, ClockRule.DETECT)
+    def is_external(self, topic: Topic) -> bool:
+        """Return whether messages of `topic` come from outside: its node, or the topic by itself, is external."""
+        return topic.publisher in self.external or topic.name in self.external
+
+    def clock_rule(self, topic: Topic) -> ClockRule:
+        """Return how the external publisher of `topic` stamps, as declared for the topic or for its node."""
+        declared = dict(map(parse_clock, self.external_clocks))
+        return declared.get(topic.name, declared.get(topic.publisher, ClockRule.DETECT))
 
     @property
     def tick_nanoseconds(self) -> int:

@@ -69,7 +69,7 @@ class RecorderNode(ParticipantNode):
         self._lagging: set[str] = set()
         self._order: TickOrder | None = None
         self._taken: set[str] = set()
-        self._owned = {self.resolve_topic_name(t.name): t.publisher for t in topics.ALL_TOPICS if t.publisher}
+        self._owned = {self.resolve_topic_name(t.name): t for t in topics.ALL_TOPICS if t.publisher}
         self._speakers: dict[str, Speakers] = {}
         self._before_roster: deque[Callable[[], None]] = deque(maxlen=HELD_MESSAGES)
         self._foreign: list[tuple[str, bytes]] = []
@@ -228,7 +228,7 @@ class RecorderNode(ParticipantNode):
         """
         write = self.session.write
         if topic in self._owned:
-            speakers = Speakers(is_external=self._owned[topic] in self.run.external)
+            speakers = Speakers(is_external=self.run.is_external(self._owned[topic]))
             self._speakers[topic] = speakers
 
             def take_lawful(data: bytes, identity: str) -> None:

@@ -156,7 +156,7 @@ class ClockMasterNode(HeaveNode):
 
     def _external_topics(self, *, needed: bool = False) -> list[str]:
         """Return the resolved names of the topics of external nodes; `needed`: that the loop does not close without."""
-        external = [topic for topic in topics.ALL_TOPICS if topic.publisher in self.run.external]
+        external = [topic for topic in topics.ALL_TOPICS if self.run.is_external(topic)]
         return [self.resolve_topic_name(topic.name) for topic in external if topic.is_needed or not needed]
 
     def _mismatch_of_external(self) -> str:
@@ -249,7 +249,7 @@ class ClockMasterNode(HeaveNode):
         lawful |= {name: self.roster.identities_of(self.resolve_topic_name(name)) for name in owned}
         speakers: dict[str, Speakers] = {}
         for name, identities in lawful.items():
-            is_external = name in owned and owned[name].publisher in self.run.external
+            is_external = name in owned and self.run.is_external(owned[name])
             speakers[self.resolve_topic_name(name)] = Speakers(is_external=is_external)
             if not is_external:
                 speakers[self.resolve_topic_name(name)].appoint(identities)

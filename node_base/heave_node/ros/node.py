@@ -35,7 +35,7 @@ from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health, diagnostic_array
 from heave_node.ros.input_timing import InputTiming
 from heave_node.ros.node_parameters import read_parameters
-from heave_node.ros.ports import Input, Output, Ports, decoder_of, of_any_machine, stamped
+from heave_node.ros.ports import Input, Output, Ports, SilentOutput, decoder_of, of_any_machine, stamped
 from heave_node.ros.spin import timed_callback
 from heave_node.ros.transport.exchange import Exchange, LocalPublisher, LocalSubscription, Reader
 from heave_node.ros.transport.identity import own_identity
@@ -162,8 +162,10 @@ class HeaveNode(LifecycleNode):
     # Ports ---------------------------------------------------------------------------------------------------------
 
     def add_output(self, topic: Topic) -> Output:
-        """Publish `topic` within ticks."""
+        """Publish `topic` within ticks; one that is external comes from outside, and this node keeps silent on it."""
         name = self.resolve_topic_name(topic.name)
+        if topic.name in self.run.external:
+            return SilentOutput(name)
         options = overriding_options(self, name, PUBLISHER, is_lockstep=self.run.is_lockstep)
         output = Output(self._publisher(topic, options))
         self._ports.outputs.append(output)
@@ -195,7 +197,7 @@ class HeaveNode(LifecycleNode):
         settles : lockstep: a message is taken in the tick after the one that it is stamped with, however early it came:
             so a run depends on its seed alone also where the publisher may lag
         """
-        is_external = topic.publisher in self.run.external
+        is_external = self.run.is_external(topic)
         life = math.inf if self.run.is_lockstep else lifespan
         port = Input(
             self,
@@ -220,7 +222,7 @@ class HeaveNode(LifecycleNode):
 
         if is_external:
             self._ports.timings[port.name] = InputTiming(port.name)
-            clock = self.clocks[port.name] = ExternalClock(self.run.clock_rule(topic.publisher))
+            clock = self.clocks[port.name] = ExternalClock(self.run.clock_rule(topic))
         self.add_raw_input(topic, decode_external if is_external else decode)
         return port
 
@@ -245,7 +247,7 @@ class HeaveNode(LifecycleNode):
             if self.strangers.has_left(name, inbox.speakers):
                 inbox.speakers.release()
 
-        is_external = topic.publisher in self.run.external
+        is_external = self.run.is_external(topic)
         inbox = self.gate.add_inbox(Inbox(name, decode, is_external=is_external, on_stranger=on_stranger or refuse))
 
         def on_data(data: bytes, identity: str, _: int) -> None:

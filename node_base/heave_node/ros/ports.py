@@ -40,7 +40,7 @@ class Output:
     published : messages since the start, deferred ones included
     """
 
-    def __init__(self, publisher: Publisher[Any] | LocalPublisher) -> None:
+    def __init__(self, publisher: Publisher[Any] | LocalPublisher | _Nobody) -> None:
         self.publisher = publisher
         self.topic = self.publisher.topic_name
         self.published = 0
@@ -84,6 +84,38 @@ class Output:
         """Send the messages of this tick again, uncounted: receivers know them by their bytes."""
         for data in self._sent_this_tick:
             self.publisher.publish(data)
+
+
+class _Nobody:
+    """Publishes nothing on the topic of this resolved name."""
+
+    def __init__(self, topic_name: str) -> None:
+        self.topic_name = topic_name
+
+    def publish(self, data: bytes) -> None:
+        """Discard `data`."""
+
+    def get_subscription_count(self) -> int:
+        """Return that nobody hears it."""
+        return 0
+
+
+class SilentOutput(Output):
+    """An output on a topic that comes from outside: what this node would say there is neither counted nor sent.
+
+    Parameters
+    ----------
+    topic : resolved name
+    """
+
+    def __init__(self, topic: str) -> None:
+        super().__init__(_Nobody(topic))
+
+    def publish(self, message: object) -> None:
+        """Discard a `message`."""
+
+    def publish_deferred(self, make: Callable[[], object]) -> None:
+        """Do not even make a message with `make`."""
 
 
 Decoder = Callable[[bytes], tuple[int | None, Any]]

@@ -13,6 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_node.criteria import Criterion
+from heave_node.interface import topics
+from heave_node.interface.sensors import SENSORS
 from heave_node.parameters import ParameterError
 from heave_node.run_parameters import LOCKSTEP, REALTIME, RunParameters
 from heave_node.scenario import WILDCARD
@@ -53,8 +55,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NODE[=CLOCK]",
-        help="do not start NODE: hardware or another program takes its place (real time). CLOCK says how it stamps: "
-        "simulated (use_sim_time), own (a clock of its own), none; detected if not given",
+        help="do not start NODE: hardware or another program takes its place (real time); a sensor's topic, as "
+        "winch/load_cell, replaces that sensor alone. CLOCK says how it stamps: simulated (use_sim_time), own (a clock "
+        "of its own), none; detected if not given",
     )
     parser.add_argument(
         "--foreign",
@@ -217,11 +220,12 @@ def _own_settings(options: argparse.Namespace) -> list[Setting]:
     ]
     if options.external:
         source = " ".join(f"--external {node}" for node in options.external)
-        nodes = [text.partition("=")[0] for text in options.external]
-        for node in nodes:
-            if node not in NODE_BY_NAME:
-                raise ParameterError(f"{source}: no such node: {node}; known: {', '.join(NODE_BY_NAME)}")
-        settings.append(Setting(WILDCARD, "external", nodes, source))
+        names = [text.partition("=")[0] for text in options.external]
+        known = [*NODE_BY_NAME, *(sensor.topic.name for sensor in SENSORS.values()), topics.CRANE_POSE.name]
+        for name in names:
+            if name not in known:
+                raise ParameterError(f"{source}: no such node or sensor topic: {name}; known: {', '.join(known)}")
+        settings.append(Setting(WILDCARD, "external", names, source))
         clocks = [text for text in options.external if "=" in text]
         if clocks:
             settings.append(Setting(WILDCARD, "external_clocks", clocks, source))
