@@ -25,8 +25,10 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 TICK = 0.05
-S300 = CableSimNodeParameters(length=300.0, segments=20)
-S900 = build_parameters(CableSimNodeParameters, {**DEEP_900, "segments": 40}, where="test")
+ALL_WET = {"segments": 40, "surface": False}
+"""As the peer's runs: water surrounds the top end too."""
+S300 = CableSimNodeParameters(length=300.0, segments=20, surface=False)
+S900 = build_parameters(CableSimNodeParameters, {**DEEP_900, **ALL_WET}, where="test")
 
 
 def ramped_sine(amplitude: tuple[float, float, float], omega: float, ramp: float) -> Callable[[int], PointMotion]:

@@ -156,7 +156,7 @@ STEP = ACCELERATION * DT / -math.expm1(-DT / LAG)
 
 @pytest.mark.parametrize("wanted", [-0.2, 0.0, 0.2])
 def test_a_command_within_the_limits_leaves_as_it_is(wanted):
-    assert govern(wanted) == (wanted, (), wanted)
+    assert tuple(govern(wanted))[:3] == (wanted, (), wanted)
 
 
 @pytest.mark.parametrize(
@@ -188,7 +188,7 @@ def test_towards_an_end_of_the_range_it_leaves_at_a_speed_from_which_the_winch_c
         assert governed.value == pytest.approx(way * min(most, STEP), abs=1e-9)
         assert ("payout" in governed.active) == (most < 2.0)
         away = govern(-way * 0.2, payout=way * payout)
-        assert away == (-way * 0.2, (), -way * 0.2), "away from it nothing is held back"
+        assert tuple(away)[:3] == (-way * 0.2, (), -way * 0.2), "away from it nothing is held back"
 
 
 def test_the_speed_it_has_takes_room_for_twice_the_lag_before_the_servo_brakes():
