@@ -1,4 +1,4 @@
-"""The types of everything are right: minutes of mypy on a clean checkout, beside the other tests and not before them."""
+"""The types of everything are right: minutes of mypy on a clean checkout, beside the other tests."""
 
 import subprocess
 import sys

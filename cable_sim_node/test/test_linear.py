@@ -166,6 +166,23 @@ def test_the_fit_finds_a_two_state_model_exactly(a, b):
     assert fit.error < 1e-6
 
 
+@settings(max_examples=30, deadline=None)
+@given(st.floats(100.0, 6000.0), st.floats(0.1, 3.0), st.floats(0.3, 1.5))
+def test_the_fit_is_never_worse_than_a_unit_that_does_not_move(length, mass_ratio, middle):
+    """Also where the cable's first resonance is below the band and its second above: a minimum on the wrong side is."""
+    line = AxialLine(
+        (AxialSection(math.inf, STIFFNESS, MASS, 54.0, 1.9),), AxialUnit(MASS * 1000.0 * mass_ratio, 5e4, 500.0)
+    )
+    omegas = middle * np.linspace(0.3, 2.5, 60)
+    response = heave_transfer_function(line, length, omegas, amplitude=0.5).unit_heave
+    fit = fit_two_state(
+        omegas, response, weights=np.exp(-((omegas / middle - 1.0) ** 2) / 0.1) / (1.0 + np.abs(response) ** 2)
+    )
+    assert fit.a > 0.0
+    assert fit.b >= 0.0
+    assert fit.error <= 1.02
+
+
 def test_the_two_state_model_of_a_stiff_short_cable_has_the_springs_own_a():
     # a = (M + m L/3)/K: Rayleigh's third of the cable's mass
     omegas = np.linspace(0.2, 1.0, 30)

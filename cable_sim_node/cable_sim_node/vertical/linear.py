@@ -7,6 +7,7 @@ cycle, 8/(3 pi) * drag * velocity amplitude, found by iteration with the local a
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -24,6 +25,12 @@ DRAG_PIECES = 12
 """Pieces along the cable in each of which the drag's linearisation amplitude is constant."""
 
 DRAG_ITERATIONS = 60
+
+RESONANCES = np.geomspace(0.1, 10.0, 120)
+"""Middle of the band over the resonance of a two-state model, at which its fit may begin."""
+
+DAMPING_RATIOS = np.array([1e-3, 0.03, 0.3])
+"""b times the middle of the band at which it may begin."""
 
 NEAR_ROOT = 1e-4
 """Relative distance from a natural frequency at which the slope there is taken."""
@@ -94,8 +101,11 @@ class TwoStateModel:
 
     def transfer(self, omegas: ArrayLike) -> ComplexArray:
         """Return 1/(1 - a w^2 + i b w) at the frequencies `omegas` [rad/s]."""
-        omega = np.asarray(omegas, dtype=np.float64)
-        return np.asarray(1.0 / (1.0 - self.a * omega**2 + 1j * self.b * omega))
+        return _two_state_transfer(self.a, self.b, np.asarray(omegas, dtype=np.float64))
+
+
+def _two_state_transfer(a: float | Array, b: float | Array, omega: Array) -> ComplexArray:
+    return np.asarray(1.0 / (1.0 - a * omega**2 + 1j * b * omega))
 
 
 def heave_transfer_function(
@@ -321,16 +331,14 @@ def fit_two_state(omegas: ArrayLike, unit_heave: ArrayLike, *, weights: ArrayLik
         )
 
     def difference(guess: Array) -> Array:
-        model = TwoStateModel(guess[0], guess[1], 0.0).transfer(omega)
-        error = weight * (model - exact)
+        error = weight * (_two_state_transfer(guess[0], guess[1], omega) - exact)
         return np.concatenate((error.real, error.imag))
 
-    inverse = 1.0 / exact
-    scale = weight / np.abs(inverse)
-    a = float(np.sum(scale * omega**2 * (1.0 - inverse.real)) / np.sum(scale * omega**4))
-    b = float(np.sum(scale * omega * inverse.imag) / np.sum(scale * omega**2))
-    fit = scipy.optimize.least_squares(
-        difference, np.array([a, max(b, 1e-6)]), x_scale=np.array([abs(a) + 1e-9, abs(b) + 1e-3])
-    )
+    # with every resonance but the nearest there is a minimum beside the band, where the unit moves the other way
+    middle = float(weight @ omega / np.sum(weight))
+    starts = np.array(list(itertools.product(RESONANCES**2 / middle**2, DAMPING_RATIOS / middle)))
+    responses = _two_state_transfer(starts[:, :1], starts[:, 1:], omega)
+    start = starts[np.argmin(np.sum(np.abs(weight * (responses - exact)) ** 2, axis=1))]
+    fit = scipy.optimize.least_squares(difference, start, x_scale=start, bounds=(0.0, np.inf))
     size = float(np.sqrt(np.sum(np.abs(weight * exact) ** 2)))
     return TwoStateModel(float(fit.x[0]), float(fit.x[1]), float(np.sqrt(2.0 * fit.cost)) / size)

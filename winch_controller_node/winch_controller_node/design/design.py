@@ -36,6 +36,7 @@ from winch_controller_node.model.models import (
     augmented_model,
     boom_tip_block,
     cable_model,
+    fitted_cable,
     sea_noise_covariance,
 )
 from winch_controller_node.model.regulator import full_gain, is_sea_state, is_sensor_state, weighted_cost
@@ -293,7 +294,22 @@ def assumed_plant(parameters: WinchControllerParameters) -> PlantBelief:
 
 def assumed_cable(parameters: WinchControllerParameters, length: float) -> CableModel:
     """Return the two-state cable at `length` [m] of the plant of `parameters`, fitted where the boom tip has energy."""
-    plant = assumed_plant(parameters)
+    return cable_model(assumed_plant(parameters), parameters.cable_model, length, *_band(parameters))
+
+
+def error_of_two_states(parameters: WinchControllerParameters, length: float) -> float:
+    """Return by how much the motion of the unit, by two fitted states, is off that by the cable's waves, relative.
+
+    Parameters
+    ----------
+    parameters : of plant and sea
+    length : of cable [m]
+    """
+    return fitted_cable(assumed_plant(parameters), parameters.cable_model, length, *_band(parameters)).error
+
+
+def _band(parameters: WinchControllerParameters) -> tuple[Array, Array]:
+    """Return frequencies [rad/s] about the mean one of the boom tip, and the amplitude that it has there."""
     tip = boom_tip_block(parameters.sea, parameters.vessel)
     P = state_covariance(tip)
     heave, rate = tip.row("boom_tip_heave"), tip.row("boom_tip_heave_rate")
@@ -303,7 +319,7 @@ def assumed_cable(parameters: WinchControllerParameters, length: float) -> Cable
         np.linalg.norm(heave @ np.linalg.solve(1j * w * np.eye(tip.order) - tip.A, tip.G.astype(complex)))
         for w in omegas
     ]
-    return cable_model(plant, parameters.cable_model, length, omegas, np.array(response))
+    return omegas, np.array(response)
 
 
 def model_inputs(parameters: WinchControllerParameters, cable: CableModel) -> ModelInputs:

@@ -15,7 +15,13 @@ import numpy as np
 from cable_sim_node.parameters import CableParameters, CableSimParameters
 from cable_sim_node.unit_parameters import UnitParameters
 from cable_sim_node.vertical.axial_line import AxialLine, axial_line
-from cable_sim_node.vertical.linear import drag_at_unit, first_mode, fit_two_state, heave_transfer_function
+from cable_sim_node.vertical.linear import (
+    TwoStateModel,
+    drag_at_unit,
+    first_mode,
+    fit_two_state,
+    heave_transfer_function,
+)
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.numerics.linear_model import LinearModel, ModelError, interconnect, linear_model
@@ -90,13 +96,23 @@ def cable_model(
     line = plant.line(length)
     a, b = parameters.inertia, parameters.damping
     if a == 0.0 or b == 0.0:
-        transfer = heave_transfer_function(line, length, omegas, amplitude=parameters.drag_amplitude)
-        # weighting the inverse 1 - a w^2 + i b w keeps a resonance in the band from ruling the fit
-        fit = fit_two_state(omegas, transfer.unit_heave, weights=weights / (1.0 + np.abs(transfer.unit_heave) ** 2))
+        fit = fitted_cable(plant, parameters, length, omegas, weights)
         a = a or fit.a
         b = b or max(fit.b, 2.0 * SMALLEST_DAMPING_RATIO * math.sqrt(max(fit.a, 0.0)))
     a, b = a * parameters.inertia_factor, b * parameters.damping_factor
     return CableModel(a, b, **_exact(line, parameters, length, a))
+
+
+def fitted_cable(
+    plant: PlantBelief, parameters: CableModelParameters, length: float, omegas: Array, weights: Array
+) -> TwoStateModel:
+    """Return the two states that are nearest to the exact bar of a `plant` at `length` [m].
+
+    `omegas` [rad/s], `weights` and `parameters` are as in `cable_model`.
+    """
+    transfer = heave_transfer_function(plant.line(length), length, omegas, amplitude=parameters.drag_amplitude)
+    # weighting the inverse 1 - a w^2 + i b w keeps a resonance in the band from ruling the fit
+    return fit_two_state(omegas, transfer.unit_heave, weights=weights / (1.0 + np.abs(transfer.unit_heave) ** 2))
 
 
 def cable_between(
