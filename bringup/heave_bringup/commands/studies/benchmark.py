@@ -116,14 +116,17 @@ def _run(tasks: Sequence[Task], processes: int | None) -> list[Result]:
 
 def _listing(cases: Mapping[str, Case], folder: Path | None) -> str:
     from heave_bringup.benchmark.entrants.table import SHIPPED
+    from heave_bringup.benchmark.records import HOW
 
     width = max(len(name) for name in (*cases, *SHIPPED))
     lines = ["cases"]
     for case in cases.values():
-        missing = "" if _is_at_hand(case.name, folder) else "  (its record is not available)"
+        missing = "" if _is_at_hand(case.name, folder) else "  *"
         lines.append(
             f"  {case.name.ljust(width)}  {len(case.seeds)} seeds of {case.duration:g} s: {case.title}{missing}"
         )
+    if any(line.endswith("*") for line in lines):
+        lines.append(f"* its record of a ship's motion is not shipped: {HOW}")
     lines += ["entrants", *(f"  {name.ljust(width)}  {words}" for name, (_, words) in SHIPPED.items())]
     return "\n".join(lines)
 
