@@ -13,17 +13,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_node.criteria import Criterion
-from heave_node.interface import topics
-from heave_node.interface.sensors import SENSORS
 from heave_node.parameters import ParameterError
 from heave_node.run_parameters import LOCKSTEP, REALTIME, RunParameters
 from heave_node.scenario import WILDCARD
 
-from heave_bringup.commands.arguments import add_baseline, add_full, add_namespace, add_network, add_scenario
+from heave_bringup.commands.arguments import (
+    add_baseline,
+    add_external,
+    add_full,
+    add_namespace,
+    add_network,
+    add_scenario,
+)
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError, VerdictError
 from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER
-from heave_bringup.settings import Setting
+from heave_bringup.settings import Setting, external_settings
 
 if TYPE_CHECKING:
     from heave_bringup.run.run import Composed
@@ -50,15 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--bag", type=Path, metavar="DIR", help="folder for the bag and the report (default: runs/SCENARIO-NNN)"
     )
-    parser.add_argument(
-        "--external",
-        action="append",
-        default=[],
-        metavar="NODE[=CLOCK]",
-        help="do not start NODE: hardware or another program takes its place (real time); a sensor's topic, as "
-        "winch/load_cell, replaces that sensor alone. CLOCK says how it stamps: simulated (use_sim_time), own (a clock "
-        "of its own), none; detected if not given",
-    )
+    add_external(parser, "do not start NODE: hardware or another program takes its place")
     parser.add_argument(
         "--foreign",
         action="append",
@@ -218,17 +215,7 @@ def _own_settings(options: argparse.Namespace) -> list[Setting]:
         for name in ("pacing", "realtime_priority", "duration", "seed")
         if (value := getattr(options, name)) is not None
     ]
-    if options.external:
-        source = " ".join(f"--external {node}" for node in options.external)
-        names = [text.partition("=")[0] for text in options.external]
-        known = [*NODE_BY_NAME, *(sensor.topic.name for sensor in SENSORS.values()), topics.CRANE_POSE.name]
-        for name in names:
-            if name not in known:
-                raise ParameterError(f"{source}: no such node or sensor topic: {name}; known: {', '.join(known)}")
-        settings.append(Setting(WILDCARD, "external", names, source))
-        clocks = [text for text in options.external if "=" in text]
-        if clocks:
-            settings.append(Setting(WILDCARD, "external_clocks", clocks, source))
+    settings += external_settings(options.external)
     return settings
 
 
