@@ -17,7 +17,7 @@ from heave_node.tick.durations import EDGES, LAST
 
 from heave_bags.analyse import events
 from heave_bags.analyse.events import Interval
-from heave_bags.analyse.kpi_set import QUANTITIES
+from heave_bags.analyse.kpis.definition import QUANTITIES
 from heave_bags.analyse.run_record import Innovation, RunRecord
 from heave_bags.analyse.spectra import Spectrum, spectrum, transmissibility
 from heave_bags.signals import Signal
