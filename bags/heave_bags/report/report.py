@@ -19,13 +19,8 @@ from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge
 from heave_bags.errors import BagError
 from heave_bags.report import headline
-from heave_bags.report.report_figures import (
-    RUN_COLOURS,
-    Figure,
-    comparison_figures,
-    run_figures,
-    without_nan,
-)
+from heave_bags.report.figure import RUN_COLOURS, Figure, without_nan
+from heave_bags.report.report_figures import comparison_figures, run_figures
 
 MOST_HAPPENINGS = 60
 """Lines of what happened in a run; the bag has them all."""
