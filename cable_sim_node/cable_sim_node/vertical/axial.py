@@ -16,16 +16,8 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
 from cable_sim_node.errors import PlantError
+from cable_sim_node.vertical import axial_layout as at
 from cable_sim_node.vertical.axial_kernel import integrate
-from cable_sim_node.vertical.axial_layout import (
-    ANSWER_COLUMNS,
-    LEAST_TENSION,
-    TOP_TENSION,
-    UNIT_ELEVATION,
-    UNIT_VELOCITY,
-    AxialArrays,
-    allocate_nodes,
-)
 from cable_sim_node.vertical.axial_line import AxialLine
 
 LARGEST_STEP = 0.01
@@ -104,7 +96,7 @@ def simulate_axial(
     if not shortest > 0.0:
         raise AxialError(f"the cable is hauled in to {shortest:g} m: its length must stay positive")
     motion = np.column_stack((top, top_velocity, length + feed, feed_rate))
-    answer = np.empty((len(heave), ANSWER_COLUMNS))
+    answer = np.empty((len(heave), at.ANSWER_COLUMNS))
     failed = integrate(
         axial_arrays(line, segments, allow_slack=allow_slack), motion, sample_period / substeps, substeps, answer
     )
@@ -120,17 +112,17 @@ def _response(time: Array, answer: Array, datum: float) -> AxialResponse:
     """Return what the kernel's `answer` at each `time` says, the unit's heave about its place at rest, `datum` [m]."""
     return AxialResponse(
         time=time,
-        unit_heave=answer[:, UNIT_ELEVATION] - datum,
-        unit_velocity=answer[:, UNIT_VELOCITY].copy(),
-        top_tension=answer[:, TOP_TENSION].copy(),
-        least_tension=answer[:, LEAST_TENSION].copy(),
+        unit_heave=answer[:, at.UNIT_ELEVATION] - datum,
+        unit_velocity=answer[:, at.UNIT_VELOCITY].copy(),
+        top_tension=answer[:, at.TOP_TENSION].copy(),
+        least_tension=answer[:, at.LEAST_TENSION].copy(),
     )
 
 
-def axial_arrays(line: AxialLine, segments: int, *, allow_slack: bool = True) -> AxialArrays:
+def axial_arrays(line: AxialLine, segments: int, *, allow_slack: bool = True) -> at.AxialArrays:
     """Return a `line` of so many `segments` as the kernels take it; without `allow_slack` as a linear material."""
-    nodes, elements = allocate_nodes(segments)
-    return AxialArrays(
+    nodes, elements = at.allocate_nodes(segments)
+    return at.AxialArrays(
         sections=line.section_table(),
         bodies=np.array([(b.label, b.inertia, b.weight, b.drag) for b in line.clumps]).reshape(-1, 4),
         unit=np.array([line.unit.inertia, line.unit.weight, line.unit.drag]),
