@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from heave_bags.analyse import analysis, kpi_set
 from heave_bags.analyse.kpis.sources import MOTIONS_OF, source_of
-from heave_bags.analyse.run_record import read_run
+from heave_bags.analyse.read_run import read_run
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.report.report import render
 from heave_msgs.msg import ControllerState, LoadCell, MruSample, WinchState

@@ -15,7 +15,9 @@ from heave_node import kpi
 
 from heave_bags.analyse import kpi_set, kpi_table
 from heave_bags.analyse.kpis.definition import QUANTITIES
-from heave_bags.analyse.run_record import NodeParameters, RunRecord, read_run
+from heave_bags.analyse.read_run import read_run
+from heave_bags.analyse.reading.stored import NodeParameters
+from heave_bags.analyse.run_record import RunRecord
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Progress, no_progress
 from heave_bags.signals import Signal

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from heave_bags.analyse.run_record import Innovation, RunRecord
+from heave_bags.analyse.reading.innovations import Innovation
+from heave_bags.analyse.run_record import RunRecord
 from heave_bags.report.figure import CM, KN, RUN_COLOURS, Figure, line, time_layout
 from heave_bags.signals import Signal
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from heave_bags.analyse import events
-from heave_bags.analyse.run_record import RunRecord, read_run
+from heave_bags.analyse.read_run import read_run
+from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import judge
 from heave_bags.mcap.reader import TIME, Bag
 from heave_bags.signals import Signal
