@@ -23,7 +23,14 @@ from cable_sim_node.line.forces.contact import add_contacts
 from cable_sim_node.line.forces.direction import FOLDED, direction_at, folded
 from cable_sim_node.line.forces.flow import set_flow_at
 from cable_sim_node.line.forces.segment import rank_one, tension_of
-from cable_sim_node.line.forces.surface import dry_part, level_above, take_from_water, take_out_of_water
+from cable_sim_node.line.forces.surface import (
+    dry_part,
+    level_above,
+    put_all_back,
+    put_back,
+    take_from_water,
+    take_out_of_water,
+)
 from cable_sim_node.line.tiles import largest_of
 from cable_sim_node.physics.drag import drag_force, resolve
 
@@ -255,15 +262,18 @@ def assemble_present(line: LineArrays, n: int, i: int) -> None:
     take_present_place(tile, j + 1)
     if numbers[at.FLOW_VARIES] > 0.0:
         set_flow_at(line, i >> at.SHIFT, j, j + 1, numbers[at.NOW + at.TIME])
+    dry = dry_part(tile, j, level_above(line, n)) if numbers[at.SURFACE_ON] > 0.0 else 0.0
+    if dry > 0.0:
+        take_from_water(tile, j, dry, numbers[at.GRAVITY])
     sheave = motion_of(tile, j + 1)
     if i == n - 1:
         swap_sheave(line, n)
     assemble_segments(tile[j:], at.ONE, 0.0, 0.0)
     if numbers[at.WAVE_AMPLITUDE] > 0.0:
         add_wave_force(tile[j:], at.ONE)
-    if numbers[at.SURFACE_ON] > 0.0:
-        take_from_water(tile, j, dry_part(tile, j, level_above(line, n)), numbers, 0.0)
     restore_sheave(tile, j + 1, sheave)
+    if dry > 0.0:
+        put_back(tile, j)
 
 
 @inner_kernel
@@ -276,6 +286,7 @@ def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tupl
     top_tile, end = tiles[(n - 1) >> at.SHIFT], ((n - 1) & at.LANES) + 1
     sheave = motion_of(top_tile, end)
     swap_sheave(line, n)
+    dry = take_out_of_water(line, n) if numbers[at.SURFACE_ON] > 0.0 else 0
     most = -1e300
     for t in range(((n - 1) >> at.SHIFT) + 1):
         tile, count = tiles[t], min(at.TILE, n - (t << at.SHIFT))
@@ -283,8 +294,7 @@ def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tupl
         if numbers[at.WAVE_AMPLITUDE] > 0.0:
             add_wave_force(tile, count)
         most = max(most, largest_of(tile, count))
-    if numbers[at.SURFACE_ON] > 0.0:
-        take_out_of_water(line, n, c_mass)
+    put_all_back(line, n, dry)
     restore_sheave(top_tile, end, sheave)
     join_segments(tiles, n)
     add_unit(tiles[0], numbers, c_mass, c_velocity)

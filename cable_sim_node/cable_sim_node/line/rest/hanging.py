@@ -18,7 +18,7 @@ from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.forces.bending import solve_with_bending
 from cable_sim_node.line.forces.body import set_unit
 from cable_sim_node.line.forces.flow import set_flow
-from cable_sim_node.line.forces.surface import dry_part
+from cable_sim_node.line.forces.surface import dry_part, put_back, take_from_water
 from cable_sim_node.line.observation import evaluate
 from cable_sim_node.line.tiles import take_present
 from cable_sim_node.physics.drag import Vector, drag_force, resolve
@@ -108,10 +108,13 @@ def march(line: LineArrays, n: int, force: Array, drag: Array, direction: Array)
         half = 0.5 * length
         u = (tile[at.FLOW_X + j + 1], tile[at.FLOW_Y + j + 1], tile[at.FLOW_Z + j + 1])
         dry = dry_part(tile, j, 0.0) if numbers[at.SURFACE_ON] > 0.0 else 0.0
-        weight = half * (tile[at.WEIGHT + j] + dry * tile[at.DISPLACED + j] * numbers[at.GRAVITY])
-        wet = (1.0 - dry) * half
+        if dry > 0.0:
+            take_from_water(tile, j, dry, numbers[at.GRAVITY])
+        weight = half * tile[at.WEIGHT + j]
         force[2] += weight
-        tension = aim(force, u, tile[at.NORMAL_DRAG + j] * wet, tile[at.TANGENTIAL_DRAG + j] * wet, direction, drag)
+        tension = aim(force, u, half * tile[at.NORMAL_DRAG + j], half * tile[at.TANGENTIAL_DRAG + j], direction, drag)
+        if dry > 0.0:
+            put_back(tile, j)
         if not tension > 0.0:
             return False
         strain = strain_at(tile[at.STIFFNESS + j], tile[at.QUADRATIC + j], tile[at.CUBIC + j], tension)
