@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from heave_node.numerics.constants import STANDARD_GRAVITY
-from wave_vessel_node.parameters import CourseParameters
 from wave_vessel_node.sea.realisation import WaveComponents
 from wave_vessel_node.sea.spectra import Bretschneider
 from wave_vessel_node.sources.rao_components import RaoSource
 from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.fit import VesselOnCourse, boom_tip_heave_response, fit_vessel
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
+from wave_vessel_node.vessel.parameters import CourseParameters
 from wave_vessel_node.vessel.rao import RaoError, ResponseTable, encounter_frequency
 from wave_vessel_node.vessel.rao_files import (
     COLUMNS,
