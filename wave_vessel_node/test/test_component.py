@@ -10,8 +10,8 @@ from wave_vessel_node.parameters import LaterSeaParameters, WaveVesselParameters
 from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import Bretschneider
 from wave_vessel_node.sources.filtered import FilterSource
-from wave_vessel_node.vessel.parameters import CourseParameters, DriftParameters, VesselParameters
 from wave_vessel_node.vessel.second_order import SecondOrderVessel, boom_tip_model
+from wave_vessel_node.vessel_parameters import CourseParameters, DriftParameters, VesselParameters
 
 DT = 0.05
 

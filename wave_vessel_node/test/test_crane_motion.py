@@ -15,7 +15,7 @@ from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.crane_parameters import CraneMotionParameters
 from wave_vessel_node.parameters import PreviewParameters, WaveVesselParameters
 from wave_vessel_node.vessel.crane_motion import CraneMotion
-from wave_vessel_node.vessel.parameters import CourseParameters, VesselParameters
+from wave_vessel_node.vessel_parameters import CourseParameters, VesselParameters
 
 DT = 0.05
 ARM = (-20.0, 10.0, 15.0)

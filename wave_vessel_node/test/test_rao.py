@@ -11,7 +11,6 @@ from wave_vessel_node.sources.rao_components import RaoSource
 from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.fit import VesselOnCourse, boom_tip_heave_response, fit_vessel
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
-from wave_vessel_node.vessel.parameters import CourseParameters
 from wave_vessel_node.vessel.rao import RaoError, ResponseTable, encounter_frequency
 from wave_vessel_node.vessel.rao_files import (
     COLUMNS,
@@ -21,6 +20,7 @@ from wave_vessel_node.vessel.rao_files import (
     write_rao_csv,
 )
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
+from wave_vessel_node.vessel_parameters import CourseParameters
 
 import wave_vessel_node
 

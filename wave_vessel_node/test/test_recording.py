@@ -10,8 +10,8 @@ from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import WaveVesselParameters
 from wave_vessel_node.sources.recorded import RecordedSource
 from wave_vessel_node.sources.recording import RecordingError, read_recording
-from wave_vessel_node.vessel.parameters import VesselParameters
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
+from wave_vessel_node.vessel_parameters import VesselParameters
 
 DT = 0.05
 TIME = np.arange(0.0, 120.0, 0.1)

@@ -8,10 +8,10 @@ from heave_node.parameters import group, parameter
 from heave_node.registry import describe_choices
 
 from wave_vessel_node.crane_parameters import CraneMotionParameters
-from wave_vessel_node.mru.parameters import MruParameters, SeaStateEstimateParameters
+from wave_vessel_node.mru_parameters import MruParameters, SeaStateEstimateParameters
 from wave_vessel_node.sea_registry import AUTO, FILTER_FORMS, SPECTRA, SPECTRUM_FILE
 from wave_vessel_node.source_registry import SOURCES
-from wave_vessel_node.vessel.parameters import CourseParameters, DriftParameters, VesselParameters
+from wave_vessel_node.vessel_parameters import CourseParameters, DriftParameters, VesselParameters
 
 FILTER_CHOICES = (AUTO, *FILTER_FORMS)
 

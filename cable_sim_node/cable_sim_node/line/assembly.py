@@ -59,13 +59,9 @@ def assemble_segments(tile: Array, count: int, c_mass: float, c_velocity: float)
         ex, ey, ez = ex * size, ey * size, ez * size
         strain = ratio - 1.0
         strain_rate = (ex * (wx - vx) + ey * (wy - vy) + ez * (wz - vz)) * per_length
+        stiffness, damping = tile[at.STIFFNESS + j], tile[at.DAMPING + j]
         tension, by_strain, by_rate = tension_of(
-            tile[at.STIFFNESS + j],
-            tile[at.QUADRATIC + j],
-            tile[at.CUBIC + j],
-            tile[at.DAMPING + j],
-            strain,
-            strain_rate,
+            stiffness, tile[at.QUADRATIC + j], tile[at.CUBIC + j], damping, strain, strain_rate
         )
         tile[at.TENSION + j], tile[at.SCRATCH + j] = tension, -strain
         # h: half of drag and weight, for the mean velocity u of the ends through the water, with its part n across
@@ -131,11 +127,8 @@ def swap_sheave(line: LineArrays, n: int) -> None:
     It is the upper end of the top segment, whose place `restore_sheave` gives back.
     """
     tile, j = line.tiles[(n - 1) >> at.SHIFT], (n - 1) & at.LANES
-    rate, acceleration, per_length = (
-        line.numbers[at.MIDWAY + at.RATE],
-        line.numbers[at.MIDWAY + at.ACCELERATION],
-        tile[at.PER_LENGTH + j],
-    )
+    rate, acceleration = line.numbers[at.MIDWAY + at.RATE], line.numbers[at.MIDWAY + at.ACCELERATION]
+    per_length = tile[at.PER_LENGTH + j]
     for axis in range(3):
         node = tile[at.MIDDLE + axis * at.STRIDE :]
         q = (node[at.X + j + 1] - node[at.X + j]) * per_length

@@ -14,7 +14,7 @@ from wave_vessel_node.sea.spectra import TabulatedSpectrum
 from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.motion import VesselMotion
-from wave_vessel_node.vessel.parameters import DriftParameters
+from wave_vessel_node.vessel_parameters import DriftParameters
 
 _DRIFT_COMPONENTS = 120
 
