@@ -14,7 +14,7 @@ from domain_coordinator import domain_id
 from heave_bringup.accept import figures
 from heave_bringup.accept.parts.real_winch import RealPart
 from heave_bringup.accept.parts.winch import run_winch
-from heave_bringup.accept.procedure import Limits, find_procedure, read_head, read_procedure
+from heave_bringup.accept.procedure_file import Limits, find_procedure, read_head, read_procedure
 from heave_bringup.accept.session import Nominal
 from heave_bringup.adapt.device import LiveDevice
 from heave_bringup.cli import main

@@ -1,7 +1,6 @@
 """A motion sensor and a load cell that know nothing of the suite but are on UDP, and the suite's controller on them."""
 
 import json
-import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +11,7 @@ from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 
 from tests.loop_runs import adapting, give
+from tests.plc import free_port
 from tests.udp_ship import AMPLITUDE, PERIOD
 
 MRU_MAP = """
@@ -32,16 +32,10 @@ tension: {{field: tension, unit: kN, sigma: 200.0}}
 """
 
 
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
 @pytest.mark.slow
 def test_the_loop_compensates_by_a_motion_sensor_and_a_load_cell_on_udp(tmp_path):
     """99 m that the sensor calls invalid, and 90 m with a wrong checksum, come every ten seconds."""
-    ports = free_port(), free_port()
+    ports = free_port("udp"), free_port("udp")
     maps = []
     for name, text, port in (("sensor", MRU_MAP, ports[0]), ("cell", CELL_MAP, ports[1])):
         maps.append(str(tmp_path / f"{name}.yaml"))
@@ -79,14 +73,14 @@ def test_the_loop_compensates_by_a_motion_sensor_and_a_load_cell_on_udp(tmp_path
 
 @pytest.mark.long
 def test_a_load_cell_alone_takes_the_place_of_the_simulated_one_and_the_truth_stays(tmp_path):
-    port = free_port()
+    port = free_port("udp")
     cell = tmp_path / "cell.yaml"
     cell.write_text(CELL_MAP.format(port=port))
     options = ["--pacing", "realtime", "--duration", "45", "--external", "winch/load_cell", "--no-report"]
     options += ["--set", "all.transient=30", "--set", "winch_controller.modes.settling_time=5.0"]
     with domain_id() as domain:
         program = str(Path(__file__).with_name("udp_ship.py"))
-        ship = subprocess.Popen([sys.executable, program, str(free_port()), str(port)])
+        ship = subprocess.Popen([sys.executable, program, str(free_port("udp")), str(port)])
         try:
             with adapting(domain, str(cell)):
                 run = give(domain, "run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options, timeout=180.0)

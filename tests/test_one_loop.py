@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from heave_bags.analyse import kpi_set
-from heave_bags.analyse.run_record import read_run
+from heave_bags.analyse.read_run import read_run
 from heave_bags.mcap.reader import Bag
 from heave_bringup.campaign.campaign_file import read_campaign
 from heave_bringup.campaign.study import run_study

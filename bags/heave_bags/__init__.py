@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from heave_node.faces import lazy_face
 
 if TYPE_CHECKING:
-    from heave_bags.analyse.run_record import read_run
+    from heave_bags.analyse.read_run import read_run
     from heave_bags.errors import BagError
     from heave_bags.mcap.bag_writer import BagWriter
     from heave_bags.mcap.reader import Bag
@@ -23,6 +23,6 @@ __getattr__, __dir__ = lazy_face(
         "Bag": "mcap.reader",
         "BagError": "errors",
         "BagWriter": "mcap.bag_writer",
-        "read_run": "analyse.run_record",
+        "read_run": "analyse.read_run",
     },
 )

@@ -10,8 +10,8 @@ import pandas
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from foreign_bags import HOST_TIME, by_host_clock, by_simulated_clock, write_foreign
-from heave_bags.analyse import analysis, kpi_set, run_record
-from heave_bags.analyse.fields import on_one_clock
+from heave_bags.analyse import analysis, kpi_set, read_run
+from heave_bags.analyse.reading.fields import on_one_clock
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.reader import Bag
@@ -212,9 +212,9 @@ KINDS = ("string", "float64[]", None, "string")
 
 def definitions_of_other_kinds():
     """Yield a topic and its definition with one field of another kind, or gone."""
-    selected = {re.split(r"[.\]]", path)[-1] for paths in run_record.SELECTION.values() for path in paths}
+    selected = {re.split(r"[.\]]", path)[-1] for paths in read_run.SELECTION.values() for path in paths}
     looked_at = {*selected, "sensor", "level", "sec", "nanosec"}
-    for name in run_record.SELECTION:
+    for name in read_run.SELECTION:
         full = "/" + name.lstrip("/")
         if full not in TYPES:
             continue
@@ -261,7 +261,7 @@ def test_a_run_without_namespace_is_read_from_a_bag_that_holds_another_runs_topi
         writer.write(message.topic, message.log_time, message.data)
         writer.write("/spy" + message.topic, message.log_time + 1, message.data)
     writer.close()
-    both, alone = (run_record.read_run(path, transient=10.0) for path in (tmp_path / "both", shared_bag))
+    both, alone = (read_run.read_run(path, transient=10.0) for path in (tmp_path / "both", shared_bag))
     assert both.kpis()["unit_sigma_m"] == alone.kpis()["unit_sigma_m"]
 
 

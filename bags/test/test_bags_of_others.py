@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import zstandard
 from bags_of_others import PERIOD, START, TOPIC, heave_at, samples, write_mcap, write_metadata, write_split
-from heave_bags.analyse.run_record import read_run
+from heave_bags.analyse.read_run import read_run
 from heave_bags.errors import BagError
 from heave_bags.mcap import repair
 from heave_bags.mcap.bag_writer import BagPolicy

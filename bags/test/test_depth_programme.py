@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from heave_bags.analyse import kpi_set
-from heave_bags.analyse.depth_programme import take_out_programme
+from heave_bags.analyse.reading.depth_programme import take_out_programme
 from heave_bags.signals import RunSignals, Signal
 
 TIME = np.arange(0.05, 900.0, 0.05)

@@ -2,7 +2,7 @@
 
 import numpy as np
 from heave_bags.analyse.events import Interval, diagnostic_alarms, operator_requests
-from heave_bags.analyse.fields import Fields
+from heave_bags.analyse.reading.fields import Fields
 
 
 def fields(name, messages):

@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from heave_bags.analyse import kpi_set
-from heave_bags.signals import Signal
+from heave_bags.analyse.kpi_table import shown
+from heave_bags.signals import RunSignals, Signal
 from heave_node import kpi
 from heave_node.interface.codes import WinchLimit
 from heave_node.loads.strength import strengths
@@ -21,8 +22,8 @@ def sine(amplitude: float, phase: float = 0.0, mean: float = 0.0) -> np.ndarray:
     return mean + amplitude * np.sin(OMEGA * TIME + phase)
 
 
-def run(**signals: np.ndarray) -> kpi_set.RunSignals:
-    return kpi_set.RunSignals(**{name: kpi_set.Signal(TIME, value) for name, value in signals.items()})
+def run(**signals: np.ndarray) -> RunSignals:
+    return RunSignals(**{name: Signal(TIME, value) for name, value in signals.items()})
 
 
 def test_sigma_of_a_sine_over_whole_periods_is_amplitude_over_root_two():
@@ -67,7 +68,7 @@ def test_a_compensator_that_doubles_the_motion_has_efficiency_minus_one():
 
 
 def test_what_nobody_recorded_is_nan_and_null_never_a_number():
-    values = kpi_set.evaluate(kpi_set.RunSignals())
+    values = kpi_set.evaluate(RunSignals())
     assert all(math.isnan(value) for value in values.values())
     assert set(kpi_set.to_json(values).values()) == {None}
 
@@ -84,7 +85,7 @@ def test_the_json_keys_that_others_rely_on_exist():
 
 def test_the_largest_tick_counts_once_in_a_thousand():
     """Of 1001 ticks in rising order the one at 99.9 % is the last but one."""
-    signals = kpi_set.RunSignals()
+    signals = RunSignals()
     signals.execution_time = Signal(np.arange(1001.0), 1e-3 * np.arange(1001.0))
     values = kpi_set.evaluate(signals)
     assert values["controller_tick_p999_s"] == pytest.approx(0.999)
@@ -260,7 +261,7 @@ def test_a_speed_close_to_its_limit_is_not_at_it_where_the_winch_tells_when_it_i
 
 def test_people_see_the_limits_of_power_torque_pressure_flow_and_payout_only_where_they_acted():
     seen = {
-        flag: {one.key for one in kpi_set.shown([kpi_set.evaluate(run(payout_rate=TIME, limits_hit=0 * TIME + flag))])}
+        flag: {one.key for one in shown([kpi_set.evaluate(run(payout_rate=TIME, limits_hit=0 * TIME + flag))])}
         for flag in (0, WinchLimit.POWER)
     }
     assert "time_at_power_limit_percent" not in seen[0]
@@ -318,5 +319,5 @@ def test_a_change_of_mode_is_charged_with_what_follows_within_ten_seconds():
 def test_people_see_what_counts_events_only_where_there_were_any():
     without, with_one = (landed(touching, TIME < 0.0) for touching in (TIME < 0.0, TIME >= 120.0))
     assert without["landings"] == 0.0
-    assert kpi_set.LANDING not in {one.group for one in kpi_set.shown([without])}
-    assert kpi_set.LANDING in {one.group for one in kpi_set.shown([without, with_one])}
+    assert kpi_set.LANDING not in {one.group for one in shown([without])}
+    assert kpi_set.LANDING in {one.group for one in shown([without, with_one])}

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 import rclpy
 from domain_coordinator import domain_id
-from heave_bags.analyse.run_record import read_run
+from heave_bags.analyse.read_run import read_run
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.files import TopicSummary
 from heave_bags.mcap.reader import Bag

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from foreign_bags import copy_messages
 from heave_bags.analyse import analysis
+from heave_bags.mcap.read.contents import Block, Place
 from heave_bags.mcap.read.order import ClockWatch, Merge, Span, are_ascending
-from heave_bags.mcap.read.scan import Block, Place
 from heave_bags.mcap.reader import Bag, RawMessage
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

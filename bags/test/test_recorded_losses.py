@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from heave_bags.analyse.run_record import read_run
+from heave_bags.analyse.read_run import read_run
 from heave_bags.errors import StorageError
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.files import METADATA_ROOT, RECORDING_MARK

@@ -10,7 +10,8 @@ from heave_bags.analyse import analysis, kpi_set, run_words
 from heave_bags.analyse.events import Interval
 from heave_bags.errors import BagError
 from heave_bags.report import paper, report
-from heave_bags.report.report_figures import pack, run_figures, thin
+from heave_bags.report.figure import pack, thin
+from heave_bags.report.report_figures import run_figures
 from heave_bags.signals import Signal
 from heave_node.criteria import Criterion
 from made_up_run import SCENARIO, MadeUpRun, write_run

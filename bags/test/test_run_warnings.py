@@ -5,7 +5,7 @@ import math
 import pytest
 from heave_bags.analyse import analysis, run_warnings, run_words
 from heave_bags.analyse.events import Interval
-from heave_bags.analyse.run_record import read_run
+from heave_bags.analyse.read_run import read_run
 from heave_bags.report import report
 from heave_bags.signals import Signal
 from made_up_run import MadeUpRun

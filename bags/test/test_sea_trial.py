@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 from heave_bags.analyse import analysis, kpi_set
-from heave_bags.analyse.run_record import read_run
+from heave_bags.analyse.kpis.sources import MOTIONS_OF, source_of
+from heave_bags.analyse.read_run import read_run
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.report.report import render
 from heave_msgs.msg import ControllerState, LoadCell, MruSample, WinchState
@@ -74,11 +75,11 @@ def test_each_figure_says_what_it_is_made_from(sea_trial):
 
 def test_a_figure_is_as_certain_as_the_least_certain_of_its_motions():
     sources = {"unit heave": "true", "uncompensated unit heave": "estimated"}
-    assert kpi_set.source_of("unit_efficiency", sources) == "estimated"
-    assert kpi_set.source_of("unit_sigma_m", sources) == "true"
-    assert kpi_set.source_of("missed_deadlines", sources) == ""
+    assert source_of("unit_efficiency", sources) == "estimated"
+    assert source_of("unit_sigma_m", sources) == "true"
+    assert source_of("missed_deadlines", sources) == ""
 
 
 def test_every_name_of_a_figure_with_a_source_is_one():
-    assert set(kpi_set.MOTIONS_OF) <= set(kpi_set.DEFINITION_OF)
-    assert all(kpi_set.MOTIONS_OF.values())
+    assert set(MOTIONS_OF) <= set(kpi_set.DEFINITION_OF)
+    assert all(MOTIONS_OF.values())

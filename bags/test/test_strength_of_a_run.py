@@ -2,7 +2,7 @@
 
 import pytest
 from heave_bags.analyse import analysis
-from heave_bags.analyse.run_record import read_run
+from heave_bags.analyse.read_run import read_run
 from heave_bags.analyse.verdict import judge
 from heave_bags.report import report
 from made_up_run import SCENARIO, MadeUpRun, write_run

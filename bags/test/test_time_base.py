@@ -7,7 +7,7 @@ import pandas
 import pytest
 from heave_bags.analyse import time_base
 from heave_bags.analyse.analysis import save_frame
-from heave_bags.analyse.run_record import read_run
+from heave_bags.analyse.read_run import read_run
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Bag
 from made_up_run import MadeUpRun

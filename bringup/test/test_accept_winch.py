@@ -10,8 +10,10 @@ from heave_bags.signals import RunSignals, Signal
 from heave_bringup.accept import figures, set_signal
 from heave_bringup.accept.measured import Measured, Nominal
 from heave_bringup.accept.page import render
+from heave_bringup.accept.parts.run import scenario_of
 from heave_bringup.accept.parts.winch import VirtualPart, run_winch
-from heave_bringup.accept.procedure import Event, Limits, amount, find_procedure, read_head, read_procedure
+from heave_bringup.accept.procedure import Event
+from heave_bringup.accept.procedure_file import Limits, amount, find_procedure, read_head, read_procedure
 from heave_bringup.accept.session import Parts, Session
 from heave_bringup.cli import main
 from heave_node.parameters import ParameterError
@@ -189,6 +191,15 @@ def test_each_shipped_procedure_is_right(name):
     session = Session(read_head(find_procedure(name)), Parts())
     assert session.procedure.signatures
     assert all(step.what and step.wanted for step in session.procedure.steps)
+
+
+@pytest.mark.parametrize(("external", "faults"), [((), ("gap",)), (("mru=own",), ()), (("winch/load_cell",), ("gap",))])
+def test_a_fault_is_simulated_unless_the_sensor_that_has_it_is_real(external, faults):
+    procedure = read_procedure(read_head(find_procedure("sea_trial")), Limits(2.0, 1.5))
+    step = next(step for step in procedure.steps if step.event and step.event.device == "mru")
+    scenario = scenario_of(procedure, step.test, step.event, external)
+    assert scenario.parameters["wave_vessel"].mru.faults.kind == faults
+    assert scenario.run.external == tuple(text.partition("=")[0] for text in external)
 
 
 def test_a_page_of_steps_that_were_not_done_says_so(tmp_path):

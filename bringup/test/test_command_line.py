@@ -33,6 +33,8 @@ from heave_bringup.cli import main
         (["run", "b2_calm_300", "--duration", "-5"], "heave: --duration -5.0: duration = -5.0 is not allowed: it must"),
         (["run", "b2_calm_300", "--set", "all.seed=x"], "heave: --set all.seed=x: seed = 'x' is not allowed: it must"),
         (["run", "b2_calm_300", "--external", "cable_sim"], "heave: "),
+        (["run", "b2_calm_300", "--external", "mrv=own"], "heave: --external mrv=own: no such node or sensor topic"),
+        (["accept", "sea_trial", "--external", "mrv"], "heave: --external mrv: no such node or sensor topic: mrv"),
         (["design", "b2_calm_300", "--length", "-5"], "heave: --length: length = -5.0 is not allowed: it must be"),
         (["identify", "b2_calm_300", "--lengths", "300", "nan"], "heave: --lengths: length = nan is not allowed"),
         (["operate", "sail"], "heave operate: argument VERB: invalid choice: 'sail'"),

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.interface.faults import FaultParameters
 from heave_node.parameters import group, parameter
 from heave_node.registry import describe_choices
 
 from wave_vessel_node.crane_parameters import CraneMotionParameters
+from wave_vessel_node.mru_parameters import MruParameters, SeaStateEstimateParameters
 from wave_vessel_node.sea_registry import AUTO, FILTER_FORMS, SPECTRA, SPECTRUM_FILE
 from wave_vessel_node.source_registry import SOURCES
+from wave_vessel_node.vessel_parameters import CourseParameters, DriftParameters, VesselParameters
 
-VESSEL_MODELS = ("second_order", "rao", "fitted", "direct")
 FILTER_CHOICES = (AUTO, *FILTER_FORMS)
 
 
@@ -105,204 +105,6 @@ class ShapingFilterParameters:
 
 
 @dataclass(frozen=True)
-class VesselParameters:
-    """How the vessel answers the sea."""
-
-    model: str = parameter(
-        "second_order",
-        unit="",
-        choices=VESSEL_MODELS,
-        description="second_order (thesis Eq. 6.25), rao (table, 6 DOF), fitted (second order, to the rao), direct.",
-    )
-    natural_frequency: float = parameter(
-        0.9, unit="rad/s", minimum=0.01, maximum=10.0, description="omega_v of the second-order vessel."
-    )
-    damping_ratio: float = parameter(
-        0.4, unit="", minimum=0.01, maximum=5.0, description="xi_v of the second-order vessel."
-    )
-    gain: float = parameter(
-        1.0, unit="", minimum=0.0, maximum=10.0, description="K_v: boom-tip heave per wave elevation at low frequency."
-    )
-    pitch_gain: float = parameter(
-        0.0,
-        unit="",
-        minimum=0.0,
-        maximum=5.0,
-        description="Pitch of the second-order vessel per wave slope at low frequency (odometry, lever-arm error).",
-    )
-    rao_file: str = parameter(
-        "",
-        unit="",
-        description="RAO table (models rao, fitted), .csv or Capytaine .nc; empty uses the hull form shipped with the "
-        "package.",
-    )
-    boom_tip_arm: tuple[float, ...] = parameter(
-        (-20.0, 10.0, 15.0),
-        unit="m",
-        minimum=-500.0,
-        maximum=500.0,
-        length=3,
-        description="Boom tip from the vessel's reference point (x forward, y port, z up); models rao, fitted.",
-    )
-
-
-@dataclass(frozen=True)
-class CourseParameters:
-    """Heading and forward speed, and one change of them. They matter to model rao (encounter) and to the MRU (turn)."""
-
-    heading: float = parameter(
-        0.0, unit="rad", minimum=-6.3, maximum=6.3, description="Heading of the vessel from world x, anticlockwise."
-    )
-    speed: float = parameter(0.0, unit="m/s", minimum=0.0, maximum=15.0, description="Forward speed.")
-    turn_start: float = parameter(0.0, unit="s", minimum=0.0, description="Time at which the turn starts.")
-    turn_angle: float = parameter(
-        0.0,
-        unit="rad",
-        minimum=-20.0,
-        maximum=20.0,
-        description="Change of heading; 6.2832 is a full circle, 0 means none.",
-    )
-    turn_rate: float = parameter(
-        0.01, unit="rad/s", minimum=1e-4, maximum=0.2, description="Largest rate of turn during the change of heading."
-    )
-    speed_change_start: float = parameter(0.0, unit="s", minimum=0.0, description="Time at which the speed changes.")
-    speed_change: float = parameter(
-        0.0, unit="m/s", minimum=-15.0, maximum=15.0, description="Change of the forward speed; 0 means none."
-    )
-    speed_change_duration: float = parameter(
-        60.0, unit="s", minimum=1.0, description="Duration of the change of speed."
-    )
-
-
-@dataclass(frozen=True)
-class DriftParameters:
-    """Slow drift of the vessel on its position keeping."""
-
-    standard_deviation: tuple[float, ...] = parameter(
-        (0.0, 0.0),
-        unit="m",
-        minimum=0.0,
-        maximum=100.0,
-        length=2,
-        description="Standard deviation of the slow drift in surge and sway; 0 means none.",
-    )
-    period: float = parameter(
-        120.0, unit="s", minimum=20.0, maximum=1000.0, description="Natural period of the drift under mooring or DP."
-    )
-    damping_ratio: float = parameter(
-        0.15, unit="", minimum=0.02, maximum=1.0, description="Damping ratio of the slow drift."
-    )
-
-
-@dataclass(frozen=True)
-class MruParameters:
-    """The motion reference unit at the boom tip."""
-
-    rate: float = parameter(
-        0.0, unit="Hz", minimum=0.0, maximum=1000.0, description="Rate of readings; 0 means one per tick."
-    )
-    noise: float = parameter(
-        0.01,
-        unit="m",
-        minimum=0.0,
-        maximum=1.0,
-        description="White noise of heave: standard deviation of each reading.",
-    )
-    rate_noise: float = parameter(
-        0.01,
-        unit="m/s",
-        minimum=0.0,
-        maximum=1.0,
-        description="White noise of heave rate: standard deviation of each reading.",
-    )
-    measures_rate: bool = parameter(
-        True, unit="", description="It measures heave rate and acceleration; many units state heave alone (NaN then)."
-    )
-    wander: float = parameter(
-        0.0,
-        unit="m",
-        minimum=0.0,
-        maximum=10.0,
-        description="Error of heave that is not white, a first-order Gauss-Markov process: standard deviation.",
-    )
-    wander_time: float = parameter(
-        60.0,
-        unit="s",
-        minimum=0.01,
-        maximum=1e4,
-        description="Time constant of wander: a second colours the noise, a minute lets the zero drift.",
-    )
-    resolution: float = parameter(
-        0.0, unit="m", minimum=0.0, maximum=1.0, description="Step of the readings of heave; 0 means none."
-    )
-    rate_resolution: float = parameter(
-        0.0, unit="m/s", minimum=0.0, maximum=1.0, description="Step of the readings of heave rate; 0 means none."
-    )
-    high_pass_period: float = parameter(
-        0.0,
-        unit="s",
-        minimum=0.0,
-        maximum=300.0,
-        description="Cut-off period of the second-order high-pass filter; 0 means no filter.",
-    )
-    high_pass_damping: float = parameter(
-        0.7071, unit="", minimum=0.2, maximum=2.0, description="Damping ratio of the high-pass filter."
-    )
-    scale_error: float = parameter(
-        0.0, unit="", minimum=-0.5, maximum=0.5, description="Relative scale error: 0.05 reads 5 % high."
-    )
-    lever_arm_error: tuple[float, ...] = parameter(
-        (0.0, 0.0, 0.0),
-        unit="m",
-        minimum=-10.0,
-        maximum=10.0,
-        length=3,
-        description="Error of the lever arm entered in the unit, vessel axes; it couples pitch and roll into heave.",
-    )
-    latency: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=5.0, description="Delay of a reading, which its stamp accounts for."
-    )
-    stamp_error: float = parameter(
-        0.0,
-        unit="s",
-        minimum=-5.0,
-        maximum=5.0,
-        description="Time by which the stamp is late: above 0 an additional delay that it does not account for, below "
-        "0 readings are newer than their stamp.",
-    )
-    settling_periods: float = parameter(
-        10.0,
-        unit="",
-        minimum=0.0,
-        maximum=50.0,
-        description="After a restart or a turn the status is settling for this many periods of the high-pass filter.",
-    )
-    restart_bias: float = parameter(
-        0.02,
-        unit="m/s^2",
-        minimum=-1.0,
-        maximum=1.0,
-        description="Error of vertical acceleration right after a restart; it decays with the period of the high-pass "
-        "filter.",
-    )
-    turn_sensitivity: float = parameter(
-        0.01,
-        unit="",
-        minimum=-1.0,
-        maximum=1.0,
-        description="Error of vertical acceleration per centripetal acceleration in a turn (tilt of the vertical).",
-    )
-    restart_duration: float = parameter(
-        2.0, unit="s", minimum=0.0, maximum=600.0, description="Time for which the unit is silent while it restarts."
-    )
-    faults: FaultParameters = group(FaultParameters)
-
-    def __post_init__(self) -> None:
-        """Refuse faults that the unit cannot have."""
-        self.faults.check("mru.faults", "mru")
-
-
-@dataclass(frozen=True)
 class PreviewParameters:
     """The preview of the boom tip, as of waves that are measured up-sea or by radar."""
 
@@ -320,29 +122,6 @@ class PreviewParameters:
         maximum=10.0,
         description="White error of the preview at each moment, 1 sigma; a moment keeps its error.",
     )
-
-
-@dataclass(frozen=True)
-class SeaStateEstimateParameters:
-    """The running estimate of the sea state from the MRU record."""
-
-    window: float = parameter(
-        1800.0,
-        unit="s",
-        minimum=120.0,
-        maximum=21600.0,
-        description="Length of the record on which the estimate is based.",
-    )
-    segment: float = parameter(
-        200.0, unit="s", minimum=30.0, maximum=3600.0, description="Length of one Welch segment (half overlapping)."
-    )
-    period: float = parameter(30.0, unit="s", minimum=1.0, maximum=3600.0, description="Interval between estimates.")
-
-    def __post_init__(self) -> None:
-        if self.window < 2 * self.segment:
-            raise ValueError(
-                f"estimate.window ({self.window:g} s) must hold at least two of estimate.segment ({self.segment:g} s)"
-            )
 
 
 @dataclass(frozen=True)

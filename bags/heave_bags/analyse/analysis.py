@@ -13,8 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from heave_node import kpi
 
-from heave_bags.analyse import kpi_set
-from heave_bags.analyse.run_record import NodeParameters, RunRecord, read_run
+from heave_bags.analyse import kpi_set, kpi_table
+from heave_bags.analyse.kpis.definition import QUANTITIES
+from heave_bags.analyse.read_run import read_run
+from heave_bags.analyse.reading.stored import NodeParameters
+from heave_bags.analyse.run_record import RunRecord
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Progress, no_progress
 from heave_bags.signals import Signal
@@ -35,7 +38,7 @@ class Extreme:
     @property
     def shown(self) -> tuple[str, str]:
         """The value and its unit as people see them, the same as in the table of figures of merit."""
-        unit, scale = kpi_set.QUANTITIES[self.unit]
+        unit, scale = QUANTITIES[self.unit]
         return f"{scale * self.value:.2f}", unit
 
 
@@ -171,7 +174,7 @@ def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
 def table(records: Sequence[RunRecord]) -> str:
     """Return the KPIs of the runs `records` side by side as text, and below them what a reader of them must know."""
     sources = {record.name: record.sources for record in records}
-    lines = [kpi_set.table({record.name: record.kpis() for record in records}, sources)]
+    lines = [kpi_table.table({record.name: record.kpis() for record in records}, sources)]
     for record in records:
         lines += [f"{record.name}: {text}" for text in record.remarks()]
     return "\n".join(lines)
@@ -183,7 +186,7 @@ def window_table(record: RunRecord, length: float) -> str:
     One line per window, and what time is in none of them.
     """
     parts = windows(record, length)
-    definitions = [one for one in kpi_set.shown([part.values for part in parts]) if one.heading]
+    definitions = [one for one in kpi_table.shown([part.values for part in parts]) if one.heading]
     headings = [f"{definition.heading} {definition.unit}" for definition in definitions]
     rows = [("from s", "to s", *headings)]
     for part in parts:

@@ -29,7 +29,7 @@ from heave_node.interface.codes import (
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
-from heave_bags.analyse.fields import Fields
+from heave_bags.analyse.reading.fields import Fields
 from heave_bags.signals import RunSignals, Signal
 
 REPEATED = 1.0

@@ -15,7 +15,7 @@ from heave_node.interface.codes import without_figures
 
 from heave_bags.analyse import events
 from heave_bags.analyse.events import Interval
-from heave_bags.analyse.kpi_set import Window
+from heave_bags.analyse.kpis.window import Window
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.run_warnings import worse_times
 

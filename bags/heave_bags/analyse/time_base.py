@@ -16,7 +16,8 @@ from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
 from heave_bags.analyse.events import Interval
-from heave_bags.analyse.run_record import ROOM, ROOM_PER_BYTE, RunRecord
+from heave_bags.analyse.read_run import ROOM, ROOM_PER_BYTE
+from heave_bags.analyse.run_record import RunRecord
 from heave_bags.errors import BagError
 from heave_bags.mcap.read.decode import LOG_TIME, TIME
 from heave_bags.mcap.reader import Bag, Progress, no_progress

@@ -12,7 +12,8 @@ from heave_node.interface.codes import RESTS_REQUESTED
 from heave_node.loads.strength import LoadCheck
 from heave_node.numerics.constants import LARGEST_STRAIN
 
-from heave_bags.analyse.kpi_set import DEFINITION_OF, KpiDefinition
+from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_bags.analyse.kpis.definition import KpiDefinition
 
 if TYPE_CHECKING:
     from heave_bags.analyse.events import Interval

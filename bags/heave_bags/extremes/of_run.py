@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from heave_node.numerics.arrays import Array
 
-from heave_bags.analyse.kpi_set import QUANTITIES
+from heave_bags.analyse.kpis.definition import QUANTITIES
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.extremes.largest import FEWEST, Estimate, from_blocks, from_peaks, most_probable_by_blocks
 from heave_bags.extremes.maxima import block_maxima, cycle_maxima, peaks_over_threshold

@@ -32,11 +32,11 @@ from heave_bags.mcap.files import (
     read_information,
 )
 from heave_bags.mcap.loss import MISSING_FILE, Loss
+from heave_bags.mcap.read.contents import FileContents, RawMessage
 from heave_bags.mcap.read.decode import LOG_TIME, TIME, BagTopic, ColumnReader, MessageDecoder
 from heave_bags.mcap.read.definitions import definition
 from heave_bags.mcap.read.folder import bag_of, find_files
 from heave_bags.mcap.read.passes import BagPasses, Progress, no_progress
-from heave_bags.mcap.read.scan import FileContents, RawMessage
 from heave_bags.mcap.read.survey import Survey, copies, in_order_of_files, match_listed, survey_file
 from heave_bags.mcap.recorded_loss import recorded_loss
 from heave_bags.mcap.ros.qos import from_yaml

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import re
 import struct
+import zlib
 from io import BytesIO
 from pathlib import Path
 from types import TracebackType
@@ -31,6 +32,7 @@ _LENGTH = struct.Struct("<I")
 _LONG_LENGTH = struct.Struct("<Q")
 
 _LONGEST_NAME = 1 << 16
+_READ_AT_ONCE = 1 << 20
 _SEARCH_BLOCK = 1 << 20
 _LONGEST_CHUNK_HEAD = HEAD.size + CHUNK_HEAD.size + 16
 _CHUNK = re.compile(rb"\x06(?=.{36}(?:\x04\0\0\0zstd|\x03\0\0\0lz4|\0\0\0\0))", re.DOTALL)
@@ -180,6 +182,25 @@ class RecordFile:
                 return None
             position += form.size + length
         return position + rest - start
+
+    def messages_from(self, record: Record) -> bytes:
+        """Return a message outside of chunks, `record`, with those that follow it without anything between them."""
+        data = self.read(record.position, max(record.end - record.position, _READ_AT_ONCE))
+        end = record.end - record.position
+        while end + HEAD.size <= len(data):
+            opcode, length = HEAD.unpack_from(data, end)
+            following = end + HEAD.size + length
+            if opcode != Opcode.MESSAGE or length < MESSAGE_HEAD.size or following > len(data):
+                break
+            end = following
+        return data[:end]
+
+    def checksum(self, end: int) -> int:
+        """Return the checksum of the file up to byte `end`."""
+        checksum = 0
+        for position in range(0, end, _READ_AT_ONCE):
+            checksum = zlib.crc32(self.read(position, min(_READ_AT_ONCE, end - position)), checksum)
+        return checksum
 
     def next_chunk(self, position: int) -> int | None:
         """Return where the next chunk begins, from `position` on; None if there is none."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from heave_bags.analyse import kpi_set
+from heave_bags.analyse import kpi_table
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import required_words
 
@@ -48,4 +48,4 @@ def table(records: Sequence[RunRecord]) -> str:
     values = {record.name: record.kpis() for record in records}
     keys = list(dict.fromkeys(key for record in records for key in headline(record, values[record.name])))
     notes = {key: note(records[0], key) for key in keys} if len(records) == 1 else {}
-    return kpi_set.table(values, {record.name: record.sources for record in records}, keys=keys, notes=notes)
+    return kpi_table.table(values, {record.name: record.sources for record in records}, keys=keys, notes=notes)

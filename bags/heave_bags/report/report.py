@@ -13,18 +13,14 @@ from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 
-from heave_bags.analyse import analysis, kpi_set, run_warnings, run_words
+from heave_bags.analyse import analysis, kpi_set, kpi_table, run_warnings, run_words
+from heave_bags.analyse.kpis.sources import SOURCES, source_of
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge
 from heave_bags.errors import BagError
 from heave_bags.report import headline
-from heave_bags.report.report_figures import (
-    RUN_COLOURS,
-    Figure,
-    comparison_figures,
-    run_figures,
-    without_nan,
-)
+from heave_bags.report.figure import RUN_COLOURS, Figure, without_nan
+from heave_bags.report.report_figures import comparison_figures, run_figures
 
 MOST_HAPPENINGS = 60
 """Lines of what happened in a run; the bag has them all."""
@@ -193,8 +189,8 @@ def _tiles(record: RunRecord, values: Mapping[str, float]) -> list[dict[str, Any
     found = []
     for key in headline.headline(record, values):
         definition = kpi_set.DEFINITION_OF[key]
-        source = kpi_set.source_of(key, record.sources)
-        notes = [headline.note(record, key), source if source != kpi_set.SOURCES[-1] else ""]
+        source = source_of(key, record.sources)
+        notes = [headline.note(record, key), source if source != SOURCES[-1] else ""]
         found.append(
             {
                 "name": definition.title,
@@ -210,7 +206,7 @@ def _tiles(record: RunRecord, values: Mapping[str, float]) -> list[dict[str, Any
 
 def _groups(columns: Sequence[Mapping[str, float]], sources: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
     """Return the figures of merit in groups, with what each is made from; those that nobody knows are left out."""
-    shown = kpi_set.shown(columns)
+    shown = kpi_table.shown(columns)
     groups = []
     for group in kpi_set.GROUPS:
         rows = [
@@ -219,7 +215,7 @@ def _groups(columns: Sequence[Mapping[str, float]], sources: Sequence[Mapping[st
                 "symbols": definition.symbols,
                 "unit": definition.unit,
                 "cells": [
-                    {"text": definition.text(column[definition.key]), "source": kpi_set.source_of(definition.key, of)}
+                    {"text": definition.text(column[definition.key]), "source": source_of(definition.key, of)}
                     for column, of in zip(columns, sources, strict=True)
                 ],
             }

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from heave_bags.analyse import kpi_set
-from heave_bags.analyse.kpi_set import QUANTITIES, KpiDefinition
+from heave_bags.analyse.kpis.definition import QUANTITIES, KpiDefinition
 from heave_bags.analyse.verdict import Judged
 from heave_bags.signals import Signal
 from heave_node.criteria import Criterion, end_of

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bags.analyse.verdict import FAILED, PASSED, Judged, required_words
+from heave_bags.report.figure import BOOM_TIP, CM, KN, PAYOUT, UNCOMPENSATED, UNIT, Figure, line
 from heave_bags.report.report import place_figure, render_page, unbroken
-from heave_bags.report.report_figures import BOOM_TIP, CM, KN, PAYOUT, UNCOMPENSATED, UNIT, Figure, line
 from heave_bags.signals import Signal
 
 from heave_bringup.accept.figures import RESIDUALS

@@ -18,7 +18,8 @@ from heave_bringup.accept.measured import Measured, Nominal
 from heave_bringup.accept.parts.record import ForeignRecord
 from heave_bringup.accept.parts.run import run_loop, scenario_of
 from heave_bringup.accept.parts.winch import VirtualPart, WinchPart, run_winch
-from heave_bringup.accept.procedure import Head, Limits, RunTest, Step, WinchTest, read_procedure
+from heave_bringup.accept.procedure import RunTest, Step, WinchTest
+from heave_bringup.accept.procedure_file import Head, Limits, read_procedure
 from heave_bringup.accept.results import Acceptance, StepResult, digest_of, facts_of
 from heave_bringup.errors import CommandError
 from heave_bringup.progress import ProgressLine
@@ -38,7 +39,7 @@ class Parts:
     Attributes
     ----------
     winch : map of a real winch; None: the virtual one of the scenario
-    external : nodes that real parts replace in runs
+    external : real parts in runs, as `external_settings` takes them
     records : by name of the step, or WHOLE; where there is one nothing is run
     mapping : of the records; None: they are the suite's own
     """

@@ -79,6 +79,18 @@ def add_network(parser: argparse.ArgumentParser, default: object = False) -> Non
     )
 
 
+def add_external(parser: argparse.ArgumentParser, what: str) -> None:
+    """Let the user of `parser` put real parts in the places of simulated ones; `what` that does opens its help."""
+    parser.add_argument(
+        "--external",
+        action="append",
+        default=[],
+        metavar="NODE[=CLOCK]",
+        help=f"{what} (real time); a sensor's topic, as winch/load_cell, replaces that sensor alone. CLOCK says how it "
+        "stamps: simulated (use_sim_time), own (a clock of its own), none; detected if not given",
+    )
+
+
 def port_number(text: str) -> int:
     """Return the number of a TCP port that `text` is; raise what argparse understands for another."""
     if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 65535):

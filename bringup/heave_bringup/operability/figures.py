@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas
 from heave_bags.analyse.kpi_set import DEFINITION_OF
-from heave_bags.report.report_figures import LIMIT, OTHER, UNCOMPENSATED, UNIT, Figure
+from heave_bags.report.figure import LIMIT, OTHER, UNCOMPENSATED, UNIT, Figure
 from heave_node.criteria import Criterion
 from heave_node.numerics.arrays import Array
 

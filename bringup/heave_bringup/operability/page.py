@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pandas
+from heave_bags.report.figure import Figure
 from heave_bags.report.report import place_figure, render_page
-from heave_bags.report.report_figures import Figure
 from heave_node.criteria import Criterion
 
 from heave_bringup.operability import figures

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from heave_bags.analyse.run_record import ALL_NODES, NodeParameters, RunRecord
+from heave_bags.analyse.reading.stored import ALL_NODES, NodeParameters
+from heave_bags.analyse.run_record import RunRecord
 from heave_bags.mcap.reader import Progress, no_progress
 from heave_bags.record.provenance import git_commit, versions
 from heave_bags.signals import RunSignals, Signal

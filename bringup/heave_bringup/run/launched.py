@@ -12,7 +12,7 @@ from heave_node.scenario import WILDCARD
 
 from heave_bringup.run.run import RunFolder, new_run_folder, nodes_to_start, store_scenario
 from heave_bringup.scenarios import load_scenario
-from heave_bringup.settings import Setting
+from heave_bringup.settings import Setting, external_settings
 
 ARGUMENTS = {
     "scenario": ("b2_calm_300", "Shipped scenario or parameter file."),
@@ -38,8 +38,7 @@ def settings_of(arguments: Mapping[str, str]) -> list[Setting | str]:
         if text:
             found.append(Setting(WILDCARD, name, _value(f"{name}:={text}", text), f"{name}:={text}"))
     external = [node.strip() for node in arguments.get("external", "").split(",") if node.strip()]
-    if external:
-        found.append(Setting(WILDCARD, "external", external, f"external:={arguments['external']}"))
+    found += external_settings(external, f"external:={arguments.get('external')}")
     try:
         found += shlex.split(arguments.get("set", ""))
     except ValueError as error:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from heave_bags.analyse.depth_programme import take_out_programme
 from heave_bags.analyse.events import take_modes
+from heave_bags.analyse.reading.depth_programme import take_out_programme
 from heave_bags.signals import RunSignals, Signal
 from heave_node.loads.strength import strengths
 from heave_node.parameters import flatten

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from heave_bags.report.report_figures import LIMIT, OTHER, RUN_COLOURS, UNIT, Figure
+from heave_bags.report.figure import LIMIT, OTHER, RUN_COLOURS, UNIT, Figure
 
 from heave_bringup.operability.figures import HEIGHT_AXIS, PERIOD_AXIS
 from heave_bringup.sizing.candidates import Particular

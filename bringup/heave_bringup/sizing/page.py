@@ -6,8 +6,8 @@ import html
 import math
 from collections.abc import Iterable, Sequence
 
+from heave_bags.report.figure import Figure
 from heave_bags.report.report import place_figure, render_page
-from heave_bags.report.report_figures import Figure
 from heave_node.criteria import Criterion
 from heave_node.kpi import RATED_SHARE
 from heave_node.loads.cycles import DAMAGE_EXPONENT, LEAST_RANGE

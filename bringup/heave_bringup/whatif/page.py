@@ -5,8 +5,8 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 
+from heave_bags.report.figure import CM, KN, RUN_COLOURS, UNCOMPENSATED, Figure, line
 from heave_bags.report.report import place_figure, render_page
-from heave_bags.report.report_figures import CM, KN, RUN_COLOURS, UNCOMPENSATED, Figure, line
 from heave_bags.signals import Signal
 from heave_node.numerics.arrays import Array
 

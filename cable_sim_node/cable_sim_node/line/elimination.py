@@ -12,39 +12,8 @@ from __future__ import annotations
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inlined_kernel, inner_kernel
 
+from cable_sim_node.line import layout as at
 from cable_sim_node.line.forces.segment import Block, adjugate, times
-from cable_sim_node.line.layout import (
-    CX,
-    CY,
-    CZ,
-    DXX,
-    DXY,
-    DXZ,
-    DYY,
-    DYZ,
-    DZZ,
-    LANES,
-    RX,
-    RY,
-    RZ,
-    SCALE,
-    SHIFT,
-    UXX,
-    UXY,
-    UXZ,
-    UYY,
-    UYZ,
-    UZZ,
-    WXX,
-    WXY,
-    WXZ,
-    WYX,
-    WYY,
-    WYZ,
-    WZX,
-    WZY,
-    WZZ,
-)
 from cable_sim_node.physics.drag import Vector
 
 Carried = tuple[Block, Vector]
@@ -56,20 +25,20 @@ def reduced(tile: Array, j: int, carried: Carried) -> tuple[Block, Vector]:
     """Return block and right side of node `j` of `tile`, less what eliminated neighbours have `carried` over."""
     block, force = carried
     s = (
-        tile[DXX + j] - block[0],
-        tile[DXY + j] - block[1],
-        tile[DXZ + j] - block[2],
-        tile[DYY + j] - block[3],
-        tile[DYZ + j] - block[4],
-        tile[DZZ + j] - block[5],
+        tile[at.DXX + j] - block[0],
+        tile[at.DXY + j] - block[1],
+        tile[at.DXZ + j] - block[2],
+        tile[at.DYY + j] - block[3],
+        tile[at.DYZ + j] - block[4],
+        tile[at.DZZ + j] - block[5],
     )
-    return s, (-tile[RX + j] - force[0], -tile[RY + j] - force[1], -tile[RZ + j] - force[2])
+    return s, (-tile[at.RX + j] - force[0], -tile[at.RY + j] - force[1], -tile[at.RZ + j] - force[2])
 
 
 @inlined_kernel
 def upper_block(tile: Array, j: int) -> Block:
     """Return the block U between node `j` of `tile` and the one above it."""
-    return tile[UXX + j], tile[UXY + j], tile[UXZ + j], tile[UYY + j], tile[UYZ + j], tile[UZZ + j]
+    return tile[at.UXX + j], tile[at.UXY + j], tile[at.UXZ + j], tile[at.UYY + j], tile[at.UYZ + j], tile[at.UZZ + j]
 
 
 @inlined_kernel
@@ -87,11 +56,11 @@ def eliminate(tile: Array, j: int, u: Block, carried: Carried) -> tuple[Carried,
     pz = times(a, u[2], u[4], u[5])
     q = times(a, r[0], r[1], r[2])
     scale = 1.0 / determinant
-    tile[SCALE + j] = scale
-    tile[WXX + j], tile[WXY + j], tile[WXZ + j] = px[0], py[0], pz[0]
-    tile[WYX + j], tile[WYY + j], tile[WYZ + j] = px[1], py[1], pz[1]
-    tile[WZX + j], tile[WZY + j], tile[WZZ + j] = px[2], py[2], pz[2]
-    tile[CX + j], tile[CY + j], tile[CZ + j] = q[0], q[1], q[2]
+    tile[at.SCALE + j] = scale
+    tile[at.WXX + j], tile[at.WXY + j], tile[at.WXZ + j] = px[0], py[0], pz[0]
+    tile[at.WYX + j], tile[at.WYY + j], tile[at.WYZ + j] = px[1], py[1], pz[1]
+    tile[at.WZX + j], tile[at.WZY + j], tile[at.WZZ + j] = px[2], py[2], pz[2]
+    tile[at.CX + j], tile[at.CY + j], tile[at.CZ + j] = q[0], q[1], q[2]
     block = (
         scale * (u[0] * px[0] + u[1] * px[1] + u[2] * px[2]),
         scale * (u[0] * py[0] + u[1] * py[1] + u[2] * py[2]),
@@ -111,11 +80,11 @@ def eliminate(tile: Array, j: int, u: Block, carried: Carried) -> tuple[Carried,
 @inlined_kernel
 def correct(tile: Array, j: int, c: Vector) -> Vector:
     """Set and return the correction (q - W c)/det S of node `j` of `tile`; `c` is its neighbour's to the middle."""
-    scale = tile[SCALE + j]
-    x = scale * (tile[CX + j] - (tile[WXX + j] * c[0] + tile[WXY + j] * c[1] + tile[WXZ + j] * c[2]))
-    y = scale * (tile[CY + j] - (tile[WYX + j] * c[0] + tile[WYY + j] * c[1] + tile[WYZ + j] * c[2]))
-    z = scale * (tile[CZ + j] - (tile[WZX + j] * c[0] + tile[WZY + j] * c[1] + tile[WZZ + j] * c[2]))
-    tile[CX + j], tile[CY + j], tile[CZ + j] = x, y, z
+    scale = tile[at.SCALE + j]
+    x = scale * (tile[at.CX + j] - (tile[at.WXX + j] * c[0] + tile[at.WXY + j] * c[1] + tile[at.WXZ + j] * c[2]))
+    y = scale * (tile[at.CY + j] - (tile[at.WYX + j] * c[0] + tile[at.WYY + j] * c[1] + tile[at.WYZ + j] * c[2]))
+    z = scale * (tile[at.CZ + j] - (tile[at.WZX + j] * c[0] + tile[at.WZY + j] * c[1] + tile[at.WZZ + j] * c[2]))
+    tile[at.CX + j], tile[at.CY + j], tile[at.CZ + j] = x, y, z
     return x, y, z
 
 
@@ -129,15 +98,17 @@ def solve_blocks(tiles: Array, count: int) -> float:
     middle, decrease = count >> 1, 0.0
     below = above = ((0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     for i in range(middle):
-        tile, j = tiles[i >> SHIFT], i & LANES
+        tile, j = tiles[i >> at.SHIFT], i & at.LANES
         below, part = eliminate(tile, j, upper_block(tile, j), below)
         decrease += part
         k = count - 1 - i
         if k > middle:
-            next_tile = tiles[(k - 1) >> SHIFT]
-            above, part = eliminate(tiles[k >> SHIFT], k & LANES, upper_block(next_tile, (k - 1) & LANES), above)
+            next_tile = tiles[(k - 1) >> at.SHIFT]
+            above, part = eliminate(
+                tiles[k >> at.SHIFT], k & at.LANES, upper_block(next_tile, (k - 1) & at.LANES), above
+            )
             decrease += part
-    tile, j = tiles[middle >> SHIFT], middle & LANES
+    tile, j = tiles[middle >> at.SHIFT], middle & at.LANES
     (block, force) = below
     (other, push) = above
     s, r = reduced(
@@ -158,12 +129,12 @@ def solve_blocks(tiles: Array, count: int) -> float:
     a, determinant = adjugate(s)
     cx, cy, cz = times(a, r[0], r[1], r[2])
     low = high = (cx / determinant, cy / determinant, cz / determinant)
-    tile[CX + j], tile[CY + j], tile[CZ + j] = low
+    tile[at.CX + j], tile[at.CY + j], tile[at.CZ + j] = low
     decrease += r[0] * low[0] + r[1] * low[1] + r[2] * low[2]
     for i in range(1, middle + 1):
         k = middle - i
-        low = correct(tiles[k >> SHIFT], k & LANES, low)
+        low = correct(tiles[k >> at.SHIFT], k & at.LANES, low)
         k = middle + i
         if k < count:
-            high = correct(tiles[k >> SHIFT], k & LANES, high)
+            high = correct(tiles[k >> at.SHIFT], k & at.LANES, high)
     return decrease

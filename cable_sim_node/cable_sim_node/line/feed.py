@@ -13,69 +13,26 @@ import math
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inlined_kernel, inner_kernel, kernel
 
+from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import add_lump, assemble_present, take_present_tip
 from cable_sim_node.line.forces.contact import add_contact
 from cable_sim_node.line.forces.segment import adjugate, times
-from cable_sim_node.line.layout import (
-    ACCELERATION,
-    AX,
-    BED_ON,
-    BENDING,
-    DXX,
-    DXY,
-    DXZ,
-    DYY,
-    DYZ,
-    DZZ,
-    END_RX,
-    END_XX,
-    GRID,
-    HOLD_X,
-    LANES,
-    LENGTH,
-    LUMP_MASS,
-    LUMP_WEIGHT,
-    MASS,
-    MERGE_AT,
-    MOTION_COLUMNS,
-    NODE_COLUMNS,
-    NOW,
-    PART,
-    PART_COLUMNS,
-    PER_LENGTH,
-    RATE,
-    RX,
-    RY,
-    RZ,
-    SHIFT,
-    SPLIT_AT,
-    START,
-    STIFFNESS,
-    STRIDE,
-    TENSION,
-    TOTAL,
-    VX,
-    WEIGHT,
-    X,
-    Y,
-    Z,
-)
 from cable_sim_node.line.tiles import copy_borders
 
-_PARTS_END = PART + PART_COLUMNS * STRIDE
+_PARTS_END = at.PART + at.PART_COLUMNS * at.STRIDE
 
 
 @inner_kernel
 def start_of(i: int, tiles: Array) -> float:
     """Return the unstretched length [m] from the unit to grid point i."""
-    return float(tiles[i >> SHIFT, START + (i & LANES)])
+    return float(tiles[i >> at.SHIFT, at.START + (i & at.LANES)])
 
 
 @inner_kernel
 def spacing_at(i: int, tiles: Array) -> float:
     """Return the unstretched length [m] of grid segment i."""
-    return float(tiles[i >> SHIFT, GRID + LENGTH + (i & LANES)])
+    return float(tiles[i >> at.SHIFT, at.GRID + at.LENGTH + (i & at.LANES)])
 
 
 @kernel
@@ -86,68 +43,68 @@ def set_top_segment(n: int, total: float, tiles: Array) -> None:
     added. A lump on the way bears on both ends by the law of the lever, as do mass and weight of the parts: that is
     what the node will take over.
     """
-    tile, k = tiles[(n - 1) >> SHIFT], (n - 1) & LANES
-    sheave, m = tiles[n >> SHIFT], n & LANES
-    start = tile[START + k]
+    tile, k = tiles[(n - 1) >> at.SHIFT], (n - 1) & at.LANES
+    sheave, m = tiles[n >> at.SHIFT], n & at.LANES
+    start = tile[at.START + k]
     length = total - start
-    for c in range(PART, _PARTS_END, STRIDE):
-        tile[c + k] = tile[GRID + c + k]
-    for c in range(LUMP_MASS, _PARTS_END, STRIDE):
+    for c in range(at.PART, _PARTS_END, at.STRIDE):
+        tile[c + k] = tile[at.GRID + c + k]
+    for c in range(at.LUMP_MASS, _PARTS_END, at.STRIDE):
         sheave[c + m] = 0.0
-    tile[LENGTH + k], tile[PER_LENGTH + k] = length, 1.0 / length
-    if sheave[START + m] >= total:
+    tile[at.LENGTH + k], tile[at.PER_LENGTH + k] = length, 1.0 / length
+    if sheave[at.START + m] >= total:
         return
     compliance = leaning_mass = leaning_weight = 0.0
-    for c in range(MASS, BENDING, STRIDE):  # mass to displaced mass, per metre
+    for c in range(at.MASS, at.BENDING, at.STRIDE):  # mass to displaced mass, per metre
         tile[c + k] = 0.0
     i = n - 1
     while start_of(i, tiles) < total:
-        grid, j = tiles[i >> SHIFT, GRID:], i & LANES
+        grid, j = tiles[i >> at.SHIFT, at.GRID :], i & at.LANES
         low, high = start_of(i, tiles), min(start_of(i + 1, tiles), total)
         part = (high - low) / length
-        compliance += part / grid[STIFFNESS + j]
+        compliance += part / grid[at.STIFFNESS + j]
         # the lower end takes half of the mean of all parts; what a part adds to its nearer end goes into the lumps
         lean = 0.5 - (0.5 * (low + high) - start) / length
-        leaning_mass += lean * part * length * grid[MASS + j]
-        leaning_weight += lean * part * length * grid[WEIGHT + j]
-        for c in range(MASS, BENDING, STRIDE):
+        leaning_mass += lean * part * length * grid[at.MASS + j]
+        leaning_weight += lean * part * length * grid[at.WEIGHT + j]
+        for c in range(at.MASS, at.BENDING, at.STRIDE):
             tile[c + k] += part * grid[c + j]
         if i >= n:
             upper_share = (low - start) / length
-            for c in range(LUMP_MASS, _PARTS_END, STRIDE):
+            for c in range(at.LUMP_MASS, _PARTS_END, at.STRIDE):
                 sheave[c + m] += upper_share * grid[c + j]
                 tile[c + k] += (1.0 - upper_share) * grid[c + j]
         i += 1
-    tile[STIFFNESS + k] = 1.0 / compliance
-    tile[LUMP_MASS + k] += leaning_mass
-    sheave[LUMP_MASS + m] -= leaning_mass
-    tile[LUMP_WEIGHT + k] += leaning_weight
-    sheave[LUMP_WEIGHT + m] -= leaning_weight
+    tile[at.STIFFNESS + k] = 1.0 / compliance
+    tile[at.LUMP_MASS + k] += leaning_mass
+    sheave[at.LUMP_MASS + m] -= leaning_mass
+    tile[at.LUMP_WEIGHT + k] += leaning_weight
+    sheave[at.LUMP_WEIGHT + m] -= leaning_weight
 
 
 @inlined_kernel
 def follow_length(n: int, total: float, tiles: Array) -> None:
     """Do `set_top_segment` if the top segment was last set for another length than `total` [m]."""
-    j = (n - 1) & LANES
-    tile = tiles[(n - 1) >> SHIFT]
-    if tile[LENGTH + j] != total - tile[START + j]:
+    j = (n - 1) & at.LANES
+    tile = tiles[(n - 1) >> at.SHIFT]
+    if tile[at.LENGTH + j] != total - tile[at.START + j]:
         set_top_segment(n, total, tiles)
 
 
 @inner_kernel
 def take_grid_part(i: int, tiles: Array) -> None:
     """Make segment i, and the lump below it, those of the grid."""
-    tile, j = tiles[i >> SHIFT], i & LANES
-    for c in range(PART, _PARTS_END, STRIDE):
-        tile[c + j] = tile[GRID + c + j]
+    tile, j = tiles[i >> at.SHIFT], i & at.LANES
+    for c in range(at.PART, _PARTS_END, at.STRIDE):
+        tile[c + j] = tile[at.GRID + c + j]
 
 
 @inner_kernel
 def move_sheave(old: int, new: int, tiles: Array) -> None:
     """Let node `new` take over the state of node `old`."""
-    source, target = tiles[old >> SHIFT], tiles[new >> SHIFT]
-    for c in range(X, X + NODE_COLUMNS * STRIDE, STRIDE):
-        target[c + (new & LANES)] = source[c + (old & LANES)]
+    source, target = tiles[old >> at.SHIFT], tiles[new >> at.SHIFT]
+    for c in range(at.X, at.X + at.NODE_COLUMNS * at.STRIDE, at.STRIDE):
+        target[c + (new & at.LANES)] = source[c + (old & at.LANES)]
 
 
 @inner_kernel
@@ -165,23 +122,23 @@ def split_top(line: LineArrays, n: int) -> int:
     Velocity and acceleration are those of the material there, linear along the segment.
     """
     tiles, numbers = line.tiles, line.numbers
-    rate, acceleration = numbers[NOW + RATE], numbers[NOW + ACCELERATION]
+    rate, acceleration = numbers[at.NOW + at.RATE], numbers[at.NOW + at.ACCELERATION]
     start = start_of(n - 1, tiles)
-    length = numbers[NOW + TOTAL] - start
+    length = numbers[at.NOW + at.TOTAL] - start
     share = (start_of(n, tiles) - start) / length
     move_sheave(n, n + 1, tiles)
-    i, j, k = (n - 1) & LANES, n & LANES, (n + 1) & LANES
+    i, j, k = (n - 1) & at.LANES, n & at.LANES, (n + 1) & at.LANES
     for axis in range(3):
-        c = axis * STRIDE
-        low, born, sheave = tiles[(n - 1) >> SHIFT, c:], tiles[n >> SHIFT, c:], tiles[(n + 1) >> SHIFT, c:]
-        q = (sheave[X + k] - low[X + i]) / length
-        velocity = sheave[VX + k] - rate * q
-        turning = (velocity - low[VX + i]) / length
-        material = sheave[AX + k] - acceleration * q - 2.0 * rate * turning
-        born[X + j] = low[X + i] + share * (sheave[X + k] - low[X + i])
-        born[VX + j] = low[VX + i] + share * (velocity - low[VX + i])
-        born[AX + j] = low[AX + i] + share * (material - low[AX + i])
-        born[HOLD_X + j] = born[X + j]
+        c = axis * at.STRIDE
+        low, born, sheave = tiles[(n - 1) >> at.SHIFT, c:], tiles[n >> at.SHIFT, c:], tiles[(n + 1) >> at.SHIFT, c:]
+        q = (sheave[at.X + k] - low[at.X + i]) / length
+        velocity = sheave[at.VX + k] - rate * q
+        turning = (velocity - low[at.VX + i]) / length
+        material = sheave[at.AX + k] - acceleration * q - 2.0 * rate * turning
+        born[at.X + j] = low[at.X + i] + share * (sheave[at.X + k] - low[at.X + i])
+        born[at.VX + j] = low[at.VX + i] + share * (velocity - low[at.VX + i])
+        born[at.AX + j] = low[at.AX + i] + share * (material - low[at.AX + i])
+        born[at.HOLD_X + j] = born[at.X + j]
     take_grid_part(n - 1, tiles)
     return n + 1
 
@@ -189,12 +146,12 @@ def split_top(line: LineArrays, n: int) -> int:
 @inner_kernel
 def join_at(tiles: Array, k: int) -> None:
     """Give node `k`, above the unit, the diagonal block and the residual of the segments below and above it."""
-    tile, j = tiles[k >> SHIFT], k & LANES
-    below, i = tiles[(k - 1) >> SHIFT], ((k - 1) & LANES) + 1
-    for c in range(0, 6 * STRIDE, STRIDE):
-        tile[DXX + c + j] = below[END_XX + c + i] + tile[END_XX + c + j + 1]
-    for c in range(0, 3 * STRIDE, STRIDE):
-        tile[RX + c + j] += below[END_RX + c + i]
+    tile, j = tiles[k >> at.SHIFT], k & at.LANES
+    below, i = tiles[(k - 1) >> at.SHIFT], ((k - 1) & at.LANES) + 1
+    for c in range(0, 6 * at.STRIDE, at.STRIDE):
+        tile[at.DXX + c + j] = below[at.END_XX + c + i] + tile[at.END_XX + c + j + 1]
+    for c in range(0, 3 * at.STRIDE, at.STRIDE):
+        tile[at.RX + c + j] += below[at.END_RX + c + i]
 
 
 @inner_kernel
@@ -204,32 +161,32 @@ def settle_node(line: LineArrays, k: int, n: int) -> None:
     A node between slack segments stays.
     """
     tiles = line.tiles
-    below, i = tiles[(k - 1) >> SHIFT], (k - 1) & LANES
-    tile, j = tiles[k >> SHIFT], k & LANES
+    below, i = tiles[(k - 1) >> at.SHIFT], (k - 1) & at.LANES
+    tile, j = tiles[k >> at.SHIFT], k & at.LANES
     for _ in range(6):
-        copy_borders(tiles, n, X, MOTION_COLUMNS)
+        copy_borders(tiles, n, at.X, at.MOTION_COLUMNS)
         assemble_present(line, n, k - 1)
         assemble_present(line, n, k)
-        if below[TENSION + i] <= 0.0 or tile[TENSION + j] <= 0.0:
+        if below[at.TENSION + i] <= 0.0 or tile[at.TENSION + j] <= 0.0:
             return
         join_at(tiles, k)
         add_lump(tiles, k, 0.0, 0.0)
-        if line.numbers[BED_ON] > 0.0:
+        if line.numbers[at.BED_ON] > 0.0:
             add_contact(line, k, 0.0)
         a, determinant = adjugate(
-            (tile[DXX + j], tile[DXY + j], tile[DXZ + j], tile[DYY + j], tile[DYZ + j], tile[DZZ + j])
+            (tile[at.DXX + j], tile[at.DXY + j], tile[at.DXZ + j], tile[at.DYY + j], tile[at.DYZ + j], tile[at.DZZ + j])
         )
-        dx, dy, dz = times(a, tile[RX + j], tile[RY + j], tile[RZ + j])
+        dx, dy, dz = times(a, tile[at.RX + j], tile[at.RY + j], tile[at.RZ + j])
         scale = -1.0 / determinant
         dx, dy, dz = scale * dx, scale * dy, scale * dz
         size = math.sqrt(dx * dx + dy * dy + dz * dz)
         # a step of more than a tenth of a segment means that there is no such position: the node stays where it is
-        if not size < 0.1 * min(below[LENGTH + i], tile[LENGTH + j]):
+        if not size < 0.1 * min(below[at.LENGTH + i], tile[at.LENGTH + j]):
             return
-        tile[X + j] += dx
-        tile[Y + j] += dy
-        tile[Z + j] += dz
-        if size < 1e-9 * tile[LENGTH + j]:
+        tile[at.X + j] += dx
+        tile[at.Y + j] += dy
+        tile[at.Z + j] += dz
+        if size < 1e-9 * tile[at.LENGTH + j]:
             return
 
 
@@ -240,11 +197,11 @@ def feed(line: LineArrays, n: int) -> int:
     `n` is their number until now. The caller keeps the length above the least one and below the grid's end.
     """
     tiles, numbers = line.tiles, line.numbers
-    total = numbers[NOW + TOTAL]
-    while n > 1 and total - start_of(n - 1, tiles) < MERGE_AT * spacing_at(n - 1, tiles):
+    total = numbers[at.NOW + at.TOTAL]
+    while n > 1 and total - start_of(n - 1, tiles) < at.MERGE_AT * spacing_at(n - 1, tiles):
         n = merge_top(n, tiles)
         set_top_segment(n, total, tiles)
-    while total - start_of(n, tiles) > SPLIT_AT * spacing_at(n, tiles):
+    while total - start_of(n, tiles) > at.SPLIT_AT * spacing_at(n, tiles):
         n = split_top(line, n)
         set_top_segment(n, total, tiles)
         take_present_tip(numbers)

@@ -81,7 +81,10 @@ WXX, WXY, WXZ, WYX, WYY, WYZ, WZX, WZY, WZZ = _columns(82, 9)
 
 # Tension of a segment [N]; numbers of which the largest or the sum is wanted.
 TENSION, SCRATCH, SCALE = _columns(91, 3)
-TILE_COLUMNS = 94
+
+# What water does to a segment, ADDED_MASS to DISPLACED, kept while the segment has what it has in air.
+KEPT, FLUID_COLUMNS = 94 * STRIDE, 5
+TILE_COLUMNS = 99
 
 # The numbers of the whole line stand in one row. First the unit, three each: inertia along each axis [kg],
 # (1/2) rho C_D S [kg/m], steady force [N], displaced and added mass [kg]; then (1/2) rho C_D S of an isotropic unit.

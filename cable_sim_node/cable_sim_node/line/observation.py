@@ -11,6 +11,7 @@ import math
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inlined_kernel, inner_kernel, kernel
 
+from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import (
     add_lump,
@@ -27,45 +28,6 @@ from cable_sim_node.line.forces.body import set_unit
 from cable_sim_node.line.forces.contact import add_contact, seabed_force_on_unit
 from cable_sim_node.line.forces.direction import direction_of
 from cable_sim_node.line.forces.flow import set_flow, set_flow_at
-from cable_sim_node.line.layout import (
-    ADDED_MASS,
-    AX,
-    BED_ON,
-    BENDING_ON,
-    END_RX,
-    END_RY,
-    END_RZ,
-    FLOW_VARIES,
-    LANES,
-    LENGTH,
-    MASS,
-    MOTION_COLUMNS,
-    NONE,
-    NOW,
-    PER_LENGTH,
-    RX,
-    RY,
-    RZ,
-    SCRATCH,
-    SEEN_AX,
-    SEEN_BED,
-    SEEN_FX,
-    SEEN_LARGEST,
-    SEEN_SLACK,
-    SEEN_STRAIN,
-    SEEN_TENSION,
-    SEGMENTS,
-    SHIFT,
-    STRIDE,
-    TENSION,
-    TILE,
-    TIME,
-    UNIT_INERTIA,
-    UNIT_VARIES,
-    X,
-    Y,
-    Z,
-)
 from cable_sim_node.line.tiles import copy_borders, larger, largest_of, take_present
 
 
@@ -76,14 +38,14 @@ def evaluate(line: LineArrays) -> float:
     Row n of the residual is then the force [N] that holds the line's top end: the top segment's tension with half its
     weight, drag and inertia.
     """
-    n = int(line.numbers[SEGMENTS])
+    n = int(line.numbers[at.SEGMENTS])
     take_present_tip(line.numbers)
     take_present(line.tiles, n)
-    set_flow(line, n, line.numbers[NOW + TIME])
-    if line.numbers[UNIT_VARIES] > 0.0:
-        set_unit(line, line.numbers[NOW + TIME])
+    set_flow(line, n, line.numbers[at.NOW + at.TIME])
+    if line.numbers[at.UNIT_VARIES] > 0.0:
+        set_unit(line, line.numbers[at.NOW + at.TIME])
     least, _ = assemble(line, n, 0.0, 0.0)
-    if line.numbers[BENDING_ON] > 0.0:
+    if line.numbers[at.BENDING_ON] > 0.0:
         add_bending(line, n)
     return least
 
@@ -94,9 +56,9 @@ def evaluate_top(line: LineArrays, n: int) -> None:
     tiles = line.tiles
     take_present_tip(line.numbers)
     assemble_present(line, n, n - 1)
-    below, i = tiles[(n - 1) >> SHIFT], ((n - 1) & LANES) + 1
-    top, j = tiles[n >> SHIFT], n & LANES
-    top[RX + j], top[RY + j], top[RZ + j] = below[END_RX + i], below[END_RY + i], below[END_RZ + i]
+    below, i = tiles[(n - 1) >> at.SHIFT], ((n - 1) & at.LANES) + 1
+    top, j = tiles[n >> at.SHIFT], n & at.LANES
+    top[at.RX + j], top[at.RY + j], top[at.RZ + j] = below[at.END_RX + i], below[at.END_RY + i], below[at.END_RZ + i]
     take_present_place(top, j)
     add_lump(tiles, n, 0.0, 0.0)
 
@@ -105,13 +67,13 @@ def evaluate_top(line: LineArrays, n: int) -> None:
 def evaluate_unit(line: LineArrays, n: int) -> None:
     """Set the residual of the unit in the present state, as `evaluate` does."""
     tile, numbers = line.tiles[0], line.numbers
-    assemble_present(line, n, NONE)
-    if numbers[FLOW_VARIES] > 0.0:
-        set_flow_at(line, NONE, NONE, NONE, numbers[NOW + TIME])
-    if numbers[UNIT_VARIES] > 0.0:
-        set_unit(line, numbers[NOW + TIME])
+    assemble_present(line, n, at.NONE)
+    if numbers[at.FLOW_VARIES] > 0.0:
+        set_flow_at(line, at.NONE, at.NONE, at.NONE, numbers[at.NOW + at.TIME])
+    if numbers[at.UNIT_VARIES] > 0.0:
+        set_unit(line, numbers[at.NOW + at.TIME])
     add_unit(tile, numbers, 0.0, 0.0)
-    if numbers[BED_ON] > 0.0:
+    if numbers[at.BED_ON] > 0.0:
         add_contact(line, 0, 0.0)
 
 
@@ -119,56 +81,60 @@ def evaluate_unit(line: LineArrays, n: int) -> None:
 def observe_strains(line: LineArrays, n: int) -> None:
     """Note the largest strain and how many segments are slack."""
     largest, slack = -1.0, 0
-    for t in range(((n - 1) >> SHIFT) + 1):
-        tile, count = line.tiles[t], min(TILE, n - (t << SHIFT))
+    for t in range(((n - 1) >> at.SHIFT) + 1):
+        tile, count = line.tiles[t], min(at.TILE, n - (t << at.SHIFT))
         for j in range(count):
-            dx, dy, dz = tile[X + j + 1] - tile[X + j], tile[Y + j + 1] - tile[Y + j], tile[Z + j + 1] - tile[Z + j]
-            strain = math.sqrt(dx * dx + dy * dy + dz * dz) * tile[PER_LENGTH + j] - 1.0
-            tile[SCRATCH + j] = strain
+            dx, dy, dz = (
+                tile[at.X + j + 1] - tile[at.X + j],
+                tile[at.Y + j + 1] - tile[at.Y + j],
+                tile[at.Z + j + 1] - tile[at.Z + j],
+            )
+            strain = math.sqrt(dx * dx + dy * dy + dz * dz) * tile[at.PER_LENGTH + j] - 1.0
+            tile[at.SCRATCH + j] = strain
             slack += 1 if strain <= 0.0 else 0
         largest = larger(largest, largest_of(tile, count))
-    line.numbers[SEEN_STRAIN], line.numbers[SEEN_SLACK] = largest, slack
+    line.numbers[at.SEEN_STRAIN], line.numbers[at.SEEN_SLACK] = largest, slack
 
 
 @inner_kernel
 def note_tension(line: LineArrays, n: int) -> None:
     """Note the force on the top end in the present state, and its largest size until now."""
     numbers = line.numbers
-    copy_borders(line.tiles, n, X, MOTION_COLUMNS)
-    if numbers[BENDING_ON] > 0.0:
+    copy_borders(line.tiles, n, at.X, at.MOTION_COLUMNS)
+    if numbers[at.BENDING_ON] > 0.0:
         evaluate(line)
     else:
         evaluate_top(line, n)
     observe_top(line, n)
-    numbers[SEEN_LARGEST] = max(numbers[SEEN_LARGEST], numbers[SEEN_TENSION])
+    numbers[at.SEEN_LARGEST] = max(numbers[at.SEEN_LARGEST], numbers[at.SEEN_TENSION])
 
 
 @kernel
 def observe(line: LineArrays) -> None:
     """Note what is seen of the present state of `line`, see `layout`."""
     numbers = line.numbers
-    n = int(numbers[SEGMENTS])
+    n = int(numbers[at.SEGMENTS])
     note_tension(line, n)
     observe_strains(line, n)
-    if numbers[BENDING_ON] == 0.0:
+    if numbers[at.BENDING_ON] == 0.0:
         evaluate_unit(line, n)
     observe_unit(line)
-    if numbers[BED_ON] > 0.0:
-        numbers[SEEN_BED] = seabed_force_on_unit(line)
+    if numbers[at.BED_ON] > 0.0:
+        numbers[at.SEEN_BED] = seabed_force_on_unit(line)
 
 
 @inlined_kernel
 def observe_top(line: LineArrays, n: int) -> None:
     """Note the force [N] on the top end, node `n`, from its residual, and its size; 0 where the line would push."""
-    tile, j, numbers = line.tiles[n >> SHIFT], n & LANES, line.numbers
-    below, k = line.tiles[(n - 1) >> SHIFT], (n - 1) & LANES
+    tile, j, numbers = line.tiles[n >> at.SHIFT], n & at.LANES, line.numbers
+    below, k = line.tiles[(n - 1) >> at.SHIFT], (n - 1) & at.LANES
     size = pull = 0.0
     for axis in range(3):
-        force = -tile[RX + axis * STRIDE + j]
-        numbers[SEEN_FX + axis] = force
+        force = -tile[at.RX + axis * at.STRIDE + j]
+        numbers[at.SEEN_FX + axis] = force
         size += force * force
-        pull += force * (below[X + axis * STRIDE + k] - tile[X + axis * STRIDE + j])
-    numbers[SEEN_TENSION] = math.sqrt(size) if pull > 0.0 else 0.0
+        pull += force * (below[at.X + axis * at.STRIDE + k] - tile[at.X + axis * at.STRIDE + j])
+    numbers[at.SEEN_TENSION] = math.sqrt(size) if pull > 0.0 else 0.0
 
 
 @inlined_kernel
@@ -179,22 +145,24 @@ def observe_unit(line: LineArrays) -> None:
     half of the lowest segment, is inverted by the formula of Sherman and Morrison.
     """
     tile, numbers = line.tiles[0], line.numbers
-    half = 0.5 * tile[LENGTH]
-    added, mass = half * tile[ADDED_MASS], half * (tile[MASS] + tile[ADDED_MASS])
-    dx, dy, dz = tile[X + 1] - tile[X], tile[Y + 1] - tile[Y], tile[Z + 1] - tile[Z]
-    ratio = math.sqrt(dx * dx + dy * dy + dz * dz) * tile[PER_LENGTH] + 1e-300
-    factor = direction_of(ratio)[0] * tile[PER_LENGTH]
+    half = 0.5 * tile[at.LENGTH]
+    added, mass = half * tile[at.ADDED_MASS], half * (tile[at.MASS] + tile[at.ADDED_MASS])
+    dx, dy, dz = tile[at.X + 1] - tile[at.X], tile[at.Y + 1] - tile[at.Y], tile[at.Z + 1] - tile[at.Z]
+    ratio = math.sqrt(dx * dx + dy * dy + dz * dz) * tile[at.PER_LENGTH] + 1e-300
+    factor = direction_of(ratio)[0] * tile[at.PER_LENGTH]
     by_e, e_by_e = 0.0, 0.0
     for axis in range(3):
-        e = factor * (tile[X + axis * STRIDE + 1] - tile[X + axis * STRIDE])
-        inertia = numbers[UNIT_INERTIA + axis] + mass
-        by_e += e * tile[RX + axis * STRIDE] / inertia
+        e = factor * (tile[at.X + axis * at.STRIDE + 1] - tile[at.X + axis * at.STRIDE])
+        inertia = numbers[at.UNIT_INERTIA + axis] + mass
+        by_e += e * tile[at.RX + axis * at.STRIDE] / inertia
         e_by_e += e * e / inertia
     by_e *= added / (1.0 - added * e_by_e)
     for axis in range(3):
-        e = factor * (tile[X + axis * STRIDE + 1] - tile[X + axis * STRIDE])
-        inertia = numbers[UNIT_INERTIA + axis] + mass
-        numbers[SEEN_AX + axis] = tile[AX + axis * STRIDE] - (tile[RX + axis * STRIDE] + by_e * e) / inertia
+        e = factor * (tile[at.X + axis * at.STRIDE + 1] - tile[at.X + axis * at.STRIDE])
+        inertia = numbers[at.UNIT_INERTIA + axis] + mass
+        numbers[at.SEEN_AX + axis] = (
+            tile[at.AX + axis * at.STRIDE] - (tile[at.RX + axis * at.STRIDE] + by_e * e) / inertia
+        )
 
 
 @kernel
@@ -204,15 +172,15 @@ def snapshot(tiles: Array, numbers: Array, water: Array, band: Array, positions:
     The line's arrays `tiles`, `numbers`, `water` and `band` are taken one by one, see `step.advance`.
     """
     line = LineArrays(tiles, numbers, water, band)
-    n = int(numbers[SEGMENTS])
+    n = int(numbers[at.SEGMENTS])
     take_present_tip(numbers)
     take_present(tiles, n)
     swap_sheave(line, n)
-    for t in range(((n - 1) >> SHIFT) + 1):
-        tile, count = tiles[t], min(TILE, n - (t << SHIFT))
+    for t in range(((n - 1) >> at.SHIFT) + 1):
+        tile, count = tiles[t], min(at.TILE, n - (t << at.SHIFT))
         assemble_segments(tile, count, 0.0, 0.0)
         for j in range(count):
-            tensions[(t << SHIFT) + j] = tile[TENSION + j]
+            tensions[(t << at.SHIFT) + j] = tile[at.TENSION + j]
     for i in range(n + 1):
-        tile, j = tiles[i >> SHIFT], i & LANES
-        positions[i, 0], positions[i, 1], positions[i, 2] = tile[X + j], tile[Y + j], tile[Z + j]
+        tile, j = tiles[i >> at.SHIFT], i & at.LANES
+        positions[i, 0], positions[i, 1], positions[i, 2] = tile[at.X + j], tile[at.Y + j], tile[at.Z + j]

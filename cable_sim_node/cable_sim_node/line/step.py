@@ -13,59 +13,13 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inlined_kernel, inner_kernel, kernel
 
 from cable_sim_node.errors import LARGEST_JUMP
+from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import assemble
 from cable_sim_node.line.elimination import solve_blocks
 from cable_sim_node.line.feed import feed, follow_length, start_of
 from cable_sim_node.line.forces.bending import add_bending, solve_with_bending
 from cable_sim_node.line.forces.compensator import add_compensator
-from cable_sim_node.line.layout import (
-    ALPHA_F,
-    ALPHA_M,
-    BAD_MOTION,
-    BENDING_ON,
-    BETA,
-    CX,
-    CY,
-    CZ,
-    DONE,
-    END,
-    ENDS,
-    GAMMA,
-    GRID_END,
-    GRID_TOO_SHORT,
-    HELD_SHORT,
-    ITERATIONS,
-    LANES,
-    LENGTH,
-    LUMP_MASS,
-    MASS,
-    MERGE_AT,
-    NEWTON,
-    NOT_CONVERGED,
-    NOW,
-    PER_LENGTH,
-    REFUSED,
-    RESUMED_STEP,
-    RX,
-    RY,
-    RZ,
-    SCRATCH,
-    SEEN_LARGEST,
-    SEGMENTS,
-    SHIFT,
-    SPRING_ON,
-    STEP,
-    STEPS,
-    STIFFNESS,
-    TILE,
-    TIME,
-    TOLERANCE,
-    TOO_SHORT,
-    TOTAL,
-    UNIT_INERTIA,
-    X,
-)
 from cable_sim_node.line.motion import finish, hold_top, load_end, move, predict, take_end
 from cable_sim_node.line.observation import note_tension, observe
 from cable_sim_node.line.tiles import copy_borders, larger, largest_of, sum_of
@@ -96,15 +50,15 @@ Motion = tuple[float, float, float, float]
 def largest_relative_correction(tiles: Array, n: int) -> float:
     """Return the largest difference of neighbours' corrections per length of their segment; NaN where one is."""
     largest = 0.0
-    for t in range(((n - 1) >> SHIFT) + 1):
-        tile, count = tiles[t], min(TILE, n - (t << SHIFT))
+    for t in range(((n - 1) >> at.SHIFT) + 1):
+        tile, count = tiles[t], min(at.TILE, n - (t << at.SHIFT))
         for j in range(count):
             dx, dy, dz = (
-                tile[CX + j + 1] - tile[CX + j],
-                tile[CY + j + 1] - tile[CY + j],
-                tile[CZ + j + 1] - tile[CZ + j],
+                tile[at.CX + j + 1] - tile[at.CX + j],
+                tile[at.CY + j + 1] - tile[at.CY + j],
+                tile[at.CZ + j + 1] - tile[at.CZ + j],
             )
-            tile[SCRATCH + j] = (dx * dx + dy * dy + dz * dz) * (tile[PER_LENGTH + j] * tile[PER_LENGTH + j])
+            tile[at.SCRATCH + j] = (dx * dx + dy * dy + dz * dz) * (tile[at.PER_LENGTH + j] * tile[at.PER_LENGTH + j])
         largest = larger(largest, largest_of(tile, count))
     return math.sqrt(largest)
 
@@ -113,11 +67,11 @@ def largest_relative_correction(tiles: Array, n: int) -> float:
 def along_correction(tiles: Array, count: int) -> float:
     """Return the residual's part along the corrections of nodes 0..count-1: their scalar product."""
     total = 0.0
-    for t in range(((count - 1) >> SHIFT) + 1):
-        tile, nodes = tiles[t], min(TILE, count - (t << SHIFT))
+    for t in range(((count - 1) >> at.SHIFT) + 1):
+        tile, nodes = tiles[t], min(at.TILE, count - (t << at.SHIFT))
         for j in range(nodes):
-            along = tile[RX + j] * tile[CX + j] + tile[RY + j] * tile[CY + j]
-            tile[SCRATCH + j] = along + tile[RZ + j] * tile[CZ + j]
+            along = tile[at.RX + j] * tile[at.CX + j] + tile[at.RY + j] * tile[at.CY + j]
+            tile[at.SCRATCH + j] = along + tile[at.RZ + j] * tile[at.CZ + j]
         total += sum_of(tile, nodes)
     return total
 
@@ -126,21 +80,21 @@ def along_correction(tiles: Array, count: int) -> float:
 def equations_of(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tuple[float, bool]:
     """Assemble all equations; return the least strain, and whether the seabed is touched or a stop is near."""
     least, near_kink = assemble(line, n, c_mass, c_velocity)
-    if line.numbers[BENDING_ON] > 0.0:
+    if line.numbers[at.BENDING_ON] > 0.0:
         add_bending(line, n)
-    if line.numbers[SPRING_ON] > 0.0:
-        near_kink |= add_compensator(line.tiles[n >> SHIFT], n & LANES, line.numbers, c_mass, c_velocity)
+    if line.numbers[at.SPRING_ON] > 0.0:
+        near_kink |= add_compensator(line.tiles[n >> at.SHIFT], n & at.LANES, line.numbers, c_mass, c_velocity)
     return least, near_kink
 
 
 @inlined_kernel
 def solve(line: LineArrays, n: int, count: int) -> float:
     """Set the corrections of all nodes; return what `solve_blocks` does."""
-    tile, j = line.tiles[n >> SHIFT], n & LANES
-    tile[CX + j] = tile[CY + j] = tile[CZ + j] = 0.0
-    is_stiff = line.numbers[BENDING_ON] > 0.0
+    tile, j = line.tiles[n >> at.SHIFT], n & at.LANES
+    tile[at.CX + j] = tile[at.CY + j] = tile[at.CZ + j] = 0.0
+    is_stiff = line.numbers[at.BENDING_ON] > 0.0
     decrease = solve_with_bending(line, count) if is_stiff else solve_blocks(line.tiles, count)
-    copy_borders(line.tiles, n, CX, 3)
+    copy_borders(line.tiles, n, at.CX, 3)
     return decrease
 
 
@@ -152,10 +106,10 @@ def heave_period(line: LineArrays, n: int) -> float:
     """
     mass, compliance = 0.0, 0.0
     for i in range(n):
-        tile, j = line.tiles[i >> SHIFT], i & LANES
-        mass += (tile[MASS + j] * tile[LENGTH + j] + tile[LUMP_MASS + j]) / 3.0
-        compliance += tile[LENGTH + j] / tile[STIFFNESS + j]
-    return 2.0 * math.pi * math.sqrt((line.numbers[UNIT_INERTIA + 2] + mass) * compliance)
+        tile, j = line.tiles[i >> at.SHIFT], i & at.LANES
+        mass += (tile[at.MASS + j] * tile[at.LENGTH + j] + tile[at.LUMP_MASS + j]) / 3.0
+        compliance += tile[at.LENGTH + j] / tile[at.STIFFNESS + j]
+    return 2.0 * math.pi * math.sqrt((line.numbers[at.UNIT_INERTIA + 2] + mass) * compliance)
 
 
 @inner_kernel
@@ -175,11 +129,11 @@ def next_step(line: LineArrays, n: int, h: float, longest: float, ended: int, pa
     """
     numbers = line.numbers
     if ended == _SLACK:
-        numbers[HELD_SHORT] = _SNAPS_LAST * heave_period(line, n)
-    elif numbers[HELD_SHORT] > 0.0:
-        numbers[HELD_SHORT] = max(numbers[HELD_SHORT] - h, 0.0)
+        numbers[at.HELD_SHORT] = _SNAPS_LAST * heave_period(line, n)
+    elif numbers[at.HELD_SHORT] > 0.0:
+        numbers[at.HELD_SHORT] = max(numbers[at.HELD_SHORT] - h, 0.0)
     twice = min(2.0 * h, longest)
-    if patience > 0 or (numbers[HELD_SHORT] > 0.0 and twice > slack_step(line, n)):
+    if patience > 0 or (numbers[at.HELD_SHORT] > 0.0 and twice > slack_step(line, n)):
         return h
     return twice
 
@@ -192,15 +146,15 @@ def step(line: LineArrays, n: int, h: float) -> int:
     `slack_step` in the dissipative scheme. The state is then as it was.
     """
     numbers, tiles = line.numbers, line.tiles
-    af, am, beta, gamma = numbers[ALPHA_F], numbers[ALPHA_M], numbers[BETA], numbers[GAMMA]
+    af, am, beta, gamma = numbers[at.ALPHA_F], numbers[at.ALPHA_M], numbers[at.BETA], numbers[at.GAMMA]
     c_velocity = gamma / (beta * h)
     c_mass = (1.0 - am) / ((1.0 - af) * beta * h * h)
-    count = n if numbers[SPRING_ON] == 0.0 else n + 1
+    count = n if numbers[at.SPRING_ON] == 0.0 else n + 1
     predict(line, n, count, h)
-    tolerance = numbers[TOLERANCE]
+    tolerance = numbers[at.TOLERANCE]
     part, decrease = 1.0, 0.0
-    for iteration in range(int(numbers[ITERATIONS])):
-        numbers[NEWTON] += 1
+    for iteration in range(int(numbers[at.ITERATIONS])):
+        numbers[at.NEWTON] += 1
         least, near_kink = equations_of(line, n, c_mass, c_velocity)
         overshoot = along_correction(tiles, count) if iteration > 0 else 0.0
         if overshoot > _OVERSHOOT * decrease and part > _SMALLEST_PART:
@@ -231,9 +185,9 @@ def set_scheme(numbers: Array, alpha_m: float, alpha_f: float) -> None:
 
     A scheme that keeps them feeds energy into light nodes that snap taut: it must not be used while a segment is slack.
     """
-    numbers[ALPHA_M], numbers[ALPHA_F] = alpha_m, alpha_f
-    numbers[GAMMA] = 0.5 - alpha_m + alpha_f
-    numbers[BETA] = 0.25 * (1.0 - alpha_m + alpha_f) ** 2
+    numbers[at.ALPHA_M], numbers[at.ALPHA_F] = alpha_m, alpha_f
+    numbers[at.GAMMA] = 0.5 - alpha_m + alpha_f
+    numbers[at.BETA] = 0.25 * (1.0 - alpha_m + alpha_f) ** 2
 
 
 @inner_kernel
@@ -262,72 +216,72 @@ def take_motion(
     check = total + total_rate + end_total + end_rate + duration
     for k in range(3):
         check += start[k] + start_velocity[k] + end[k] + end_velocity[k]
-    if not (duration > 0.0 and math.isfinite(check)) or abs(total - numbers[NOW + TOTAL]) > LARGEST_JUMP:
-        return BAD_MOTION
-    if max(total, end_total) + duration * max(abs(total_rate), abs(end_rate)) > numbers[GRID_END]:
-        return GRID_TOO_SHORT
+    if not (duration > 0.0 and math.isfinite(check)) or abs(total - numbers[at.NOW + at.TOTAL]) > LARGEST_JUMP:
+        return at.BAD_MOTION
+    if max(total, end_total) + duration * max(abs(total_rate), abs(end_rate)) > numbers[at.GRID_END]:
+        return at.GRID_TOO_SHORT
     for k in range(3):
-        numbers[ENDS + k], numbers[ENDS + 4 + k] = start[k], start_velocity[k]
-        numbers[ENDS + 8 + k], numbers[ENDS + 12 + k] = end[k], end_velocity[k]
-    numbers[ENDS + 3], numbers[ENDS + 7] = total, total_rate
-    numbers[ENDS + 11], numbers[ENDS + 15] = end_total, end_rate
-    return DONE
+        numbers[at.ENDS + k], numbers[at.ENDS + 4 + k] = start[k], start_velocity[k]
+        numbers[at.ENDS + 8 + k], numbers[at.ENDS + 12 + k] = end[k], end_velocity[k]
+    numbers[at.ENDS + 3], numbers[at.ENDS + 7] = total, total_rate
+    numbers[at.ENDS + 11], numbers[at.ENDS + 15] = end_total, end_rate
+    return at.DONE
 
 
 @inlined_kernel
 def start_interval(line: LineArrays, n: int, duration: float) -> None:
     """Put boom tip, sheave and length where an interval of `duration` [s] begins."""
     numbers = line.numbers
-    load_end(0.0, duration, numbers[NOW + TIME], numbers)
+    load_end(0.0, duration, numbers[at.NOW + at.TIME], numbers)
     take_end(numbers)
-    hold_top(line.tiles, n, X, numbers, NOW, numbers[SPRING_ON] > 0.0)
+    hold_top(line.tiles, n, at.X, numbers, at.NOW, numbers[at.SPRING_ON] > 0.0)
 
 
 @inlined_kernel
 def integrate(line: LineArrays, duration: float) -> int:
     """Integrate over an interval of `duration` [s] whose motion `take_motion` has taken; return the outcome."""
-    numbers, tiles, n, outcome = line.numbers, line.tiles, int(line.numbers[SEGMENTS]), DONE
-    start_time, alpha_m, alpha_f = numbers[NOW + TIME], numbers[ALPHA_M], numbers[ALPHA_F]
+    numbers, tiles, n, outcome = line.numbers, line.tiles, int(line.numbers[at.SEGMENTS]), at.DONE
+    start_time, alpha_m, alpha_f = numbers[at.NOW + at.TIME], numbers[at.ALPHA_M], numbers[at.ALPHA_F]
     start_interval(line, n, duration)
-    numbers[SEEN_LARGEST] = 0.0
+    numbers[at.SEEN_LARGEST] = 0.0
     # all as shares of the interval: the largest step, the next one, what is done
-    shares = max(math.ceil(duration / numbers[STEP] - 1e-9), 1)
+    shares = max(math.ceil(duration / numbers[at.STEP] - 1e-9), 1)
     nominal, patience = 1.0 / shares, 0
-    resumed = numbers[RESUMED_STEP] / duration
+    resumed = numbers[at.RESUMED_STEP] / duration
     size, done = nominal if resumed == 0.0 else min(nominal, resumed), 0.0
     while done < 1.0:
         goal = min((math.floor(done * shares + 1e-9) + 1.0) / shares, 1.0)
-        at = goal if done + size > goal - 1e-12 else done + size
-        load_end(at, duration, start_time, numbers)
-        if numbers[END + TOTAL] < MERGE_AT * start_of(1, tiles):
-            outcome = TOO_SHORT
+        reached = goal if done + size > goal - 1e-12 else done + size
+        load_end(reached, duration, start_time, numbers)
+        if numbers[at.END + at.TOTAL] < at.MERGE_AT * start_of(1, tiles):
+            outcome = at.TOO_SHORT
             break
-        ended = step(line, n, (at - done) * duration)
+        ended = step(line, n, (reached - done) * duration)
         if ended in (_TAUT, _SLACK):
-            done = at
+            done = reached
             n = feed(line, n)
-            numbers[STEPS] += 1
+            numbers[at.STEPS] += 1
             patience -= 1
             size = next_step(line, n, size * duration, nominal * duration, ended, patience) / duration
             if ended == _TAUT:
                 set_scheme(numbers, alpha_m, alpha_f)
             if done < 1.0:
-                numbers[SEGMENTS] = n
+                numbers[at.SEGMENTS] = n
                 note_tension(line, n)
             continue
         set_scheme(numbers, -1.0, 0.0)
         if ended == _SLACK_REFUSED:
             size = halved_to(size, slack_step(line, n) / duration)
         else:
-            numbers[REFUSED] += 1
+            numbers[at.REFUSED] += 1
             patience, size = _PATIENCE, 0.5 * size
             if size < nominal * _SMALLEST_SHARE:
-                outcome = NOT_CONVERGED
+                outcome = at.NOT_CONVERGED
                 break
     set_scheme(numbers, alpha_m, alpha_f)
-    numbers[RESUMED_STEP] = 0.0 if size >= nominal else size * duration
-    numbers[SEGMENTS] = n
-    follow_length(n, numbers[NOW + TOTAL], tiles)
+    numbers[at.RESUMED_STEP] = 0.0 if size >= nominal else size * duration
+    numbers[at.SEGMENTS] = n
+    follow_length(n, numbers[at.NOW + at.TOTAL], tiles)
     return outcome
 
 
@@ -358,9 +312,9 @@ def advance(
     lengths : unstretched length and its rate at the start, the same at the end [m], [m/s]
     """
     outcome = take_motion(numbers, duration, start, start_velocity, end, end_velocity, lengths)
-    if outcome == DONE:
+    if outcome == at.DONE:
         line = LineArrays(tiles, numbers, water, band)
         outcome = integrate(line, duration)
-        if outcome == DONE:
+        if outcome == at.DONE:
             observe(line)
     return outcome

@@ -8,7 +8,7 @@ from __future__ import annotations
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inlined_kernel, inner_kernel
 
-from cable_sim_node.line.layout import MIDDLE, MOTION_COLUMNS, SCRATCH, SHIFT, STRIDE, TILE, X
+from cable_sim_node.line import layout as at
 
 
 @inlined_kernel
@@ -17,22 +17,22 @@ def copy_borders(tiles: Array, n: int, first: int, columns: int) -> None:
 
     `n` segments are in use.
     """
-    for t in range(n >> SHIFT):
+    for t in range(n >> at.SHIFT):
         tile, above = tiles[t], tiles[t + 1]
         for column in range(columns):
-            tile[first + column * STRIDE + TILE] = above[first + column * STRIDE]
+            tile[first + column * at.STRIDE + at.TILE] = above[first + column * at.STRIDE]
 
 
 @inner_kernel
 def take_present(tiles: Array, n: int) -> None:
     """Set the motion where the equations hold to the present one, of nodes 0..n."""
-    copy_borders(tiles, n, X, MOTION_COLUMNS)
-    for t in range((n >> SHIFT) + 1):
+    copy_borders(tiles, n, at.X, at.MOTION_COLUMNS)
+    for t in range((n >> at.SHIFT) + 1):
         tile = tiles[t]
-        for column in range(MOTION_COLUMNS):
-            row = tile[column * STRIDE :]
-            for j in range(min(TILE, n - (t << SHIFT)) + 1):
-                row[MIDDLE + j] = row[j]
+        for column in range(at.MOTION_COLUMNS):
+            row = tile[column * at.STRIDE :]
+            for j in range(min(at.TILE, n - (t << at.SHIFT)) + 1):
+                row[at.MIDDLE + j] = row[j]
 
 
 @inner_kernel
@@ -48,8 +48,8 @@ def largest_of(tile: Array, count: int) -> float:
 
     Halves are folded on one another, so that it is done by vector instructions.
     """
-    row = tile[SCRATCH:]
-    for j in range(count, TILE):
+    row = tile[at.SCRATCH :]
+    for j in range(count, at.TILE):
         row[j] = row[0]
     for j in range(32):
         row[j] = larger(row[j], row[32 + j])
@@ -65,8 +65,8 @@ def largest_of(tile: Array, count: int) -> float:
 @inner_kernel
 def sum_of(tile: Array, count: int) -> float:
     """Return the sum of the first `count` numbers in SCRATCH, in pairs as in `largest_of`; it is used up."""
-    row = tile[SCRATCH:]
-    for j in range(count, TILE):
+    row = tile[at.SCRATCH :]
+    for j in range(count, at.TILE):
         row[j] = 0.0
     for j in range(32):
         row[j] += row[32 + j]

@@ -20,7 +20,7 @@ from cable_sim_node.errors import NoEquilibriumError, StaticsError
 from cable_sim_node.physics.current import Current
 from cable_sim_node.physics.drag import segment_drag
 from cable_sim_node.statics.problems import STILL_WATER
-from cable_sim_node.statics.shape import cut_at_height, shape_from
+from cable_sim_node.statics.shape import Crossing, StaticShape, cut_at_height, shape_from
 from cable_sim_node.statics.system import StaticSection, static_cable
 
 DIRECTION_ITERATIONS = 2000
@@ -127,11 +127,11 @@ def lay(
         if the cable does not come up to the ship within 200 depths.
     """
     velocity = np.asarray(ship_velocity, dtype=np.float64)
+    speed = float(np.linalg.norm(velocity))
     if not (section.weight > 0.0 and min(depth, depth + sheave_height) > 0.0 and bottom_tension >= 0.0):
         raise StaticsError("laying needs a cable that sinks, a positive depth and a bottom tension of 0 or more")
-    if not np.all(np.isfinite(velocity)):
+    if not math.isfinite(speed):
         raise StaticsError(f"the ship's velocity must be finite; got {velocity.tolist()}")
-    speed = float(np.linalg.norm(velocity))
     feed = speed if payout_speed is None else payout_speed
     water = current.shifted(velocity)
     direction, drag = _landing_direction(section, water.at(depth), feed)
@@ -150,17 +150,22 @@ def lay(
             if crossing.label < 0.8 * length:  # use the segments on the cable that hangs
                 length = 1.05 * crossing.label
                 continue
-            below = shape.cable.labels < crossing.label
-            return Laying(
-                touchdown=-crossing.position[:2],
-                suspended_length=crossing.label,
-                tension=float(np.linalg.norm(crossing.tension)),
-                departure_angle=math.atan2(crossing.tension[2], float(np.hypot(*crossing.tension[:2]))),
-                strain=crossing.strain,
-                shape=np.vstack((shape.positions[below], crossing.position)),
-            )
+            return _laying_of(shape, crossing)
         length *= 2.0
     raise NoEquilibriumError("the cable does not reach up to the ship: it is laid too fast for its weight")
+
+
+def _laying_of(shape: StaticShape, crossing: Crossing) -> Laying:
+    """Return the laying of a cable of this `shape`, which meets the ship's sheave at the `crossing`."""
+    below = shape.cable.labels < crossing.label
+    return Laying(
+        touchdown=-crossing.position[:2],
+        suspended_length=crossing.label,
+        tension=float(np.linalg.norm(crossing.tension)),
+        departure_angle=math.atan2(crossing.tension[2], float(np.hypot(*crossing.tension[:2]))),
+        strain=crossing.strain,
+        shape=np.vstack((shape.positions[below], crossing.position)),
+    )
 
 
 def _first_row(drag: Array, count: int) -> Array:

@@ -47,6 +47,22 @@ def hyperbolic_functions(a: float, gap: float) -> tuple[float, float, float, flo
     return f, phi, psi, chi
 
 
+@inner_kernel
+def _products(start: Array, load: Array, length: float) -> tuple[float, float, float, float, float, float]:
+    """Return T0, T1, tau0.tau1, tau_m.(tau1 - tau0), |tau0 x tau1|^2, |tau1 - tau0|^2; tau_m is the mean of both."""
+    dot_start, dot_middle, cross, change_squared, t1 = 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(3):
+        end = start[i] - load[i] * length
+        t1 += end * end
+        dot_start += start[i] * end
+        change_squared += (load[i] * length) ** 2
+        dot_middle -= load[i] * length * (start[i] - 0.5 * load[i] * length)
+        j, k = (i + 1) % 3, (i + 2) % 3
+        cross += (length * (start[j] * load[k] - start[k] * load[j])) ** 2
+    t0 = math.sqrt(start[0] ** 2 + start[1] ** 2 + start[2] ** 2)
+    return t0, math.sqrt(t1), dot_start, dot_middle, cross, change_squared
+
+
 @kernel
 def segment_span(
     start: Array, load: Array, length: float, stiffness: float, span: Array, by_tension: Array, by_load: Array
@@ -63,17 +79,7 @@ def segment_span(
     by_tension : out, shape (3, 3), d span / d start at constant load [m/N]; symmetric and never negative
     by_load : out, shape (3, 3), d span / d load at constant start [m^2/N]
     """
-    t0 = math.sqrt(start[0] ** 2 + start[1] ** 2 + start[2] ** 2)
-    dot_start, dot_middle, cross, change_squared, t1 = 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(3):
-        end = start[i] - load[i] * length
-        t1 += end * end
-        dot_start += start[i] * end
-        change_squared += (load[i] * length) ** 2
-        dot_middle -= load[i] * length * (start[i] - 0.5 * load[i] * length)
-        j, k = (i + 1) % 3, (i + 2) % 3
-        cross += (length * (start[j] * load[k] - start[k] * load[j])) ** 2
-    t1 = math.sqrt(t1)
+    t0, t1, dot_start, dot_middle, cross, change_squared = _products(start, load, length)
     total = t0 + t1
     if total <= 0.0:
         span[:] = 0.0

@@ -16,16 +16,8 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
 from cable_sim_node.errors import PlantError
+from cable_sim_node.vertical import axial_layout as at
 from cable_sim_node.vertical.axial_kernel import integrate
-from cable_sim_node.vertical.axial_layout import (
-    ANSWER_COLUMNS,
-    LEAST_TENSION,
-    TOP_TENSION,
-    UNIT_ELEVATION,
-    UNIT_VELOCITY,
-    AxialArrays,
-    allocate_nodes,
-)
 from cable_sim_node.vertical.axial_line import AxialLine
 
 LARGEST_STEP = 0.01
@@ -90,28 +82,21 @@ def simulate_axial(
         for samples that are not finite or too few, a length that is hauled in to nothing, or a step without solution.
     """
     heave = _samples(boom_tip_heave, "boom_tip_heave")
-    paid = np.zeros_like(heave) if payout is None else _samples(payout, "payout")
-    if len(paid) != len(heave):
-        raise AxialError(
-            f"payout has {len(paid)} samples and boom_tip_heave {len(heave)}: both must have the same number"
-        )
+    paid = np.zeros_like(heave) if payout is None else _samples(payout, "payout", len(heave))
     if not (sample_period > 0.0 and largest_step > 0.0 and segments >= 1):
         raise AxialError(
             f"sample_period {sample_period}, largest_step {largest_step} and segments {segments} must be positive"
         )
-    if not length + float(paid.min()) > 0.0:
-        raise AxialError(f"the cable is hauled in to {length + float(paid.min()):g} m: its length must stay positive")
-
     substeps = max(1, math.ceil(sample_period / largest_step - 1e-9))
     time = sample_period * np.arange(len(heave), dtype=np.float64)
     fine = np.linspace(0.0, time[-1], (len(heave) - 1) * substeps + 1, dtype=np.float64)
     top, top_velocity = _interpolate(time, heave, fine)
     feed, feed_rate = _interpolate(time, paid, fine)
-    if not float(np.min(length + feed)) > 0.0:
-        raise AxialError("the cable is hauled in completely between two samples: its length must stay positive")
-
+    shortest = length + float(feed.min())
+    if not shortest > 0.0:
+        raise AxialError(f"the cable is hauled in to {shortest:g} m: its length must stay positive")
     motion = np.column_stack((top, top_velocity, length + feed, feed_rate))
-    answer = np.empty((len(heave), ANSWER_COLUMNS))
+    answer = np.empty((len(heave), at.ANSWER_COLUMNS))
     failed = integrate(
         axial_arrays(line, segments, allow_slack=allow_slack), motion, sample_period / substeps, substeps, answer
     )
@@ -120,20 +105,24 @@ def simulate_axial(
             f"the axial cable has no solution at {fine[failed]:.3f} s: check the motion at that time or use "
             "shorter steps"
         )
-    datum = -length - line.static_stretch(length)
+    return _response(time, answer, -length - line.static_stretch(length))
+
+
+def _response(time: Array, answer: Array, datum: float) -> AxialResponse:
+    """Return what the kernel's `answer` at each `time` says, the unit's heave about its place at rest, `datum` [m]."""
     return AxialResponse(
         time=time,
-        unit_heave=answer[:, UNIT_ELEVATION] - datum,
-        unit_velocity=answer[:, UNIT_VELOCITY].copy(),
-        top_tension=answer[:, TOP_TENSION].copy(),
-        least_tension=answer[:, LEAST_TENSION].copy(),
+        unit_heave=answer[:, at.UNIT_ELEVATION] - datum,
+        unit_velocity=answer[:, at.UNIT_VELOCITY].copy(),
+        top_tension=answer[:, at.TOP_TENSION].copy(),
+        least_tension=answer[:, at.LEAST_TENSION].copy(),
     )
 
 
-def axial_arrays(line: AxialLine, segments: int, *, allow_slack: bool = True) -> AxialArrays:
+def axial_arrays(line: AxialLine, segments: int, *, allow_slack: bool = True) -> at.AxialArrays:
     """Return a `line` of so many `segments` as the kernels take it; without `allow_slack` as a linear material."""
-    nodes, elements = allocate_nodes(segments)
-    return AxialArrays(
+    nodes, elements = at.allocate_nodes(segments)
+    return at.AxialArrays(
         sections=line.section_table(),
         bodies=np.array([(b.label, b.inertia, b.weight, b.drag) for b in line.clumps]).reshape(-1, 4),
         unit=np.array([line.unit.inertia, line.unit.weight, line.unit.drag]),
@@ -143,12 +132,16 @@ def axial_arrays(line: AxialLine, segments: int, *, allow_slack: bool = True) ->
     )
 
 
-def _samples(values: ArrayLike, name: str) -> Array:
+def _samples(values: ArrayLike, name: str, count: int | None = None) -> Array:
     samples = np.asarray(values, dtype=np.float64)
     if samples.ndim != 1 or len(samples) < 4:
         raise AxialError(f"{name} must be a series of at least 4 samples; got shape {samples.shape}")
     if not np.all(np.isfinite(samples)):
         raise AxialError(f"{name}[{int(np.argmin(np.isfinite(samples)))}] is not a finite number")
+    if count is not None and len(samples) != count:
+        raise AxialError(
+            f"{name} has {len(samples)} samples and boom_tip_heave {count}: both must have the same number"
+        )
     return samples
 
 

@@ -13,18 +13,7 @@ from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import body_properties, cable_sections, unit_properties
 from cable_sim_node.physics.tension_law import strain_at, tangent_stiffness, yielding_words
-from cable_sim_node.vertical.axial_layout import (
-    COMPLIANCE,
-    DELAY,
-    DENSITY,
-    DRAG,
-    MASS,
-    QUANTITIES,
-    SECTION_COLUMNS,
-    START,
-    TOTAL,
-    WEIGHT,
-)
+from cable_sim_node.vertical import axial_layout as at
 
 
 @dataclass(frozen=True)
@@ -112,11 +101,14 @@ class AxialLine:
 
     def section_table(self) -> Array:
         """Return the rows of the sections as the axial kernel takes them; columns in `axial_layout`."""
-        table = np.zeros((len(self.sections), SECTION_COLUMNS))
-        table[:, START] = self.starts()
-        density, total = table[:, DENSITY : DENSITY + QUANTITIES], table[:, TOTAL : TOTAL + QUANTITIES]
+        table = np.zeros((len(self.sections), at.SECTION_COLUMNS))
+        table[:, at.START] = self.starts()
+        density, total = (
+            table[:, at.DENSITY : at.DENSITY + at.QUANTITIES],
+            table[:, at.TOTAL : at.TOTAL + at.QUANTITIES],
+        )
         for row, s in zip(density, self.sections, strict=True):
-            row[[COMPLIANCE, MASS, WEIGHT, DRAG, DELAY]] = (
+            row[[at.COMPLIANCE, at.MASS, at.WEIGHT, at.DRAG, at.DELAY]] = (
                 1.0 / s.axial_stiffness,
                 s.mass,
                 s.weight,

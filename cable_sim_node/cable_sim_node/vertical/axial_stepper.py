@@ -8,20 +8,9 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel, kernel
 
+from cable_sim_node.vertical import axial_layout as at
 from cable_sim_node.vertical.axial import AxialError, axial_arrays
 from cable_sim_node.vertical.axial_kernel import begin_step, solve_step, start_steadily, write_answer
-from cable_sim_node.vertical.axial_layout import (
-    ANSWER_COLUMNS,
-    LEAST_TENSION,
-    LENGTH,
-    LENGTH_RATE,
-    TOP,
-    TOP_TENSION,
-    TOP_VELOCITY,
-    UNIT_ELEVATION,
-    UNIT_VELOCITY,
-    AxialArrays,
-)
 from cable_sim_node.vertical.axial_line import AxialLine
 
 
@@ -80,7 +69,7 @@ class AxialStepper:
         self._arrays = axial_arrays(line, segments)
         self._length, self._duration, self._substeps = length, duration, substeps
         self._rest = -length - line.static_stretch(length)
-        self._end, self._answer = self._row(start), np.zeros(ANSWER_COLUMNS)
+        self._end, self._answer = self._row(start), np.zeros(at.ANSWER_COLUMNS)
         _start(self._arrays, self._end, duration / substeps, self._answer)
 
     def advance(self, end: AxialInput) -> AxialState:
@@ -93,22 +82,24 @@ class AxialStepper:
     @property
     def state(self) -> AxialState:
         """State of now."""
-        heave, velocity, top, least = self._answer[[UNIT_ELEVATION, UNIT_VELOCITY, TOP_TENSION, LEAST_TENSION]].tolist()
+        heave, velocity, top, least = self._answer[
+            [at.UNIT_ELEVATION, at.UNIT_VELOCITY, at.TOP_TENSION, at.LEAST_TENSION]
+        ].tolist()
         return AxialState(heave - self._rest, velocity, top, least)
 
     def _row(self, top: AxialInput) -> Array:
         row = np.zeros(4)
-        row[[TOP, TOP_VELOCITY, LENGTH, LENGTH_RATE]] = (
+        row[[at.TOP, at.TOP_VELOCITY, at.LENGTH, at.LENGTH_RATE]] = (
             *(top.heave, top.heave_rate),
             *(self._length + top.payout, top.payout_rate),
         )
-        if not (np.all(np.isfinite(row)) and row[LENGTH] > 0.0):
-            raise AxialError(f"the cable cannot have a length of {row[LENGTH]:g} m under a top at {row[TOP]:g} m")
+        if not (np.all(np.isfinite(row)) and row[at.LENGTH] > 0.0):
+            raise AxialError(f"the cable cannot have a length of {row[at.LENGTH]:g} m under a top at {row[at.TOP]:g} m")
         return row
 
 
 @kernel
-def _start(line: AxialArrays, motion: Array, h: float, answer: Array) -> None:
+def _start(line: at.AxialArrays, motion: Array, h: float, answer: Array) -> None:
     """Set the steady state and write it to `answer`."""
     start_steadily(line, motion, h)
     write_answer(line, motion, h, True, answer)
@@ -118,7 +109,7 @@ def _start(line: AxialArrays, motion: Array, h: float, answer: Array) -> None:
 def _between(begin: Array, end: Array, duration: float, share: float, motion: Array) -> None:
     """Write the top's motion at a `share` of the interval to `motion`: cubic Hermite, and its slope."""
     s, t = share, 1.0 - share
-    for value, rate in ((TOP, TOP_VELOCITY), (LENGTH, LENGTH_RATE)):
+    for value, rate in ((at.TOP, at.TOP_VELOCITY), (at.LENGTH, at.LENGTH_RATE)):
         a, b, va, vb = begin[value], end[value], begin[rate] * duration, end[rate] * duration
         motion[value] = a * t * t * (1.0 + 2.0 * s) + b * s * s * (3.0 - 2.0 * s) + va * s * t * t - vb * s * s * t
         slope = 6.0 * s * t * (b - a) + va * t * (1.0 - 3.0 * s) + vb * s * (3.0 * s - 2.0)
@@ -126,7 +117,7 @@ def _between(begin: Array, end: Array, duration: float, share: float, motion: Ar
 
 
 @kernel
-def _advance(line: AxialArrays, begin: Array, end: Array, duration: float, substeps: int, answer: Array) -> bool:
+def _advance(line: at.AxialArrays, begin: Array, end: Array, duration: float, substeps: int, answer: Array) -> bool:
     """Integrate over an interval; return whether every step was solved."""
     motion, h = np.zeros(4), duration / substeps
     for step in range(1, substeps + 1):

@@ -166,6 +166,23 @@ def drifted(settings: DriveSettings, drift: WinchDriftParameters, time: float) -
 
 
 @njit(cache=True)
+def _speed_substep(
+    u: float, v: float, demand: float, power_speed: float, settings: DriveSettings, h: float
+) -> tuple[float, float, int]:
+    """Return payout and rate after `h` seconds that follow a `demand` of speed [m/s], and the limits that acted."""
+    limits = 0
+    demand = settings.speed_gain * _beyond_deadband(demand, settings.deadband) + settings.creep
+    hauling = settings.hauling_speed_share * settings.speed_limit
+    v_set = _limited(demand, min(settings.speed_limit, power_speed), min(hauling, power_speed))
+    if v_set != demand:
+        reached = settings.speed_limit if demand > 0.0 else hauling
+        limits |= LIMIT_POWER if power_speed < reached else LIMIT_SPEED
+    largest = (1.0 if v_set > v else settings.hauling_acceleration_share) * settings.acceleration_limit
+    next_u, next_v, is_limited = _servo_substep(u, v, v_set, settings.time_constant, largest, h)
+    return next_u, next_v, limits | LIMIT_ACCELERATION if is_limited else limits
+
+
+@njit(cache=True)
 def advance_drum(
     u: float,
     v: float,
@@ -196,7 +213,6 @@ def advance_drum(
     substeps = max(1, math.ceil(duration / LONGEST_SUBSTEP - 1e-6))
     h = duration / substeps
     largest_speed = min(settings.speed_limit, power_speed)
-    largest_hauling = min(settings.hauling_speed_share * settings.speed_limit, power_speed)
     limits = 0
     acceleration = 0.0
     for _ in range(substeps):
@@ -204,15 +220,8 @@ def advance_drum(
             next_u, next_v = _stop_substep(u, v, settings.stop_deceleration, h)
         elif mode == FOLLOW_SPEED:
             demand = rate_set + settings.position_gain * (payout_set - u - 0.5 * v * h)
-            demand = settings.speed_gain * _beyond_deadband(demand, settings.deadband) + settings.creep
-            v_set = _limited(demand, largest_speed, largest_hauling)
-            if v_set != demand:
-                reached = settings.speed_limit if demand > 0.0 else settings.hauling_speed_share * settings.speed_limit
-                limits |= LIMIT_POWER if power_speed < reached else LIMIT_SPEED
-            largest = (1.0 if v_set > v else settings.hauling_acceleration_share) * settings.acceleration_limit
-            next_u, next_v, is_limited = _servo_substep(u, v, v_set, settings.time_constant, largest, h)
-            if is_limited:
-                limits |= LIMIT_ACCELERATION
+            next_u, next_v, acted = _speed_substep(u, v, demand, power_speed, settings, h)
+            limits |= acted
         else:
             next_u, next_v, acted = _position_substep(
                 u, v, payout_set, settings.position_rate, largest_speed, settings.acceleration_limit, h

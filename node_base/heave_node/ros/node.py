@@ -35,7 +35,7 @@ from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health, diagnostic_array
 from heave_node.ros.input_timing import InputTiming
 from heave_node.ros.node_parameters import read_parameters
-from heave_node.ros.ports import Input, Output, Ports, SilentOutput, decoder_of, of_any_machine, stamped
+from heave_node.ros.ports import Input, Output, Ports, decoder_of, of_any_machine, stamped
 from heave_node.ros.spin import timed_callback
 from heave_node.ros.transport.exchange import Exchange, LocalPublisher, LocalSubscription, Reader
 from heave_node.ros.transport.identity import own_identity
@@ -165,9 +165,9 @@ class HeaveNode(LifecycleNode):
         """Publish `topic` within ticks; one that is external comes from outside, and this node keeps silent on it."""
         name = self.resolve_topic_name(topic.name)
         if topic.name in self.run.external:
-            return SilentOutput(name)
+            return Output(name, None)
         options = overriding_options(self, name, PUBLISHER, is_lockstep=self.run.is_lockstep)
-        output = Output(self._publisher(topic, options))
+        output = Output(name, self._publisher(topic, options))
         self._ports.outputs.append(output)
         return output
 
@@ -415,7 +415,7 @@ class HeaveNode(LifecycleNode):
                 lag=self.lag,
                 after=list(self.gate.after),
                 outputs=[output.topic for output in self._ports.outputs],
-                matched_subscriptions=[output.publisher.get_subscription_count() for output in self._ports.outputs],
+                matched_subscriptions=[output.hearers for output in self._ports.outputs],
                 inputs=list(self._ports.subscriptions),
                 matched_publishers=[s.get_publisher_count() for s in self._ports.subscriptions.values()],
                 waiting_for=waiting_for,
@@ -472,7 +472,7 @@ class HeaveNode(LifecycleNode):
         Its stamp of 0 keeps it out of counts and recordings.
         """
         part = Health("tick protocol", level, text)
-        self._diagnostics.publisher.publish(diagnostic_array(self.name, Time(), [part]))
+        self._diagnostics.publish_uncounted(diagnostic_array(self.name, Time(), [part]))
 
     def diagnose_timing(self) -> list[Health]:
         """Return how the messages of external nodes arrive, in wall time; nothing in lockstep."""

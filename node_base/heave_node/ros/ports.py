@@ -32,25 +32,37 @@ class Output:
 
     Parameters
     ----------
-    publisher : of rclpy, or in memory
+    topic : resolved name
+    publisher : of rclpy, or in memory; None on a topic that comes from outside: what this node would say there is
+        neither counted nor sent
 
     Attributes
     ----------
-    topic : resolved name
     published : messages since the start, deferred ones included
     """
 
-    def __init__(self, publisher: Publisher[Any] | LocalPublisher | _Nobody) -> None:
-        self.publisher = publisher
-        self.topic = self.publisher.topic_name
+    def __init__(self, topic: str, publisher: Publisher[Any] | LocalPublisher | None) -> None:
+        self.topic = topic
+        self._publisher = publisher
         self.published = 0
         self._sent_this_tick: list[bytes] = []
         self._deferred: list[Callable[[], object]] = []
 
+    @property
+    def hearers(self) -> int:
+        """Number of subscriptions that the middleware has matched."""
+        return 0 if self._publisher is None else self._publisher.get_subscription_count()
+
     def publish(self, message: object) -> None:
         """Send a `message`, or the bytes of a serialised one, as part of this tick."""
-        self.published += 1
-        self._send(message)
+        if self._publisher is not None:
+            self.published += 1
+            self._send(message, self._publisher)
+
+    def publish_uncounted(self, message: object) -> None:
+        """Send a `message` that is part of no tick."""
+        if self._publisher is not None:
+            self._publisher.publish(message)
 
     def publish_deferred(self, make: Callable[[], object]) -> None:
         """Count a message of this tick now, and send it with the next `flush_deferred`.
@@ -59,22 +71,23 @@ class Output:
         ----------
         make : returns the message; called before the node takes anything of the next tick
         """
-        self.published += 1
-        self._deferred.append(make)
+        if self._publisher is not None:
+            self.published += 1
+            self._deferred.append(make)
 
     def flush_deferred(self) -> None:
         """Make and send the deferred messages."""
-        if not self._deferred:
+        if self._publisher is None or not self._deferred:
             return
         deferred, self._deferred = self._deferred, []
         for make in deferred:
-            self._send(make())
+            self._send(make(), self._publisher)
 
-    def _send(self, message: object) -> None:
+    def _send(self, message: object, publisher: Publisher[Any] | LocalPublisher) -> None:
         # Serialised once: padding bytes are not defined, and receivers know a repeated message by its bytes.
         data = message if isinstance(message, bytes) else serialize_message(message)
         self._sent_this_tick.append(data)
-        self.publisher.publish(data)
+        publisher.publish(data)
 
     def begin_tick(self) -> None:
         """Discard the messages of the previous tick."""
@@ -83,39 +96,7 @@ class Output:
     def resend(self) -> None:
         """Send the messages of this tick again, uncounted: receivers know them by their bytes."""
         for data in self._sent_this_tick:
-            self.publisher.publish(data)
-
-
-class _Nobody:
-    """Publishes nothing on the topic of this resolved name."""
-
-    def __init__(self, topic_name: str) -> None:
-        self.topic_name = topic_name
-
-    def publish(self, data: bytes) -> None:
-        """Discard `data`."""
-
-    def get_subscription_count(self) -> int:
-        """Return that nobody hears it."""
-        return 0
-
-
-class SilentOutput(Output):
-    """An output on a topic that comes from outside: what this node would say there is neither counted nor sent.
-
-    Parameters
-    ----------
-    topic : resolved name
-    """
-
-    def __init__(self, topic: str) -> None:
-        super().__init__(_Nobody(topic))
-
-    def publish(self, message: object) -> None:
-        """Discard a `message`."""
-
-    def publish_deferred(self, make: Callable[[], object]) -> None:
-        """Do not even make a message with `make`."""
+            self.publish_uncounted(data)
 
 
 Decoder = Callable[[bytes], tuple[int | None, Any]]

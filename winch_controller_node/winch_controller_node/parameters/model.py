@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 
 from heave_node.parameters import ParameterError, parameter
 from heave_node.winch.position_loop import check_position_gain
-from wave_vessel_node.parameters import FILTER_CHOICES, VESSEL_MODELS, SeaParameters
+from wave_vessel_node.parameters import FILTER_CHOICES, SeaParameters
+from wave_vessel_node.vessel_parameters import VESSEL_MODELS
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from heave_bags.cdr.canonical import Canonical
 from heave_bags.cdr.columns import ColumnDecoder, Columns, join
 from heave_bags.errors import BagError
 from heave_bags.mcap.files import TopicSummary
-from heave_bags.mcap.read.scan import RawMessage
+from heave_bags.mcap.read.contents import RawMessage
 
 LOG_TIME = "log_time"
 TIME = "time"

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from typing import NamedTuple
 
-from heave_bags.mcap.read.scan import Block, Place, RawMessage
+from heave_bags.mcap.read.contents import Block, Place, RawMessage
 
 MOST_HELD = 64 << 20
 """Bytes of messages that a merge keeps when it holds twice as many."""

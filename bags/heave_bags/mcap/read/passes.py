@@ -9,8 +9,9 @@ from pathlib import Path
 
 from heave_bags.mcap.bounds import LATEST_TIME
 from heave_bags.mcap.loss import Loss
+from heave_bags.mcap.read.contents import Block, FileContents, RawMessage
 from heave_bags.mcap.read.order import NOT_IN_ORDER, RESET, ClockWatch, FileOrder, Merge, Span, are_ascending
-from heave_bags.mcap.read.scan import Block, FileContents, McapScan, RawMessage
+from heave_bags.mcap.read.scan import McapScan
 from heave_bags.mcap.read.survey import Survey
 
 Progress = Callable[[float], None]

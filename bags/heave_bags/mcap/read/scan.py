@@ -9,11 +9,9 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, MutableMapping, Sequence
-from dataclasses import dataclass, field
 from itertools import islice
 from operator import le
 from pathlib import Path
-from typing import NamedTuple
 
 import zstandard
 from mcap.opcode import Opcode
@@ -22,8 +20,10 @@ from mcap.records import Attachment, Channel, Metadata, Schema
 from heave_bags.errors import BagError
 from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, unpack, unpack_part
 from heave_bags.mcap.files import count_in_record
-from heave_bags.mcap.loss import NO_FOOTER, Loss, LossAccount
+from heave_bags.mcap.loss import NO_FOOTER, LossAccount
 from heave_bags.mcap.packed import ZSTD_MAGIC, unpack_message
+from heave_bags.mcap.read.contents import IN_JOURNAL, Block, FileContents, Place, RawMessage
+from heave_bags.mcap.read.numbering import Numbering
 from heave_bags.mcap.records import CHUNK_HEAD, HEAD, MESSAGE_HEAD, UNPARSEABLE, Record, RecordFile, parse, split_chunk
 from heave_bags.mcap.storage import read_journal
 from heave_bags.mcap.summary import MAGIC, Summary, ends_properly, has_interim_ending, read_summary
@@ -32,86 +32,10 @@ from heave_bags.mcap.writer import LIBRARY
 DAMAGED_CHUNK = (struct.error, zstandard.ZstdError, RuntimeError, ValueError, MemoryError)
 """Errors that unpacking a damaged chunk raises; lz4 raises RuntimeError."""
 
-IN_JOURNAL = -1
-"""Position of messages that lie in the journal beside a file."""
 MOST_IN_BLOCK = 1 << 17
 """Messages of a block: more of a chunk are several blocks."""
 SMALLEST_MESSAGE = HEAD.size + MESSAGE_HEAD.size
 """Bytes of a message without data."""
-_READ_AT_ONCE = 1 << 20
-_CHECKED_AT_ONCE = 1 << 20
-
-
-class RawMessage(NamedTuple):
-    """One message of `topic` as recorded: `data`, serialised, with `log_time` and `publish_time` [ns]."""
-
-    topic: str
-    log_time: int
-    publish_time: int
-    data: bytes
-
-
-class Place(NamedTuple):
-    """Where messages lie in a file, to be read again.
-
-    Attributes
-    ----------
-    position : of the chunk, or of the first of messages outside of chunks [bytes]; IN_JOURNAL
-    first, until : of the records there [bytes]
-    """
-
-    position: int
-    first: int
-    until: int
-
-
-class Block(NamedTuple):
-    """Messages that lie together in a file, in its order.
-
-    Attributes
-    ----------
-    place : in the file
-    messages : at least one
-    sequences : the number that its publisher gave each; 0 where there is none
-    is_ascending : no log time is before the one of its predecessor
-    """
-
-    place: Place
-    messages: list[RawMessage]
-    sequences: list[int]
-    is_ascending: bool
-
-    @property
-    def span(self) -> tuple[int, int]:
-        """The first and the last log time [ns]."""
-        if self.is_ascending:
-            return self.messages[0].log_time, self.messages[-1].log_time
-        times = [message.log_time for message in self.messages]
-        return min(times), max(times)
-
-
-@dataclass
-class FileContents:
-    """What a scan has found in a file beside its messages.
-
-    Attributes
-    ----------
-    schemas, channels : by id
-    metadata, attachments : in the order of the file
-    losses : what could not be read
-    is_own : this project has written the file
-    is_packed : its messages are compressed one by one
-    """
-
-    schemas: dict[int, Schema] = field(default_factory=dict)
-    channels: dict[int, Channel] = field(default_factory=dict)
-    metadata: list[Metadata] = field(default_factory=list)
-    attachments: list[Attachment] = field(default_factory=list)
-    losses: list[Loss] = field(default_factory=list)
-    is_own: bool = False
-    is_packed: bool = False
-    complete: bool = False
-    """The end of the data section was reached."""
 
 
 def _no_progress(_position: int) -> None:
@@ -156,9 +80,7 @@ class McapScan:
         self._damaged = 0
         """Messages that were read but could not be unpacked."""
         self._expected = expected
-        self._numbering = numbering
-        self._next_number: dict[int, int] = {}
-        self._is_numbered = False
+        self._numbering = Numbering(self.contents.channels, numbering)
         self._progress = progress
         self._account = LossAccount(path)
         self._last_time: int | None = None
@@ -238,7 +160,7 @@ class McapScan:
                 return
             elif record.opcode == Opcode.MESSAGE:
                 self._settle_lost_chunk()
-                run = _run_of_messages(file, record)
+                run = file.messages_from(record)
                 yield from self._walk(run, position)
                 position += len(run)
             else:
@@ -271,13 +193,13 @@ class McapScan:
     def _take_header(self, body: bytes) -> None:
         """Note whose file it is: this project's recorders number the messages of each topic without gaps."""
         self.contents.is_own = is_of_this_project(body)
-        self._is_numbered = self._is_whole and self.contents.is_own
+        self._numbering.is_on = self._is_whole and self.contents.is_own
 
     def _data_end(self, file: RecordFile, record: Record) -> Iterator[Block]:
         """Read the journal of a file whose writer was stopped: it ends properly, but has no summary yet."""
         self.contents.complete = True
         (checksum,) = struct.unpack("<I", file.body(record))
-        if self._is_numbered and has_interim_ending(file, record.end):
+        if self._numbering.is_on and has_interim_ending(file, record.end):
             yield from self._journalled(file, record.position)
             return
         self._settle_lost_chunk()
@@ -285,7 +207,7 @@ class McapScan:
             self._lose(record.position, "the file ends within its summary", 0)
         elif self._summary is None and not has_interim_ending(file, record.end):
             self._lose(record.position, "a damaged summary", 0)
-        elif self._is_whole and self._account.is_empty and checksum not in (0, _checksum(file, record.position)):
+        elif self._is_whole and self._account.is_empty and checksum not in (0, file.checksum(record.position)):
             self._lose(0, "data other than messages has changed (the file's checksum does not match)", 0)
 
     def _journalled(self, file: RecordFile, position: int) -> Iterator[Block]:
@@ -347,7 +269,7 @@ class McapScan:
     def _walk(self, records: bytes, position: int, offset: int = 0, *, may_be_cut: bool = False) -> Iterator[Block]:
         """Yield the messages of plain records, which may be cut off in the midst of one if they are a journal's."""
         size, block_at = len(records), offset
-        topics, known, counts = self._topics, self.contents.channels, self.counts
+        topics, known, counts, numbering = self._topics, self.contents.channels, self.counts, self._numbering
         unpack_head, unpack_message = HEAD.unpack_from, MESSAGE_HEAD.unpack_from
         start, end, is_after_loss = self._start, self._end, self._account.is_open
         messages: list[RawMessage] = []
@@ -369,7 +291,7 @@ class McapScan:
             if channel not in known or log_time > LATEST_TIME:
                 undefined += 1
                 continue
-            if self._is_numbered and self._is_repeated(channel, sequence):
+            if numbering.is_on and numbering.is_repeated(channel, sequence):
                 repeated += 1
                 continue
             data_at = body + MESSAGE_HEAD.size
@@ -418,21 +340,6 @@ class McapScan:
             return message
         data = unpack_message(message.data)
         return None if data is None else message._replace(data=data)
-
-    def _is_repeated(self, channel: int, sequence: int) -> bool:
-        """Return whether a message was read before, and count those that are missing before it."""
-        if not sequence:  # numbers begin with 1: these messages have none
-            self._is_numbered = False
-            return False
-        expected = self._next_number.get(channel)
-        if expected is None:
-            topic = self.contents.channels[channel].topic
-            expected = sequence if self._numbering is None else self._numbering.get(topic, 1)
-        if sequence < expected:
-            return True
-        self._account.in_gaps += sequence - expected
-        self._next_number[channel] = sequence + 1
-        return False
 
     def _take(self, opcode: int, body: bytes, position: int) -> None:
         """Take a record that is not a message."""
@@ -493,10 +400,9 @@ class McapScan:
         lacking = expected - read if is_reported and expected is not None else None
         if self._is_whole and expected is not None and self.contents.complete and read > expected:
             self._lose(0, f"{read - expected} messages more than the file says it has: some are repeated", 0)
+        self._account.in_gaps = self._numbering.missing
         self.contents.losses = self._account.settle(lacking, is_cut=not self.contents.complete)
-        if self._numbering is not None:
-            channels = self.contents.channels
-            self._numbering.update({channels[key].topic: number for key, number in self._next_number.items()})
+        self._numbering.carry_on()
 
 
 def is_like_magic(begins: bytes) -> bool:
@@ -517,24 +423,3 @@ def attachment_problem(attachment: Attachment, body: bytes, before: Sequence[Att
 def is_of_this_project(header: bytes) -> bool:
     """Return whether the body of a file's `header` says that this project has written it."""
     return header.endswith(struct.pack("<I", len(LIBRARY)) + LIBRARY.encode())
-
-
-def _run_of_messages(file: RecordFile, record: Record) -> bytes:
-    """Return a message outside of chunks, with those that follow it without anything between them."""
-    data = file.read(record.position, max(record.end - record.position, _READ_AT_ONCE))
-    end = record.end - record.position
-    while end + HEAD.size <= len(data):
-        opcode, length = HEAD.unpack_from(data, end)
-        following = end + HEAD.size + length
-        if opcode != Opcode.MESSAGE or length < MESSAGE_HEAD.size or following > len(data):
-            break
-        end = following
-    return data[:end]
-
-
-def _checksum(file: RecordFile, end: int) -> int:
-    """Return the checksum of a file up to byte `end`."""
-    checksum = 0
-    for position in range(0, end, _CHECKED_AT_ONCE):
-        checksum = zlib.crc32(file.read(position, min(_CHECKED_AT_ONCE, end - position)), checksum)
-    return checksum

@@ -13,15 +13,9 @@ from mcap.records import Attachment, Metadata
 
 from heave_bags.mcap.bounds import LARGEST_RECORD
 from heave_bags.mcap.files import FileSummary, ListedFile, information_in_record, listed_files
+from heave_bags.mcap.read.contents import FileContents
 from heave_bags.mcap.read.order import Times
-from heave_bags.mcap.read.scan import (
-    MOST_IN_BLOCK,
-    SMALLEST_MESSAGE,
-    FileContents,
-    McapScan,
-    attachment_problem,
-    is_of_this_project,
-)
+from heave_bags.mcap.read.scan import MOST_IN_BLOCK, SMALLEST_MESSAGE, McapScan, attachment_problem, is_of_this_project
 from heave_bags.mcap.records import UNPARSEABLE, RecordFile, parse
 from heave_bags.mcap.summary import MAGIC, ChunkEntry, Summary, read_summary
 

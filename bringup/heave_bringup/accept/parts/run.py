@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from heave_bags.analyse import events
-from heave_bags.analyse.run_record import RunRecord, read_run
+from heave_bags.analyse.read_run import read_run
+from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import judge
 from heave_bags.mcap.reader import TIME, Bag
 from heave_bags.signals import Signal
@@ -27,7 +28,7 @@ from heave_bringup.accept.procedure import FAULTS_OF, Event, Procedure, RunTest
 from heave_bringup.run.launcher import Launcher
 from heave_bringup.run.run import Composed, RunFolder, run_scenario
 from heave_bringup.scenarios import Scenario, load_scenario
-from heave_bringup.settings import Setting, make_setting
+from heave_bringup.settings import Setting, external_settings, make_setting
 
 _SENSORS: Mapping[str, Sensor] = {"mru": MRU, "depth": DEPTH, "load_cell": LOAD_CELL}
 _WINCH = topics.WINCH_STATE.name
@@ -57,7 +58,7 @@ def scenario_of(procedure: Procedure, test: RunTest, event: Event | None, extern
     procedure : of the step
     test : the step's own
     event : what happens during it, scheduled where the device is simulated
-    external : nodes in whose place real parts take part: the run is then in real time
+    external : real parts, as `external_settings` takes them: the run is then in real time
 
     Raises ParameterError for what is wrong with it.
     """
@@ -65,18 +66,19 @@ def scenario_of(procedure: Procedure, test: RunTest, event: Event | None, extern
     changes = [make_setting(place, value, where) for place, value in {**procedure.settings, **test.settings}.items()]
     named = (("duration", test.duration), ("transient", test.transient), ("seed", test.seed))
     changes += [Setting(WILDCARD, name, value, where) for name, value in named if value is not None]
-    if event is not None and node_of(event) not in external:
+    if event is not None and not is_real(event, external):
         lists = {"kind": event.fault, "start": event.at, "duration": event.duration, "magnitude": event.magnitude}
         changes += [make_setting(f"{FAULTS_OF[event.device]}.{name}", [value], where) for name, value in lists.items()]
     if external:
-        changes += [Setting(WILDCARD, "external", list(external), "--external"),
-                    Setting(WILDCARD, "pacing", REALTIME, "--external")]  # fmt: skip
+        changes += [*external_settings(external), Setting(WILDCARD, "pacing", REALTIME, "--external")]
     return load_scenario(test.scenario or procedure.scenario, settings=changes)
 
 
-def node_of(event: Event) -> str:
-    """Return the node that simulates the device of an `event`."""
-    return FAULTS_OF[event.device].partition(".")[0]
+def is_real(event: Event, external: Sequence[str]) -> bool:
+    """Return whether the device of an `event` is real: `external` names the node that simulates it, or its topic."""
+    sensor = _SENSORS.get(event.device)
+    simulated = {FAULTS_OF[event.device].partition(".")[0], *([sensor.topic.name] if sensor else [])}
+    return any(text.partition("=")[0] in simulated for text in external)
 
 
 def run_loop(scenario: Scenario, event: Event | None, folder: Path, external: Sequence[str]) -> RunDone:
@@ -87,15 +89,16 @@ def run_loop(scenario: Scenario, event: Event | None, folder: Path, external: Se
     scenario : of the step
     event : what happens during it
     folder : of the run
-    external : nodes that real parts replace; a person is asked for what happens to them
+    external : real parts, as `external_settings` takes them; a person is asked for what happens to them
 
     Raises CommandError where the run does not reach its end.
     """
     asked: list[float] = []
 
     def look(_: Launcher, status: TickStatus | None) -> None:
-        is_real = event is not None and node_of(event) in external
-        if event is not None and is_real and status is not None and status.simulated_time >= event.at and not asked:
+        if event is None or asked or status is None or status.simulated_time < event.at:
+            return
+        if is_real(event, external):
             asked.append(status.simulated_time)
             sys.stderr.write(f"\nheave: now: {event.ask or event.words}\n")
 

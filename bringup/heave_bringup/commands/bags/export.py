@@ -44,7 +44,7 @@ def execute(options: argparse.Namespace) -> None:
     """Write the tables that `options` name, and say what is in them."""
     from heave_bags.analyse import time_base
     from heave_bags.analyse.analysis import legend_file, save_frame
-    from heave_bags.analyse.run_record import read_run
+    from heave_bags.analyse.read_run import read_run
     from heave_bags.mcap.loss import remarks
     from heave_bags.mcap.reader import Bag
 

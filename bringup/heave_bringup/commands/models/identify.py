@@ -61,7 +61,7 @@ def execute(options: argparse.Namespace) -> None:
 def _from_bag(path: Path, drag: str) -> Identification:
     """Identify from the motions in a bag, after its transient, with what the winch paid out."""
     import numpy as np
-    from heave_bags.analyse.run_record import read_run
+    from heave_bags.analyse.read_run import read_run
     from heave_bags.mcap.read.folder import bag_of
     from winch_controller_node.identification.cable import identify
 

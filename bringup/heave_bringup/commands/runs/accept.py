@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.arguments import add_network, add_settings
+from heave_bringup.commands.arguments import add_external, add_network, add_settings
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError, VerdictError
 
@@ -29,13 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scenario", default="", metavar="SCENARIO", help="in the place of the procedure's")
     parser.add_argument("--step", action="append", default=[], metavar="NAME", help="only this step; may be repeated")
     parser.add_argument("--winch", metavar="MAP", help="real winch, by its map (heave adapt): it will move")
-    parser.add_argument(
-        "--external",
-        action="append",
-        default=[],
-        metavar="NODE",
-        help="in runs a real part takes the place of NODE (real time), served by heave adapt in another terminal",
-    )
+    add_external(parser, "in runs a real part, served by heave adapt in another terminal, takes the place of NODE")
     parser.add_argument(
         "--record",
         action="append",
@@ -53,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """List or show procedures, or run one and report, as `options` say."""
-    from heave_bringup.accept.procedure import find_procedure, read_head, shipped_procedures
+    from heave_bringup.accept.procedure_file import find_procedure, read_head, shipped_procedures
     from heave_bringup.accept.session import Session
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import make_table, write_result
@@ -87,11 +81,7 @@ def _parts(options: argparse.Namespace) -> Parts:
     """Return what is tested."""
     from heave_bringup.accept.session import WHOLE, Parts
     from heave_bringup.adapt.shipped import find_map
-    from heave_bringup.nodes import NODE_BY_NAME
 
-    wrong = next((node for node in options.external if node not in NODE_BY_NAME), None)
-    if wrong is not None:
-        raise ParameterError(f"--external {wrong}: no such node; known: {', '.join(NODE_BY_NAME)}")
     if options.map is not None and not options.record:
         raise ParameterError("--map: says how a record is read: give --record; a real winch has --winch")
     records = {}

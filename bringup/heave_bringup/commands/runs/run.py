@@ -7,26 +7,32 @@ import importlib
 import shlex
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_node.criteria import Criterion
-from heave_node.interface import topics
-from heave_node.interface.sensors import SENSORS
 from heave_node.parameters import ParameterError
 from heave_node.run_parameters import LOCKSTEP, REALTIME, RunParameters
 from heave_node.scenario import WILDCARD
 
-from heave_bringup.commands.arguments import add_baseline, add_full, add_namespace, add_network, add_scenario
+from heave_bringup.commands.arguments import (
+    add_baseline,
+    add_external,
+    add_full,
+    add_namespace,
+    add_network,
+    add_scenario,
+)
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError, VerdictError
 from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER
-from heave_bringup.settings import Setting
+from heave_bringup.settings import Setting, external_settings
 
 if TYPE_CHECKING:
-    from heave_bringup.run.run import Composed
+    from heave_bringup.run.evaluation import Evaluation
+    from heave_bringup.run.run import Composed, RunFolder
     from heave_bringup.scenarios import Scenario
 
 EVALUATION = "heave_bringup.run.evaluation"
@@ -50,15 +56,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--bag", type=Path, metavar="DIR", help="folder for the bag and the report (default: runs/SCENARIO-NNN)"
     )
+    _add_places(parser)
+    add_namespace(
+        parser, "put the nodes and topics of the run, its clock too, under /NAME: runs side by side in one ROS domain"
+    )
+    add_network(parser)
     parser.add_argument(
-        "--external",
+        "--require",
         action="append",
         default=[],
-        metavar="NODE[=CLOCK]",
-        help="do not start NODE: hardware or another program takes its place (real time); a sensor's topic, as "
-        "winch/load_cell, replaces that sensor alone. CLOCK says how it stamps: simulated (use_sim_time), own (a clock "
-        "of its own), none; detected if not given",
+        metavar="KPI<VALUE",
+        help="a criterion of the verdict beside the scenario's own, as significant_residual<5cm; a FAILED verdict "
+        "is exit status 3",
     )
+    parser.add_argument(
+        "--quiet",
+        action="store_true",
+        help="print only alarms, warnings and errors; --json and the exit status give the result",
+    )
+    add_full(parser)
+    parser.add_argument("--no-report", action="store_true", help="do not write the HTML report")
+    add_baseline(parser)
+
+
+def _add_places(parser: argparse.ArgumentParser) -> None:
+    """Let the user of `parser` say who takes the place of a node, and where the nodes run."""
+    add_external(parser, "do not start NODE: hardware or another program takes its place")
     parser.add_argument(
         "--foreign",
         action="append",
@@ -91,26 +114,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--publish", action="store_true", help="with --composed: other processes get every message of every topic"
     )
-    add_namespace(
-        parser, "put the nodes and topics of the run, its clock too, under /NAME: runs side by side in one ROS domain"
-    )
-    add_network(parser)
-    parser.add_argument(
-        "--require",
-        action="append",
-        default=[],
-        metavar="KPI<VALUE",
-        help="a criterion of the verdict beside the scenario's own, as significant_residual<5cm; a FAILED verdict "
-        "is exit status 3",
-    )
-    parser.add_argument(
-        "--quiet",
-        action="store_true",
-        help="print only alarms, warnings and errors; --json and the exit status give the result",
-    )
-    add_full(parser)
-    parser.add_argument("--no-report", action="store_true", help="do not write the HTML report")
-    add_baseline(parser)
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -119,11 +122,7 @@ def execute(options: argparse.Namespace) -> None:
 
     check_memory()  # before the libraries that want most of it
     from heave_bringup.network import set_up_transport
-    from heave_bringup.output import warn, write_result
     from heave_bringup.progress import be_quiet
-    from heave_bringup.run.checks.files import check_files
-    from heave_bringup.run.checks.rest import check_rest
-    from heave_bringup.run.criteria import refuse_unknown
     from heave_bringup.run.run import new_run_folder, run_scenario
     from heave_bringup.scenarios import load_scenario
 
@@ -133,15 +132,8 @@ def execute(options: argparse.Namespace) -> None:
     set_up_transport(network=options.network)
     settings = [*options.set, *_own_settings(options)]
     scenario = without(load_scenario(options.scenario, settings=settings), options.without)
-    for criterion in scenario.wanted:
-        refuse_unknown(criterion, f"{scenario.path}: wanted")
-    _check_foreign(options.foreign, scenario.run)
-    _check_composed(options, scenario.run)
     substitutes = _substitutes(options.from_bag)
-    if "wave_vessel" not in (*scenario.run.external, *substitutes):
-        warn(check_files(scenario))
-    if "cable_sim" not in (*scenario.run.external, *substitutes):
-        check_rest(scenario)
+    _check(options, scenario, substitutes)
     folder = new_run_folder(scenario.name, options.bag)
     if scenario.remade:  # the run keeps them, for who runs its scenario again
         scenario = without(load_scenario(options.scenario, settings=settings, folder=folder.files), options.without)
@@ -168,15 +160,47 @@ def execute(options: argparse.Namespace) -> None:
         alarms=len(outcome.alarms),
         has_baseline=options.baseline,
     )
+    _write(options, scenario, folder, outcome.alarms, result)
+    unsound = [*outcome.strangers, *outcome.lost]
+    if unsound:
+        raise CommandError("; ".join(unsound))
+    if result.verdict.failures:
+        raise VerdictError(result.verdict.failures, str(report or folder.path))
+
+
+def _check(options: argparse.Namespace, scenario: Scenario, substitutes: Collection[str]) -> None:
+    """Refuse, before anything starts, what this run cannot be; warn of what its files leave open."""
+    from heave_bringup.output import warn
+    from heave_bringup.run.checks.files import check_files
+    from heave_bringup.run.checks.rest import check_rest
+    from heave_bringup.run.criteria import refuse_unknown
+
+    for criterion in scenario.wanted:
+        refuse_unknown(criterion, f"{scenario.path}: wanted")
+    _check_foreign(options.foreign, scenario.run)
+    _check_composed(options, scenario.run)
+    replaced = (*scenario.run.external, *substitutes)
+    if "wave_vessel" not in replaced:
+        warn(check_files(scenario))
+    if "cable_sim" not in replaced:
+        check_rest(scenario)
+
+
+def _write(
+    options: argparse.Namespace, scenario: Scenario, folder: RunFolder, alarms: Sequence[str], result: Evaluation
+) -> None:
+    """Write what a run into a `folder` gave: its `alarms` and the `result` of its evaluation, for people or as JSON."""
+    from heave_bringup.output import warn, write_result
+
     together = "all in one process" if options.composed else "a process each"
     places = [
         f"scenario  {scenario.path}",
         f"nodes     {together}",
         f"bag       {folder.bag}",
-        *([f"report    {report}"] if report else []),
+        *([] if options.no_report else [f"report    {folder.report}"]),
     ]
     reported = [
-        *_reported("errors reported by the nodes:", outcome.alarms),
+        *_reported("errors reported by the nodes:", alarms),
         *_reported("compensation was lost:", result.losses),
         *_reported("warnings:", result.warnings),
     ]
@@ -185,21 +209,8 @@ def execute(options: argparse.Namespace) -> None:
     text = "\n".join([table, "", *reported, *places, "", *result.verdict.lines()])
     if options.quiet:
         warn(result.warnings)
-    write_result(
-        options,
-        [] if options.quiet else text,
-        {
-            **result.figures,
-            "alarms": outcome.alarms,
-            "composed": options.composed,
-            "folder": str(folder.path),
-        },
-    )
-    unsound = [*outcome.strangers, *outcome.lost]
-    if unsound:
-        raise CommandError("; ".join(unsound))
-    if result.verdict.failures:
-        raise VerdictError(result.verdict.failures, str(report or folder.path))
+    about = {"alarms": alarms, "composed": options.composed, "folder": str(folder.path)}
+    write_result(options, [] if options.quiet else text, {**result.figures, **about})
 
 
 def _required(texts: Sequence[str]) -> list[Criterion]:
@@ -218,17 +229,7 @@ def _own_settings(options: argparse.Namespace) -> list[Setting]:
         for name in ("pacing", "realtime_priority", "duration", "seed")
         if (value := getattr(options, name)) is not None
     ]
-    if options.external:
-        source = " ".join(f"--external {node}" for node in options.external)
-        names = [text.partition("=")[0] for text in options.external]
-        known = [*NODE_BY_NAME, *(sensor.topic.name for sensor in SENSORS.values()), topics.CRANE_POSE.name]
-        for name in names:
-            if name not in known:
-                raise ParameterError(f"{source}: no such node or sensor topic: {name}; known: {', '.join(known)}")
-        settings.append(Setting(WILDCARD, "external", names, source))
-        clocks = [text for text in options.external if "=" in text]
-        if clocks:
-            settings.append(Setting(WILDCARD, "external_clocks", clocks, source))
+    settings += external_settings(options.external)
     return settings
 
 

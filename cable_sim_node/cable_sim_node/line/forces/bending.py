@@ -12,36 +12,20 @@ import math
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
 
+from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.forces.direction import direction_of
-from cable_sim_node.line.layout import (
-    BENDING,
-    CENTRE,
-    CX,
-    DXX,
-    LANES,
-    MIDDLE,
-    PER_LENGTH,
-    RIGHT,
-    RX,
-    SHIFT,
-    STRIDE,
-    UXX,
-    X,
-    Y,
-    Z,
-)
 from cable_sim_node.physics.drag import Vector
 
 
 @inner_kernel
 def chord_per_length(tile: Array, j: int) -> Vector:
     """Return the chord of segment `j` of `tile` over its unstretched length."""
-    per_length = tile[PER_LENGTH + j]
+    per_length = tile[at.PER_LENGTH + j]
     return (
-        (tile[MIDDLE + X + j + 1] - tile[MIDDLE + X + j]) * per_length,
-        (tile[MIDDLE + Y + j + 1] - tile[MIDDLE + Y + j]) * per_length,
-        (tile[MIDDLE + Z + j + 1] - tile[MIDDLE + Z + j]) * per_length,
+        (tile[at.MIDDLE + at.X + j + 1] - tile[at.MIDDLE + at.X + j]) * per_length,
+        (tile[at.MIDDLE + at.Y + j + 1] - tile[at.MIDDLE + at.Y + j]) * per_length,
+        (tile[at.MIDDLE + at.Z + j + 1] - tile[at.MIDDLE + at.Z + j]) * per_length,
     )
 
 
@@ -57,14 +41,14 @@ def add_bending(line: LineArrays, n: int) -> None:
     band[:] = 0.0
     hinge = band.shape[0] - 3
     for i in range(1, n):
-        below, a = tiles[(i - 1) >> SHIFT], (i - 1) & LANES
-        above, b = tiles[i >> SHIFT], i & LANES
+        below, a = tiles[(i - 1) >> at.SHIFT], (i - 1) & at.LANES
+        above, b = tiles[i >> at.SHIFT], i & at.LANES
         wa, wb = chord_per_length(below, a), chord_per_length(above, b)
         fa, ta = direction_of(math.sqrt(wa[0] ** 2 + wa[1] ** 2 + wa[2] ** 2))
         fb, tb = direction_of(math.sqrt(wb[0] ** 2 + wb[1] ** 2 + wb[2] ** 2))
-        per_a, per_b = below[PER_LENGTH + a], above[PER_LENGTH + b]
+        per_a, per_b = below[at.PER_LENGTH + a], above[at.PER_LENGTH + b]
         span = 0.5 * (1.0 / per_a + 1.0 / per_b)
-        stiffness = 0.5 * (below[BENDING + a] + above[BENDING + b]) / span
+        stiffness = 0.5 * (below[at.BENDING + a] + above[at.BENDING + b]) / span
         for p in range(3):
             for q in range(3):
                 one = 1.0 if p == q else 0.0
@@ -79,19 +63,19 @@ def add_bending(line: LineArrays, n: int) -> None:
             for p in range(3):
                 force += band[hinge + p, r] * (fb * wb[p] - fa * wa[p])
             node = i - 1 + r // 3
-            tiles[node >> SHIFT, RX + r % 3 * STRIDE + (node & LANES)] += stiffness * force
+            tiles[node >> at.SHIFT, at.RX + r % 3 * at.STRIDE + (node & at.LANES)] += stiffness * force
             for c in range(9):
                 total = 0.0
                 for p in range(3):
                     total += band[hinge + p, r] * band[hinge + p, c]
-                band[base + r, CENTRE + c - r] += stiffness * total
+                band[base + r, at.CENTRE + c - r] += stiffness * total
 
 
 @inner_kernel
 def _entry(p: int, q: int) -> int:
     """Return by how much the column of element (p, q) of a symmetric block lies beyond that of its first."""
     low, high = min(p, q), max(p, q)
-    return STRIDE * (high if low == 0 else low + high + 1)
+    return at.STRIDE * (high if low == 0 else low + high + 1)
 
 
 @inner_kernel
@@ -104,31 +88,31 @@ def solve_with_bending(line: LineArrays, count: int) -> float:
     tiles, band = line.tiles, line.band
     size, decrease = 3 * count, 0.0
     for i in range(count):
-        tile, j = tiles[i >> SHIFT], i & LANES
+        tile, j = tiles[i >> at.SHIFT], i & at.LANES
         for p in range(3):
             row = 3 * i + p
-            band[row, RIGHT] = -tile[RX + p * STRIDE + j]
+            band[row, at.RIGHT] = -tile[at.RX + p * at.STRIDE + j]
             for q in range(3):
-                band[row, CENTRE + q - p] += tile[DXX + _entry(p, q) + j]
+                band[row, at.CENTRE + q - p] += tile[at.DXX + _entry(p, q) + j]
                 if i + 1 < count:
-                    band[row, CENTRE + 3 + q - p] += tile[UXX + _entry(p, q) + j]
-                    band[row + 3, CENTRE - 3 + q - p] += tile[UXX + _entry(p, q) + j]
+                    band[row, at.CENTRE + 3 + q - p] += tile[at.UXX + _entry(p, q) + j]
+                    band[row + 3, at.CENTRE - 3 + q - p] += tile[at.UXX + _entry(p, q) + j]
     for row in range(size):
-        pivot = 1.0 / band[row, CENTRE]
-        decrease += band[row, RIGHT] * band[row, RIGHT] * pivot
-        end = min(row + CENTRE + 1, size)
+        pivot = 1.0 / band[row, at.CENTRE]
+        decrease += band[row, at.RIGHT] * band[row, at.RIGHT] * pivot
+        end = min(row + at.CENTRE + 1, size)
         for below in range(row + 1, end):
-            factor = band[below, CENTRE + row - below] * pivot
+            factor = band[below, at.CENTRE + row - below] * pivot
             if factor == 0.0:
                 continue
             for column in range(row + 1, end):
-                band[below, CENTRE + column - below] -= factor * band[row, CENTRE + column - row]
-            band[below, RIGHT] -= factor * band[row, RIGHT]
+                band[below, at.CENTRE + column - below] -= factor * band[row, at.CENTRE + column - row]
+            band[below, at.RIGHT] -= factor * band[row, at.RIGHT]
     for row in range(size - 1, -1, -1):
-        value = band[row, RIGHT]
-        for column in range(row + 1, min(row + CENTRE + 1, size)):
-            value -= band[row, CENTRE + column - row] * band[column, RIGHT]
-        band[row, RIGHT] = value / band[row, CENTRE]
+        value = band[row, at.RIGHT]
+        for column in range(row + 1, min(row + at.CENTRE + 1, size)):
+            value -= band[row, at.CENTRE + column - row] * band[column, at.RIGHT]
+        band[row, at.RIGHT] = value / band[row, at.CENTRE]
         node = row // 3
-        tiles[node >> SHIFT, CX + row % 3 * STRIDE + (node & LANES)] = band[row, RIGHT]
+        tiles[node >> at.SHIFT, at.CX + row % 3 * at.STRIDE + (node & at.LANES)] = band[row, at.RIGHT]
     return decrease

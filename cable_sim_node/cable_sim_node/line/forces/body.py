@@ -21,48 +21,20 @@ import math
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
 
+from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.forces.contact import bottom_under
 from cable_sim_node.line.forces.surface import surface_at
-from cable_sim_node.line.layout import (
-    BED_ON,
-    BOX_HEIGHT,
-    BUOYANCY,
-    DEEP,
-    FLOW_Z,
-    HEAVE_PATH,
-    HEAVE_SQUARE,
-    HEAVE_WEIGHT,
-    KC_MEMORY,
-    KC_ROWS,
-    KC_WIDTH,
-    MIDDLE,
-    NEAR_BED_ROWS,
-    NEAR_SURFACE_ROWS,
-    NUMBERS,
-    PROFILE_ROWS,
-    SLAMMING,
-    UNIT_BODY_DRAG,
-    UNIT_DRAG,
-    UNIT_FLUID,
-    UNIT_FORCE,
-    UNIT_INERTIA,
-    UNIT_MASS,
-    VZ,
-    X,
-    Y,
-    Z,
-)
 from cable_sim_node.physics.current import between, locate
 
 
 @inner_kernel
 def keulegan_carpenter(numbers: Array) -> float:
     """Return the KC of the unit's heave through the water until now, from the `numbers` of the line."""
-    if numbers[HEAVE_WEIGHT] == 0.0:
+    if numbers[at.HEAVE_WEIGHT] == 0.0:
         return 0.0
-    amplitude = math.sqrt(2.0 * numbers[HEAVE_SQUARE] / numbers[HEAVE_WEIGHT])
-    return 2.0 * math.pi * amplitude / numbers[KC_WIDTH]
+    amplitude = math.sqrt(2.0 * numbers[at.HEAVE_SQUARE] / numbers[at.HEAVE_WEIGHT])
+    return 2.0 * math.pi * amplitude / numbers[at.KC_WIDTH]
 
 
 @inner_kernel
@@ -72,19 +44,19 @@ def follow_heave(line: LineArrays, h: float) -> None:
     For a unit with a table over KC only.
     """
     numbers, tile = line.numbers, line.tiles[0]
-    memory = numbers[KC_MEMORY]
+    memory = numbers[at.KC_MEMORY]
     kept = math.exp(-h / memory)
-    path = kept * numbers[HEAVE_PATH] + (1.0 - kept) * memory * (tile[VZ] - tile[FLOW_Z])
-    numbers[HEAVE_PATH] = path
-    numbers[HEAVE_SQUARE] = kept * numbers[HEAVE_SQUARE] + (1.0 - kept) * path * path
-    numbers[HEAVE_WEIGHT] = kept * numbers[HEAVE_WEIGHT] + 1.0 - kept
+    path = kept * numbers[at.HEAVE_PATH] + (1.0 - kept) * memory * (tile[at.VZ] - tile[at.FLOW_Z])
+    numbers[at.HEAVE_PATH] = path
+    numbers[at.HEAVE_SQUARE] = kept * numbers[at.HEAVE_SQUARE] + (1.0 - kept) * path * path
+    numbers[at.HEAVE_WEIGHT] = kept * numbers[at.HEAVE_WEIGHT] + 1.0 - kept
 
 
 @inner_kernel
-def look_up(at: float, numbers: Array, first: int, rows: int) -> tuple[float, float]:
-    """Return what the table of so many `rows` of three numbers from `first` on gives at `at`, the second and third."""
+def look_up(key: float, numbers: Array, first: int, rows: int) -> tuple[float, float]:
+    """Return what the table of so many `rows` of three numbers from `first` on gives at `key`: second and third."""
     table = numbers[first : first + 3 * rows].reshape((rows, 3))
-    low, high, share = locate(at, table)
+    low, high, share = locate(key, table)
     return between(table, low, high, share, 1), between(table, low, high, share, 2)
 
 
@@ -92,19 +64,19 @@ def look_up(at: float, numbers: Array, first: int, rows: int) -> tuple[float, fl
 def vertical_coefficients(line: LineArrays, depth: float) -> tuple[float, float]:
     """Return vertical added mass [kg] and (1/2) rho C_D S [kg/m] of the unit at `depth` [m], all of it wet."""
     numbers, tile = line.numbers, line.tiles[0]
-    added = numbers[DEEP + UNIT_INERTIA + 2] - numbers[UNIT_MASS]
-    drag = numbers[DEEP + UNIT_DRAG + 2]
-    first = NUMBERS + 3 * int(numbers[PROFILE_ROWS])
-    rows = int(numbers[KC_ROWS])
+    added = numbers[at.DEEP + at.UNIT_INERTIA + 2] - numbers[at.UNIT_MASS]
+    drag = numbers[at.DEEP + at.UNIT_DRAG + 2]
+    first = at.NUMBERS + 3 * int(numbers[at.PROFILE_ROWS])
+    rows = int(numbers[at.KC_ROWS])
     if rows > 0:
         added, drag = look_up(keulegan_carpenter(numbers), numbers, first, rows)
     first += 3 * rows
-    rows = int(numbers[NEAR_BED_ROWS])
-    if rows > 0 and numbers[BED_ON] > 0.0:
-        place = (tile[MIDDLE + X], tile[MIDDLE + Y], tile[MIDDLE + Z])
+    rows = int(numbers[at.NEAR_BED_ROWS])
+    if rows > 0 and numbers[at.BED_ON] > 0.0:
+        place = (tile[at.MIDDLE + at.X], tile[at.MIDDLE + at.Y], tile[at.MIDDLE + at.Z])
         added *= look_up(-bottom_under(place, numbers)[0], numbers, first, rows)[0]
     first += 3 * rows
-    rows = int(numbers[NEAR_SURFACE_ROWS])
+    rows = int(numbers[at.NEAR_SURFACE_ROWS])
     if rows > 0:
         added *= look_up(depth, numbers, first, rows)[0]
     return added, drag
@@ -114,25 +86,25 @@ def vertical_coefficients(line: LineArrays, depth: float) -> tuple[float, float]
 def set_unit(line: LineArrays, time: float) -> None:
     """Set the inertia, drag and force of a unit that varies, and what moving water accelerates of it."""
     numbers, tile = line.numbers, line.tiles[0]
-    level, rise = surface_at(tile[MIDDLE + X], tile[MIDDLE + Y], time, numbers)
-    depth = level - tile[MIDDLE + Z]
+    level, rise = surface_at(tile[at.MIDDLE + at.X], tile[at.MIDDLE + at.Y], time, numbers)
+    depth = level - tile[at.MIDDLE + at.Z]
     added, drag = vertical_coefficients(line, depth)
-    height, slamming, wet, slam = numbers[BOX_HEIGHT], numbers[SLAMMING], 1.0, 0.0
+    height, slamming, wet, slam = numbers[at.BOX_HEIGHT], numbers[at.SLAMMING], 1.0, 0.0
     if height > 0.0:
         wet = min(max(depth / height, 0.0), 1.0)
-        speed = min(tile[MIDDLE + VZ] - rise, 0.0)
+        speed = min(tile[at.MIDDLE + at.VZ] - rise, 0.0)
         full = added
         added = min(slamming * max(depth, 0.0), full) if slamming > 0.0 else wet * full
         if depth > 0.0 and slamming * depth < full:
             slam = slamming * speed * speed
-    mass = numbers[UNIT_MASS]
-    displaced = numbers[DEEP + UNIT_FLUID + 2] - (numbers[DEEP + UNIT_INERTIA + 2] - mass)
+    mass = numbers[at.UNIT_MASS]
+    displaced = numbers[at.DEEP + at.UNIT_FLUID + 2] - (numbers[at.DEEP + at.UNIT_INERTIA + 2] - mass)
     for axis in range(3):
-        sideways = wet * (numbers[DEEP + UNIT_INERTIA + axis] - mass)
+        sideways = wet * (numbers[at.DEEP + at.UNIT_INERTIA + axis] - mass)
         moved = added if axis == 2 else sideways
-        numbers[UNIT_INERTIA + axis] = mass + moved
-        numbers[UNIT_FLUID + axis] = wet * displaced + moved
-        numbers[UNIT_DRAG + axis] = wet * (drag if axis == 2 else numbers[DEEP + UNIT_DRAG + axis])
-        numbers[UNIT_FORCE + axis] = numbers[DEEP + UNIT_FORCE + axis]
-    numbers[UNIT_BODY_DRAG] = wet * numbers[DEEP + UNIT_BODY_DRAG]
-    numbers[UNIT_FORCE + 2] += slam - (1.0 - wet) * numbers[BUOYANCY]
+        numbers[at.UNIT_INERTIA + axis] = mass + moved
+        numbers[at.UNIT_FLUID + axis] = wet * displaced + moved
+        numbers[at.UNIT_DRAG + axis] = wet * (drag if axis == 2 else numbers[at.DEEP + at.UNIT_DRAG + axis])
+        numbers[at.UNIT_FORCE + axis] = numbers[at.DEEP + at.UNIT_FORCE + axis]
+    numbers[at.UNIT_BODY_DRAG] = wet * numbers[at.DEEP + at.UNIT_BODY_DRAG]
+    numbers[at.UNIT_FORCE + 2] += slam - (1.0 - wet) * numbers[at.BUOYANCY]

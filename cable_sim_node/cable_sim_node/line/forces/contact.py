@@ -16,45 +16,8 @@ import math
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inlined_kernel, inner_kernel
 
+from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
-from cable_sim_node.line.layout import (
-    BED_DAMPING,
-    BED_DEPTH,
-    BED_FRICTION,
-    BED_ON,
-    BED_SLOPE_X,
-    BED_SLOPE_Y,
-    BED_STIFFNESS,
-    BED_TOP,
-    BED_UNIT_DAMPING,
-    BED_UNIT_STIFFNESS,
-    DXX,
-    DXY,
-    DXZ,
-    DYY,
-    DYZ,
-    DZZ,
-    HOLD_X,
-    HOLD_Y,
-    HOLD_Z,
-    LANES,
-    LENGTH,
-    MIDDLE,
-    NUMBERS,
-    PROFILE_ROWS,
-    PROFILE_X,
-    PROFILE_Y,
-    RX,
-    RY,
-    RZ,
-    SHIFT,
-    VX,
-    VY,
-    VZ,
-    X,
-    Y,
-    Z,
-)
 from cable_sim_node.physics.drag import Vector
 from cable_sim_node.physics.seabed import height_and_slope
 
@@ -65,20 +28,20 @@ _FIRM_DEPTH = 0.01
 @inner_kernel
 def is_clear(place: Vector, numbers: Array) -> bool:
     """Return whether `place` is above the plane of the seabed, raised by the highest point of its profile."""
-    plane = numbers[BED_SLOPE_X] * place[0] + numbers[BED_SLOPE_Y] * place[1] - numbers[BED_DEPTH]
-    return place[2] > plane + numbers[BED_TOP]
+    plane = numbers[at.BED_SLOPE_X] * place[0] + numbers[at.BED_SLOPE_Y] * place[1] - numbers[at.BED_DEPTH]
+    return place[2] > plane + numbers[at.BED_TOP]
 
 
 @inner_kernel
 def bottom_under(place: Vector, numbers: Array) -> tuple[float, Vector]:
     """Return how deep `place` is in the seabed [m], negative above it, and the unit vector normal to it, upwards."""
-    sx, sy = numbers[BED_SLOPE_X], numbers[BED_SLOPE_Y]
+    sx, sy = numbers[at.BED_SLOPE_X], numbers[at.BED_SLOPE_Y]
     x, y, z = place
-    height = sx * x + sy * y - numbers[BED_DEPTH]
-    rows = int(numbers[PROFILE_ROWS])
+    height = sx * x + sy * y - numbers[at.BED_DEPTH]
+    rows = int(numbers[at.PROFILE_ROWS])
     if rows > 0:
-        along_x, along_y = numbers[PROFILE_X], numbers[PROFILE_Y]
-        hill, slope = height_and_slope(along_x * x + along_y * y, numbers, NUMBERS, rows)
+        along_x, along_y = numbers[at.PROFILE_X], numbers[at.PROFILE_Y]
+        hill, slope = height_and_slope(along_x * x + along_y * y, numbers, at.NUMBERS, rows)
         height, sx, sy = height + hill, sx + slope * along_x, sy + slope * along_y
     norm = 1.0 / math.sqrt(1.0 + sx * sx + sy * sy)
     return (height - z) * norm, (-sx * norm, -sy * norm, norm)
@@ -88,10 +51,10 @@ def bottom_under(place: Vector, numbers: Array) -> tuple[float, Vector]:
 def ground_of(i: int, tiles: Array, numbers: Array) -> tuple[float, float]:
     """Return stiffness [N/m] and damping [N s/m] of the ground under node i."""
     if i == 0:
-        return numbers[BED_UNIT_STIFFNESS], numbers[BED_UNIT_DAMPING]
-    below, above = tiles[(i - 1) >> SHIFT], tiles[i >> SHIFT]
-    share = 0.5 * (below[LENGTH + ((i - 1) & LANES)] + above[LENGTH + (i & LANES)])
-    return numbers[BED_STIFFNESS] * share, numbers[BED_DAMPING] * share
+        return numbers[at.BED_UNIT_STIFFNESS], numbers[at.BED_UNIT_DAMPING]
+    below, above = tiles[(i - 1) >> at.SHIFT], tiles[i >> at.SHIFT]
+    share = 0.5 * (below[at.LENGTH + ((i - 1) & at.LANES)] + above[at.LENGTH + (i & at.LANES)])
+    return numbers[at.BED_STIFFNESS] * share, numbers[at.BED_DAMPING] * share
 
 
 @inner_kernel
@@ -115,7 +78,7 @@ def push_of(velocity: Vector, depth: float, normal: Vector, stiffness: float, da
 def add_contacts(line: LineArrays, n: int, c_velocity: float) -> bool:
     """Add the seabed under nodes 0..n-1 to the equations; return whether any touches it."""
     touches = False
-    if line.numbers[BED_ON] > 0.0:
+    if line.numbers[at.BED_ON] > 0.0:
         for i in range(n):
             touches |= add_contact(line, i, c_velocity)
     return touches
@@ -124,42 +87,42 @@ def add_contacts(line: LineArrays, n: int, c_velocity: float) -> bool:
 @inner_kernel
 def add_contact(line: LineArrays, i: int, c_velocity: float) -> bool:
     """Add the seabed's push and friction on node i; return whether it touches."""
-    tile, j, numbers = line.tiles[i >> SHIFT], i & LANES, line.numbers
-    x, y, z = tile[MIDDLE + X + j], tile[MIDDLE + Y + j], tile[MIDDLE + Z + j]
+    tile, j, numbers = line.tiles[i >> at.SHIFT], i & at.LANES, line.numbers
+    x, y, z = tile[at.MIDDLE + at.X + j], tile[at.MIDDLE + at.Y + j], tile[at.MIDDLE + at.Z + j]
     if is_clear((x, y, z), numbers):
         return False
     depth, m = bottom_under((x, y, z), numbers)
     if depth <= 0.0:
         return False
     stiffness, damping = ground_of(i, line.tiles, numbers)
-    vx, vy, vz = tile[MIDDLE + VX + j], tile[MIDDLE + VY + j], tile[MIDDLE + VZ + j]
+    vx, vy, vz = tile[at.MIDDLE + at.VX + j], tile[at.MIDDLE + at.VY + j], tile[at.MIDDLE + at.VZ + j]
     push = push_of((vx, vy, vz), depth, m, stiffness, damping)
     if push <= 0.0:
         return True
     hard = stiffness + c_velocity * damping * min(depth / _FIRM_DEPTH, 1.0)
     tx, ty, tz = across(
         (
-            stiffness * (x - tile[HOLD_X + j]) + damping * vx,
-            stiffness * (y - tile[HOLD_Y + j]) + damping * vy,
-            stiffness * (z - tile[HOLD_Z + j]) + damping * vz,
+            stiffness * (x - tile[at.HOLD_X + j]) + damping * vx,
+            stiffness * (y - tile[at.HOLD_Y + j]) + damping * vy,
+            stiffness * (z - tile[at.HOLD_Z + j]) + damping * vz,
         ),
         m,
     )
-    size, limit = math.sqrt(tx * tx + ty * ty + tz * tz), numbers[BED_FRICTION] * push
+    size, limit = math.sqrt(tx * tx + ty * ty + tz * tz), numbers[at.BED_FRICTION] * push
     share = 1.0 if size <= limit else limit / size
-    tile[RX + j] += share * tx - push * m[0]
-    tile[RY + j] += share * ty - push * m[1]
-    tile[RZ + j] += share * tz - push * m[2]
+    tile[at.RX + j] += share * tx - push * m[0]
+    tile[at.RY + j] += share * ty - push * m[1]
+    tile[at.RZ + j] += share * tz - push * m[2]
     # where it slips, friction turns with the sliding but does not grow along it
     soft = share * (stiffness + c_velocity * damping)
     flat = 0.0 if size <= limit else soft / (size * size)
     hard -= soft
-    tile[DXX + j] += soft + hard * m[0] * m[0] - flat * tx * tx
-    tile[DXY + j] += hard * m[0] * m[1] - flat * tx * ty
-    tile[DXZ + j] += hard * m[0] * m[2] - flat * tx * tz
-    tile[DYY + j] += soft + hard * m[1] * m[1] - flat * ty * ty
-    tile[DYZ + j] += hard * m[1] * m[2] - flat * ty * tz
-    tile[DZZ + j] += soft + hard * m[2] * m[2] - flat * tz * tz
+    tile[at.DXX + j] += soft + hard * m[0] * m[0] - flat * tx * tx
+    tile[at.DXY + j] += hard * m[0] * m[1] - flat * tx * ty
+    tile[at.DXZ + j] += hard * m[0] * m[2] - flat * tx * tz
+    tile[at.DYY + j] += soft + hard * m[1] * m[1] - flat * ty * ty
+    tile[at.DYZ + j] += hard * m[1] * m[2] - flat * ty * tz
+    tile[at.DZZ + j] += soft + hard * m[2] * m[2] - flat * tz * tz
     return True
 
 
@@ -167,25 +130,25 @@ def add_contact(line: LineArrays, i: int, c_velocity: float) -> bool:
 def carry_holds(line: LineArrays, n: int) -> None:
     """Let nodes 0..n-1 take their holds along: those off the seabed at once, those that slip as far as they do."""
     numbers = line.numbers
-    if numbers[BED_ON] == 0.0:
+    if numbers[at.BED_ON] == 0.0:
         return
     for i in range(n):
-        tile, j = line.tiles[i >> SHIFT], i & LANES
-        x, y, z = tile[X + j], tile[Y + j], tile[Z + j]
+        tile, j = line.tiles[i >> at.SHIFT], i & at.LANES
+        x, y, z = tile[at.X + j], tile[at.Y + j], tile[at.Z + j]
         along, share = (0.0, 0.0, 0.0), 0.0
         if not is_clear((x, y, z), numbers):
             depth, m = bottom_under((x, y, z), numbers)
             reach = 0.0
             if depth > 0.0:
                 stiffness, damping = ground_of(i, line.tiles, numbers)
-                velocity = (tile[VX + j], tile[VY + j], tile[VZ + j])
-                reach = numbers[BED_FRICTION] * push_of(velocity, depth, m, stiffness, damping) / stiffness
-            along = across((x - tile[HOLD_X + j], y - tile[HOLD_Y + j], z - tile[HOLD_Z + j]), m)
+                velocity = (tile[at.VX + j], tile[at.VY + j], tile[at.VZ + j])
+                reach = numbers[at.BED_FRICTION] * push_of(velocity, depth, m, stiffness, damping) / stiffness
+            along = across((x - tile[at.HOLD_X + j], y - tile[at.HOLD_Y + j], z - tile[at.HOLD_Z + j]), m)
             size = math.sqrt(along[0] ** 2 + along[1] ** 2 + along[2] ** 2)
             share = 1.0 if size <= reach else reach / size
-        tile[HOLD_X + j] = x - share * along[0]
-        tile[HOLD_Y + j] = y - share * along[1]
-        tile[HOLD_Z + j] = z - share * along[2]
+        tile[at.HOLD_X + j] = x - share * along[0]
+        tile[at.HOLD_Y + j] = y - share * along[1]
+        tile[at.HOLD_Z + j] = z - share * along[2]
 
 
 @inner_kernel
@@ -195,6 +158,6 @@ def seabed_force_on_unit(line: LineArrays) -> float:
     The middle state is the present one.
     """
     tile = line.tiles[0]
-    tile[RX] = tile[RY] = tile[RZ] = 0.0
+    tile[at.RX] = tile[at.RY] = tile[at.RZ] = 0.0
     add_contact(line, 0, 0.0)
-    return float(-tile[RZ])
+    return float(-tile[at.RZ])

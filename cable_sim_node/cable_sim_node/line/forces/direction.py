@@ -18,7 +18,7 @@ import math
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel, kernel
 
-from cable_sim_node.line.layout import MIDDLE, PER_LENGTH, X, Y, Z
+from cable_sim_node.line import layout as at
 from cable_sim_node.physics.drag import Vector
 
 FOLDED = 0.5
@@ -38,10 +38,10 @@ def folded(ratio: float) -> float:
 @inner_kernel
 def direction_at(tile: Array, j: int) -> Vector:
     """Return the direction of segment `j` of `tile` in the middle state."""
-    dx = tile[MIDDLE + X + j + 1] - tile[MIDDLE + X + j]
-    dy = tile[MIDDLE + Y + j + 1] - tile[MIDDLE + Y + j]
-    dz = tile[MIDDLE + Z + j + 1] - tile[MIDDLE + Z + j]
-    per_length = tile[PER_LENGTH + j]
+    dx = tile[at.MIDDLE + at.X + j + 1] - tile[at.MIDDLE + at.X + j]
+    dy = tile[at.MIDDLE + at.Y + j + 1] - tile[at.MIDDLE + at.Y + j]
+    dz = tile[at.MIDDLE + at.Z + j + 1] - tile[at.MIDDLE + at.Z + j]
+    per_length = tile[at.PER_LENGTH + j]
     stretched = math.sqrt(dx * dx + dy * dy + dz * dz)
     ratio = stretched * per_length
     size = 1.0 / (stretched + 1e-300) if ratio >= FOLDED else per_length * folded(ratio)

@@ -1,8 +1,8 @@
 """The water's surface, and the cable above it. It is that of still water, z = 0, and of the waves of `forces.flow`.
 
-Cable above the surface has its weight in air, and neither drag nor added mass: what water does to the dry share of a
-segment is taken back from the equations of its ends. Cable is dry from the boom tip down to the first segment that is
-all wet; the surface is taken below the boom tip.
+Cable above the surface has its weight in air, and neither drag nor added mass: while its equations are assembled, a
+segment has what it has with its dry share in air. Cable is dry from the boom tip down to the first segment that is all
+wet; the surface is taken below the boom tip.
 
 Arguments: `tile`, `j` and `numbers` as in `line.assembly`; `x`, `y` [m] where the surface is asked for, `time` [s].
 """
@@ -14,61 +14,20 @@ import math
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
 
+from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
-from cable_sim_node.line.forces.direction import direction_at
-from cable_sim_node.line.forces.segment import rank_one
-from cable_sim_node.line.layout import (
-    ADDED_MASS,
-    AX,
-    AY,
-    AZ,
-    DISPLACED,
-    END_RX,
-    END_RY,
-    END_RZ,
-    END_XX,
-    FLOW_AX,
-    FLOW_AY,
-    FLOW_AZ,
-    FLOW_X,
-    FLOW_Y,
-    FLOW_Z,
-    GRAVITY,
-    LANES,
-    LENGTH,
-    MIDDLE,
-    MIDWAY,
-    NORMAL_DRAG,
-    RX,
-    RY,
-    RZ,
-    SHIFT,
-    STRIDE,
-    TANGENTIAL_DRAG,
-    TIME,
-    VX,
-    VY,
-    VZ,
-    WAVE_AMPLITUDE,
-    WAVE_FREQUENCY,
-    WAVE_NUMBER,
-    WAVE_X,
-    WAVE_Y,
-    X,
-    Y,
-    Z,
-)
-from cable_sim_node.physics.drag import drag_force, resolve
 
 
 @inner_kernel
 def surface_at(x: float, y: float, time: float, numbers: Array) -> tuple[float, float]:
     """Return the height of the surface [m] and its rate [m/s]."""
-    if numbers[WAVE_AMPLITUDE] == 0.0:
+    if numbers[at.WAVE_AMPLITUDE] == 0.0:
         return 0.0, 0.0
-    phase = numbers[WAVE_NUMBER] * (numbers[WAVE_X] * x + numbers[WAVE_Y] * y) - numbers[WAVE_FREQUENCY] * time
-    amplitude = numbers[WAVE_AMPLITUDE]
-    return amplitude * math.cos(phase), amplitude * numbers[WAVE_FREQUENCY] * math.sin(phase)
+    phase = (
+        numbers[at.WAVE_NUMBER] * (numbers[at.WAVE_X] * x + numbers[at.WAVE_Y] * y) - numbers[at.WAVE_FREQUENCY] * time
+    )
+    amplitude = numbers[at.WAVE_AMPLITUDE]
+    return amplitude * math.cos(phase), amplitude * numbers[at.WAVE_FREQUENCY] * math.sin(phase)
 
 
 @inner_kernel
@@ -83,60 +42,55 @@ def dry_share(low: float, high: float, level: float) -> float:
 @inner_kernel
 def dry_part(tile: Array, j: int, level: float) -> float:
     """Return the share of a segment that is above `level` [m] in the middle state."""
-    return dry_share(tile[MIDDLE + Z + j], tile[MIDDLE + Z + j + 1], level)
+    return dry_share(tile[at.MIDDLE + at.Z + j], tile[at.MIDDLE + at.Z + j + 1], level)
 
 
 @inner_kernel
-def take_from_water(tile: Array, j: int, dry: float, numbers: Array, c_mass: float) -> None:
-    """Take back what water does to the `dry` share of segment `j` of `tile`; `c_mass` as in `line.assembly`.
+def take_from_water(tile: Array, j: int, dry: float, gravity: float) -> None:
+    """Give segment `j` of `tile` the weight, drag and mass that it has with a `dry` share of it in air.
 
-    Drag stays in the Jacobian: it keeps a correction short, and is small.
+    `gravity` [m/s^2] acts. `put_back` gives the segment what it has in water again.
     """
-    half = 0.5 * tile[LENGTH + j] * dry
-    e = direction_at(tile, j)
-    ux = 0.5 * (tile[MIDDLE + VX + j] + tile[MIDDLE + VX + j + 1]) - tile[FLOW_X + j + 1]
-    uy = 0.5 * (tile[MIDDLE + VY + j] + tile[MIDDLE + VY + j + 1]) - tile[FLOW_Y + j + 1]
-    uz = 0.5 * (tile[MIDDLE + VZ + j] + tile[MIDDLE + VZ + j + 1]) - tile[FLOW_Z + j + 1]
-    slip, across, speed = resolve(e, ux, uy, uz)
-    hx, hy, hz = drag_force(half * tile[NORMAL_DRAG + j], half * tile[TANGENTIAL_DRAG + j], e, slip, across, speed)
-    hz -= half * tile[DISPLACED + j] * numbers[GRAVITY]
-    added, displaced = half * tile[ADDED_MASS + j], half * tile[DISPLACED + j]
-    wx = wy = wz = 0.0
-    if numbers[WAVE_AMPLITUDE] > 0.0:
-        wx, wy, wz = tile[FLOW_AX + j + 1], tile[FLOW_AY + j + 1], tile[FLOW_AZ + j + 1]
-    for end in range(2):
-        ax = tile[MIDDLE + AX + j + end] - wx
-        ay = tile[MIDDLE + AY + j + end] - wy
-        az = tile[MIDDLE + AZ + j + end] - wz
-        along = added * (e[0] * ax + e[1] * ay + e[2] * az)
-        x, y, z = RX + j, RY + j, RZ + j
-        if end == 1:
-            x, y, z = END_RX + j + 1, END_RY + j + 1, END_RZ + j + 1
-        tile[x] -= added * ax - along * e[0] + hx - displaced * wx
-        tile[y] -= added * ay - along * e[1] + hy - displaced * wy
-        tile[z] -= added * az - along * e[2] + hz - displaced * wz
-    block = rank_one(c_mass * added, -c_mass * added, e[0], e[1], e[2])
-    for k in range(6):
-        tile[END_XX + k * STRIDE + j + 1] -= block[k]
+    for k in range(at.FLUID_COLUMNS):
+        tile[at.KEPT + k * at.STRIDE + j] = tile[at.ADDED_MASS + k * at.STRIDE + j]
+    tile[at.WEIGHT + j] += dry * tile[at.DISPLACED + j] * gravity
+    tile[at.ADDED_MASS + j] *= 1.0 - dry
+    tile[at.NORMAL_DRAG + j] *= 1.0 - dry
+    tile[at.TANGENTIAL_DRAG + j] *= 1.0 - dry
+    tile[at.DISPLACED + j] *= 1.0 - dry
+
+
+@inner_kernel
+def put_back(tile: Array, j: int) -> None:
+    """Give segment `j` of `tile` what it has in water again."""
+    for k in range(at.FLUID_COLUMNS):
+        tile[at.ADDED_MASS + k * at.STRIDE + j] = tile[at.KEPT + k * at.STRIDE + j]
 
 
 @inner_kernel
 def level_above(line: LineArrays, n: int) -> float:
     """Return the height of the surface [m] below the boom tip, the upper end of `n` segments of `line`."""
-    tile, j = line.tiles[n >> SHIFT], n & LANES
-    return surface_at(tile[MIDDLE + X + j], tile[MIDDLE + Y + j], line.numbers[MIDWAY + TIME], line.numbers)[0]
+    tile, j = line.tiles[n >> at.SHIFT], n & at.LANES
+    return surface_at(
+        tile[at.MIDDLE + at.X + j], tile[at.MIDDLE + at.Y + j], line.numbers[at.MIDWAY + at.TIME], line.numbers
+    )[0]
 
 
 @inner_kernel
-def take_out_of_water(line: LineArrays, n: int, c_mass: float) -> None:
-    """Take back what water does to the cable above the surface; see the text of the module.
-
-    `line` has `n` segments, which are assembled, and not yet joined; `c_mass` as in `line.assembly`.
-    """
+def take_out_of_water(line: LineArrays, n: int) -> int:
+    """Take the cable above the surface from the water, of the `n` segments of `line`; return how many segments."""
     level = level_above(line, n)
     for i in range(n - 1, -1, -1):
-        tile, j = line.tiles[i >> SHIFT], i & LANES
+        tile, j = line.tiles[i >> at.SHIFT], i & at.LANES
         dry = dry_part(tile, j, level)
         if dry == 0.0:
-            return
-        take_from_water(tile, j, dry, line.numbers, c_mass)
+            return n - 1 - i
+        take_from_water(tile, j, dry, line.numbers[at.GRAVITY])
+    return n
+
+
+@inner_kernel
+def put_all_back(line: LineArrays, n: int, count: int) -> None:
+    """Put the upper `count` of the `n` segments of `line` back."""
+    for i in range(n - count, n):
+        put_back(line.tiles[i >> at.SHIFT], i & at.LANES)

@@ -13,47 +13,12 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel, kernel
 
 from cable_sim_node.errors import NoEquilibriumError
+from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.forces.bending import solve_with_bending
 from cable_sim_node.line.forces.body import set_unit
 from cable_sim_node.line.forces.flow import set_flow
-from cable_sim_node.line.forces.surface import dry_part
-from cable_sim_node.line.layout import (
-    BENDING_ON,
-    CENTRE,
-    CUBIC,
-    CX,
-    DISPLACED,
-    FLOW_AX,
-    FLOW_X,
-    FLOW_Y,
-    FLOW_Z,
-    GRAVITY,
-    LANES,
-    LENGTH,
-    LUMP_DRAG,
-    LUMP_WEIGHT,
-    MIDDLE,
-    NORMAL_DRAG,
-    NOW,
-    QUADRATIC,
-    SHIFT,
-    STIFFNESS,
-    STRIDE,
-    SURFACE_ON,
-    TANGENTIAL_DRAG,
-    TIME,
-    UNIT_BODY_DRAG,
-    UNIT_DRAG,
-    UNIT_FORCE,
-    UNIT_VARIES,
-    VX,
-    WAVE_AMPLITUDE,
-    WEIGHT,
-    X,
-    Y,
-    Z,
-)
+from cable_sim_node.line.forces.surface import dry_part, put_back, take_from_water
 from cable_sim_node.line.observation import evaluate
 from cable_sim_node.line.tiles import take_present
 from cable_sim_node.physics.drag import Vector, drag_force, resolve
@@ -125,38 +90,43 @@ def march(line: LineArrays, n: int, force: Array, drag: Array, direction: Array)
     """
     tiles, numbers = line.tiles, line.numbers
     take_present(tiles, n)
-    set_flow(line, n, numbers[NOW + TIME])
-    if numbers[UNIT_VARIES] > 0.0:
-        set_unit(line, numbers[NOW + TIME])
+    set_flow(line, n, numbers[at.NOW + at.TIME])
+    if numbers[at.UNIT_VARIES] > 0.0:
+        set_unit(line, numbers[at.NOW + at.TIME])
     water = tiles[0]
-    speed = math.sqrt(water[FLOW_X] ** 2 + water[FLOW_Y] ** 2 + water[FLOW_Z] ** 2)
+    speed = math.sqrt(water[at.FLOW_X] ** 2 + water[at.FLOW_Y] ** 2 + water[at.FLOW_Z] ** 2)
     for k in range(3):
-        u = water[FLOW_X + k * STRIDE]
+        u = water[at.FLOW_X + k * at.STRIDE]
         # what the line above must hold: minus all steady forces below
-        force[k] = -(numbers[UNIT_FORCE + k] + (numbers[UNIT_DRAG + k] * abs(u) + numbers[UNIT_BODY_DRAG] * speed) * u)
+        force[k] = -(
+            numbers[at.UNIT_FORCE + k] + (numbers[at.UNIT_DRAG + k] * abs(u) + numbers[at.UNIT_BODY_DRAG] * speed) * u
+        )
     for i in range(n):
-        tile, j = tiles[i >> SHIFT], i & LANES
-        above, m = tiles[(i + 1) >> SHIFT], (i + 1) & LANES
-        length = tile[LENGTH + j]
+        tile, j = tiles[i >> at.SHIFT], i & at.LANES
+        above, m = tiles[(i + 1) >> at.SHIFT], (i + 1) & at.LANES
+        length = tile[at.LENGTH + j]
         half = 0.5 * length
-        u = (tile[FLOW_X + j + 1], tile[FLOW_Y + j + 1], tile[FLOW_Z + j + 1])
-        dry = dry_part(tile, j, 0.0) if numbers[SURFACE_ON] > 0.0 else 0.0
-        weight = half * (tile[WEIGHT + j] + dry * tile[DISPLACED + j] * numbers[GRAVITY])
-        wet = (1.0 - dry) * half
+        u = (tile[at.FLOW_X + j + 1], tile[at.FLOW_Y + j + 1], tile[at.FLOW_Z + j + 1])
+        dry = dry_part(tile, j, 0.0) if numbers[at.SURFACE_ON] > 0.0 else 0.0
+        if dry > 0.0:
+            take_from_water(tile, j, dry, numbers[at.GRAVITY])
+        weight = half * tile[at.WEIGHT + j]
         force[2] += weight
-        tension = aim(force, u, tile[NORMAL_DRAG + j] * wet, tile[TANGENTIAL_DRAG + j] * wet, direction, drag)
+        tension = aim(force, u, half * tile[at.NORMAL_DRAG + j], half * tile[at.TANGENTIAL_DRAG + j], direction, drag)
+        if dry > 0.0:
+            put_back(tile, j)
         if not tension > 0.0:
             return False
-        strain = strain_at(tile[STIFFNESS + j], tile[QUADRATIC + j], tile[CUBIC + j], tension)
+        strain = strain_at(tile[at.STIFFNESS + j], tile[at.QUADRATIC + j], tile[at.CUBIC + j], tension)
         stretched = length * (1.0 + strain)
         if not stretched > length:
             return False
         for k in range(3):
-            above[X + k * STRIDE + m] = tile[X + k * STRIDE + j] + stretched * direction[k]
+            above[at.X + k * at.STRIDE + m] = tile[at.X + k * at.STRIDE + j] + stretched * direction[k]
             # the upper half of the segment hangs on the next one
             force[k] -= 2.0 * drag[k]
-        force[2] += weight + above[LUMP_WEIGHT + m]
-        lump_drag = above[LUMP_DRAG + m] * math.sqrt(u[0] ** 2 + u[1] ** 2 + u[2] ** 2)
+        force[2] += weight + above[at.LUMP_WEIGHT + m]
+        lump_drag = above[at.LUMP_DRAG + m] * math.sqrt(u[0] ** 2 + u[1] ** 2 + u[2] ** 2)
         for k in range(3):
             force[k] -= lump_drag * u[k]
     return True
@@ -173,16 +143,19 @@ def add_drag_turning(line: LineArrays, n: int) -> None:
     `n` segments are in use.
     """
     for i in range(n):
-        tile, j = line.tiles[i >> SHIFT], i & LANES
-        ex = tile[MIDDLE + X + j + 1] - tile[MIDDLE + X + j]
-        ey = tile[MIDDLE + Y + j + 1] - tile[MIDDLE + Y + j]
-        ez = tile[MIDDLE + Z + j + 1] - tile[MIDDLE + Z + j]
+        tile, j = line.tiles[i >> at.SHIFT], i & at.LANES
+        ex = tile[at.MIDDLE + at.X + j + 1] - tile[at.MIDDLE + at.X + j]
+        ey = tile[at.MIDDLE + at.Y + j + 1] - tile[at.MIDDLE + at.Y + j]
+        ez = tile[at.MIDDLE + at.Z + j + 1] - tile[at.MIDDLE + at.Z + j]
         stretched = math.sqrt(ex * ex + ey * ey + ez * ez)
         e = (ex / stretched, ey / stretched, ez / stretched)
-        ut, un, speed = resolve(e, -tile[FLOW_X + j + 1], -tile[FLOW_Y + j + 1], -tile[FLOW_Z + j + 1])
+        ut, un, speed = resolve(e, -tile[at.FLOW_X + j + 1], -tile[at.FLOW_Y + j + 1], -tile[at.FLOW_Z + j + 1])
         if speed == 0.0:
             continue
-        normal, tangential = tile[NORMAL_DRAG + j] * tile[LENGTH + j], tile[TANGENTIAL_DRAG + j] * tile[LENGTH + j]
+        normal, tangential = (
+            tile[at.NORMAL_DRAG + j] * tile[at.LENGTH + j],
+            tile[at.TANGENTIAL_DRAG + j] * tile[at.LENGTH + j],
+        )
         across = -normal * ut / speed
         mixed = 2.0 * tangential * abs(ut) - normal * speed
         same = tangential * abs(ut) * ut - normal * speed * ut
@@ -195,8 +168,8 @@ def add_drag_turning(line: LineArrays, n: int) -> None:
                 turning *= 0.5 / stretched
                 for end in range(2):
                     row = 3 * (i + end) + p
-                    line.band[row, CENTRE + 3 * (1 - end) + q - p] += turning
-                    line.band[row, CENTRE - 3 * end + q - p] -= turning
+                    line.band[row, at.CENTRE + 3 * (1 - end) + q - p] += turning
+                    line.band[row, at.CENTRE - 3 * end + q - p] -= turning
 
 
 @kernel
@@ -218,10 +191,10 @@ def bend(line: LineArrays, n: int, tolerance: float) -> bool:
         solve_with_bending(line, n)
         largest = 0.0
         for i in range(n):
-            tile, j = line.tiles[i >> SHIFT], i & LANES
-            for k in range(0, 3 * STRIDE, STRIDE):
-                correction = tile[CX + k + j]
-                tile[X + k + j] += correction
+            tile, j = line.tiles[i >> at.SHIFT], i & at.LANES
+            for k in range(0, 3 * at.STRIDE, at.STRIDE):
+                correction = tile[at.CX + k + j]
+                tile[at.X + k + j] += correction
                 size = abs(correction)
                 if not size <= largest:
                     largest = size
@@ -235,10 +208,10 @@ def bend(line: LineArrays, n: int, tolerance: float) -> bool:
 def _cause(line: LineArrays, n: int, scratch: Array) -> str:
     """Return why `n` segments of a line do not hang: their tension law, if they would hang by a straight one."""
     straight = line._replace(tiles=line.tiles.copy())
-    for column in (QUADRATIC, CUBIC):
+    for column in (at.QUADRATIC, at.CUBIC):
         straight.write(column, np.zeros((n, 1)))
     if march(straight, n, *scratch):
-        return yielding_words(float(line.column(QUADRATIC, 1)[0]), float(line.column(CUBIC, 1)[0]))
+        return yielding_words(float(line.column(at.QUADRATIC, 1)[0]), float(line.column(at.CUBIC, 1)[0]))
     return "the line does not hang: the weight of unit and cable in water must exceed the upward forces"
 
 
@@ -256,34 +229,34 @@ def hang(line: LineArrays, boom_tip: Array) -> None:
         where unit and cable do not hang (buoyant, or a tension law that yields).
     """
     n = line.segments
-    total = float(np.sum(line.column(LENGTH, n)))
-    wave = line.numbers[WAVE_AMPLITUDE]
-    line.numbers[WAVE_AMPLITUDE] = 0.0
-    line.tiles[:, FLOW_AX : FLOW_AX + 3 * STRIDE] = 0.0
+    total = float(np.sum(line.column(at.LENGTH, n)))
+    wave = line.numbers[at.WAVE_AMPLITUDE]
+    line.numbers[at.WAVE_AMPLITUDE] = 0.0
+    line.tiles[:, at.FLOW_AX : at.FLOW_AX + 3 * at.STRIDE] = 0.0
     unit_position = boom_tip - np.array([0.0, 0.0, total])
     positions = np.linspace(unit_position, boom_tip, n + 1)
-    line.write(X, positions)
+    line.write(at.X, positions)
     scratch = np.zeros((3, 3))
     # the line's position depends on the current and the current on the position: each pass shifts it by much less than
     # the one before
     for _ in range(_PASSES):
         if not march(line, n, *scratch):
             raise NoEquilibriumError(_cause(line, n, scratch))
-        positions = line.read(X, 3, n + 1)
+        positions = line.read(at.X, 3, n + 1)
         miss = boom_tip - positions[n]
         positions += miss
-        line.write(X, positions)
+        line.write(at.X, positions)
         if np.max(np.abs(miss)) < 1e-12 * total:
             break
-        if positions[0, 2] > boom_tip[2] and line.numbers[SURFACE_ON] > 0.0:
+        if positions[0, 2] > boom_tip[2] and line.numbers[at.SURFACE_ON] > 0.0:
             raise NoEquilibriumError(floating_words(float(positions[0, 2])))
     else:
         raise NoEquilibriumError("the line has no equilibrium in the current: the current changes too fast with depth")
     positions[n] = boom_tip
-    line.write(X, positions)
-    line.write(VX, np.zeros((n + 1, 6)))
-    if line.numbers[BENDING_ON] > 0.0 and not bend(line, n, 1e-10 * total):
+    line.write(at.X, positions)
+    line.write(at.VX, np.zeros((n + 1, 6)))
+    if line.numbers[at.BENDING_ON] > 0.0 and not bend(line, n, 1e-10 * total):
         raise NoEquilibriumError(
             "the bent line has no equilibrium: cable.bending_stiffness is too large for its tension"
         )
-    line.numbers[WAVE_AMPLITUDE] = wave
+    line.numbers[at.WAVE_AMPLITUDE] = wave

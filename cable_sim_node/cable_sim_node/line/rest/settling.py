@@ -20,7 +20,6 @@ from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.elimination import solve_blocks
 from cable_sim_node.line.forces.bending import solve_with_bending
 from cable_sim_node.line.grid import settings_of
-from cable_sim_node.line.layout import BENDING_ON, CX, LANES, SHIFT, STRIDE, X
 from cable_sim_node.line.observation import evaluate
 from cable_sim_node.line.rest.hanging import add_drag_turning
 from cable_sim_node.line.step import advance
@@ -43,15 +42,15 @@ _CORRECTIONS = 60
 @kernel
 def correct(line: LineArrays, n: int) -> None:
     """Move nodes 0..n-1 of `line`, whose equations are assembled, by one correction of Newton's method."""
-    if line.numbers[BENDING_ON] > 0.0:
+    if line.numbers[at.BENDING_ON] > 0.0:
         add_drag_turning(line, n)
         solve_with_bending(line, n)
     else:
         solve_blocks(line.tiles, n)
     for i in range(n):
-        tile, j = line.tiles[i >> SHIFT], i & LANES
-        for k in range(0, 3 * STRIDE, STRIDE):
-            tile[X + k + j] += tile[CX + k + j]
+        tile, j = line.tiles[i >> at.SHIFT], i & at.LANES
+        for k in range(0, 3 * at.STRIDE, at.STRIDE):
+            tile[at.X + k + j] += tile[at.CX + k + j]
 
 
 def settle(line: LineArrays, parameters: CableSimParameters, boom_tip: Array) -> None:

@@ -1,0 +1,1 @@
+"""What figures of merit are made of: a definition, a window of a run, the sources of its motions."""

@@ -1,0 +1,91 @@
+"""A figure of merit (KPI), and the unit, scale and digits in which tables show the quantity that its key ends in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from heave_node.numerics.arrays import Array
+
+NOT_KNOWN = math.nan
+QUANTITIES: Mapping[str, tuple[str, float]] = {
+    "m": ("cm", 100.0),
+    "N": ("kN", 1e-3),
+    "m/s": ("m/s", 1.0),
+    "m/s²": ("m/s²", 1.0),
+    "W": ("kW", 1e-3),
+}
+"""Unit in which each quantity is shown everywhere, and that over its SI unit: motion, force, ... power."""
+SHOWN: Mapping[str, tuple[str, float, int]] = {
+    "_wh_per_h": ("kWh/h", 1e-3, 3),
+    "_m_per_h": ("m/h", 1.0, 0),
+    "_per_h": ("1/h", 1.0, 0),
+    "_percent": ("%", 1.0, 3),
+    "_efficiency": ("%", 100.0, 2),
+    "_factor": ("", 1.0, 2),
+    "_mps2": (*QUANTITIES["m/s²"], 3),
+    "_mps": (*QUANTITIES["m/s"], 3),
+    "_deg": ("deg", 1.0, 3),
+    "_m": (*QUANTITIES["m"], 2),
+    "_n": (*QUANTITIES["N"], 2),
+    "_w": (*QUANTITIES["W"], 2),
+    "_s": ("s", 1.0, 2),
+    "": ("", 1.0, 3),
+}
+"""Unit, scale and digits of a figure in a table, by the end of its key; the first that fits."""
+
+
+@dataclass(frozen=True)
+class KpiDefinition:
+    """One figure of merit.
+
+    Attributes
+    ----------
+    key : its name in JSON, which ends in the SI unit
+    title : its name for people, in words alone
+    unit : in which a table shows it
+    group : under which heading a report shows it
+    formula : its value over a `Window` of a run, or over what another table of figures is made from; NaN where it
+        cannot be known
+    scale, digits : a table shows `scale` times the value, with `digits` decimals
+    is_count : a whole number
+    heading : its name in a table of windows; "" keeps it out of there
+    is_seldom : people see it only where it is not 0
+    needs : what a run must have for it to be known, in words; "": nothing that people could miss
+    symbols : the formula in the symbols of the field, for those who know them; "": the title says it all
+    """
+
+    key: str
+    title: str
+    unit: str
+    group: str
+    formula: Callable[[Any], float]
+    scale: float = 1.0
+    digits: int = 3
+    is_count: bool = False
+    heading: str = ""
+    is_seldom: bool = False
+    needs: str = ""
+    symbols: str = ""
+
+    def text(self, value: float) -> str:
+        """Return the value as a table shows it; a dash for one that could not be computed."""
+        if not math.isfinite(value):
+            return "-"
+        return f"{round(value * self.scale, self.digits) + 0.0:.{self.digits}f}"  # + 0.0: no sign before a zero
+
+    def bound(self, value: float) -> str:
+        """Return a bound, the SI `value`, in the unit of the table, no digit lost, with that unit."""
+        return f"{value * self.scale:.6g} {self.unit}".rstrip()
+
+
+def least(values: Array) -> float:
+    """Return the smallest of `values`; NaN where there are none."""
+    return float(values.min()) if values.size else NOT_KNOWN
+
+
+def largest(values: Array) -> float:
+    """Return the largest of `values`; NaN where there are none."""
+    return float(values.max()) if values.size else NOT_KNOWN
