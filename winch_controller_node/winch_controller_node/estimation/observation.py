@@ -19,11 +19,10 @@ from winch_controller_node.estimation.sensor_health import (
     DepthJumps,
     EncoderGate,
     SensorGate,
-    SensorTiming,
     judge_mru,
     judge_scalar,
 )
-from winch_controller_node.estimation.sensor_noise import SensorNoise
+from winch_controller_node.estimation.sensor_noise import SensorNoise, SensorTiming
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Measurements, ScalarReading, SensorState
 from winch_controller_node.interface.sensors import (
@@ -238,6 +237,8 @@ class Observer:
             before, self._levels[name] = self._levels.get(name, SensorLevel.OK), gate.level
             if gate.level > before:
                 found.append(self._fault(name, gate))
+            if gate.interval.news():
+                found.append(gate.slow_alarm)
         for name, noise in self._noise.items():
             factor = noise.news()
             if factor > 0.0:

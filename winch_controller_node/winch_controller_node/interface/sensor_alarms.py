@@ -32,6 +32,9 @@ EXCLUSIONS = {
 }
 """What follows where a sensor contradicts all others; of any other compensation continues without it."""
 
+SLOW_ACTIONS = {"encoder": "Have the drive report at the rate of the controller, or check the link"}
+"""What to do about a sensor that is slower than nominal and has no rate of its own to enter."""
+
 JUMPING, STATED_NOISE = ("mru", "encoder", "depth"), ("mru", "depth", "velocity", "imu")
 """Sensors whose readings are checked for jumps, and whose noise is compared with the nominal one."""
 
@@ -108,6 +111,14 @@ def _others_of(sensor: str) -> list[AlarmRow]:
             "Check sign, scale and mounting",
         ),
         AlarmRow(f"{prefix}_RECOVERED", EVENT, sensor, "the sensor agrees with all others", "It is used again"),
+        AlarmRow(
+            f"{prefix}_SLOW",
+            LOW,
+            sensor,
+            "{rate:.3g} readings per second, nominal {nominal:.3g}",
+            "Each reading is used; the sensor is stale after {limit:.2f} s without one",
+            SLOW_ACTIONS.get(sensor, f"Enter its rate (winch_controller.sensors.{sensor}.rate), or check the link"),
+        ),
     ]
     return found + _noise_of(sensor) if sensor in STATED_NOISE else found
 
