@@ -116,11 +116,13 @@ class Observer:
         self.excluded = sensor
 
     def trust(self) -> None:
-        """Try a frozen encoder and an excluded depth sensor again, at an operator's request; harm is detected again.
+        """Try again what is rejected, at an operator's request; harm is detected again.
 
-        A motion reference unit that contradicts all others must agree with them first.
+        It is a frozen encoder, an excluded depth sensor, and a motion reference unit that has stepped: what it reads
+        now is its mean. One that contradicts all others must agree with them first.
         """
         self.encoder.trust()
+        self._mru_steps.restart()
         if self.excluded == "depth":
             self.exclude("")
 

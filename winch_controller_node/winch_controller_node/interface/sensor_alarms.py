@@ -47,7 +47,7 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
         return AlarmRow(f"{prefix}_{state}", severity, sensor, words, consequence, action)
 
     frozen = ("readings do not change", "Restart the sensor or its driver")
-    jumps = "heave disagrees with the integral of its own heave rate" if sensor == "mru" else "readings jump repeatedly"
+    jumps = "heave disagrees with its own heave rate, measured or of the readings before" if sensor == "mru" else "readings jump repeatedly"
     if sensor == "encoder":
         frozen = (
             "readings do not change while the winch is commanded to turn",
@@ -66,7 +66,8 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
             lost("SPIKES", "readings are far from the estimate", "Check mounting, sign and unit of measurement")
         )
     if sensor in JUMPING:
-        found.append(lost("JUMPS", jumps, "Check mounting, scale and sign, and the driver"))
+        again = "; a request for a mode has it read again from where it is" if sensor == "mru" else ""
+        found.append(lost("JUMPS", jumps, f"Check mounting, scale and sign, and the driver{again}"))
     if sensor == "mru":
         found += _reported_by_mru(severity, consequence)
     return found
