@@ -94,6 +94,12 @@ class WinchWatch:
         """Note the order of a tick."""
         self._given = order
 
+    def keep(self) -> None:
+        """Note a tick without an order and without a reading: the winch has kept the last order."""
+        given = self._given
+        if given is not None and not given.brake:
+            self.drum.add(given.payout, given.payout_rate, None)
+
     def watch(
         self,
         winch: WinchReading | None,
