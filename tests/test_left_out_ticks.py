@@ -76,7 +76,7 @@ def test_compensation_goes_on_after_a_stall_that_the_winch_bears(ticks):
 
 @pytest.mark.long
 def test_after_a_longer_stall_the_winch_has_stopped_and_compensation_comes_back_by_itself():
-    """`modes.resume_time` of 15 s after the winch is seen braked, 3 s for its fault, and 5 s for the depth to settle."""
+    """`modes.resume_time` of 15 s after the winch is seen braked, 3 s for its fault, 5 s for the depth to settle."""
     record = run(40, 75.0)
     assert "TICKS_LEFT_OUT" in [alarm.code for _, alarm in record.alarms]
     modes = np.array(record.modes)

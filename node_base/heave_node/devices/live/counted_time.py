@@ -11,7 +11,7 @@ JUDGED = 10
 LEAST_STEP = 0.01
 """Least time between two samples, in periods."""
 STEPPED = 1.0
-"""A counter that goes back, or ahead of the arrivals, by more began anew [s]: a delay makes it neither."""
+"""A counter that goes back, or ahead of the arrivals, by more restarted [s]: a delay makes it neither."""
 
 
 class DeviceClock:

@@ -12,7 +12,7 @@ from heave_node.numerics.constants import STANDARD_GRAVITY
 JITTER = 0.2
 """Time by which two readings may have come nearer to each other than they were taken [s]."""
 LEAST = 0.05
-"""Change of the count below which nothing is said of it [m]."""
+"""Change of the count that is not reported [m]."""
 
 
 class DrumCount:
@@ -36,7 +36,7 @@ class DrumCount:
         ----------
         now : monotonic time [s]
         payout, rate : as read [m], [m/s]; of the rate NaN: not known
-        has_restarted : the device's own clock began anew since the last reading
+        has_restarted : the device's own clock restarted since the last reading
         """
         last, self._last = self._last, (now, payout, rate)
         if last is None:
