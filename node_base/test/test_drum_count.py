@@ -1,4 +1,4 @@
-"""A count that is lost is told from a drum that slips or runs away: gravity says how far a drum can get."""
+"""A count that is lost is distinguished from a drum that slips or runs away: gravity says how far a drum can get."""
 
 import math
 

@@ -107,7 +107,6 @@ class WinchController:
         self.preview = PreviewWatch(law.preview, tick_period=tick_period)
         self._previews = False
         self._next_tick = 0
-        self._left_out = 0
 
     @property
     def parameters(self) -> WinchControllerParameters:
@@ -354,9 +353,8 @@ class WinchController:
     def step(self, tick: int, measurements: Measurements) -> Outputs:
         """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
         measurements, self._alarms = self.crane.carried(tick * self._dt, measurements)
-        if self._left_out:
-            self._alarms.append(ALARMS.alarm("TICKS_LEFT_OUT", count=self._left_out, time=self._left_out * self._dt))
-            self._left_out = 0
+        if kept := self._winch.kept:
+            self._alarms.append(ALARMS.alarm("TICKS_LEFT_OUT", count=kept, time=kept * self._dt))
         self._run_programme(tick * self._dt)
         self._follow_operator()
         self._follow_beliefs(tick)
@@ -421,7 +419,6 @@ class WinchController:
         self._winch.keep()
         self._estimation.log.break_record()
         self._next_tick = tick + 1
-        self._left_out += 1
 
     def _observe(self, loop: LoopTick, winch: WinchReading | None, mode: ModeOutput) -> Observations | None:
         """Note the tick for the adviser; return the batch that it completes."""

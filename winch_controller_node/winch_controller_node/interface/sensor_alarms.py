@@ -47,7 +47,11 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
         return AlarmRow(f"{prefix}_{state}", severity, sensor, words, consequence, action)
 
     frozen = ("readings do not change", "Restart the sensor or its driver")
-    jumps = "heave disagrees with its own heave rate, measured or of the readings before" if sensor == "mru" else "readings jump repeatedly"
+    jumps = (
+        "heave disagrees with its own heave rate, measured or of the readings before"
+        if sensor == "mru"
+        else "readings jump repeatedly"
+    )
     if sensor == "encoder":
         frozen = (
             "readings do not change while the winch is commanded to turn",
