@@ -6,7 +6,8 @@ it is sent has not changed for 0.5 s the drum stops and brakes, and a fault is l
 `reset` is on.
 
 Words on its standard input: `halt` (the program stands, the server still answers), `go`, `refuse` (the server answers
-each request with an exception), `accept`, `trip` (the drive trips), `restart` (its count and its clock begin at 0), `where` (it prints its greatest speed since the
+each request with an exception), `accept`, `trip` (the drive trips), `restart` (its count and its clock
+begin at 0), `where` (it prints its greatest speed since the
 last time, and the place of its drum), `end`. It prints `ready` once it can be reached.
 """
 

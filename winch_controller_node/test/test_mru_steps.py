@@ -187,7 +187,7 @@ def test_a_unit_of_4_hz_without_rate_makes_no_step_at_its_start():
 @pytest.mark.parametrize("late", [0.04, 0.15])
 @pytest.mark.parametrize("noise", [0.0, 0.02])
 def test_a_unit_without_rate_or_time_is_judged_by_arrivals_that_a_busy_machine_scatters(late, noise):
-    """Heave of 3 m and 9 s, up to 2.1 m/s, each sample handed over late by a time that differs; a step of 1 m is one."""
+    """Heave of 3 m and 9 s, up to 2.1 m/s, each sample handed over late by a time that differs; 1 m is a step."""
     random = np.random.default_rng(2)
     steps, arrival, off = MruSteps(), 0.0, []
     for k in range(round(BEFORE / DT)):

@@ -48,7 +48,7 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
 
     frozen = ("readings do not change", "Restart the sensor or its driver")
     jumps = (
-        "heave disagrees with its own heave rate, measured or of the readings before"
+        "heave disagrees with its heave rate, measured or of the readings before"
         if sensor == "mru"
         else "readings jump repeatedly"
     )

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from heave_node.devices.formats.device_time import DeviceTime
@@ -21,7 +21,7 @@ from heave_node.interface import sensors, topics
 from heave_node.interface.sensors import WireReading
 
 _COUNT_BEGAN = 10**18
-"""Stamp of a time of 0 s by a count or counter [ns]: far from any simulated time, so that it is taken for a clock of its own."""
+"""Stamp of a time of 0 s by a count or counter [ns]: far from any simulated time, so that it is taken for an own one."""
 NO_STAMP = 0
 """Stamp of a reading whose time of arrival counts."""
 WINCH_STATE = "winch/state"
