@@ -21,7 +21,7 @@ from heave_node.interface import sensors, topics
 from heave_node.interface.sensors import WireReading
 
 _COUNT_BEGAN = 10**18
-"""Stamp of a time of 0 s by a count or counter [ns]: far from any simulated time, so that it is taken for an own one."""
+"""Stamp of a time of 0 s by a count or counter [ns]: far from any simulated time, and taken for an own one."""
 NO_STAMP = 0
 """Stamp of a reading whose time of arrival counts."""
 WINCH_STATE = "winch/state"
@@ -142,7 +142,7 @@ class Adapter:
             return []
         made: list[tuple[str, WireReading | WinchReading]] = []
         for topic in self.device.outputs:
-            reading = self._reading(topic, taken, stamp, now)
+            reading = self._reading(topic, taken, stamp)
             if topic == sensors.MRU.topic.name and isinstance(reading, WireReading):
                 self._note_heave(now, reading.numbers[0])
             if reading is not None:
@@ -163,14 +163,14 @@ class Adapter:
         if math.isfinite(heave):
             self.heave.add(now, heave)
 
-    def _reading(self, topic: str, taken: Taken, stamp: int, now: float) -> WireReading | WinchReading | None:
+    def _reading(self, topic: str, taken: Taken, stamp: int) -> WireReading | WinchReading | None:
         if topic == sensors.MRU.topic.name:
             sample = self._mru.take(taken)
             if sample is None:
                 return None
             return WireReading(stamp, sensors.MRU.encode(sample, sensors.STANDARD_WATER))
         if topic == WINCH_STATE:
-            return self._winch(taken, stamp, now)
+            return self._winch(taken, stamp)
         if topic == topics.CRANE_POSE.name:
             pose = self._crane.take(taken)
             return None if pose is None else WireReading(stamp, pose)
@@ -181,7 +181,7 @@ class Adapter:
         accuracy = sigma * sigma if topic == sensors.DEPTH.topic.name else sigma
         return WireReading(stamp, (taken.values[name], accuracy if math.isfinite(accuracy) else 0.0))
 
-    def _winch(self, taken: Taken, stamp: int, now: float) -> WinchReading | None:
+    def _winch(self, taken: Taken, stamp: int) -> WinchReading | None:
         for name in ("payout_rate", "tension", "brake", "fault"):
             self._beside |= {name: taken.values[name]} if name in taken.values else {}
             if name in taken.invalid:
@@ -190,7 +190,7 @@ class Adapter:
             return None
         is_measured = "payout_rate" in self.device.channels
         rate = self._beside.get("payout_rate", math.nan) if is_measured else self._recent_rate(taken.time)
-        payout = self._counted_on(taken.values["payout"], rate, now)
+        payout = self._counted_on(taken.values["payout"], rate, taken.time)
         self._payout.add(taken.time, payout)
         rate = rate if is_measured else self._recent_rate(taken.time)
         beside = (self._beside.get(name, math.nan) for name in ("tension", "brake", "fault"))
@@ -201,10 +201,10 @@ class Adapter:
         recent = self._payout.at(time)
         return math.nan if recent is None else recent[1]
 
-    def _counted_on(self, payout: float, rate: float, now: float) -> float:
-        """Return a `payout` read at `now` [s], counted on where the drum's count was lost; its `rate` as measured."""
+    def _counted_on(self, payout: float, rate: float, time: float) -> float:
+        """Return a `payout` of a `time` [s], counted on where the drum's count was lost; its `rate` as measured."""
         has_restarted, self._restarts = self._clock.restarts > self._restarts, self._clock.restarts
-        jump = self.drum_count.jump(now, payout, rate, has_restarted=has_restarted)
+        jump = self.drum_count.jump(time, payout, rate, has_restarted=has_restarted)
         if jump:
             zeros = self.taker.zeros
             zeros["payout"] = zeros.get("payout", 0.0) + jump

@@ -34,7 +34,7 @@ class DrumCount:
 
         Parameters
         ----------
-        now : monotonic time [s]
+        now : time of the reading, by its own clock or its arrival [s]
         payout, rate : as read [m], [m/s]; of the rate NaN: not known
         has_restarted : the device's own clock restarted since the last reading
         """
