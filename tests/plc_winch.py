@@ -6,7 +6,8 @@ it is sent has not changed for 0.5 s the drum stops and brakes, and a fault is l
 `reset` is on.
 
 Words on its standard input: `halt` (the program stands, the server still answers), `go`, `refuse` (the server answers
-each request with an exception), `accept`, `trip` (the drive trips), `where` (it prints its greatest speed since the
+each request with an exception), `accept`, `trip` (the drive trips), `restart` (its count and its clock
+begin at 0), `where` (it prints its greatest speed since the
 last time, and the place of its drum), `end`. It prints `ready` once it can be reached.
 """
 
@@ -45,6 +46,14 @@ class Plc:
         self.is_halted = self.refuses = False
         self.cycles = 0
         self.fastest = 0.0
+        self.restart()
+
+    def restart(self):
+        self.counted_from, self.began = self.position, time.monotonic()
+
+    @property
+    def milliseconds(self):
+        return round(1e3 * (time.monotonic() - self.began)) % 2**32
 
     def take(self, order, control, counter):
         if counter != self.counter and not self.is_halted:
@@ -72,7 +81,7 @@ class Plc:
 
     @property
     def counts(self):
-        return round(self.position / COUNT), round(self.speed / COUNT)
+        return round((self.position - self.counted_from) / COUNT), round(self.speed / COUNT)
 
     @property
     def status(self):
@@ -95,19 +104,20 @@ async def modbus(plc, options):
             return ExcCodes.DEVICE_FAILURE
         if function == 4:
             position, speed = plc.counts
-            registers[-start : 8 - start] = [
+            registers[-start : 10 - start] = [
                 *words(position),
                 *words(speed),
                 plc.status,
                 plc.cycles & 0xFFFF,
                 *words(2500),
+                *words(plc.milliseconds),
             ]
         if new is not None:
             plc.take(signed(new[0:2]), new[2], new[3])
         return None
 
     one = [SimData(0, values=False, datatype=DataType.BITS)]
-    table = [SimData(0, values=[0] * 8, datatype=DataType.REGISTERS)]
+    table = [SimData(0, values=[0] * 10, datatype=DataType.REGISTERS)]
     orders = [SimData(0, values=[0] * 4, datatype=DataType.REGISTERS)]
     device = SimDevice(1, simdata=(one, one, orders, table), action=access)
     server = ModbusTcpServer(device, address=("127.0.0.1", options.port))
@@ -200,10 +210,8 @@ class Line(asyncio.DatagramProtocol):
         while True:
             if not (self.plc.refuses or self.plc.is_halted):
                 self.number += 1
-                milliseconds = round(1e3 * time.monotonic()) % 2**32
-                body = struct.pack(
-                    STATE, STATE_MARK, self.number, milliseconds, *self.plc.counts, 2500, self.plc.status
-                )
+                plc = self.plc
+                body = struct.pack(STATE, STATE_MARK, self.number, plc.milliseconds, *plc.counts, 2500, plc.status)
                 data = body + struct.pack(">I", zlib.crc32(body))
                 self.spoil(data, lambda d: self.transport.sendto(d, ("127.0.0.1", self.options.to)))
             await asyncio.sleep(0.02)
@@ -228,6 +236,8 @@ async def run(options):
             plc.refuses = word == "refuse"
         elif word == "trip":
             plc.fault = True
+        elif word == "restart":
+            plc.restart()
         elif word == "where":
             sys.stdout.write(f"fastest {plc.fastest:.4f} position {plc.position:.5f}\n")
             sys.stdout.flush()

@@ -217,3 +217,19 @@ def test_an_order_that_does_not_fit_its_register_is_not_sent_and_holds_the_winch
         bench.command(lambda: bench.device.orders.handshake.fault, rate=0.5)
         assert "holding:0:int32: -5e+11 does not fit int32: check unit and scale of the map" in bench.health.message
         assert own.drum()["fastest"] == 0.0
+
+
+def test_a_plc_that_restarts_and_counts_from_nought_is_told_and_held_and_counted_on(plc, bench_of):
+    """By its clock where the map has it (Modbus, UDP), else by what no drum can do: 1 m within two readings."""
+    bench = bench_of(plc.text_of_map())
+    bench.release()
+    bench.command(lambda: bench.states[-1].encoder_payout > 1.0, rate=1.0)
+    bench.command(lambda: bench.says(brake=True)() and plc.drum()["fastest"] == 0.0, brake=True)
+    before = bench.states[-1].encoder_payout
+    plc.tell("restart")
+    bench.command(bench.says(fault=int(WinchFault.DRIVE)), brake=True)
+    assert "the drum's count jumped by -1." in bench.health.message
+    assert bench.states[-1].encoder_payout == pytest.approx(before, abs=1e-3), "the drum has not moved"
+    bench.release()
+    bench.command(lambda: bench.states[-1].encoder_payout > before + 0.1, rate=0.2)
+    assert bench.device.adapter.drum_count.jumps == 1

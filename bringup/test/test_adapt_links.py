@@ -7,6 +7,7 @@ import time
 import tty
 
 import pytest
+import serial
 from heave_bringup.adapt.links import LinkReader, Sender
 from heave_bringup.errors import CommandError
 from heave_node.devices.maps.link import Link
@@ -112,3 +113,24 @@ def test_a_sender_sends_datagrams_where_the_map_says():
         sender.send(b"$W,1\r\n")
         assert winch.recv(100) == b"$W,1\r\n"
         sender.close()
+
+
+def test_a_serial_port_that_is_pulled_is_told_in_one_sentence(reader_of, monkeypatch):
+    """pyserial says that the device reports readiness to read but returned no data."""
+
+    def pulled(*_):
+        raise serial.SerialException(
+            "device reports readiness to read but returned no data (device disconnected or multiple access on port?)"
+        )
+
+    master, slave = pty.openpty()
+    tty.setraw(slave)
+    monkeypatch.setattr(serial.Serial, "read", pulled)
+    reader, _ = reader_of(Link("serial", os.ttyname(slave), 9600))
+    deadline = time.monotonic() + 20.0
+    while not reader.problem:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    assert reader.problem.startswith("the port is gone: its cable was pulled")
+    os.close(master)
+    os.close(slave)

@@ -46,10 +46,14 @@ def test_an_invalid_sample_is_told_and_holds_no_heave():
     assert math.isnan(big.heave), "99 m is no heave, whatever the status says"
 
 
+FAR = 10.0**9
+"""Stamp of a counter of 0 [s]: no simulated time is near it, so that it is not taken for one."""
+
+
 def test_its_own_clock_stamps_it_where_the_map_says_so():
     adapter = Adapter(device_map_of("m", {**PNORSUB2, "clock": "own"}))
     (reading,) = mru(adapter, norsub(0.0, milliseconds=203798))
-    assert reading.time == pytest.approx(203.798)
+    assert reading.time == pytest.approx(FAR + 203.798, abs=1e-6)
 
 
 def test_roll_and_pitch_of_another_sentence_are_used_while_they_are_fresh():
@@ -141,3 +145,40 @@ def stamps_of(given, arrivals):
     adapter = Adapter(device_map_of("m", given))
     sample = Sample("PSXN23", {"heave": 0.5})
     return [reading.stamp for now in arrivals for _, reading in adapter.on_samples([sample], now)]
+
+
+PLC = {
+    "source": {"modbus": "127.0.0.1:502"},
+    "payout": {"field": "input:0:int32", "unit": "mm", "scale": 0.1, "positive": "in", "zero_at_start": True},
+    "payout_rate": {"field": "input:2:int32", "unit": "mm/s", "scale": 0.1, "positive": "in"},
+    "device_time": {"field": "input:5", "unit": "ms", "scale": 10.0},
+}
+"""A drum at 10 readings per second, and a counter of cycles of 10 ms in 16 bits."""
+
+
+def read_plc(adapter, now, payout, cycles):
+    """Return the reading of a drum that stands, and of its count of cycles."""
+    values = {"input:0:int32": -1e4 * payout, "input:2:int32": 0.0, "input:5": float(cycles % 65_536)}
+    ((_, reading),) = adapter.on_samples([Sample("MODBUS", values)], now)
+    return reading
+
+
+def test_a_plc_stamps_by_its_own_count_over_its_wrap_and_whatever_the_arrivals():
+    adapter = Adapter(device_map_of("m", PLC))
+    assert adapter.device.clock == "own"
+    first = 65_500
+    stamps = [read_plc(adapter, 0.1 * k + 0.06 * (k % 2), 0.0, first + 10 * k).stamp for k in range(20)]
+    assert np.diff(stamps) * 1e-9 == pytest.approx(0.1, abs=1e-6)
+
+
+def test_a_plc_that_lost_its_count_is_counted_on_and_named():
+    adapter = Adapter(device_map_of("m", PLC))
+    before = [read_plc(adapter, 0.1 * k, 40.0 - 0.001 * k, 30_000 + 10 * k) for k in range(10)]
+    after = [read_plc(adapter, 3.0 + 0.1 * k, 0.0, 5 + 10 * k) for k in range(10)]
+    assert [reading.payout for reading in after] == pytest.approx(10 * [before[-1].payout])
+    assert np.diff([reading.stamp for reading in after]) * 1e-9 == pytest.approx(0.1, abs=1e-6)
+    assert after[0].stamp > before[-1].stamp
+    assert adapter.drum_count.jumps == 1
+    assert "clock restarted" in adapter.drum_count.words
+    # a set-point of the controller is sent in the drive's own count: where the controller has it, less this
+    assert adapter.taker.zeros["payout"] + adapter.newest["payout"] == pytest.approx(0.0)

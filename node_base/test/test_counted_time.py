@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from heave_node.devices.live.counted_time import JUDGED, CountedTime
+from heave_node.devices.live.counted_time import JUDGED, CountedTime, DeviceClock
 
 RATE = 20.0
 
@@ -55,3 +55,20 @@ def test_times_always_go_on():
     rng = np.random.default_rng(5)
     taken = 100.0 + np.sort(rng.integers(0, 2000, 1500)) / RATE  # some twice, some missing
     assert np.all(np.diff(counted(taken, rng.exponential(0.2, 1500))) > 0.0)
+
+
+def test_a_counter_that_begins_anew_goes_on_and_is_counted():
+    clock = DeviceClock()
+    times = [clock.time(own, now) for own, now in ((100.0, 0.0), (100.02, 0.03), (0.5, 3.03), (0.52, 3.05))]
+    assert times == [pytest.approx(want) for want in (100.0, 100.02, 103.02, 103.04)]
+    assert clock.restarts == 1
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.9, 5.0])
+def test_a_delay_is_no_restart(delay):
+    """Samples of 50 Hz that a link holds back, and then hands over all at once."""
+    clock = DeviceClock()
+    for k in range(200):
+        own = 7.0 + 0.02 * k
+        assert clock.time(own, max(own, 8.0 + delay) if own > 8.0 else own) == own
+    assert clock.restarts == 0

@@ -175,3 +175,25 @@ def test_a_unit_that_measures_no_rate_is_taken_at_that_of_its_readings_before(no
     assert not any(off for off, _ in read(steps, 0.0, BEFORE, heave_alone, noise))
     assert all(off for off, _ in read(steps, BEFORE, BEFORE + 20.0, stepped, noise))
     assert not any(off for off, _ in read(steps, BEFORE + 20.0, BEFORE + 40.0, heave_alone, noise))
+
+
+def test_a_unit_of_4_hz_without_rate_makes_no_step_at_its_start():
+    """At 2.1 m/s two readings are 0.5 m apart."""
+    steps = MruSteps()
+    heaves = [3.0 * swell(0.25 * k)[0] for k in range(200)]
+    assert not any(steps.is_off(MruReading(0.25 * k, heave, math.nan), 0.01) for k, heave in enumerate(heaves))
+
+
+@pytest.mark.parametrize("late", [0.04, 0.15])
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_a_unit_without_rate_or_time_is_judged_by_arrivals_that_a_busy_machine_scatters(late, noise):
+    """Heave of 3 m and 9 s, up to 2.1 m/s, each sample handed over late by a time that differs; 1 m is a step."""
+    random = np.random.default_rng(2)
+    steps, arrival, off = MruSteps(), 0.0, []
+    for k in range(round(BEFORE / DT)):
+        arrival = max(arrival + 1e-4, k * DT + late * random.random())
+        heave = 3.0 * swell(k * DT)[0] + noise * random.standard_normal() + (1.0 if k * DT >= 100.0 else 0.0)
+        off.append(steps.is_off(MruReading(arrival, heave, math.nan), noise))
+    stepped = round(100.0 / DT)
+    assert not any(off[:stepped])
+    assert all(off[stepped : stepped + 200])

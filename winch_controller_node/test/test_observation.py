@@ -1,5 +1,6 @@
 """What becomes of a sample whose readings the estimator refuses."""
 
+import math
 from types import SimpleNamespace
 
 import pytest
@@ -25,3 +26,22 @@ def test_a_sample_is_refused_once_however_many_of_its_readings_are(refused):
     innovations = {name: Innovation(1.0, 0.1, 100.0, name not in refused) for name in ("mru_heave", "mru_heave_rate")}
     observer.learn(SimpleNamespace(measurements=estimator.measurements, innovations=innovations), Consistency(0.05))
     assert (observer.gates["mru"].state(0.05).accepted, observer.gates["mru"].state(0.05).refused) == (0, 1)
+
+
+@pytest.mark.parametrize("rate", [0.7, math.nan])
+def test_an_operator_who_acknowledges_a_step_of_the_mru_has_it_read_again(rate):
+    """A swell of 1 m and 9 s, by heave alone too; its reference is set 1.5 m higher in the run, and stays there."""
+    controller = WinchController(build_parameters(WinchControllerParameters, {}, where="test"), tick_period=0.05)
+    stepped, asked, end = 600, 900, 1400
+    seen = []
+    for tick in range(1, end):
+        phase = 2.0 * math.pi / 9.0 * 0.05 * tick
+        heave = math.sin(phase) + (1.5 if tick >= stepped else 0.0)
+        sample = MruReading(0.05 * tick, heave, rate * math.cos(phase) * 2.0 * math.pi / 9.0 / 0.7, 0.0, 0.0, 0, tick)
+        if tick == asked:
+            controller.set_mode("standby")
+        controller.step(tick, Measurements(mru=(sample,)))
+        seen.append(controller.observer.gates["mru"].is_lost)
+    assert not any(seen[: stepped - 2])
+    assert all(seen[stepped + 5 : asked - 1])
+    assert not any(seen[-100:])

@@ -83,6 +83,54 @@ def test_a_stale_sensor_is_reported_with_its_age_and_what_is_allowed():
     assert gate.alarm.values == {"age": pytest.approx(0.5 - 0.1), "limit": pytest.approx(limit)}
 
 
+def feed_every(gate, ticks, times, start):
+    """Give readings every so many `ticks`, up to 40 ms old; return whether the sensor was ever lost."""
+    was_lost = False
+    for k in range(start, start + times * ticks):
+        if k % ticks == 0:
+            gate.judge(k * DT, k * DT - 0.02 * (k % 3), (0.1 * k,))
+        gate.tick(k * DT)
+        was_lost |= gate.is_lost
+    return was_lost
+
+
+@pytest.mark.parametrize("ticks", [1, 2, 3, 5])
+def test_a_sensor_of_up_to_4_hz_is_judged_by_its_own_rate_from_its_first_reading_on(ticks):
+    """Three of its own intervals may be missing, as of any sensor; 4 Hz is where the sea itself is not smooth."""
+    gate = make_gate()
+    assert not feed_every(gate, ticks, times=40, start=ticks)
+    last = ticks * 40
+    levels = feed(gate, [None] * (4 * ticks + 3), start=last + ticks)
+    assert levels[0] == OK
+    assert levels[-1] == LOST
+    assert gate.reason == "stale"
+    assert gate.interval.news() is (ticks > 1)
+    assert not gate.interval.news(), "it is reported once"
+
+
+def test_a_sensor_that_becomes_slow_is_stale_until_its_own_rate_is_known_and_then_serves():
+    gate = make_gate()
+    assert not feed_every(gate, 1, times=40, start=1)
+    assert feed_every(gate, 5, times=20, start=45), "and 10 good readings make it well again"
+    assert not feed_every(gate, 5, times=20, start=145)
+    assert gate.slow_alarm.values["rate"] == pytest.approx(4.0, rel=0.1)
+
+
+def test_a_sensor_slower_than_4_hz_is_stale_unless_its_rate_is_nominal():
+    gate, stated = make_gate(), SensorGate("depth", SensorTiming(1.0), HealthParameters())
+    assert feed_every(gate, 20, times=20, start=20)
+    assert not feed_every(stated, 20, times=20, start=20)
+
+
+def test_one_gap_of_a_fast_sensor_does_not_make_it_a_slow_one():
+    gate = make_gate()
+    feed(gate, [0.1 * k for k in range(20)])
+    assert feed(gate, [None] * 10, start=21)[-1] == LOST
+    feed(gate, [0.1 * k for k in range(31, 51)], start=31)
+    assert gate.interval.value == DT
+    assert not gate.interval.news()
+
+
 def test_an_encoder_that_stands_still_may_be_right_and_the_drum_is_to_be_looked_at_first():
     frozen = {name: lost_alarm(name, "frozen", age=0.0, limit=0.0).row for name in ("encoder", "mru", "depth")}
     assert frozen["mru"].action == frozen["depth"].action != frozen["encoder"].action

@@ -353,6 +353,8 @@ class WinchController:
     def step(self, tick: int, measurements: Measurements) -> Outputs:
         """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
         measurements, self._alarms = self.crane.carried(tick * self._dt, measurements)
+        if kept := self._winch.kept:
+            self._alarms.append(ALARMS.alarm("TICKS_LEFT_OUT", count=kept, time=kept * self._dt))
         self._run_programme(tick * self._dt)
         self._follow_operator()
         self._follow_beliefs(tick)
@@ -405,6 +407,18 @@ class WinchController:
             requests,
             observations,
         )
+
+    def leave_out(self, tick: int) -> None:
+        """Let tick k pass, predicted: no readings were taken and no order was given, so the winch has kept the last.
+
+        What was measured meanwhile is given to the next `step`, which reports how many ticks were left out.
+        """
+        shares, stands = self._command.last.shares, self._supervisor.landing.unit_stands
+        self._estimation.step(tick, Measurements(), shares, unit_stands=stands)
+        self._estimation.advance_mean(shares.mean, is_braked=self.modes.brake)
+        self._winch.keep()
+        self._estimation.log.break_record()
+        self._next_tick = tick + 1
 
     def _observe(self, loop: LoopTick, winch: WinchReading | None, mode: ModeOutput) -> Observations | None:
         """Note the tick for the adviser; return the batch that it completes."""

@@ -77,7 +77,6 @@ class WinchControllerNode(ParticipantNode):
     name = "winch_controller"
     parameters_type = WinchControllerParameters
     after = ("wave_vessel",)
-    does_every_tick = True
 
     def __init__(self) -> None:
         super().__init__()
@@ -182,6 +181,11 @@ class WinchControllerNode(ParticipantNode):
                 self.adviser.asked(tick.number)
         self._report(tick, outputs)
         self.move.on_tick(tick.time)
+
+    def on_left_out(self, tick: Tick) -> None:
+        """See ParticipantNode: the estimate is predicted over a `tick` that is jumped over, and no command is given."""
+        if self.is_active:
+            self.controller.leave_out(tick.number)
 
     def _hear(self, answer: Any) -> None:
         """Take an answer of the adviser; one that comes too late or makes no sense is refused and counted."""

@@ -353,8 +353,9 @@ class Bag:
         start: int = 0,
         end: int = LATEST_TIME,
     ) -> pandas.DataFrame:
-        """Return one `topic` as a pandas DataFrame with index `time` [s].
+        """Return one `topic` as a pandas DataFrame with index `time` [s], the stamp of the header where there is one.
 
+        A device outside the simulation stamps by its own clock: compare two of them by the column `log_time` [ns].
         Array fields become columns `name[0]`, `name[1]` ...; those of more than `max_array` elements (covariances,
         long cables) are left out unless named in `fields`. Log times from `start` to `end` [ns].
         """

@@ -175,4 +175,8 @@ class Sender:
 
 def _words(error: BaseException) -> str:
     number = getattr(error, "errno", None)  # pyserial puts the name of the port into the text once more
-    return os.strerror(number) if isinstance(number, int) else " ".join(str(error).split())
+    if isinstance(number, int):
+        return os.strerror(number)
+    if isinstance(error, TypeError) or "returned no data" in str(error):
+        return "the port is gone: its cable was pulled, or another program reads it. It is opened again"
+    return " ".join(str(error).split())

@@ -59,6 +59,7 @@ class Orders:
         self._passed_on = 0
         self._commanded = 0.0
         self._supervision = MotionSupervision(self._command.supervision if self._command else 0.0)
+        self._jumps, self._found = 0, ""
         self.handshake = WinchHandshake(self._timeout)
         self.sent = 0
         self.rate = float("nan")
@@ -67,8 +68,7 @@ class Orders:
     @property
     def problem(self) -> str:
         """Why nothing can be sent now, in words; "" while all is well."""
-        found = self._supervision.found
-        stopped = f"stopped: {found}" if found and self.handshake.fault == WinchFault.DRIVE else ""
+        stopped = f"stopped: {self._found}" if self._found and self.handshake.fault == WinchFault.DRIVE else ""
         return self._refusal or (self._out.problem if self._out else "") or stopped
 
     def take(self, order: WinchOrder) -> None:
@@ -106,11 +106,16 @@ class Orders:
 
     def _supervise(self, now: float) -> None:
         """Hold the winch where drum or brake do not do what they are ordered."""
-        newest, watch = self._adapter.newest, self._adapter.watch
+        newest, watch, count = self._adapter.newest, self._adapter.watch, self._adapter.drum_count
+        if count.jumps > self._jumps:
+            self._jumps, self._found = count.jumps, count.words
+            self.handshake.trip(WinchFault.DRIVE)
         if "payout" not in newest or watch.is_stale(now) or not self.sent:
             return
         order, brake = self.handshake.order(now), newest.get("brake", math.nan)
-        if self._supervision.look(now, DrumReading(order.payout_rate, order.brake, newest["payout"], self.rate, brake)):
+        drum = DrumReading(order.payout_rate, order.brake, newest["payout"], self.rate, brake)
+        if found := self._supervision.look(now, drum):
+            self._found = found
             self.handshake.trip(WinchFault.DRIVE)
 
     def _is_out_of_reach(self, now: float) -> bool:

@@ -319,7 +319,7 @@ name at the start barrier. Equal seeds then give equal bytes, if the program doe
   | `on_exit()` | once, however the node ends | releases files and devices |
 
 - **In real time** a node that is behind makes up for its ticks for {CATCH_UP_LIMIT:g} s, then jumps to the newest one.
-  It never works through a backlog of seconds. `does_every_tick = True` forbids that. The end of the run
+  It never works through a backlog of seconds; the controller predicts its estimate over them. The end of the run
   counts the messages that never came to a node. It prints the figures, names the loss and ends with status 1.
 - **`--foreign cable_sim`**: your plant takes part like any other node, and `ship_clock` leads the ticks. Stamp its
   readings with the end of the tick: the controller reads them in the next one.

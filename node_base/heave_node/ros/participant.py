@@ -8,7 +8,6 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import ClassVar
 
 from heave_msgs.msg import TickRoster, TickStatus
 from rclpy.duration import Duration
@@ -41,10 +40,8 @@ class ParticipantNode(HeaveNode):
     its part of a tick in `on_tick`. `lag` is the number of ticks that it may be behind the others (a recorder).
     `punctuality` reports, in real time, whether ticks began late or this node was. A node that is behind in real time
     makes up for the ticks that it missed, and, where that takes too long, jumps to the newest one: `on_left_out` gets
-    those between. One that `does_every_tick` never jumps.
+    those between.
     """
-
-    does_every_tick: ClassVar[bool] = False
 
     def on_tick(self, tick: Tick) -> None:
         """Do this node's part of `tick`: take the inputs, step the component, publish the outputs."""
@@ -180,7 +177,7 @@ class ParticipantNode(HeaveNode):
         The end of a run is no tick, and is not left out.
         """
         now = time.monotonic()
-        if self.run.is_lockstep or self.does_every_tick or len(self._starts) < 2:
+        if self.run.is_lockstep or len(self._starts) < 2:
             self._making_up_since = math.inf
         self._making_up_since = min(self._making_up_since, now)
         if now - self._making_up_since < CATCH_UP_LIMIT:

@@ -23,6 +23,8 @@ SLOW = 0.1
 """A drum that is to brake is held by its brake below this speed [m/s], and has not got faster by so much before."""
 SLIPPED = 0.05
 """A drum that has moved so far with its brake engaged slips [m]."""
+UNSEEN = 1.0
+"""A drum that is first found so far away was not seen to slip [m]: nobody looked, or its count is another one."""
 
 
 class DrumReading(NamedTuple):
@@ -100,4 +102,6 @@ class MotionSupervision:
         if abs(moved) <= SLIPPED:
             return ""
         self._held_at = drum.payout
+        if abs(moved) > UNSEEN:
+            return f"the drum reads {moved:+.2f} m from where it was held: it moved unseen, or its count was lost"
         return f"the brake does not hold: the drum has moved by {moved:+.2f} m"

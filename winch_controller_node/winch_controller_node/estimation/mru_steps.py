@@ -1,6 +1,7 @@
 """Steps in the heave of a motion reference unit: it cannot move otherwise than its own heave rate says.
 
-A unit that does not measure the rate is taken at that of its readings before, steps left out.
+A unit that does not measure the rate is taken at that of its readings before, steps left out. Where it says no time
+either, its stamps are arrivals, which a busy machine scatters: heave is then off by so much more as it moves meanwhile.
 
 A ship heaves about where it floats, and so does what an MRU reads. After a step, heave and rate contradict each other
 by as much as the step, for as long as it stays; a wrong mean heave would be paid out, metre by metre.
@@ -14,6 +15,9 @@ from heave_node.interface.sensors import MruReading
 
 LARGEST_STEP, SIGMAS = 0.3, 8.0
 """A step is more than the first [m], and than so many standard deviations of its noise."""
+
+SCATTER = 0.2
+"""Time by which a reading without a time may be late [s]; over it the rate is taken that is not measured."""
 
 LONGEST_GAP = 0.5
 """Longest gap between samples; after a longer one the comparison restarts [s]."""
@@ -39,7 +43,7 @@ class MruSteps:
     def __init__(self) -> None:
         self.is_unproved = False
         self._last: MruReading | None = None
-        self._foreseen = self._rate = 0.0
+        self._foreseen, self._rate = 0.0, math.nan
         self._mean, self._known = 0.0, 0.0
         self._new_mean = self._new_square = self._new_time = 0.0
 
@@ -53,26 +57,33 @@ class MruSteps:
         last, self._last = self._last, reading
         elapsed = math.inf if last is None else reading.time - last.time
         if last is None or not 0.0 < elapsed <= LONGEST_GAP:
-            self._foreseen, self._rate, self._new_time = reading.heave, 0.0, 0.0
+            self._foreseen, self._rate, self._new_time = reading.heave, math.nan, 0.0
             return False
-        self._foreseen += self._rate_between(last, reading, noise) * elapsed
+        self._foreseen += self._change_between(last, reading, noise)
         off = abs(reading.heave - self._foreseen)
         if off <= max(LARGEST_STEP, SIGMAS * noise) or self._is_back(reading.heave, elapsed):
             self._follow(reading.heave, elapsed)
             return False
         return True
 
-    def _rate_between(self, last: MruReading, reading: MruReading, noise: float) -> float:
-        """Return the heave rate from the `last` reading to this [m/s], by the rates that were read or the one before.
+    def _change_between(self, last: MruReading, reading: MruReading, noise: float) -> float:
+        """Return by how much the heave has changed from the `last` reading to this [m], a step left out.
 
-        `noise` is that of the heave [m], 1 sigma.
+        By the rates that were read; without them by the heave itself, unless it is off what it did before. `noise` is
+        that of the heave [m], 1 sigma.
         """
+        elapsed = reading.time - last.time
         if not math.isnan(last.heave_rate + reading.heave_rate):
-            return 0.5 * (last.heave_rate + reading.heave_rate)
-        before, change = self._rate, reading.heave - last.heave
-        if abs(change) <= max(LARGEST_STEP, SIGMAS * noise):
-            self._rate = change / (reading.time - last.time)
-        return before
+            return 0.5 * (last.heave_rate + reading.heave_rate) * elapsed
+        change = reading.heave - last.heave
+        if math.isnan(self._rate):
+            self._rate = change / (elapsed + SCATTER)
+            return change
+        expected = self._rate * elapsed
+        if abs(change - expected) > max(LARGEST_STEP, SIGMAS * noise) + SCATTER * abs(self._rate):
+            return expected
+        self._rate += (change - expected) / (elapsed + SCATTER)
+        return change
 
     def _follow(self, heave: float, elapsed: float) -> None:
         """Go on from a `heave` [m] that is right, so long `elapsed` after the last [s]."""

@@ -19,11 +19,10 @@ from winch_controller_node.estimation.sensor_health import (
     DepthJumps,
     EncoderGate,
     SensorGate,
-    SensorTiming,
     judge_mru,
     judge_scalar,
 )
-from winch_controller_node.estimation.sensor_noise import SensorNoise
+from winch_controller_node.estimation.sensor_noise import SensorNoise, SensorTiming
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Measurements, ScalarReading, SensorState
 from winch_controller_node.interface.sensors import (
@@ -117,11 +116,13 @@ class Observer:
         self.excluded = sensor
 
     def trust(self) -> None:
-        """Try a frozen encoder and an excluded depth sensor again, at an operator's request; harm is detected again.
+        """Try again what is rejected, at an operator's request; harm is detected again.
 
-        A motion reference unit that contradicts all others must agree with them first.
+        It is a frozen encoder, an excluded depth sensor, and a motion reference unit that has stepped: what it reads
+        now is its mean. One that contradicts all others must agree with them first.
         """
         self.encoder.trust()
+        self._mru_steps.restart()
         if self.excluded == "depth":
             self.exclude("")
 
@@ -238,6 +239,8 @@ class Observer:
             before, self._levels[name] = self._levels.get(name, SensorLevel.OK), gate.level
             if gate.level > before:
                 found.append(self._fault(name, gate))
+            if gate.interval.news():
+                found.append(gate.slow_alarm)
         for name, noise in self._noise.items():
             factor = noise.news()
             if factor > 0.0:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from heave_node.interface.alarm import Alarm
@@ -17,6 +16,7 @@ from heave_node.interface.codes import MruStatus, SensorLevel
 from heave_node.interface.sensors import MruReading
 
 from winch_controller_node.estimation.mru_steps import SIGMAS, MruSteps
+from winch_controller_node.estimation.sensor_noise import OwnInterval, SensorTiming
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import ScalarReading, SensorState
 from winch_controller_node.parameters.laws import HealthParameters
@@ -100,14 +100,6 @@ def lost_alarm(sensor: str, reason: str, *, age: float, limit: float) -> Alarm:
     return ALARMS.alarm(f"{prefix}_FAULT", status=reason)
 
 
-@dataclass(frozen=True)
-class SensorTiming:
-    """What is known of a sensor's timing: period [s] and usual latency [s]."""
-
-    period: float
-    latency: float = 0.0
-
-
 class SensorGate:
     """Gate of one sensor.
 
@@ -121,6 +113,7 @@ class SensorGate:
     Attributes
     ----------
     level, reason : how the sensor is seen now
+    interval : at which it delivers
     """
 
     def __init__(
@@ -143,7 +136,8 @@ class SensorGate:
         self._newest_stamp = -math.inf
         self._newest_accepted: float | None = None
         self._started: float | None = None
-        self._age, self._largest_age = 0.0, timing.latency + parameters.stale_samples * timing.period
+        self._age = 0.0
+        self.interval = OwnInterval(timing.period)
 
     @property
     def is_lost(self) -> bool:
@@ -157,6 +151,17 @@ class SensorGate:
             reason = REJECTED_WORDS.get(self.reason, self.reason)
             return ALARMS.alarm(f"{self.sensor.upper()}_READING_REJECTED", reason=reason)
         return lost_alarm(self.sensor, self.reason, age=self._age, limit=self._largest_age)
+
+    @property
+    def _largest_age(self) -> float:
+        """Age above which the newest accepted reading is stale [s]."""
+        return self._timing.latency + self._parameters.stale_samples * self.interval.value
+
+    @property
+    def slow_alarm(self) -> Alarm:
+        """That the sensor delivers more slowly than nominal."""
+        rate, nominal = 1.0 / self.interval.seen, 1.0 / self._timing.period
+        return ALARMS.alarm(f"{self.sensor.upper()}_SLOW", rate=rate, nominal=nominal, limit=self._largest_age)
 
     def state(self, now: float) -> SensorState:
         """Return how the sensor is seen at `now` [s]."""
@@ -174,7 +179,10 @@ class SensorGate:
         status : what the sensor itself says is wrong; empty when nothing
         """
         reason = self._fault(now, time, values, status)
-        self._newest_stamp = max(self._newest_stamp, time if math.isfinite(time) else -math.inf)
+        if self._newest_stamp < time < math.inf:
+            if self._newest_stamp > -math.inf:
+                self.interval.add(time - self._newest_stamp)
+            self._newest_stamp = time
         if reason:
             self._refuse(reason)
             return False

@@ -1,4 +1,4 @@
-"""The noise of a sensor by itself, from its readings alone: no model is needed, and other sensors have no part in it.
+"""Noise and rate of a sensor by itself, from its readings alone: no model is needed, and other sensors have no part.
 
 A third difference of readings takes away what is smooth and leaves white noise, sqrt(20) times as large; the median of
 its magnitude does not see spikes.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from dataclasses import dataclass
 from statistics import median
 
 READINGS = 100
@@ -30,6 +31,58 @@ MEDIAN_OF_MAGNITUDE = 0.6745 * math.sqrt(20.0)
 
 LONGEST_PERIOD = 0.25
 """Between readings further apart [s] the sea itself is not smooth."""
+
+INTERVALS = 5
+"""Intervals by whose median a sensor's own rate is known."""
+
+LATE = 1.5
+"""Nominal intervals from which on a reading is late: half way to the next but one."""
+
+
+@dataclass(frozen=True)
+class SensorTiming:
+    """What is nominal of a sensor's timing: period [s] and usual latency [s]."""
+
+    period: float
+    latency: float = 0.0
+
+
+class OwnInterval:
+    """Interval at which a sensor delivers: its nominal one, or its own where that is longer.
+
+    One longer than LONGEST_PERIOD counts as that, unless it is nominal: a sensor must be known to be so slow.
+
+    Parameters
+    ----------
+    nominal : interval [s]
+
+    Attributes
+    ----------
+    value : now [s]; before the first two readings the longest that may be
+    seen : median of the last ones, whatever may be [s]
+    """
+
+    def __init__(self, nominal: float) -> None:
+        self._nominal, self._late = nominal, LATE * nominal
+        self._longest = max(nominal, LONGEST_PERIOD)
+        self._last: deque[float] = deque(maxlen=INTERVALS)
+        self._reported = self._late
+        self.seen, self.value = nominal, self._longest
+
+    def add(self, interval: float) -> None:
+        """Take in the time from one reading to the next, an `interval` [s]."""
+        self._last.append(interval)
+        if interval <= self._late and self.value == self._nominal:
+            return
+        self.seen = median(self._last) if len(self._last) == INTERVALS else min(self._last)
+        self.value = min(self.seen, self._longest) if self.seen > self._late else self._nominal
+
+    def news(self) -> bool:
+        """Return whether the sensor has become slower than nominal, or than reported; asked again and again."""
+        if self.seen <= self._reported or len(self._last) < INTERVALS:
+            return False
+        self._reported = LATE * self.seen
+        return True
 
 
 class SensorNoise:

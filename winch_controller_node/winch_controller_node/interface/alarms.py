@@ -119,6 +119,14 @@ COMMANDS = (
         "Check the drive, the network and the load of the machine",
     ),
     AlarmRow(
+        "TICKS_LEFT_OUT",
+        MEDIUM,
+        "loop",
+        "{count} ticks were left out: this node was {time:.2f} s behind",
+        "The winch kept its last order meanwhile; the estimate is predicted, and compensation goes on",
+        "Check the load of the machine that runs winch_controller",
+    ),
+    AlarmRow(
         "COMMANDS_CUT",
         HIGH,
         "winch",

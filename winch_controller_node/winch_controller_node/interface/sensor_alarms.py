@@ -32,6 +32,9 @@ EXCLUSIONS = {
 }
 """What follows where a sensor contradicts all others; of any other compensation continues without it."""
 
+SLOW_ACTIONS = {"encoder": "Have the drive report at the rate of the controller, or check the link"}
+"""What to do about a sensor that is slower than nominal and has no rate of its own to enter."""
+
 JUMPING, STATED_NOISE = ("mru", "encoder", "depth"), ("mru", "depth", "velocity", "imu")
 """Sensors whose readings are checked for jumps, and whose noise is compared with the nominal one."""
 
@@ -44,7 +47,11 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
         return AlarmRow(f"{prefix}_{state}", severity, sensor, words, consequence, action)
 
     frozen = ("readings do not change", "Restart the sensor or its driver")
-    jumps = "heave disagrees with the integral of its own heave rate" if sensor == "mru" else "readings jump repeatedly"
+    jumps = (
+        "heave disagrees with its heave rate, measured or of the readings before"
+        if sensor == "mru"
+        else "readings jump repeatedly"
+    )
     if sensor == "encoder":
         frozen = (
             "readings do not change while the winch is commanded to turn",
@@ -63,7 +70,8 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
             lost("SPIKES", "readings are far from the estimate", "Check mounting, sign and unit of measurement")
         )
     if sensor in JUMPING:
-        found.append(lost("JUMPS", jumps, "Check mounting, scale and sign, and the driver"))
+        again = "; a request for a mode has it read again from where it is" if sensor == "mru" else ""
+        found.append(lost("JUMPS", jumps, f"Check mounting, scale and sign, and the driver{again}"))
     if sensor == "mru":
         found += _reported_by_mru(severity, consequence)
     return found
@@ -108,6 +116,14 @@ def _others_of(sensor: str) -> list[AlarmRow]:
             "Check sign, scale and mounting",
         ),
         AlarmRow(f"{prefix}_RECOVERED", EVENT, sensor, "the sensor agrees with all others", "It is used again"),
+        AlarmRow(
+            f"{prefix}_SLOW",
+            LOW,
+            sensor,
+            "{rate:.3g} readings per second, nominal {nominal:.3g}",
+            "Each reading is used; the sensor is stale after {limit:.2f} s without one",
+            SLOW_ACTIONS.get(sensor, f"Enter its rate (winch_controller.sensors.{sensor}.rate), or check the link"),
+        ),
     ]
     return found + _noise_of(sensor) if sensor in STATED_NOISE else found
 

@@ -8,17 +8,21 @@ from heave_node.devices.formats.sample import DAY, Sample, TimeBase
 
 COUNTER_WRAP = 2.0**32 * 1e-3
 """A counter of milliseconds in 32 bits begins again after this time [s]."""
-_PERIOD = {TimeBase.DAY: DAY, TimeBase.COUNTER: COUNTER_WRAP}
 
 
 class DeviceTime:
     """Turns the times of a device's samples into nanoseconds of one clock.
 
+    Parameters
+    ----------
+    counter_wrap : time after which its counter begins again [s]; infinity: never
+
     UTC of the day gets the date of the last ZDA, if one has come; without one it counts from the first midnight. The
     receiver estimates the offset to its own clock, so that the date need not be known.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, counter_wrap: float = COUNTER_WRAP) -> None:
+        self._periods = {TimeBase.DAY: DAY, TimeBase.COUNTER: counter_wrap}
         self._midnight = 0.0
         self._newest: dict[TimeBase, float] = {}
 
@@ -34,11 +38,11 @@ class DeviceTime:
 
     def _counted_on(self, base: TimeBase, time: float) -> float:
         """Return a time that wraps, counted on: the turn that is nearest to the newest one."""
-        period = _PERIOD[base]
+        period = self._periods[base]
         start = self._newest.get(base, self._midnight + time if base is TimeBase.DAY else time)
         origin = self._midnight if base is TimeBase.DAY else 0.0
         turns = round((start - origin - time) / period)
-        self._newest[base] = origin + time + turns * period
+        self._newest[base] = origin + time + (turns * period if turns else 0.0)
         return self._newest[base]
 
     def _set_date(self, time: float) -> None:

@@ -54,10 +54,14 @@ def unpacked(kind: str, data: bytes, order: str = "big") -> float:
     return float(struct.unpack(ORDERS_OF_BYTES[order] + KINDS[kind], data)[0])
 
 
+def wrap_of(kind: str) -> float:
+    """Return the count after which one in a number of a `kind` begins at 0 again; infinity for floats."""
+    return math.inf if kind.startswith("float") else float(1 << 8 * size_of(kind) - (not kind.startswith("uint")))
+
+
 def wrapped(kind: str, count: int) -> int:
     """Return a `count` that goes on for ever as it is sent in a whole number of a `kind`: from 0 again."""
-    bits = 8 * size_of(kind) - (not kind.startswith("uint"))
-    return count % (1 << bits)
+    return count % int(wrap_of(kind))
 
 
 def with_bits(values: dict[str, float], name: str, bit: int | None, value: float) -> None:

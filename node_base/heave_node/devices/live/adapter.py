@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from heave_node.devices.formats.device_time import DeviceTime
-from heave_node.devices.formats.sample import Sample
-from heave_node.devices.live.counted_time import CountedTime
+from heave_node.devices.formats.sample import Sample, TimeBase
+from heave_node.devices.live.counted_time import CountedTime, DeviceClock
 from heave_node.devices.live.crane_maker import CraneMaker
+from heave_node.devices.live.drum_count import DrumCount
 from heave_node.devices.live.link_watch import LinkWatch
 from heave_node.devices.live.mru_maker import MruMaker
 from heave_node.devices.live.recent_motion import RecentMotion
@@ -19,7 +21,7 @@ from heave_node.interface import sensors, topics
 from heave_node.interface.sensors import WireReading
 
 _COUNT_BEGAN = 10**18
-"""Stamp of a counted time of 0 s [ns]: far from any simulated time, so that it is taken for a clock of its own."""
+"""Stamp of a time of 0 s by a count or counter [ns]: far from any simulated time, and taken for an own one."""
 NO_STAMP = 0
 """Stamp of a reading whose time of arrival counts."""
 WINCH_STATE = "winch/state"
@@ -59,6 +61,7 @@ class Adapter:
     heave : the boom tip's motion by the time of arrival, for the simulated plant
     newest : quantities as they came last
     published : readings so far, by topic
+    drum_count : whether the count of a drum goes on
     is_counting : False while the device's watchdog has stopped: nothing that it says is used then
     """
 
@@ -71,7 +74,10 @@ class Adapter:
         self.published = dict.fromkeys(device.outputs, 0)
         self._mru = MruMaker(device)
         self._crane = CraneMaker(device.timeout)
-        self._time = DeviceTime()
+        self._time = DeviceTime(device.counter_wrap) if "device_time" in device.channels else DeviceTime()
+        self._clock = DeviceClock()
+        self._restarts = 0
+        self.drum_count = DrumCount()
         self._counted: dict[str, CountedTime] = {}
         self._payout = RecentMotion()
         self._beside: dict[str, float] = {}
@@ -82,7 +88,7 @@ class Adapter:
         """Return the readings, each with its topic, that `samples` which arrived at `now` [s] make."""
         made = []
         for sample in samples:
-            stamp, time = self._stamp(self._time.nanoseconds(sample), now, sample.kind)
+            stamp, time = self._stamp(self._own_time(sample, now), now, sample.kind)
             made += self._made(self.taker.of_sample(sample, time), stamp, now)
         return made
 
@@ -100,6 +106,15 @@ class Adapter:
         """
         used, time = self._stamp(stamp, now)
         return self._made(self.taker.of_message(topic, message, time), used, now)
+
+    def _own_time(self, sample: Sample, now: float) -> int | None:
+        """Return the time of a sample that arrived at `now` [s] by the device's own clock [ns]; None: it has none."""
+        if "device_time" in self.device.channels:
+            sample = replace(sample, time=self.taker.own_time(sample), time_base=TimeBase.COUNTER)
+        own = self._time.nanoseconds(sample)
+        if own is None or sample.time_base is not TimeBase.COUNTER:
+            return own
+        return _COUNT_BEGAN + round(self._clock.time(own * 1e-9, now) * 1e9)
 
     def _stamp(self, own: int | None, now: float, kind: str = "") -> tuple[int, float]:
         """Return the stamp [ns] and the time [s] of what has an `own` time [ns], or none, and arrived at `now` [s].
@@ -173,11 +188,25 @@ class Adapter:
                 self._beside.pop(name, None)
         if "payout" not in taken.values:
             return None
-        payout = taken.values["payout"]
+        is_measured = "payout_rate" in self.device.channels
+        rate = self._beside.get("payout_rate", math.nan) if is_measured else self._recent_rate(taken.time)
+        payout = self._counted_on(taken.values["payout"], rate, taken.time)
         self._payout.add(taken.time, payout)
-        rate = self._beside.get("payout_rate", math.nan)
-        if "payout_rate" not in self.device.channels:
-            recent = self._payout.at(taken.time)
-            rate = math.nan if recent is None else recent[1]
+        rate = rate if is_measured else self._recent_rate(taken.time)
         beside = (self._beside.get(name, math.nan) for name in ("tension", "brake", "fault"))
         return WinchReading(stamp, payout, rate, *beside)
+
+    def _recent_rate(self, time: float) -> float:
+        """Return the drum's speed over the last readings at a `time` [s]; NaN: not known."""
+        recent = self._payout.at(time)
+        return math.nan if recent is None else recent[1]
+
+    def _counted_on(self, payout: float, rate: float, time: float) -> float:
+        """Return a `payout` of a `time` [s], counted on where the drum's count was lost; its `rate` as measured."""
+        has_restarted, self._restarts = self._clock.restarts > self._restarts, self._clock.restarts
+        jump = self.drum_count.jump(time, payout, rate, has_restarted=has_restarted)
+        if jump:
+            zeros = self.taker.zeros
+            zeros["payout"] = zeros.get("payout", 0.0) + jump
+            self.newest["payout"] = payout - jump
+        return payout - jump

@@ -1,4 +1,4 @@
-"""The time of samples that state none, from a device that takes them at a known rate: counted, and held to arrivals."""
+"""The time of samples: of a device that states none, but takes them at a known rate, and of one with a counter."""
 
 from __future__ import annotations
 
@@ -10,6 +10,38 @@ JUDGED = 10
 """Periods over which all samples must be late before some are taken to be lost."""
 LEAST_STEP = 0.01
 """Least time between two samples, in periods."""
+STEPPED = 1.0
+"""A counter that goes back, or ahead of the arrivals, by more restarted [s]: a delay makes it neither."""
+
+
+class DeviceClock:
+    """Follows the counter of a device that may restart.
+
+    Attributes
+    ----------
+    restarts : so far
+    """
+
+    def __init__(self) -> None:
+        self.restarts = 0
+        self._before: tuple[float, float] | None = None
+        self._shift = 0.0
+
+    def time(self, own: float, now: float) -> float:
+        """Return the time of a sample that goes on over restarts [s].
+
+        Parameters
+        ----------
+        own : time by the counter [s]
+        now : monotonic time of its arrival [s]
+        """
+        before, self._before = self._before, (own, now)
+        if before is not None:
+            went, passed = own - before[0], now - before[1]
+            if went < -STEPPED or went - passed > STEPPED:
+                self.restarts += 1
+                self._shift += passed - went
+        return own + self._shift
 
 
 class CountedTime:

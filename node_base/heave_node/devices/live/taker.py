@@ -64,7 +64,7 @@ class Taker:
     Attributes
     ----------
     counters : of what was not used
-    zeros : first values of quantities that count from there, SI units
+    zeros : values from which quantities count, SI units: the first one, and what a count has jumped by since
     """
 
     def __init__(self, device: DeviceMap) -> None:
@@ -104,6 +104,12 @@ class Taker:
         self.counters.invalid += bool(taken.invalid)
         return taken
 
+    def own_time(self, sample: Sample) -> float | None:
+        """Return the time by the counter that the map names [s]; None where it, or the `sample`, has none."""
+        channel = self._channels.get("device_time")
+        raw = None if channel is None else sample.values.get(channel.field)
+        return None if channel is None or raw is None else self._factors["device_time"] * raw + channel.offset
+
     def of_message(self, topic: str, message: Any, time: float) -> Taken:
         """Return what the map wants of a `message` that came on a `topic`, measured at a `time` [s]."""
         taken = Taken(time)
@@ -142,7 +148,8 @@ class Taker:
         channel = self._channels[name]
         value = self._factors[name] * raw + channel.offset
         if channel.zero_at_start:
-            value -= self.zeros.setdefault(name, value)
+            self.zeros.setdefault(name, value)
+        value -= self.zeros.get(name, 0.0)
         if name in self._filters:
             filtered = self._filters[name]
             value = (filtered.add_rate if channel.velocity else filtered.add)(taken.time, value)

@@ -7,6 +7,7 @@ the other way round.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -15,7 +16,7 @@ from typing import Any
 from heave_node.devices.formats.datagram import DATAGRAM, DatagramDecoder, Layout
 from heave_node.devices.formats.nmea import NmeaDecoder
 from heave_node.devices.formats.nmea_sentences import UNSIGNED
-from heave_node.devices.formats.number_kinds import split_bit
+from heave_node.devices.formats.number_kinds import split_bit, wrap_of
 from heave_node.devices.formats.pattern import PatternDecoder
 from heave_node.devices.formats.registers import WRITABLE, register_of
 from heave_node.devices.formats.sample import Decoder
@@ -100,6 +101,17 @@ class DeviceMap:
         return {channel.topic: channel.type for channel in self.channels.values() if channel.topic}
 
     @property
+    def counter_wrap(self) -> float:
+        """Time after which the counter of `device_time` begins again [s]; infinity: never."""
+        channel = self.channels["device_time"]
+        name, kind = self.bit_of(channel.field)[0], ""
+        if self.link is not None and self.link.kind == "modbus":
+            kind = register_of(channel.field).kind
+        elif self.layout is not None:
+            kind = self.layout.fields[name]
+        return wrap_of(kind) * channel.factor("device_time") if kind else math.inf
+
+    @property
     def has_names(self) -> bool:
         """Whether its fields are names of the map's own, registers or nodes, not those of sentences."""
         return self.format in (LINE, DATAGRAM) or self.is_polled
@@ -151,6 +163,8 @@ def device_map_of(name: str, content: Any) -> DeviceMap:
         if quantity in QUANTITIES
     }
     values = {entry: content[entry] for entry in own if entry in content}
+    if "device_time" in channels:
+        values.setdefault("clock", "own")
     values["layout"] = read_layout("", content)
     values["command"] = read_command(values.get("command"))
     values["lever_arm"] = _arm(values.get("lever_arm", (0.0, 0.0, 0.0)))

@@ -53,6 +53,7 @@ QUANTITIES: Mapping[str, Quantity] = {
     "brake": Quantity("number", 1e9),
     "fault": Quantity("number", 1e9),
     "watchdog": Quantity("number", 1e19),
+    "device_time": Quantity("time", 1e11),
     "slew": Quantity("angle", 7.0, _TURN),
     "luff": Quantity("angle", 3.2, _UP),
     "knuckle": Quantity("angle", 3.2, _UP),

@@ -58,6 +58,7 @@ class WinchWatch:
     fault : of the winch, as it reported last: a state that misses its tick takes no fault away
     late_commands : how many commands were late so far, and whether that is more than hiccups
     drum : orders and encoder of the last seconds
+    kept : ticks for which the winch has kept its order, as it got none
     """
 
     def __init__(self, design: ControllerDesign) -> None:
@@ -70,6 +71,7 @@ class WinchWatch:
         self._timeout_cause = TimeoutCause(self._dt)
         self._given: WinchOrder | None = None
         self._cautious = 0.0
+        self.kept = 0
 
     def take(self, assumed: Mapping[str, float]) -> None:
         """Go by the `assumed` winch from now on, by quantity."""
@@ -92,7 +94,13 @@ class WinchWatch:
 
     def give(self, order: WinchOrder) -> None:
         """Note the order of a tick."""
-        self._given = order
+        self._given, self.kept = order, 0
+
+    def keep(self) -> None:
+        """Note a tick without an order and without a reading: the winch has kept the last order."""
+        given, self.kept = self._given, self.kept + 1
+        if given is not None and not given.brake:
+            self.drum.add(given.payout, given.payout_rate, None)
 
     def watch(
         self,
