@@ -182,7 +182,7 @@ def test_a_limit_that_was_learnt_is_drawn_from_when_on_it_is_told(shared_bag):
     told = "winch_controller: alarms: WINCH_MODEL_UPDATED (event): acceleration limit paying out {} m/s^2 (was 1.500)."
     record.alarms += [Interval(time, time + 1.0, told.format(limit), 1) for time, limit in ((40.0, 0.6), (20.0, 0.9))]
     (figure,) = [one for one in run_figures(record) if one.title.startswith("Winch speed")]
-    assert "dotted: as the controller has learnt them" in figure.caption
+    assert "dotted: limits that the controller has identified" in figure.caption
     upper, lower = [trace for trace in figure.traces if trace["name"] == "acceleration limit, learnt"]
     assert upper["yaxis"] == lower["yaxis"] == "y2"
     assert upper["x"] == lower["x"] == pack(array([20.0, 40.0, 40.0, record.end]))

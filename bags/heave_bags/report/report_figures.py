@@ -55,7 +55,7 @@ LABEL_HEIGHT = 18.0
 """Distance from one name of a trace to the next [pixels]."""
 
 MAXIMUM_SAMPLES = 200_000
-"""Longer signals are thinned before they enter the page; their extremes stay."""
+"""Largest number of samples of a signal in the page: longer ones are thinned, and their extremes stay."""
 _TIME_TITLE = "simulated time [s]"
 
 
@@ -364,7 +364,7 @@ def winch_figure(record: RunRecord) -> Figure:
     figure = Figure(
         "Winch speed and acceleration",
         "Positive pays out and lowers the unit. Dashed: limits of the winch as stated"
-        + ("; dotted: as the controller has learnt them, from when on it told." if learnt else "."),
+        + ("; dotted: limits that the controller has identified, from when it reported them." if learnt else "."),
         layout=_time_layout(record, "payout rate [m/s]", shapes),
         height=520,
     )

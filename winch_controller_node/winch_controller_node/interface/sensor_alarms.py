@@ -33,7 +33,7 @@ EXCLUSIONS = {
     "encoder": "Compensation continues by the commanded payout while the sensors are compared, and ends if that takes "
     "longer than 20 s",
 }
-"""What follows where a sensor contradicts all others; of any other compensation continues without it."""
+"""Consequence of a sensor that contradicts all others. Compensation continues without any that is not listed."""
 
 JUMPING, STATED_NOISE = ("mru", "encoder", "depth"), ("mru", "depth", "velocity", "imu")
 """Sensors whose readings are checked for jumps, and whose noise is compared with the nominal one."""
