@@ -236,6 +236,21 @@ def test_a_list_that_is_empty_or_not_stated_is_no_difference(shared_bag):
     assert [found.name for found in run_words.differences([one, other])] == ["law"]
 
 
+def test_scheduled_faults_are_one_difference_in_words(shared_bag):
+    one, other = analysis.analyse([shared_bag, shared_bag])
+    names = ("kind", "start", "duration", "magnitude")
+    lists = (["freeze", "scale"], [180.0, 320.0], [20.0, 0.0], [0.0, -1.0])
+    one.parameters = {"wave_vessel": {f"mru.faults.{name}": [] for name in names}}
+    other.parameters = {
+        "wave_vessel": {f"mru.faults.{name}": values for name, values in zip(names, lists, strict=True)}
+    }
+    assert [str(found) for found in run_words.differences([one, other])] == [
+        "mru faults: - / freeze from 180 s for 20 s, scale -1 from 320 s"
+    ]
+    other.parameters = {"wave_vessel": {"mru.faults.kind": 3, "mru.faults.start": ["never"]}}
+    assert run_words.differences([one, other]) == [], "a bag may state anything"
+
+
 def test_a_recorded_sea_is_named_by_its_file(shared_bag):
     (record,) = analysis.analyse([shared_bag])
     for file, words in (("/data/sea.csv", "recorded: sea.csv"), ("", "recorded")):

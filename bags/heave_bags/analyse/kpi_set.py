@@ -411,7 +411,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     ),
     KpiDefinition(
         "outlet_efficiency",
-        "outlet efficiency",
+        "outlet efficiency (cable at the boom tip)",
         "%",
         UNIT,
         lambda w: w.outlet_efficiency,
@@ -457,7 +457,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     ),
     KpiDefinition(
         "outlet_sigma_m",
-        "outlet residual, standard deviation",
+        "outlet residual (cable at the boom tip), standard deviation",
         "cm",
         UNIT,
         lambda w: w.outlet_sigma,

@@ -286,7 +286,7 @@ def motion_figure(record: RunRecord) -> Figure:
     ribbon = ribbon_traces(record)
     figure = Figure(
         "Motion",
-        "Heave about the mean: the sum of boom tip and minus payout is what the cable's top does. "
+        "Heave about the mean: boom tip plus minus payout is the motion of the cable's top. "
         "Above: mode of the controller, brake, active winch limits and alarms, in the colours below.",
         layout=_time_layout(record, "heave about the mean [cm]"),
         height=480,
