@@ -247,6 +247,10 @@ def test_scheduled_faults_are_one_difference_in_words(shared_bag):
     assert [str(found) for found in run_words.differences([one, other])] == [
         "mru faults: - / freeze from 180 s for 20 s, scale -1 from 320 s"
     ]
+    assert run_words.labels([one, other]) == [
+        "no mru faults",
+        "mru faults freeze from 180 s for 20 s, scale -1 from 320 s",
+    ]
     other.parameters = {"wave_vessel": {"mru.faults.kind": 3, "mru.faults.start": ["never"]}}
     assert run_words.differences([one, other]) == [], "a bag may state anything"
 

@@ -142,6 +142,8 @@ class Difference:
 
     def of(self, number: int) -> str:
         """Return in words what run `number` has."""
+        if self.values[number] == "-" and not self.unit:
+            return f"no {self.name}"
         return f"{self.name} {self.values[number]} {self.unit}".rstrip()
 
 
