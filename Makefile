@@ -21,7 +21,7 @@ export UV_NATIVE_TLS ?= 1
 PINS = $(if $(LATEST),,$(wildcard constraints/$(shell $(BIN)/python -c 'import sys; print("python%d.%d" % sys.version_info[:2])').txt))
 PINNED = $(if $(PINS),UV_CONSTRAINT=$(CURDIR)/$(PINS) UV_BUILD_CONSTRAINT=$(CURDIR)/$(PINS) PIP_CONSTRAINT=$(CURDIR)/$(PINS))
 
-.PHONY: help run test validate mutants lint docs gallery coverage install constraints clean
+.PHONY: help run test validate mutants style lint docs gallery coverage install constraints clean
 .DELETE_ON_ERROR:
 
 help:  ## what can be made
@@ -30,7 +30,7 @@ help:  ## what can be made
 run: $(VENV)/.installed  ## set up, then the calm-sea scenario for ten simulated minutes: a bag and a report under runs/
 	$(BIN)/heave run b2_calm_300 --duration 600
 
-test: lint  ## set up, then every check: ruff, mypy, pytest on two cores
+test: style  ## set up, then every check: ruff, then mypy among the tests, on two cores
 	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder $(PYTEST)
 
 validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of six hours or more: 100 landings, 256 wrong beliefs of the winch and sensors and 256 of the plant too, 256 faults of sensors, 100 foreign seas, 192 draws of the day, 1,000 damaged bags, 1,000 hostile files, 100 killed runs, 200 interrupted studies, 1,000 storms, 200 answers of what would have been, 15 simulated hours and a real one
@@ -55,9 +55,11 @@ validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of six ho
 mutants: $(VENV)/.test-installed  ## change the modules that safety rests on, one small thing at a time, and count what no test notices: two hours or three; MUTANTS="--only guard --sample 50" tries a part
 	$(BIN)/python -m tests.campaigns.mutants $(MUTANTS)
 
-lint: $(VENV)/.test-installed  ## set up, then ruff and mypy
+style: $(VENV)/.test-installed  ## set up, then ruff
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+
+lint: style  ## set up, then ruff and mypy
 	$(BIN)/mypy
 
 coverage: $(VENV)/.test-installed  ## the tests with the lines they reach

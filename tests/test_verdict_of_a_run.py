@@ -7,10 +7,13 @@ from heave_bringup.errors import ExitStatus
 
 from tests.loop_runs import heave
 
+SHORT = ["--composed", "--duration", "5", "--set", "all.transient=1.0", "--no-report"]
+"""Options of a run that ends before compensation begins."""
+
 
 @pytest.mark.slow
 def test_a_required_figure_that_is_missed_sets_the_exit_status(tmp_path):
-    options = ["--duration", "5", "--set", "all.transient=1.0", "--no-report", "--json", str(tmp_path / "kpi.json")]
+    options = [*SHORT, "--json", str(tmp_path / "kpi.json")]
     require = ["--require", "unit_sigma_m<1e-9", "--require", "missed_deadlines<1"]
     result = heave("run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options, *require)
     assert result.returncode == ExitStatus.VERDICT_FAILED
@@ -31,7 +34,7 @@ def test_a_required_figure_that_is_missed_sets_the_exit_status(tmp_path):
 @pytest.mark.slow
 def test_what_a_reader_must_be_warned_of_is_told_by_a_quiet_run_and_by_the_figures_of_its_bag(tmp_path):
     """Worse than off is one such warning; that compensation never began is one that a few seconds have."""
-    options = ["--duration", "5", "--set", "all.transient=1.0", "--no-report", "--json", str(tmp_path / "kpi.json")]
+    options = [*SHORT, "--json", str(tmp_path / "kpi.json")]
     result = heave("run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options, "--quiet")
     assert result.returncode == ExitStatus.VERDICT_FAILED, result.stderr
     (warning,) = json.loads((tmp_path / "kpi.json").read_text())["warnings"]

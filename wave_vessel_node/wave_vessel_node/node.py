@@ -37,8 +37,6 @@ class WaveVesselNode(ParticipantNode):
 
     def on_build(self) -> None:
         """See HeaveNode. Compiles the sum of components by asking for the first motion."""
-        if not self.run.is_lockstep:
-            import scipy.signal  # noqa: F401, PLC0415 - the first estimate would load it, for a second, within a tick
         self.component = self._new_component()
         self._prepared: WaveVesselOutputs | None = None
         self.sea_state = self.add_output(topics.SEA_STATE)

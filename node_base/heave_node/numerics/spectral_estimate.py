@@ -1,6 +1,6 @@
 """Spectra estimated from records of motion, and the height and period that they give, with 95 % intervals.
 
-Welch's method as scipy has it: periodograms of half-overlapping Hann segments, each about its mean. Spectra are
+Welch's method: periodograms of half-overlapping Hann segments, each about its mean. Spectra are
 one-sided over angular frequency [rad/s], so that their integral is the variance.
 """
 
@@ -64,17 +64,19 @@ def segment_frequencies(size: int, period: float) -> Array:
 
 
 def segment_periodogram(samples: Array, period: float) -> Array:
-    """Return the densities [unit^2 s/rad] of segments, shape (..., size) -> (..., size // 2 + 1).
+    """Return the one-sided densities [unit^2 s/rad] of segments, shape (..., size) -> (..., size // 2 + 1).
 
     Parameters
     ----------
-    samples : of one or more segments, the last axis is time
+    samples : of one or more segments of an even size, the last axis is time
     period : between samples [s]
     """
-    from scipy.signal import periodogram  # noqa: PLC0415 - a second to import, which a node need not wait for to start
-
-    _, density = periodogram(samples, fs=1.0 / period, window="hann", detrend="constant")
-    return np.asarray(density / (2.0 * math.pi))
+    window = np.hanning(samples.shape[-1] + 1)[:-1]
+    lines = np.fft.rfft(window * (samples - samples.mean(axis=-1, keepdims=True)))
+    density = np.square(np.abs(lines)) * (period / (2.0 * math.pi * np.square(window).sum()))
+    # all but the first and the last line stand for a negative frequency too
+    density[..., 1:-1] *= 2.0
+    return np.asarray(density)
 
 
 def estimate_spectrum(

@@ -293,7 +293,8 @@ def _with_groups(
         trials = [
             (fit.loss + _price(group, held) - best.loss, group, fit)
             for group in PRICES
-            if not set(group) & set(best.free)
+            # a loss is never negative: what costs all that is left, or more, cannot be worth it
+            if not set(group) & set(best.free) and _price(group, held) < best.loss
             for fit in [_with_factor(prior, best, onsets) if group == (FACTOR,) else _freed(prior, best, group, others)]
             if fit is not None
         ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -45,10 +46,17 @@ class DrumRecord:
     onset: int = 0
     breaks: tuple[int, ...] = ()
 
-    @property
+    @cached_property
     def seen(self) -> NDArray[np.bool_]:
         """Where there is a reading, shape (count,)."""
         return np.isfinite(self.readings)
+
+    @cached_property
+    def _stretches(self) -> list[tuple[int, int]]:
+        """First reading that is there, and end, of each stretch in which the encoder has not jumped."""
+        places = np.searchsorted(np.flatnonzero(self.seen), sorted({*self.breaks, self.onset} - {0})).tolist()
+        bounds = pairwise([*places, int(np.count_nonzero(self.seen))])
+        return [(first, end) for first, end in bounds if first < end]
 
     @property
     def duration(self) -> float:
@@ -72,12 +80,9 @@ class DrumRecord:
 
     def residuals(self, thetas: Array) -> Array:
         """Return what `thetas` leave of the readings that are there, (m, seen); steps where it has jumped are found."""
-        seen = self.seen
-        left = self.readings[seen] - self.simulated(thetas)[:, seen]
-        places = np.searchsorted(np.flatnonzero(seen), sorted({*self.breaks, self.onset} - {0}))
-        for first, end in pairwise([*places.tolist(), left.shape[1]]):
-            if first < end:
-                left[:, first:end] -= left[:, first:end].mean(axis=1, keepdims=True)
+        left = (self.readings - self.simulated(thetas))[:, self.seen]
+        for first, end in self._stretches:
+            left[:, first:end] -= left[:, first:end].mean(axis=1, keepdims=True)
         return np.asarray(left)
 
     def until(self, place: int) -> DrumRecord:

@@ -88,20 +88,22 @@ class Evidence:
             none. What counts is the noise of what was read, that of its product with a factor over the factor: else
             what is divided by ever more would be explained ever better.
         """
-        shares = np.zeros((len(self.counts), len(columns))) if factors is None else factors
         # q = a + 2 b w + c w^2 of each measurement and column
         a, b = self.grams[:, 0, 0, None], self.grams[:, 0, columns]
         c = self.grams[:, columns, columns]
-        counts = self.counts[:, None]
+        counts, spreads = self.counts[:, None], self.spreads[:, None]
 
         def misfits(weights: Array) -> Array:
+            weights = weights[..., None, :]
             return np.asarray(a + weights * (2.0 * b + weights * c))
 
         def loss(weights: Array, least: float = 1.0) -> Array:
-            read = misfits(weights) * np.maximum(np.abs(1.0 + weights), TINY) ** (-2.0 * shares)
-            return np.asarray(0.5 * np.sum(counts * (np.log(np.maximum(read, least)) + self.spreads[:, None]), axis=0))
+            read = misfits(weights)
+            if factors is not None:
+                read = read * np.maximum(np.abs(1.0 + weights), TINY)[..., None, :] ** (-2.0 * factors)
+            return np.asarray(0.5 * np.sum(counts * (np.log(np.maximum(read, least)) + spreads), axis=-2))
 
-        at_starts = np.array([loss(np.full(len(columns), start)) for start in starts])
+        at_starts = loss(np.repeat(starts[:, None], len(columns), axis=1))
         best = starts[np.argmin(at_starts, axis=0)]
         least, weights = np.min(at_starts, axis=0), best
         for _ in range(ITERATIONS):
@@ -112,9 +114,8 @@ class Evidence:
         if factors is not None:
             # least squares shrink a factor, and what is as good as noise is best where it is least
             for near in NEAR:
-                trials = np.array([(1.0 + best) * factor - 1.0 for factor in near])
-                losses = np.array([loss(trial, TINY) for trial in trials])
-                best = trials[np.argmin(losses, axis=0), np.arange(len(columns))]
+                trials = (1.0 + best) * near[:, None] - 1.0
+                best = trials[np.argmin(loss(trials, TINY), axis=0), np.arange(len(columns))]
             least = loss(best)
         found = misfits(best)
         sigmas = 1.0 / np.sqrt(np.maximum(np.sum(counts / np.maximum(found, 1.0) * c, axis=0), TINY))

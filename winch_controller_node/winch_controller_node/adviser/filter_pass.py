@@ -186,9 +186,9 @@ def _motion(model: PassModel, record: PassInput) -> Motion:
 
 
 @inner_kernel
-def _moved(motion: Motion, k: int, x: Array) -> Array:
-    """Return F x a tick on, (n, c), with slack."""
-    moved = np.zeros_like(x)
+def _move(motion: Motion, k: int, x: Array, moved: Array) -> None:
+    """Put F x a tick on, with slack, into `moved`, both (n, c)."""
+    moved[:] = 0.0
     for i in range(len(x)):
         for place in range(motion.begins[i], motion.begins[i + 1]):
             j = motion.filled[place]
@@ -199,25 +199,6 @@ def _moved(motion: Motion, k: int, x: Array) -> Array:
             if motion.pull[j] != 0.0:
                 for m in range(x.shape[1]):
                     moved[motion.rate, m] -= motion.gives[k] * motion.pull[j] * x[j, m]
-    return moved
-
-
-@inner_kernel
-def _spread(motion: Motion, k: int, P: Array) -> Array:
-    """Return P = F P F' + Q a tick on, (n, n), with slack."""
-    n = len(P)
-    half = _moved(motion, k, P)
-    spread = motion.Q.copy()
-    for i in range(n):
-        for m in range(n):
-            for place in range(motion.begins[m], motion.begins[m + 1]):
-                j = motion.filled[place]
-                spread[i, m] += half[i, j] * motion.F[m, j]
-    if motion.gives[k] > 0.0:
-        for i in range(n):
-            for j in range(n):
-                spread[i, motion.rate] -= motion.gives[k] * half[i, j] * motion.pull[j]
-    return spread
 
 
 @inner_kernel
@@ -253,13 +234,19 @@ def _follow(motion: Motion, reads: Reads, commands: Array, x: Array, P: Array) -
     n, c = x.shape
     innovations, variances = np.empty_like(reads.values), np.empty(len(reads.values))
     across, left, first = np.empty(n), np.empty(c), 0
+    moved, half, across_half = np.empty_like(x), np.empty_like(P), np.empty_like(P)
     for k in range(len(reads.ends)):
         _slowed(motion, k, x, P)
-        x[:, :] = _moved(motion, k, x)
+        _move(motion, k, x, moved)
+        x[:] = moved
         for i in range(n):
             if motion.B[i] != 0.0:
                 x[i] += motion.B[i] * commands[k]
-        P[:, :] = _spread(motion, k, P)
+        # P = F P F' + Q = F (F P)' + Q, of a symmetric P
+        _move(motion, k, P, half)
+        across_half[:] = half.T
+        _move(motion, k, across_half, P)
+        P += motion.Q
         _slowed(motion, k, x, P)
         P[motion.rate, motion.rate] += motion.unknown[k]
         for m in range(first, reads.ends[k]):
