@@ -201,7 +201,7 @@ def test_beliefs_of_a_stranger_are_not_taken_and_fail_the_run(tmp_path):
     assert f"winch_controller: strangers: UNKNOWN_PUBLISHER (high): {named}" in run.stderr
     bag = Bag(folder / "bag")
     assert max(bag.columns({"/controller/beliefs": ["number"]})["/controller/beliefs"]["number"]) < 999
-    assert "beliefs 999" not in adviser_part(folder / "bag")[1]
+    assert "set 999" not in adviser_part(folder / "bag")[1]
 
 
 @pytest.mark.slow

@@ -60,7 +60,7 @@ def test_deleting_every_truth_topic_changes_no_digit(calm_bag, nominal, tmp_path
 @pytest.mark.parametrize(
     ("left_out", "words"),
     [
-        ("unit/pressure", "holds no unit/pressure: the unit's motion is not measured, so nothing can be said of it"),
+        ("unit/pressure", "holds no unit/pressure: the unit's motion is not measured, so it cannot be predicted"),
         ("mru", "holds no mru: the boom tip's motion is not known"),
         ("winch/command", "holds no winch/command: what the winch was ordered is not known"),
     ],

@@ -95,7 +95,7 @@ def test_tss1_has_no_time_and_a_map_says_how_often_it_comes(tmp_path):
         return f":000000 {'-' if heave < 0 else ' '}{abs(heave):04d}F-0046 -0563"
 
     text = "\r\n".join(map(line, TIMES))
-    with pytest.raises(BagError, match=r"tells no time: .* give sample_rate"):
+    with pytest.raises(BagError, match=r"has no time: .* give sample_rate"):
         imported(tmp_path, text, "format: tss1\nheave: TSS1.heave\n")
     sea = imported(tmp_path, text, "format: tss1\nheave: TSS1.heave\nsample_rate: 10\n", "mru.tss")
     assert np.abs(sea.position[:, 2]).max() == pytest.approx(AMPLITUDE, abs=0.02)

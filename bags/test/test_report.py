@@ -183,7 +183,7 @@ def test_a_limit_that_was_learnt_is_drawn_from_when_on_it_is_told(shared_bag):
     told = "winch_controller: alarms: WINCH_MODEL_UPDATED (event): acceleration limit paying out {} m/s^2 (was 1.500)."
     record.alarms += [Interval(time, time + 1.0, told.format(limit), 1) for time, limit in ((40.0, 0.6), (20.0, 0.9))]
     (figure,) = [one for one in run_figures(record) if one.title.startswith("Winch speed")]
-    assert "dotted: as the controller has learnt them" in figure.caption
+    assert "dotted: limits that the controller has identified" in figure.caption
     upper, lower = [trace for trace in figure.traces if trace["name"] == "acceleration limit, learnt"]
     assert upper["yaxis"] == lower["yaxis"] == "y2"
     assert upper["x"] == lower["x"] == pack(array([20.0, 40.0, 40.0, record.end]))
@@ -235,6 +235,25 @@ def test_a_list_that_is_empty_or_not_stated_is_no_difference(shared_bag):
     one.parameters = {"winch_controller": {"programme.modes": [], "law": "off"}}
     other.parameters = {"winch_controller": {"law": "mpc"}}
     assert [found.name for found in run_words.differences([one, other])] == ["law"]
+
+
+def test_scheduled_faults_are_one_difference_in_words(shared_bag):
+    one, other = analysis.analyse([shared_bag, shared_bag])
+    names = ("kind", "start", "duration", "magnitude")
+    lists = (["freeze", "scale"], [180.0, 320.0], [20.0, 0.0], [0.0, -1.0])
+    one.parameters = {"wave_vessel": {f"mru.faults.{name}": [] for name in names}}
+    other.parameters = {
+        "wave_vessel": {f"mru.faults.{name}": values for name, values in zip(names, lists, strict=True)}
+    }
+    assert [str(found) for found in run_words.differences([one, other])] == [
+        "mru faults: - / freeze from 180 s for 20 s, scale -1 from 320 s"
+    ]
+    assert run_words.labels([one, other]) == [
+        "no mru faults",
+        "mru faults freeze from 180 s for 20 s, scale -1 from 320 s",
+    ]
+    other.parameters = {"wave_vessel": {"mru.faults.kind": 3, "mru.faults.start": ["never"]}}
+    assert run_words.differences([one, other]) == [], "a bag may state anything"
 
 
 def test_a_recorded_sea_is_named_by_its_file(shared_bag):

@@ -88,7 +88,7 @@ def test_why_compensation_never_began_is_told_in_the_words_of_the_controller(rec
     record.alarms += [Interval(21.0, 22.0, "winch_controller: alarms: only a warning", level=1)]
     (text,) = warned(record)
     assert text == (
-        "compensation never began; why, in the controller's words: standby for 180 s: "
+        "compensation never began; the controller's reasons: standby for 180 s: "
         f"{TOLD.format(5)}; standby for 100 s: mru nan; winch_controller: sensor mru: nan: start it again"
     )
 
@@ -100,7 +100,7 @@ def test_why_compensation_was_seldom_in_force_is_told_and_a_rest_that_was_asked_
     record.waits += [Interval(60.0, 300.0, "standby", reason="mru nan")]
     (text,) = warned(record)
     assert text.startswith(
-        "compensation was in force for 17.2 % of the time from 10 s to 300 s; why, in the controller's words: standby"
+        "compensation was active for 17.2 % of the time from 10 s to 300 s; the controller's reasons: standby"
     )
     record.modes[-1] = record.waits[-1] = Interval(60.0, 300.0, "standby", reason="standby requested")
     assert warned(record) == []
@@ -116,7 +116,7 @@ def test_a_run_that_an_operator_stopped_early_is_not_told_why_it_was_not_in_forc
     record.waits = [Interval(0.0, 30.0, "standby", reason="depth nan")]
     record.modes.append(Interval(40.0, 45.0, "standby", reason="depth nan"))
     (text,) = warned(record)
-    assert text.startswith("compensation was in force for")
+    assert text.startswith("compensation was active for")
     record.modes[-1] = Interval(40.0, 45.0, "standby", reason="standby requested")
     assert warned(record) == []
 
@@ -143,4 +143,4 @@ def test_a_run_of_no_length_has_nothing_to_be_warned_of(made_up_bag):
     """One sample: the evaluation window is empty, and no share of it means anything."""
     record = read_run(made_up_bag(run=MadeUpRun(duration=0.05)))
     assert record.end == record.start
-    assert [line for line in run_warnings.warnings(record, record.kpis()) if "in force" in line] == []
+    assert [line for line in run_warnings.warnings(record, record.kpis()) if "active for" in line] == []

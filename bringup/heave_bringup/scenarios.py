@@ -29,7 +29,7 @@ from heave_bringup.tables.kept_files import make_good
 
 SCENARIO_FOLDER = "scenarios"
 NAMES_OF_FILES = ("rao_file", "spectrum_file", "recording_file")
-"""How the names of parameters end that name files which a run reads."""
+"""Endings of the names of parameters that name a file which a run reads."""
 QOS_OVERRIDES = "qos_overrides."
 """Parameters of ROS itself in a node's section: the node checks them when it makes its topics."""
 

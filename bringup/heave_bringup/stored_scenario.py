@@ -41,7 +41,7 @@ def stored_sections(scenario: Scenario) -> Sections:
 
 def stored_title(scenario: Scenario) -> str:
     """Return the comment at the top of a stored scenario."""
-    return f"{description_of(scenario.path) or scenario.name}\nAll values in force in one run, including defaults."
+    return f"{description_of(scenario.path) or scenario.name}\nAll values active in one run, including defaults."
 
 
 def _refuse_lost_lists(scenario: Scenario) -> None:

@@ -15,8 +15,8 @@ DRIVE_CODES = {
 
 _ACTIONS = {
     WinchFault.COMMAND_TIMEOUT: "Check the controller, the network and the load of the machine",
-    WinchFault.INVALID_COMMAND: "Check the numbers that the controller sends",
-    WinchFault.DRIVE: "Clear the fault at the drive",
+    WinchFault.INVALID_COMMAND: "Check the numbers that the controller sends, then request a mode",
+    WinchFault.DRIVE: "Clear the fault at the drive, then request a mode",
     WinchFault.EMERGENCY_STOP: "Clear the cause, then request a mode",
 }
 

@@ -19,7 +19,7 @@ from cable_sim_node.physics.seabed import Seabed
 
 NAMESPACE = "plant"
 PROFILE_PLACES = 101
-"""How many places of a seabed's profile are shown."""
+"""Number of points of a seabed's profile that are shown."""
 TAUT = ColorRGBA(r=1.0, g=0.8, b=0.1, a=1.0)
 SLACK = ColorRGBA(r=0.9, g=0.1, b=0.1, a=1.0)
 YELLOW = ColorRGBA(r=1.0, g=0.6, b=0.0, a=1.0)

@@ -314,6 +314,8 @@ def unknown_parameter(given: Given, known: Iterable[str]) -> ParameterError:
     """
     names = sorted(known)
     near = difflib.get_close_matches(given.name, names, n=1)
+    group = given.name.partition(".")[0]
+    names = [name for name in names if name.partition(".")[0] == group] or names
     if len(names) > LONGEST_LIST:
         names = sorted({name.partition(".")[0] for name in names})
     hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(names)}"

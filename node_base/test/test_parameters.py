@@ -105,6 +105,8 @@ def test_of_many_names_the_message_lists_the_groups_only():
     names = [f"group{number % 3}.name{number}" for number in range(30)]
     error = unknown_parameter(Given(1, "zzz", "f.yaml: n"), names)
     assert str(error) == "f.yaml: n: there is no parameter zzz; known: group0, group1, group2"
+    error = unknown_parameter(Given(1, "g.qwertyuiop", "f.yaml: n"), [*names, "g.unit", "g.payout"])
+    assert str(error) == "f.yaml: n: there is no parameter g.qwertyuiop; known: g.payout, g.unit"
 
 
 def test_every_parameter_is_described():

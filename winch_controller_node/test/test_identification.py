@@ -95,9 +95,9 @@ def test_a_record_that_tells_nothing_is_refused_in_words(change, message):
         identify(*change(t, sea(t), sea(t, seed=1)))
 
 
-def test_a_response_without_relation_to_the_boom_tip_is_called_doubtful():
+def test_a_response_without_relation_to_the_boom_tip_is_called_a_poor_fit():
     t = np.arange(0.0, 60.0, 0.1)
-    assert "doubtful" in identify(t, sea(t), sea(t, seed=2)).note
+    assert "poor fit" in identify(t, sea(t), sea(t, seed=2)).note
 
 
 @pytest.fixture(scope="module")

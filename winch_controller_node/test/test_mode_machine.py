@@ -76,8 +76,22 @@ def test_a_lost_mru_is_coasted_over_then_faded_then_stopped_then_forgiven():
 def test_a_mode_that_a_lost_sensor_has_ended_for_good_says_that_it_must_be_asked_for():
     modes = machine(resume=False)
     run(modes, 5.0)
-    run(modes, 2.0, situation(lost="mru frozen", speed=0.3))
-    assert modes.reason == "mru frozen; request a mode once the sensor is good"
+    run(modes, 1.7, situation(lost="mru frozen", speed=0.3))
+    assert modes.reason.endswith("resumes automatically only while authority falls; after that request it")
+    run(modes, 1.5)
+    assert modes.mode is Mode.COMPENSATING  # as the reason says
+
+
+def test_a_frozen_encoder_is_said_to_be_good_again_only_once_its_reading_changes():
+    """Below a drum that rests it reads the same whether frozen or not: an operator must ask."""
+    modes = machine()
+    run(modes, 5.0)
+    run(modes, 2.0, situation(lost="encoder frozen", speed=0.3))
+    assert modes.reason.endswith("at rest it may stay the same: then request compensation")
+    run(modes, 60.0, situation(lost="encoder frozen"))
+    assert modes.mode is Mode.STOPPED
+    run(modes, 5.0)
+    assert modes.mode is Mode.COMPENSATING
 
 
 def test_a_short_gap_does_not_end_compensation():

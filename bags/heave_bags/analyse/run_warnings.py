@@ -146,13 +146,13 @@ def why_not_in_force(record: RunRecord, values: Mapping[str, float]) -> list[str
     if not waits or not is_seldom:
         return []
     share = values["compensating_percent"]
-    how = f"was in force for {share:.1f} % of the time" if share > 0.0 else "was never in force"
+    how = f"was active for {share:.1f} % of the time" if share > 0.0 else "was never active"
     how += f" from {record.start:.0f} s to {record.end:.0f} s"
     if not any(mode.name in events.COMPENSATES for mode in record.modes):
         how = "never began"
     alarms = [one.name for one in record.alarms if one.level == ERROR and one.name.startswith(OF_CONTROLLER)]
     reported = [*_reasons(record, waits), *list(dict.fromkeys(alarms))[:MOST_LISTED]]
-    return [f"compensation {how}; why, in the controller's words: {'; '.join(reported)}"]
+    return [f"compensation {how}; the controller's reasons: {'; '.join(reported)}"]
 
 
 def _reasons(record: RunRecord, waits: list[events.Interval]) -> list[str]:

@@ -142,15 +142,18 @@ class Difference:
 
     def of(self, number: int) -> str:
         """Return in words what run `number` has."""
+        if self.values[number] == "-" and not self.unit:
+            return f"no {self.name}"
         return f"{self.name} {self.values[number]} {self.unit}".rstrip()
 
 
 def differences(records: Sequence[RunRecord]) -> list[Difference]:
     """Return in which parameters the runs `records` differ, what ship and controller share once; the law first."""
-    names = {(node, name) for record in records for node, own in record.parameters.items() for name in own}
+    parameters = [{node: _with_faults(own) for node, own in record.parameters.items()} for record in records]
+    names = {(node, name) for run in parameters for node, own in run.items() for name in own}
     found: dict[tuple[str, tuple[str, ...]], set[str]] = {}
     for node, name in names:
-        values = tuple(_text(record.parameters.get(node, {}).get(name)) for record in records)
+        values = tuple(_text(run.get(node, {}).get(name)) for run in parameters)
         if len(set(values)) > 1:
             found.setdefault((name.rsplit(".", 1)[-1], values), set()).add(name)
     scenarios = tuple(record.run.get("scenario", "") for record in records)
@@ -162,6 +165,21 @@ def differences(records: Sequence[RunRecord]) -> list[Difference]:
         for (short, values), full in found.items()
     ]
     return own + sorted(others, key=lambda one: (one.name != "law", one.name == "seed", one.name))
+
+
+def _with_faults(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the `parameters` of a node with the four lists of faults of a device as one value, in words."""
+    found = dict(parameters)
+    for group in [name.removesuffix(".kind") for name in found if name.endswith("faults.kind")]:
+        lists = [found.pop(f"{group}.{name}", ()) for name in ("kind", "start", "duration", "magnitude")]
+        found[group] = ", ".join(map(_fault, *(one if isinstance(one, list | tuple) else () for one in lists)))
+    return found
+
+
+def _fault(kind: Any, start: Any, duration: Any, magnitude: Any) -> str:
+    """Return a scheduled fault in words: what, how large, when [s] and for how long [s]; a bag may state anything."""
+    size = f" {_text(magnitude)}" if magnitude else ""
+    return f"{_text(kind)}{size} from {_text(start)} s" + (f" for {_text(duration)} s" if duration else "")
 
 
 def _text(value: Any) -> str:

@@ -131,7 +131,9 @@ class Verdict:
                 f"{100.0 * LARGEST_STRAIN:.0f} %), it would part, or its tension law does not hold: FAILED"
             )
         if self.share < LEAST_SHARE:
-            modes = ", ".join(f"{mode} {100.0 * share:.0f} %" for mode, share in self.time_in_modes.items())
+            modes = ", ".join(
+                f"{mode} {100.0 * share:.0f} %" for mode, share in self.time_in_modes.items() if share > 0.005
+            )
             found.append(
                 f"Compensation active {100.0 * self.share:.0f} % of the time, {modes} (required at least "
                 f"{100.0 * LEAST_SHARE:.0f} %): FAILED"

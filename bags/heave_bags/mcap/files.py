@@ -34,7 +34,7 @@ OUTCOME_RECORD = "heave_outcome"
 """Name of the MCAP metadata record that says how a run went: real-time factor, missed deadlines, how it ended."""
 
 COMPLETE, SNAPSHOT = "complete", "snapshot"
-"""How a bag ends as it should: the run was over or recording was, or it holds a part of a run on purpose."""
+"""Regular ends of a bag: run or recording was over, or it holds a part of a run on purpose."""
 
 
 @dataclass

@@ -38,7 +38,7 @@ from heave_bags.mcap.summary import MAGIC
 
 COMPRESSIONS = ("zstd", "lz4", "")
 LIBRARY = "heave_bags"
-"""How files of this writer name who wrote them: the messages of each of their topics are numbered from 1, without gaps.
+"""Name of this writer in its files: the messages of each of their topics are numbered from 1, without gaps.
 """
 
 _MESSAGE_HEAD = struct.Struct("<BQHIQQ")

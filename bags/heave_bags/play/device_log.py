@@ -140,7 +140,7 @@ def _times(source: Path, device: DeviceMap, record: _Record, places: Sequence[in
     if device.record.sample_rate > 0.0:
         return np.arange(len(places)) / device.record.sample_rate
     raise BagError(
-        f"{source}: tells no time: its sentences have none, no stamp stands before them, and there is no ZDA: give "
+        f"{source}: has no time: its sentences have none, no stamp stands before them, and there is no ZDA: give "
         "sample_rate in the map, in samples per second"
     )
 

@@ -20,7 +20,7 @@ EARLIEST_UNIX = 1e8
 DATE_ORDERS = ("dmy", "mdy")
 """Ways to read 01/03/2025: day or month first."""
 _UNIX_UNITS = ((1e17, 1e-9, "nanoseconds"), (1e14, 1e-6, "microseconds"), (1e11, 1e-3, "milliseconds"))
-"""From which number on a time is Unix time in which unit: 1e11 s is the year 5138."""
+"""Least number that is Unix time in a unit, seconds per unit, and its name: 1e11 s is the year 5138."""
 _HEADING_UNITS = {
     **{"ms": 1e-3, "msec": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "microseconds": 1e-6, "ns": 1e-9},
     **{"min": 60.0, "mins": 60.0, "minutes": 60.0, "h": 3600.0, "hr": 3600.0, "hrs": 3600.0, "hours": 3600.0},

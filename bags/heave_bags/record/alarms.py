@@ -19,6 +19,6 @@ ALARMS = alarm_table(
         "recorder",
         "{problem}",
         "That topic is recorded without its definition, or not at all",
-        "Source the workspace that defines its type",
+        "Source the workspace that defines its type, then start the recorder again",
     ),
 )

@@ -30,7 +30,7 @@ CM, KN = QUANTITIES["m"][1], QUANTITIES["N"][1]
 LABEL_HEIGHT = 18.0
 """Distance from one name of a trace to the next [pixels]."""
 MAXIMUM_SAMPLES = 200_000
-"""Longer signals are thinned before they enter the page; their extremes stay."""
+"""Largest number of samples of a signal in the page: longer ones are thinned, and their extremes stay."""
 
 
 @dataclass

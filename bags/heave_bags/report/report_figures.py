@@ -82,7 +82,7 @@ def motion_figure(record: RunRecord) -> Figure:
     ribbon = ribbon_traces(record)
     figure = Figure(
         "Motion",
-        "Heave about the mean: the sum of boom tip and minus payout is what the cable's top does. "
+        "Heave about the mean: boom tip plus minus payout is the motion of the cable's top. "
         "Above: mode of the controller, brake, active winch limits and alarms, in the colours below.",
         layout=time_layout(record, "heave about the mean [cm]"),
         height=480,
@@ -213,7 +213,7 @@ def winch_figure(record: RunRecord) -> Figure:
     figure = Figure(
         "Winch speed and acceleration",
         "Positive pays out and lowers the unit. Dashed: limits of the winch as stated"
-        + ("; dotted: as the controller has learnt them, from when on it told." if learnt else "."),
+        + ("; dotted: limits that the controller has identified, from when it reported them." if learnt else "."),
         layout=time_layout(record, "payout rate [m/s]", shapes),
         height=520,
     )

@@ -150,7 +150,7 @@ FIGURES: tuple[KpiDefinition, ...] = (
 ALARM_TIME = _time(
     "alarm_time_s", "from the event to its alarm on the panel", lambda _: math.nan, "an alarm of the step", EVENT
 )
-"""Its value depends on the alarms that the step names."""
+"""Figure whose value depends on the alarms that the step names."""
 DEFINITIONS: Mapping[str, KpiDefinition] = {one.key: one for one in (*FIGURES, ALARM_TIME)}
 
 

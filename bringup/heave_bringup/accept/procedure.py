@@ -19,7 +19,7 @@ FAULTS_OF: Mapping[str, str] = {
     "encoder": "virtual_winch.encoder.faults",
     "winch": "virtual_winch.faults",
 }
-"""Where the scheduled faults of each device stand, by the name that a procedure gives it."""
+"""Parameter group of the scheduled faults of each device, by the name that a procedure gives it."""
 COMMAND_LOSS, BRAKE = "command_loss", "brake"
 """Events that the test does itself, to a virtual and to a real winch: it sends nothing more, or requests the brake."""
 

@@ -47,8 +47,8 @@ def refuse_other(path: Path, found: Mapping[str, str], wanted: Mapping[str, str]
     """
     if found.get("digest") != wanted["digest"]:
         raise ParameterError(
-            f"{path}: holds results of another campaign, or of another version of the program: remove it to begin "
-            "anew, or name another table"
+            f"{path}: holds results of another campaign, or of another version of the program: remove it to start "
+            "again, or name another table"
         )
     if found.get("baseline") != wanted["baseline"]:
         begun = (
@@ -56,7 +56,7 @@ def refuse_other(path: Path, found: Mapping[str, str], wanted: Mapping[str, str]
             if wanted["baseline"] == "yes"
             else "was begun without --no-baseline: leave that option out"
         )
-        raise ParameterError(f"{path}: {begun}, or remove the file to begin anew, or name another table")
+        raise ParameterError(f"{path}: {begun}, or remove the file to start again, or name another table")
 
 
 def journal_path(table: Path) -> Path:

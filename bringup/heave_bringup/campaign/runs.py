@@ -210,7 +210,7 @@ def lost_because(record: LoopRecord, scenario: Scenario, kpis: Mapping[str, floa
         is_worse = kpis["unit_sigma_m"] > kpis["uncompensated_sigma_m"]
         return "the unit moves more than uncompensated" if is_worse else ""
     begun = np.flatnonzero(works)
-    share = f"in force {100.0 * float(np.mean(works[time >= ahead])):.1f} % of the time"
+    share = f"active {100.0 * float(np.mean(works[time >= ahead])):.1f} % of the time"
     if not begun.size:
         when, words = float(time[-1]), f"compensation never began (mode {record.modes[-1]})"
     elif begun[0] > out[0]:

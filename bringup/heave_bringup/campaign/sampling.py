@@ -30,7 +30,7 @@ def _sobol(count: int, dimensions: int, seed: int) -> Array:
 
 
 METHODS: Mapping[str, Callable[[int, int, int], Array]] = {"random": _random, "latin": _latin, "sobol": _sobol}
-"""How draws are spread, by name: number, dimensions and seed give points of the unit cube, (count, dimensions)."""
+"""Methods of spreading draws: number, dimensions and seed give points of the unit cube, (count, dimensions)."""
 
 
 @dataclass(frozen=True)

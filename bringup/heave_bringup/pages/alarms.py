@@ -39,8 +39,13 @@ RETURNS = (
     (
         'a sensor is lost: "mru frozen"',
         f"automatically: {BACK_TIME:g} s after its readings are good while authority still falls; `modes.resume_time` "
-        f"({TIMES.resume_time:g} s) after that once the winch has stopped; not with `modes.resume` off",
-        "restore the sensor; after a frozen encoder request compensation",
+        f"({TIMES.resume_time:g} s) after that once the winch has stopped, unless `modes.resume` is off",
+        "restore the sensor",
+    ),
+    (
+        '"encoder frozen"',
+        "automatically, after the same times, once its reading changes. While the drum rests it may stay the same",
+        "check that the drum turns; restart the encoder, then request compensation",
     ),
     (
         "harm: `WORSE_THAN_OFF`, `LITTLE_GAIN`, `UNIT_HEAVE_HIGH`, `UNIT_SWING_HIGH`, `DRUM_SPEED_OFF`",

@@ -52,7 +52,7 @@ PLANTS = 12
 """Number of other plants on which the motion of a loop is tried: enough for a spread to a fifth."""
 
 LOOKS = 3
-"""How often the time is looked for at which the cable is first slack."""
+"""Number of searches for the time at which the cable is first slack."""
 
 Show = Callable[[str, float], None]
 

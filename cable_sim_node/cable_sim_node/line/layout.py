@@ -181,9 +181,9 @@ SETTINGS = REFUSED + 15
     GRAVITY,
     NUMBERS,
 ) = range(SETTINGS, SETTINGS + 51)
-"""From NUMBERS on the points of the seabed's profile follow, three numbers each: distance [m], height [m], slope. Then
-those of the unit's tables: KC, vertical added mass [kg] and (1/2) rho C_D S [kg/m]; distance [m] and factor on the
-added mass, near the seabed and near the surface.
+"""Places of the settings. From NUMBERS on come the points of the seabed's profile, three numbers each: distance [m],
+height [m], slope. Then those of the unit's tables: KC, vertical added mass [kg] and (1/2) rho C_D S [kg/m]; distance
+[m] and factor on the added mass, near the seabed and near the surface.
 """
 
 # The wide system of a line with bending, three rows for each node: half bandwidth 8, and the right side.

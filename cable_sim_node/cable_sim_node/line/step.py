@@ -41,7 +41,7 @@ _OVERSHOOT = 0.5
 _SMALLEST_PART = 1e-3
 """Smallest part of a correction that is taken."""
 _FAILED, _TAUT, _SLACK, _SLACK_REFUSED = range(4)
-"""How a step ended."""
+"""Result of a step, by number."""
 Motion = tuple[float, float, float, float]
 """Value and rate at the start of an interval, value and rate at its end."""
 

@@ -24,7 +24,7 @@ from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableSimParameters
 
 _SUBMERGENCE = 50.0
-"""How far everything is lowered [m], so that the moving top stays in the water as the plant's does."""
+"""Depth by which everything is lowered [m], so that the moving top stays in the water as the plant's does."""
 
 
 @contextlib.contextmanager

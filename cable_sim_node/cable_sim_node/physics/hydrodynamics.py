@@ -24,7 +24,7 @@ PLATE_COEFFICIENTS = (
     (10.0, 0.947),
     (math.inf, 1.0),
 )
-"""Longer over shorter side of a flat rectangular plate, and its C_A in a motion across it (table A-2)."""
+"""Flat rectangular plate: longer over shorter side, and C_A in a motion across it (table A-2)."""
 
 _SOLID_UP_TO, _OPEN_FROM = 0.05, 0.34
 """Perforation below which holes make no difference, and from which on the second expression holds."""

@@ -10,7 +10,7 @@ from heave_node.crane.kinematics import JOINTS
 from heave_node.interface.sensors import WireReading
 
 RATES = tuple(f"{joint}_rate" for joint in JOINTS)
-"""Their time derivatives [rad/s], [m/s]."""
+"""Time derivatives of the joints [rad/s], [m/s]."""
 POSE_FIELDS = (*JOINTS, *RATES)
 """Fields of heave_msgs/CranePose, in this order."""
 LARGEST = (("slew", 7.0), ("luff", 3.2), ("knuckle", 3.2), ("extension", 100.0))

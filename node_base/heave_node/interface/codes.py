@@ -113,7 +113,7 @@ def timed_words(message: str) -> list[tuple[float, str]]:
 
 
 TIME_KEY = re.compile(r"t = ([0-9.]+) s")
-"""What `time_key` returns, with the time as its group."""
+"""Pattern of the keys that `time_key` returns; its group is the time [s]."""
 _FIGURES = re.compile(r"[0-9.]+")
 
 

@@ -54,7 +54,7 @@ FAULTS: dict[str, FaultKind] = {
     "scale": FaultKind(
         "every sample is multiplied, on all axes (mru: heave, its rate and acceleration)",
         (*_SENSORS, "encoder"),
-        "factor, not 0: -1 for a sensor that is turned over",
+        "factor, not 0: -1 for a reversed sensor",
     ),
     "nan": FaultKind("every sample is NaN", (*_SENSORS, "encoder")),
     "rate": FaultKind("samples are taken at a different rate", _SENSORS, "rate, above 0 [Hz]"),

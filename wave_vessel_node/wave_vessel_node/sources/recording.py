@@ -22,7 +22,7 @@ from wave_vessel_node.sources.bag_motion import BagMotionError, bag_samples
 
 _LONGEST_GAP = 2.0  # s between samples; longer gaps cannot be interpolated
 _LONGEST_STANDSTILL = 10.0
-"""Longer than this no ship and no sea stands exactly still [s]."""
+"""Longest time in which a ship at sea reads exactly the same [s]."""
 _COLUMNS = {"x_m": 0, "y_m": 1, "z_m": 2, "heave_m": 2, "elevation_m": 2}
 
 

@@ -112,7 +112,7 @@ class AdviserWatch:
 
     @property
     def _active(self) -> str:
-        return f"beliefs {self._number}" if self._number else "the nominal"
+        return f"the identified values, set {self._number}" if self._number else "the nominal values"
 
     def _heard(self) -> None:
         self._unanswered = None

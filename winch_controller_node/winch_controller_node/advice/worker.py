@@ -14,7 +14,7 @@ from multiprocessing.connection import Connection
 MOST_WAITING = 30
 """Questions that wait for a worker that is behind; beyond that the oldest are dropped."""
 NICENESS = 5
-"""How much lower than that of the loop the priority of a process is that works beside it."""
+"""Steps of priority (nice) by which a process beside the loop is below it."""
 
 ENDED = "its process has ended"
 

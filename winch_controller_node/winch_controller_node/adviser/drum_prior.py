@@ -12,7 +12,7 @@ from winch_controller_node.model.drum_kernel import Drum
 from winch_controller_node.parameters.model import WinchModelParameters
 
 SIGMAS = Drum(0.05, 0.1, 0.2, 0.02, np.inf, np.inf, np.inf, np.inf, 0.005, np.inf, 0.2, 0.05, np.inf)
-"""How far a drum may well be from the nominal one, 1 sigma; of limits nothing is known."""
+"""Prior standard deviation of each quantity of the drum about nominal; infinite for limits, which are unknown."""
 
 SMALLEST_LAG, LARGEST_LAG = 0.005, 2.0
 """Least time constant of a servo, and the most that it is above the nominal one [s]."""

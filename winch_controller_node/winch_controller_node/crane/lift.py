@@ -27,7 +27,7 @@ CATCH_UP = 2.0
 """Time tau in which the drum makes up for what it lags behind [s]; four of its lags where longer: no overshoot."""
 
 HISTORY = 10.0
-"""What was paid out is remembered for so long [s]: longer than any delay of a winch."""
+"""Time for which the payout is kept [s]: longer than any delay of a winch."""
 
 
 class LiftBounds(NamedTuple):

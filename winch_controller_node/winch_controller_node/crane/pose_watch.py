@@ -27,7 +27,7 @@ CONFIRMED_AFTER = 5.0
 """A pose elsewhere is used once it has gone on without a further jump for so long [s]."""
 
 WELL_AFTER = 1.0
-"""After a fault the pose is well again once usable readings have come for so long [s]."""
+"""Time of usable readings after which the pose is good again after a fault [s]."""
 
 RATE_SPAN = 0.5
 """Time over which rates that are not measured are taken [s]."""

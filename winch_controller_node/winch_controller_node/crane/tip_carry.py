@@ -46,7 +46,7 @@ APPROACH = 10.0
 """Time in which a pose that has come back elsewhere is approached [s]."""
 
 LONGEST_STEP = 1.0
-"""After a longer gap between readings the high-pass starts again [s]."""
+"""Longest gap between readings [s]: after a longer one the high-pass starts again."""
 
 
 class AddedHighPass:

@@ -19,8 +19,8 @@ EVERY = 2
 """Ticks from one compared moment to the next."""
 
 EXACTNESS, LOOSENING = 1e-3, 2.6
-"""How far the two may differ at first, over the standard deviation of the boom tip's heave, and the time [s] in which
-that grows by a factor of e: another sea must predict something else in the end."""
+"""Largest difference of the two at first, over the standard deviation of the boom tip's heave, and the time [s] in
+which it may grow by a factor of e: another sea must predict something else in the end."""
 
 
 def carry_sea(old: ControllerDesign, new: ControllerDesign) -> tuple[Array, Array]:

@@ -38,7 +38,7 @@ NEGLIGIBLE = 1e-4
 """Nominal noise up to which a sensor is never reported as quieter than nominal, in the sensor's unit."""
 
 HEAVE_ALONE = "heave alone: it measures no rate"
-"""How an MRU is seen that has no fault and states no heave rate."""
+"""State of an MRU that has no fault and reports no heave rate, in words."""
 
 
 class Observed(NamedTuple):

@@ -22,7 +22,7 @@ from winch_controller_node.interface.readings import ScalarReading, SensorState
 from winch_controller_node.parameters.laws import HealthParameters
 
 CONTRADICTS = "contradicts all others"
-"""How a sensor is seen that is excluded and has no other fault."""
+"""State of a sensor that is excluded and has no other fault, in words."""
 
 BAD_IN_A_ROW = 3
 """Number of refused readings in a row that make a sensor lost: alarm within 3 samples."""

@@ -187,7 +187,7 @@ class _Problem:
         whole = np.asarray(np.linalg.pinv(information), dtype=np.float64) * variance * _correlation_factor(residual)
         swing = float(np.linalg.norm(self.unit - self.unit.mean()))
         fit = 1.0 - float(np.linalg.norm(residual)) / swing
-        poor = f"doubtful: the model explains {100.0 * fit:.0f} % of the motion" if fit < POOR_FIT else ""
+        poor = f"poor fit: the model explains {100.0 * fit:.0f} % of the motion" if fit < POOR_FIT else ""
         return Identification(
             drag=drag,
             a=float(theta[0]),

@@ -61,16 +61,16 @@ LOAD = (
         MEDIUM,
         "cable",
         "constant tension has travelled {travel:g} m, half of tension.travel",
-        "Constant tension continues up to tension.travel, and the winch holds there",
-        "Check whether the load yields or is suspended; request stopped if it is",
+        "Constant tension continues up to tension.travel; there the winch holds its position",
+        "Check whether the load yields or hangs free; request stopped if it does",
     ),
     AlarmRow(
         "TENSION_TRAVEL_END",
         HIGH,
         "cable",
         "constant tension has travelled {travel:g} m, the limit tension.travel",
-        "The winch holds there: the load has yielded or is lost",
-        "Check the load",
+        "The winch holds its position: the load has yielded or is lost",
+        "Check the load, then request a mode",
     ),
     AlarmRow(
         "TENSION_LIMIT_LOW",
@@ -99,7 +99,7 @@ COMMANDS = (
         MEDIUM,
         "winch",
         "commands take effect {delay:.2f} s later than modelled",
-        "Compensation continues while the delay is identified, and ends where that is too long",
+        "Compensation continues while the delay is identified, and ends if the delay is too long",
         "Check the drive, the network and the load of the machine",
     ),
     AlarmRow(
@@ -131,7 +131,8 @@ COMMANDS = (
         HIGH,
         "winch",
         "no command reached the winch for {time:g} s",
-        "The winch stops by its own watchdog; compensation resumes automatically once commands arrive",
+        "The winch stops by its own watchdog; compensation resumes automatically once commands arrive, unless "
+        "COMMAND_TIMEOUTS follows",
         "Check the link to the winch",
     ),
     AlarmRow(
@@ -241,8 +242,9 @@ MODES = (
         HIGH,
         "mode",
         "mode {mode}: {reason}",
-        "The winch no longer follows the sea: the unit moves with the ship",
-        "Remove the cause. Request compensation, unless the line says that it resumes or when it is tried again",
+        "The winch stops following the sea: a suspended unit moves with the ship, a landed one may be lifted",
+        "Remove the cause. Request compensation where this line neither says that it resumes automatically nor names a "
+        "next attempt",
     ),
     AlarmRow(
         "AUTHORITY_LIMITED_BY_SEA",
@@ -291,7 +293,7 @@ MODES = (
         LOW,
         "mode",
         "the move to a payout of {target:.1f} m ended early near {payout:.1f} m",
-        "",
+        "The winch does not continue the move",
         "Request it again once the winch compensates",
     ),
     AlarmRow(
@@ -321,14 +323,18 @@ MODES = (
 
 CRANE = (
     AlarmRow(
-        "CRANE_POSE_USED", EVENT, "crane", "the pose of the crane is used", "The MRU's motion is carried to the tip"
+        "CRANE_POSE_USED",
+        EVENT,
+        "crane",
+        "the pose of the crane is used",
+        "Compensation follows the boom tip where the crane has it",
     ),
     AlarmRow(
         "CRANE_POSE_STALE",
         HIGH,
         "crane",
         "no usable pose for {age:.1f} s, limit {limit:g} s",
-        "Compensation continues with the last pose held",
+        "Compensation continues with the last pose: any motion of the crane since then moves the unit",
         "Stop the crane; check encoders, network and clock",
     ),
     AlarmRow(
@@ -336,7 +342,7 @@ CRANE = (
         MEDIUM,
         "crane",
         "a pose is rejected: {reason}",
-        "The last usable pose is carried on by its rates, and held once it is stale",
+        "The last usable pose is extrapolated by its rates, and held once it is stale",
         "Stop the crane if it lasts; check encoders and clock",
     ),
     AlarmRow(
@@ -361,7 +367,7 @@ CRANE = (
         "CRANE_BEYOND_RANGE",
         HIGH,
         "crane",
-        "the crane's lift takes the payout to {payout:.1f} m, limit for compensation {limit:.1f} m",
+        "the crane's motion takes the payout to {payout:.1f} m, limit for compensation {limit:.1f} m",
         "From there the unit moves with the boom; compensation continues",
         "Move the boom back, or move the unit so that the range suffices",
     ),

@@ -20,7 +20,9 @@ LOSSES = {
     "mru": Loss(HIGH, "Compensation fades out until readings are good again"),
     "encoder": Loss(HIGH, "Compensation fades out and the winch stops, until readings are good again"),
     "depth": Loss(MEDIUM, "Compensation continues without it; touchdown is recognised later"),
-    "load_cell": Loss(MEDIUM, "Compensation continues; no tension alarms and no constant tension"),
+    "load_cell": Loss(
+        MEDIUM, "Compensation continues. Tension alarms are off; constant tension ends and cannot be requested"
+    ),
     "velocity": Loss(LOW, "Compensation continues without it"),
     "imu": Loss(LOW, "Compensation continues without it"),
 }
@@ -28,9 +30,10 @@ LOSSES = {
 
 EXCLUSIONS = {
     "mru": "Compensation fades out until they agree again",
-    "encoder": "It is not used while the sensors are compared; compensation ends if that takes longer than 20 s",
+    "encoder": "Compensation continues by the commanded payout while the sensors are compared, and ends if that takes "
+    "longer than 20 s",
 }
-"""What follows where a sensor contradicts all others; of any other compensation continues without it."""
+"""Consequence of a sensor that contradicts all others. Compensation continues without any that is not listed."""
 
 SLOW_ACTIONS = {"encoder": "Have the drive report at the rate of the controller, or check the link"}
 """What to do about a sensor that is slower than nominal and has no rate of its own to enter."""
@@ -43,10 +46,10 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
     """Return the alarms of a `sensor` that is lost, one for each reason."""
     prefix, (severity, consequence) = sensor.upper(), LOSSES[sensor]
 
-    def lost(state: str, words: str, action: str) -> AlarmRow:
-        return AlarmRow(f"{prefix}_{state}", severity, sensor, words, consequence, action)
+    def lost(state: str, words: str, action: str, follows: str = consequence) -> AlarmRow:
+        return AlarmRow(f"{prefix}_{state}", severity, sensor, words, follows, action)
 
-    frozen = ("readings do not change", "Restart the sensor or its driver")
+    frozen: tuple[str, ...] = ("readings do not change", "Restart the sensor or its driver")
     jumps = (
         "heave disagrees with its heave rate, measured or of the readings before"
         if sensor == "mru"
@@ -57,11 +60,13 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
             "readings do not change while the winch is commanded to turn",
             "Check that the drum turns (brake, dead zone of the drive); restart the encoder or its driver, then "
             "request compensation",
+            "Compensation fades out and the winch stops. It resumes automatically once the reading changes, which it "
+            "may not do while the drum rests",
         )
     found = [
         lost("STALE", "no data for {age:.2f} s, limit {limit:.2f} s", "Check power, cable, driver, clock"),
         lost("NOT_A_NUMBER", "readings are not numbers", "Restart the sensor or its driver"),
-        lost("BAD_STAMP", "time stamps are missing or ahead of the clock of the run", "Set the clock of the sensor"),
+        lost("BAD_STAMP", "time stamps are missing or ahead of the controller's clock", "Set the clock of the sensor"),
         lost("OUT_OF_ORDER", "readings come out of order, or twice", "Check the driver and the network"),
         lost("FROZEN", *frozen),
     ]
@@ -104,8 +109,8 @@ def _others_of(sensor: str) -> list[AlarmRow]:
             LOW,
             sensor,
             "one reading rejected: {reason}",
-            "Compensation continues; three such readings in a row count as loss of the sensor",
-            "None for a single reading; check the sensor if it repeats",
+            "Compensation continues. The sensor counts as lost after three such readings in a row",
+            "Nothing for a single reading; check the sensor if it repeats",
         ),
         AlarmRow(
             f"{prefix}_EXCLUDED",
@@ -137,15 +142,15 @@ def _noise_of(sensor: str) -> list[AlarmRow]:
             LOW,
             sensor,
             "noise of {measurement} is {sigma:.3g} {unit}, {factor:.1f} times nominal",
-            "The estimate relies less on it",
+            "The controller gives it less weight",
             "Check the sensor, or enter its noise (winch_controller.sensors)",
         ),
         AlarmRow(
             f"{prefix}_NOISE_LOW",
             EVENT,
             sensor,
-            "readings of {measurement} are {ratio:.2f} times as far from the estimate as expected (noise {sigma:.2g} "
-            "{unit} assumed, {seen} seen)",
+            "noise of {measurement} is below nominal: readings are {ratio:.2f} times as far from the estimate as "
+            "expected (noise {sigma:.2g} {unit} nominal, {seen} measured)",
             "Compensation continues, with less benefit from this sensor than possible",
             "Enter its noise (winch_controller.sensors), or check its scale",
         ),
@@ -209,10 +214,12 @@ READINGS = (
         "sensors",
         "readings of {measurement} have been {ratio:.1f} times as far from the estimate as expected for {time:.0f} s; "
         "cause unknown",
-        "Compensation continues on the present assumptions",
-        "Check all sensors, cable and unit; request standby if the unit moves more than expected",
+        "Compensation continues, and nothing is corrected",
+        "Check all sensors, and what hangs on the cable; request standby if the unit moves more than expected",
     ),
 )
+
+CORRECTED = "Readings are corrected; compensation continues"
 
 IDENTIFIED = (
     AlarmRow("WINCH_MODEL_UPDATED", EVENT, "winch", "{changes}", "The design uses the new values"),
@@ -222,7 +229,7 @@ IDENTIFIED = (
         MEDIUM,
         "mru",
         "reads {value:.2f} times the motion",
-        "Corrected",
+        CORRECTED,
         "Check scale and sign of the MRU, and the drum radius",
     ),
     AlarmRow(
@@ -230,7 +237,7 @@ IDENTIFIED = (
         LOW,
         "mru",
         "heave has a mean of {value:+.2f} m",
-        "Corrected",
+        CORRECTED,
         "Check the reference point of the MRU, and the trim",
     ),
     AlarmRow(
@@ -238,7 +245,7 @@ IDENTIFIED = (
         MEDIUM,
         "mru",
         "time stamps are {value:+.2f} s late",
-        "Corrected",
+        CORRECTED,
         "Check the clock and the latency of the MRU",
     ),
     AlarmRow(
@@ -246,7 +253,7 @@ IDENTIFIED = (
         LOW,
         "mru",
         "heave has a high-pass of {value:.0f} s (nominal {nominal:.0f} s, 0 is none)",
-        "Corrected",
+        CORRECTED,
         "Enter it as winch_controller.sensors.mru.high_pass_period",
     ),
     AlarmRow(
@@ -254,7 +261,7 @@ IDENTIFIED = (
         LOW,
         "mru",
         "heave drifts, as in a turn",
-        "Tracked",
+        "The drift is removed from the readings; compensation continues",
         "Check the aiding of the MRU; wait for the end of the turn",
     ),
     AlarmRow(
@@ -262,7 +269,7 @@ IDENTIFIED = (
         MEDIUM,
         "depth",
         "reads {value:.2f} times the motion",
-        "Corrected",
+        CORRECTED,
         "Check scale and unit of measurement",
     ),
     AlarmRow(
@@ -270,19 +277,24 @@ IDENTIFIED = (
         MEDIUM,
         "encoder",
         "reads {value:.2f} times the payout",
-        "Corrected",
+        CORRECTED,
         "Check scale and sign of the encoder, and the drum radius",
     ),
     AlarmRow(
         "CABLE_INERTIA",
         MEDIUM,
         "cable",
-        "inertia is {value:.2f} times nominal",
-        "Corrected",
+        "mass of the unit over stiffness of the cable is {value:.2f} times nominal",
+        "The controller uses this value; compensation continues",
         "Check the mass of the unit, and length and stiffness of the cable",
     ),
     AlarmRow(
-        "CABLE_DAMPING", LOW, "cable", "damping is {value:.2g} times nominal", "Corrected", "Check the drag of the unit"
+        "CABLE_DAMPING",
+        LOW,
+        "cable",
+        "damping of the unit by the water is {value:.2g} times nominal",
+        "The controller uses this value; compensation continues",
+        "Check the drag of the unit",
     ),
     *(
         AlarmRow(
@@ -290,13 +302,15 @@ IDENTIFIED = (
             MEDIUM,
             part,
             "the identified values differ from nominal, and no controller can be designed for them",
-            "The values are not used",
-            "Check the stated parameters",
+            "They are not used: the present design stays active",
+            "Check the parameters of that part in the scenario",
         )
         for part in ("winch", "sea", "mru", "depth", "encoder", "cable")
     ),
     *(
-        AlarmRow(f"{part.upper()}_NOMINAL", EVENT, part, "confirmed nominal")
+        AlarmRow(
+            f"{part.upper()}_NOMINAL", EVENT, part, "identified values are nominal again", "No correction is applied"
+        )
         for part in ("mru", "depth", "encoder", "cable")
     ),
     AlarmRow(

@@ -17,7 +17,7 @@ from winch_controller_node.model.lqr import QuadraticCost, lqr_gain, output_cost
 from winch_controller_node.parameters.model import WeightParameters
 
 _SENSOR_STATES = (*(f"{sensor}_" for sensor in KNOWN_SENSORS), LEVER_ARM_X, LEVER_ARM_Y)
-"""How the names of sensors' own states begin."""
+"""Prefixes of the names of sensors' own states."""
 
 
 def is_sensor_state(name: str) -> bool:

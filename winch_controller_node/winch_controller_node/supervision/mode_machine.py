@@ -209,10 +209,17 @@ class ModeMachine:
 
     def _after_loss(self) -> str:
         """Return what becomes of a mode that a lost sensor has ended, once that is good again."""
+        if not (self.wants_compensation and self._memory.may_resume):
+            return "request a mode once the sensor is good"
+        if not self._parameters.resume:
+            return "compensation resumes automatically only while authority falls; after that request it"
+        if "encoder frozen" in self._situation.lost:
+            return (
+                "compensation resumes automatically once the encoder's reading changes; at rest it may stay the same: "
+                "then request compensation"
+            )
         until = "; until then the depth sensor damps the unit" if self._situation.is_damped_blind else ""
-        if self.wants_compensation and self._memory.may_resume and self._parameters.resume:
-            return f"compensation resumes automatically once the sensor is good{until}"
-        return "request a mode once the sensor is good"
+        return f"compensation resumes automatically once the sensor is good{until}"
 
     def _after_fault(self) -> str:
         """Return what becomes of a mode that a fault of the winch has ended, once that is cleared."""

@@ -63,18 +63,23 @@
       : { page: "#ffffff", ink: "#1b2733", grid: "#e6ecf1", zero: "#c5d0d9", line: "#9fb0bf" };
   }
 
+  // Colours that are dim on the dark page, and what is drawn there for them; report.css does the same for legends.
+  const LIGHTER = { "#0072b2": "#4ba3e3", "#009e73": "#22b98a", "#d55e00": "#ff8a45", "#8c564b": "#b9837a" };
+  const shade = (value) => value && dark.matches && !printing
+    ? JSON.parse(JSON.stringify(value), (key, one) => LIGHTER[one] || one) : value;
+
   // In a narrow figure names stand above it, where the buttons would cover them.
   const buttons = (div) => Object.assign({}, config, div.clientWidth < WIDE ? { displayModeBar: false } : {});
 
   // What of a layout depends on the light and on the width: in a wide figure names stand beside the traces.
   function dress(div, figure) {
     const c = colours(), beside = figure.labels.length > 0 && (printing || div.clientWidth >= WIDE);
-    const layout = Object.assign({}, figure.layout, printing ? { width: PAPER } : {}, {
+    const layout = Object.assign({}, shade(figure.layout), printing ? { width: PAPER } : {}, {
       autosize: !printing, height: figure.height, hovermode: "x", dragmode: "zoom",
-      margin: beside ? { l: 70, r: BESIDE, t: 34, b: 45 } : { l: 50, r: 10, t: 26, b: 45 },
+      margin: beside ? { l: 70, r: BESIDE, t: 34, b: 45 } : { l: 50, r: 18, t: 26, b: 45 },
       paper_bgcolor: c.page, plot_bgcolor: c.page, font: { size: beside ? 12 : 11, color: c.ink },
       showlegend: !beside, legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0 },
-      annotations: beside ? figure.labels.map((label) => ({
+      annotations: beside ? shade(figure.labels).map((label) => ({
         text: label.text, font: { color: label.color, size: 13 }, showarrow: false,
         xref: "paper", x: 1.005, xanchor: "left", yref: "paper", y: label.y, yanchor: "middle",
       })) : [],
@@ -92,7 +97,7 @@
     const layout = dress(div, figure);
     const signals = [], traces = [];
     figure.traces.forEach((trace, index) => {
-      const drawn = Object.assign({ type: "scatter" }, trace);
+      const drawn = Object.assign({ type: "scatter" }, trace, { line: shade(trace.line) });
       if (figure.traces.findIndex((other) => other.name === trace.name) < index) drawn.showlegend = false;
       if (Array.isArray(trace.x)) { traces.push(drawn); return; }
       const signal = { index, x: unpack(trace.x), y: unpack(trace.y) };
@@ -128,7 +133,7 @@
   const drawn = figures.map((figure, index) => draw(document.getElementById("figure-" + index), figure));
   Promise.all(drawn).then(() => { document.body.dataset.ready = "true"; });
 
-  // Light, width or paper have changed: everything is dressed anew, and what was zoomed into stays.
+  // Light, width or paper have changed: everything is dressed again, and what was zoomed into stays.
   const dressAll = () => figures.forEach((figure, index) => {
     const div = document.getElementById("figure-" + index);
     if (!div.layout) return;
@@ -139,7 +144,8 @@
         layout[name] = Object.assign({}, layout[name], { range: now.range, autorange: now.autorange });
       }
     }
-    Plotly.react(div, div.data, layout, buttons(div)).then(() => { if (!printing) Plotly.Plots.resize(div); });
+    const data = div.data.map((trace, n) => Object.assign({}, trace, { line: shade(figure.traces[n].line) }));
+    Plotly.react(div, data, layout, buttons(div)).then(() => { if (!printing) Plotly.Plots.resize(div); });
   });
   dark.addEventListener("change", dressAll);
   let settling = 0;

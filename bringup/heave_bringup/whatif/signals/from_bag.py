@@ -76,7 +76,7 @@ def _check_topics(bag: Bag) -> None:
     """Refuse a bag without one of the topics that every answer needs."""
     needed = {
         MRU.topic.name: "the boom tip's motion is not known",
-        SENSORS["depth"].topic.name: "the unit's motion is not measured, so nothing can be said of it",
+        SENSORS["depth"].topic.name: "the unit's motion is not measured, so it cannot be predicted",
         WINCH: "what the drum did is not known",
         COMMAND: "what the winch was ordered is not known",
     }

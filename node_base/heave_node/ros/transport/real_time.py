@@ -12,7 +12,7 @@ from pathlib import Path
 MIDDLE_AGED = 50
 """Ticks between two collections of what has lived through some already."""
 OLD = 20
-"""Such collections between two of everything that was made since the start, which take milliseconds."""
+"""Collections of middle-aged objects between two of all objects, which take milliseconds."""
 
 _MCL_CURRENT_AND_FUTURE = 1 | 2
 
