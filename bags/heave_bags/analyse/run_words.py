@@ -10,7 +10,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from heave_node import kpi
 from heave_node.interface.codes import without_figures
 
 from heave_bags.analyse import events
@@ -277,11 +276,8 @@ def _mode(mode: Interval, words: str, level: int = 0) -> Happening:
 
 def _landings(record: RunRecord) -> list[Happening]:
     window = Window(record.signals, -math.inf, math.inf)
-    return [Happening(one.time, one.time, _landing(one)) for one in window.landings]
-
-
-def _landing(one: kpi.Landing) -> str:
-    return f"the unit touches the bottom at {one.speed:.2f} m/s and rebounds by {100.0 * one.rebound:.1f} cm"
+    words = "the unit touches the bottom at {:.2f} m/s and rebounds by {:.1f} cm"
+    return [Happening(one.time, one.time, words.format(one.speed, 100.0 * one.rebound)) for one in window.landings]
 
 
 def _limits(limits: Sequence[Interval]) -> list[Happening]:
