@@ -181,6 +181,7 @@ def run_scenario(
                 progress.close()
                 launcher.stop()
                 monitor.close()
+                remove_dead_segments()
 
 
 def _until_started(watchdog: StartWatchdog, on_look: OnLook | None) -> OnLook:
