@@ -120,7 +120,8 @@ def soak(kind: str, hours: float, scenario: str, place: Path, show: Callable[[st
                 time.sleep(pause)
                 look = look_at(run, folder) if run.is_running() else None
                 looks += [] if look is None else [look]
-                show(f"{kind}: {time.monotonic() - begun:.0f} s, {looks[-1].memory if looks else 0.0:.0f} MB")
+                nodes = "no nodes" if look is None else f"{look.memory:.0f} MB"  # they start, or the bag is judged
+                show(f"{kind}: {time.monotonic() - begun:.0f} s, {nodes}")
         finally:
             with suppress(psutil.NoSuchProcess):  # it has come to its end
                 run.terminate()
@@ -176,13 +177,13 @@ def main() -> int:
     parser.add_argument("--scenario", default="b2_calm_300", help="(default b2_calm_300)")
     parser.add_argument("--folder", type=Path, help="for the bags while they are recorded (default: of the system)")
     options = parser.parse_args()
-    progress, results = ProgressLine(), []
+    progress, results, commit = ProgressLine(), [], commit_line()
     for kind in options.kinds:
         with tempfile.TemporaryDirectory(prefix="heave-soak-", dir=options.folder) as place:
             hours = options.hours or HOURS[kind]
             results.append(soak(kind, hours, options.scenario, Path(place), progress.show))
     progress.close()
-    sys.stdout.write(f"{commit_line()}\n{table(results)}\n")
+    sys.stdout.write(f"{commit}\n{table(results)}\n")
     return 0 if all(map(is_well, results)) else 1
 
 
