@@ -232,6 +232,40 @@ def test_the_orders_before_a_reset_were_to_stay_where_the_drum_was():
     assert watch.error() == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("restarted", [66, 68, 69])
+def test_right_after_a_restart_the_orders_that_were_under_way_count_and_the_drum_is_where_it_reads(restarted):
+    """Sixteen ticks, of which the longest delay, ten ticks, is of orders before: steps at 60 and 75, at 70 and 85."""
+    longest = BELIEF.winch.command_delay + BELIEF.lag.largest
+    watch = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT)
+    drum = VirtualWinch(WinchParameters(command_delay=longest), tick_period=DT)
+    watch.take({"winch.command_delay": longest})
+    drum.step(0, WinchCommand(1))
+    for tick in range(1, restarted + COUNT + 1):
+        rate = 0.4 if tick % 30 < 15 else -0.4
+        state = drum.step(tick, WinchCommand(tick + 1, 0.0, rate))
+        if tick == restarted:
+            watch.restart()
+        watch.add(0.0, rate, state.encoder_payout)
+    ordered = watch.ordered()
+    assert ordered.share == pytest.approx(1.0, rel=0.05)
+    assert ordered.left < 0.15
+    assert ordered.payout == pytest.approx(state.payout, abs=0.02)
+
+
+@pytest.mark.parametrize(("rate", "read"), [(0.5, 0.0), (0.0, 0.5)], ids=["encoder", "winch"])
+def test_where_either_encoder_or_orders_stand_still_nothing_is_known_of_their_ratio(rate, read):
+    watch = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT)
+    for tick in range(200):
+        watch.add(0.0, rate, read * DT * tick)
+    assert watch.ordered() is None
+
+
+def test_a_reset_forgets_the_readings_by_itself():
+    watch, *_ = watched(speed_gain=0.5)
+    watch.reset(2.0)
+    assert (watch.error(), watch.ordered()) == (0.0, None)
+
+
 @pytest.mark.parametrize("gain", [1.3, 0.7])
 def test_a_drum_that_goes_on_faster_than_ordered_is_ahead_by_what_a_second_of_readings_did_not_show(gain):
     """0.2 m/s ordered. Place and speed at the start, which a lag of 0.15 s takes back, explain the first second."""
