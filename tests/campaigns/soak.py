@@ -106,7 +106,7 @@ def _mapped(process: psutil.Process) -> set[str]:
 
 def soak(kind: str, hours: float, scenario: str, place: Path, show: Callable[[str], None]) -> Soaked:
     """Run a `scenario` for so many `hours` into the folder `place`, and look at its nodes all the while."""
-    folder = place / "run"
+    folder, before = place / "run", set(SHARED_MEMORY.glob("*fastdds_*"))
     wanted = 3600.0 * hours
     command = [sys.executable, "-m", "heave_bringup.cli", "run", scenario, "--duration", f"{wanted:g}", "--quiet"]
     command += ["--no-report", "--no-baseline", "--bag", str(folder), *OPTIONS[kind]]
@@ -126,7 +126,7 @@ def soak(kind: str, hours: float, scenario: str, place: Path, show: Callable[[st
             with suppress(psutil.NoSuchProcess):  # it has come to its end
                 run.terminate()
             run.wait()
-        left = sorted(name for name in _used(looks) if (SHARED_MEMORY / name).exists())
+        left = sorted(name for name in _used(looks) if (file := SHARED_MEMORY / name).exists() and file not in before)
     wrong = [] if run.returncode == 0 else [f"status {run.returncode}: {(place / 'said.txt').read_text()[-300:]}"]
     if left:
         wrong.append(f"left in shared memory: {', '.join(left[:5])}")
