@@ -32,7 +32,7 @@ def test_a_killed_node_ends_the_run_with_its_name_and_a_bag_that_reads_to_the_en
             text=True,
         )
         try:
-            wait_until(lambda: any(f.stat().st_size > 200_000 for f in (folder / "bag").glob("*.mcap")), 60.0)
+            wait_until(lambda: any(f.stat().st_size > 200_000 for f in (folder / "bag").glob("*.mcap")), 240.0)
             os.kill(process_of(node, folder), signal.SIGKILL)
             _, err = run.communicate(timeout=60.0)
         finally:

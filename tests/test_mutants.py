@@ -63,10 +63,10 @@ def soaked(**growing: float) -> Soaked:
         Look(
             300.0 + growing.get("memory", 0.0) * share,
             60 + round(growing.get("descriptors", 0.0) * share),
-            20 + round(growing.get("shared_memory", 0.0) * share),
+            frozenset(f"fastdds_{number}" for number in range(20 + round(growing.get("shared_memory", 0.0) * share))),
             5 + round(growing.get("files", 0.0) * share),
         )
-        for share in (number / 100.0 for number in range(101))
+        for share in (look / 100.0 for look in range(101))
     ]
     return Soaked("composed", 15.0, 3600.0, looks, [])
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from heave_bags.errors import BagError
 from heave_node.parameters import ParameterError
+from heave_node.ros.transport.parents_death import exit_at_once
 from heave_node.ros.transport.start_watchdog import check_memory
 
 from heave_bringup.commands.completion import complete
@@ -31,6 +32,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     if options.json not in (None, "-") and not Path(options.json).resolve().parent.is_dir():
         return _exit_with(f"--json {options.json}: no such folder: {Path(options.json).parent}", ExitStatus.REFUSED)
+    status = _status_after(options)
+    if arguments is None and status == ExitStatus.INTERRUPTED:
+        exit_at_once(status)
+    return status
+
+
+def _status_after(options: argparse.Namespace) -> int:
+    """Execute the command; return its exit status, with a line on standard error where it is not DONE."""
     try:
         _execute(options)
     except (CommandError, ParameterError, BagError, MemoryError) as error:

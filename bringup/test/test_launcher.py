@@ -1,9 +1,11 @@
 """How the launcher judges nodes by the way they end."""
 
+import signal
 import subprocess
 import sys
 
 import pytest
+from heave_bringup.run import launcher
 from heave_bringup.run.launcher import Launcher, NodeProcess
 
 STUCK = """
@@ -62,10 +64,26 @@ def test_what_is_said_of_a_node_that_failed(tmp_path, program, words):
 
 def test_a_node_under_way_is_named_until_it_ends(tmp_path):
     process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60.0)"])
-    launcher = Launcher()
-    launcher.nodes.append(NodeProcess("virtual_winch", process, tmp_path / "log", ["virtual_winch"]))
-    assert launcher.running() == ["virtual_winch"]
-    assert launcher.failed() == []
-    assert launcher.left() == []
-    launcher.stop(grace=5.0)
-    assert launcher.all_ended()
+    nodes = Launcher()
+    nodes.nodes.append(NodeProcess("virtual_winch", process, tmp_path / "log", ["virtual_winch"]))
+    assert nodes.running() == ["virtual_winch"]
+    assert nodes.failed() == []
+    assert nodes.left() == []
+    nodes.stop(grace=5.0)
+    assert nodes.all_ended()
+
+
+def test_a_node_that_has_files_to_close_is_given_more_time_than_the_others(tmp_path, monkeypatch):
+    monkeypatch.setattr(launcher, "GRACE", 0.2)
+    monkeypatch.setattr(launcher, "GRACE_OF_FILES", 60.0)
+    program = (
+        "import signal, sys, time; signal.signal(signal.SIGINT, lambda *_: (time.sleep(1.0), sys.exit()));"
+        "print('on', flush=True); time.sleep(60.0)"
+    )
+    nodes = Launcher()
+    for name in ("wave_vessel", "recorder"):
+        process = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE)
+        process.stdout.read(2)
+        nodes.nodes.append(NodeProcess(name, process, tmp_path / "log", [name]))
+    nodes.stop()
+    assert [node.process.poll() for node in nodes.nodes] == [-signal.SIGKILL, 0]

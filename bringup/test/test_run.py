@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from types import SimpleNamespace
 
 import pytest
@@ -81,6 +82,20 @@ def test_of_two_runs_in_one_domain_the_second_is_told_and_after_the_first_it_may
         monkeypatch.setenv("ROS_DOMAIN_ID", "231")
     with run.only_run_in_domain() as after:
         assert after
+
+
+def test_an_interrupt_that_comes_in_a_callback_of_the_middleware_ends_the_run_at_the_next_look():
+    """The middleware swallows what a callback raises."""
+    before = signal.getsignal(signal.SIGINT)
+    watchdog = SimpleNamespace(beat=lambda: None, close=lambda: None)
+    with run.interrupts_noted() as was_interrupted:
+        look = run._until_started(watchdog, was_interrupted, None)
+        look(None, None)
+        with suppress(BaseException):
+            os.kill(os.getpid(), signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt):
+            look(None, None)
+    assert signal.getsignal(signal.SIGINT) is before
 
 
 def test_a_second_interrupt_leaves_no_process(tmp_path):

@@ -67,3 +67,15 @@ def test_a_gap_does_not_change_the_usual_interval_and_counts_once():
     assert math.isclose(watch.usual_interval, 0.1, rel_tol=1e-6)
     assert (watch.gaps, watch.bursts) == (1, 0)
     assert math.isclose(watch.longest_gap, 5.0)
+
+
+def test_a_gap_is_longer_than_two_and_a_half_usual_intervals_and_the_longest_is_kept():
+    """Of 0.125 s: 0.3125 s is none yet."""
+    watch = LinkWatch(timeout=1.0)
+    for n in range(20):
+        watch.arrived(0.125 * n)
+    assert watch.longest_gap == 0.125
+    watch.arrived(19 * 0.125 + 0.3125)
+    assert (watch.gaps, watch.longest_gap) == (0, 0.3125)
+    watch.arrived(19 * 0.125 + 0.3125 + 0.375)
+    assert (watch.gaps, watch.longest_gap) == (1, 0.375)

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import psutil
 import pytest
+from heave_node.ros.process import _ended_by_signals
 from heave_node.ros.transport.parents_death import LAUNCHER_VARIABLE, launcher_of
 
 PARENT = """
@@ -34,6 +38,11 @@ AT_WORK = """
 import signal
 parents_death.ASKED = signal.SIGHUP  # 1: so many seconds
 parents_death.close_with(os.getppid())
+"""
+
+THREAD = """
+import threading, time
+threading.Thread(target=time.sleep, args=(600,)).start()
 """
 
 NODE = """
@@ -97,6 +106,44 @@ def test_a_process_in_which_no_handler_has_a_turn_ends_after_a_parent_that_was_k
     parent.kill()
     parent.wait()
     wait_until(lambda: not runs(child))
+
+
+def test_a_node_that_loads_its_modules_ends_by_an_interrupt_at_once(started):
+    _, child = started(CHILD + "go_on()", "from its first moment")
+    os.kill(child, signal.SIGINT)
+    wait_until(lambda: not runs(child))
+
+
+def test_a_node_that_has_ended_waits_for_no_thread(tmp_path):
+    (tmp_path / "child.py").write_text(THREAD + "print('closed')\nraise SystemExit(3)")
+    command = [sys.executable, "-m", "heave_node.ros.transport.parents_death", "child"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120.0, check=False)
+    assert (done.returncode, done.stdout) == (3, "closed\n")
+
+
+@pytest.fixture
+def interrupts() -> Iterator[Callable[[], None]]:
+    """Return what interrupts this process; its handlers are put back afterwards."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield lambda: os.kill(os.getpid(), signal.SIGINT)
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+def test_an_interrupt_breaks_off_the_building_of_a_node_and_nothing_after_it(interrupts):
+    said: list[str] = []
+    node: Any = SimpleNamespace(failure="", was_ended=False, fail=said.append)
+    with pytest.raises(KeyboardInterrupt), _ended_by_signals([node]):
+        interrupts()
+        said.append("built to the end")
+    assert said == ["ended by SIGINT"]
+    assert node.was_ended
+    interrupts()
+    assert said == ["ended by SIGINT"] * 2
+
+    with _ended_by_signals([node]):
+        pass
+    interrupts()
 
 
 def test_one_whose_parent_ended_before_it_could_ask_does_not_begin(tmp_path):

@@ -57,6 +57,13 @@ def test_participants_leave_when_the_master_dies(loop):
         assert "no message from the clock master cable_sim for" in err
 
 
+def test_a_participant_without_a_master_says_that_there_is_none(loop):
+    loop.start("wave_vessel", start_timeout=1.0)
+    status, _, err = loop.end("wave_vessel")
+    assert status == 1
+    assert err.splitlines()[-1].endswith("s: there is none in this ROS domain")
+
+
 def test_lockstep_waits_for_a_late_participant_and_asks_again(loop):
     start_all(loop, "winch_controller", fault="late")
     status, out, err = loop.end("cable_sim")

@@ -20,6 +20,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,6 +34,8 @@ from tests.campaigns.commit import commit_line
 
 LONGEST = 5.0
 """Wall time from the signal to the end [s]."""
+GIVEN_UP = 120.0
+"""Wall time from the signal after which a command is killed [s]."""
 LATEST = 60.0
 """Wall time from the start to the signal at most [s]: workers are busy by half of it."""
 MARK = "HEAVE_INTERRUPTED_STUDY"
@@ -102,7 +105,8 @@ def interrupt_one(command: str, number: int, folder: Path, record: Path, latest:
                 process.send_signal(signal.SIGINT)
             else:
                 os.killpg(process.pid, signal.SIGINT)
-            process.wait(120.0)
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(GIVEN_UP)
             took = time.monotonic() - began
             wrong = _judge(command, process, folder, finished, took)
         finally:
@@ -166,7 +170,8 @@ def main() -> int:
     parser.add_argument("--only", nargs="+", choices=COMMANDS, default=list(COMMANDS), help="commands (default: all)")
     parser.add_argument("--latest", type=float, default=LATEST, help=f"time to the signal [s] (default {LATEST:g})")
     options = parser.parse_args()
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # no command is left behind
+    for number in (signal.SIGTERM, signal.SIGINT):  # no command is left behind; one in the background ignores SIGINT,
+        signal.signal(number, signal.default_int_handler)  # and so would what it starts until it knows better
     progress = ProgressLine()
     found: list[Interruption] = []
     loads = []

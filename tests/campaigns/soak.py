@@ -13,6 +13,7 @@ does not do what it should.
 from __future__ import annotations
 
 import argparse
+import re
 import statistics
 import subprocess
 import sys
@@ -24,10 +25,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import psutil
+from domain_coordinator import domain_id
 from heave_bringup.progress import ProgressLine
 from heave_node.ros.transport.shared_memory import SHARED_MEMORY
 
 from tests.campaigns.commit import commit_line
+from tests.loop_runs import environment
 
 HOURS = {"composed": 15.0, "processes": 1.0}
 """Length of a run of each kind, simulated and real [h]."""
@@ -47,19 +50,19 @@ class Look:
     ----------
     memory : that no other process shares [MB]
     descriptors : that are open
-    shared_memory : files of the middleware in shared memory
+    shared_memory : names of the middleware's files in shared memory that they or the command have mapped
     files : in the folder of the run, the bag's apart
     """
 
     memory: float
     descriptors: int
-    shared_memory: int
+    shared_memory: frozenset[str]
     files: int
 
     def figures(self) -> dict[str, float]:
         """Return them by name."""
         names = ("memory", "descriptors", "shared memory", "files")
-        return dict(zip(names, (self.memory, self.descriptors, self.shared_memory, self.files), strict=True))
+        return dict(zip(names, (self.memory, self.descriptors, len(self.shared_memory), self.files), strict=True))
 
 
 @dataclass(frozen=True)
@@ -82,7 +85,8 @@ def look_at(command: psutil.Process, folder: Path) -> Look | None:
             memory += node.memory_full_info().uss / 1e6
             descriptors += node.num_fds()
     files = sum(path.is_file() for path in folder.rglob("*") if "bag" not in path.relative_to(folder).parts)
-    return Look(memory, descriptors, len(_segments()), files) if nodes else None
+    mapped = frozenset[str]().union(*map(_mapped, [command, *nodes]))
+    return Look(memory, descriptors, mapped, files) if nodes else None
 
 
 def _words(process: psutil.Process) -> list[str]:
@@ -92,35 +96,45 @@ def _words(process: psutil.Process) -> list[str]:
         return []
 
 
-def _segments() -> set[str]:
-    return {path.name for path in SHARED_MEMORY.glob("*fastdds_*")} if SHARED_MEMORY.is_dir() else set()
+def _mapped(process: psutil.Process) -> set[str]:
+    """Return the names of the middleware's files in shared memory that a process has mapped."""
+    with suppress(OSError):
+        maps = Path(f"/proc/{process.pid}/maps").read_text()
+        return set(re.findall(rf"{SHARED_MEMORY}/(\S*fastdds_\S+)", maps))
+    return set()
 
 
 def soak(kind: str, hours: float, scenario: str, place: Path, show: Callable[[str], None]) -> Soaked:
     """Run a `scenario` for so many `hours` into the folder `place`, and look at its nodes all the while."""
-    folder, before = place / "run", _segments()
+    folder, before = place / "run", set(SHARED_MEMORY.glob("*fastdds_*"))
     wanted = 3600.0 * hours
     command = [sys.executable, "-m", "heave_bringup.cli", "run", scenario, "--duration", f"{wanted:g}", "--quiet"]
     command += ["--no-report", "--no-baseline", "--bag", str(folder), *OPTIONS[kind]]
     begun, looks = time.monotonic(), []
-    with (place / "said.txt").open("wb") as said:
-        run = psutil.Popen(command, stdin=subprocess.DEVNULL, stdout=said, stderr=subprocess.STDOUT)
+    with domain_id() as domain, (place / "said.txt").open("wb") as said:
+        of_domain = {"env": environment(domain), "stdin": subprocess.DEVNULL}
+        run = psutil.Popen(command, stdout=said, stderr=subprocess.STDOUT, **of_domain)
         pause = min(10.0, 0.01 * wanted)
         try:
             while run.poll() is None:
                 time.sleep(pause)
                 look = look_at(run, folder) if run.is_running() else None
                 looks += [] if look is None else [look]
-                show(f"{kind}: {time.monotonic() - begun:.0f} s, {looks[-1].memory if looks else 0.0:.0f} MB")
+                nodes = "no nodes" if look is None else f"{look.memory:.0f} MB"  # they start, or the bag is judged
+                show(f"{kind}: {time.monotonic() - begun:.0f} s, {nodes}")
         finally:
             with suppress(psutil.NoSuchProcess):  # it has come to its end
                 run.terminate()
             run.wait()
+        left = sorted(name for name in _used(looks) if (file := SHARED_MEMORY / name).exists() and file not in before)
     wrong = [] if run.returncode == 0 else [f"status {run.returncode}: {(place / 'said.txt').read_text()[-300:]}"]
-    left = sorted(_segments() - before)
     if left:
         wrong.append(f"left in shared memory: {', '.join(left[:5])}")
     return Soaked(kind, hours, time.monotonic() - begun, looks, wrong)
+
+
+def _used(looks: list[Look]) -> frozenset[str]:
+    return frozenset[str]().union(*(look.shared_memory for look in looks))
 
 
 def judged(soaked: Soaked) -> list[tuple[str, float, float, bool]]:
@@ -163,13 +177,13 @@ def main() -> int:
     parser.add_argument("--scenario", default="b2_calm_300", help="(default b2_calm_300)")
     parser.add_argument("--folder", type=Path, help="for the bags while they are recorded (default: of the system)")
     options = parser.parse_args()
-    progress, results = ProgressLine(), []
+    progress, results, commit = ProgressLine(), [], commit_line()
     for kind in options.kinds:
         with tempfile.TemporaryDirectory(prefix="heave-soak-", dir=options.folder) as place:
             hours = options.hours or HOURS[kind]
             results.append(soak(kind, hours, options.scenario, Path(place), progress.show))
     progress.close()
-    sys.stdout.write(f"{commit_line()}\n{table(results)}\n")
+    sys.stdout.write(f"{commit}\n{table(results)}\n")
     return 0 if all(map(is_well, results)) else 1
 
 

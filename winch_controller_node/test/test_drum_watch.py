@@ -232,6 +232,74 @@ def test_the_orders_before_a_reset_were_to_stay_where_the_drum_was():
     assert watch.error() == pytest.approx(0.0, abs=1e-9)
 
 
+LONGEST_DELAY = BELIEF.winch.command_delay + BELIEF.lag.largest
+
+
+def test_a_new_watch_takes_the_orders_before_it_for_orders_to_stay_at_zero():
+    watch = DrumWatch(dataclasses.replace(BELIEF.winch, position_gain=0.5), BELIEF.lag.largest, DT)
+    watch.take({"winch.command_delay": LONGEST_DELAY})
+    for _ in range(2 * round(CHECKED_TIME / DT)):
+        watch.add(0.0, 0.0, 0.0)
+    assert watch.error() == pytest.approx(0.0, abs=1e-9)
+
+
+def stepped(ticks, *, began=0, delay=LONGEST_DELAY, gain=0.0, restarted=None, reset=None):
+    """Return what is known of a drum that is ordered to and fro by steps, and where the drum is at the end.
+
+    Orders go the other way every fifteen ticks from tick `began` on. The watch is restarted or reset in a tick.
+    """
+    watch = DrumWatch(dataclasses.replace(BELIEF.winch, position_gain=gain), BELIEF.lag.largest, DT)
+    drum = VirtualWinch(WinchParameters(command_delay=delay, position_gain=gain), tick_period=DT)
+    watch.take({"winch.command_delay": delay})
+    drum.step(0, WinchCommand(1))
+    for tick in range(1, ticks + 1):
+        rate = 0.0 if tick < began else 0.4 if (tick - began) % 30 < 15 else -0.4
+        state = drum.step(tick, WinchCommand(tick + 1, 0.0, rate))
+        if tick == restarted:
+            watch.restart()
+        if tick == reset:
+            watch.reset(state.payout)
+        watch.add(0.0, rate, state.encoder_payout)
+    return watch.ordered(), state.payout
+
+
+@pytest.mark.parametrize("restarted", [66, 68, 69])
+@pytest.mark.parametrize("more", [0, 1])
+def test_right_after_a_restart_the_orders_that_were_under_way_count_and_the_drum_is_where_it_reads(restarted, more):
+    """Sixteen ticks, of which the longest delay, ten ticks, is of orders before: steps at 60 and 75, at 70 and 85."""
+    ordered, payout = stepped(restarted + COUNT + more, restarted=restarted)
+    assert ordered.share == pytest.approx(1.0, rel=0.05)
+    assert ordered.left < 0.15
+    assert ordered.payout == pytest.approx(payout, abs=0.02)
+
+
+def test_a_reset_watch_knows_that_no_order_was_under_way():
+    """Of sixteen ticks the first ten are at rest: had orders been under way, the drum would have moved at once."""
+    ordered, payout = stepped(100 + COUNT, began=100, reset=100)
+    assert ordered.share == pytest.approx(1.0, rel=0.01)
+    assert ordered.payout == pytest.approx(payout, abs=1e-3)
+
+
+def test_a_position_loop_goes_from_where_the_drum_was_first_read_after_a_restart_in_motion():
+    ordered, payout = stepped(60 + COUNT, delay=BELIEF.winch.command_delay, gain=2.0, restarted=60)
+    assert ordered.share == pytest.approx(1.0, rel=0.02)
+    assert ordered.payout == pytest.approx(payout, abs=5e-3)
+
+
+@pytest.mark.parametrize(("rate", "read"), [(0.5, 0.0), (0.0, 0.5)], ids=["encoder", "winch"])
+def test_where_either_encoder_or_orders_stand_still_nothing_is_known_of_their_ratio(rate, read):
+    watch = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT)
+    for tick in range(200):
+        watch.add(0.0, rate, read * DT * tick)
+    assert watch.ordered() is None
+
+
+def test_a_reset_forgets_the_readings_by_itself():
+    watch, *_ = watched(speed_gain=0.5)
+    watch.reset(2.0)
+    assert (watch.error(), watch.ordered()) == (0.0, None)
+
+
 @pytest.mark.parametrize("gain", [1.3, 0.7])
 def test_a_drum_that_goes_on_faster_than_ordered_is_ahead_by_what_a_second_of_readings_did_not_show(gain):
     """0.2 m/s ordered. Place and speed at the start, which a lag of 0.15 s takes back, explain the first second."""

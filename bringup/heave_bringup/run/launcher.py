@@ -14,14 +14,16 @@ from heave_bags.play import substitute_node
 from heave_node.ros.process import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, EXIT_STUCK, in_namespace
 from heave_node.ros.transport import parents_death
 
-from heave_bringup.nodes import PROCESS_BY_NAME
+from heave_bringup.nodes import PROCESS_BY_NAME, RECORDER
 from heave_bringup.run import composed
 
 TOGETHER = "process of all nodes"
 """Name of a process that holds them all; its log is nodes.log."""
 
-GRACE = 8.0
+GRACE = 3.0
 """Wall time that a node has to end after it was asked to [s]."""
+GRACE_OF_FILES = 8.0
+"""The same of a process that has files to close [s]."""
 
 ALLOCATOR = {"MALLOC_TRIM_THRESHOLD_": str(1 << 30), "MALLOC_TOP_PAD_": str(1 << 24)}
 """Environment in which glibc keeps the memory that one message frees for the next.
@@ -46,6 +48,11 @@ class NodeProcess:
     process: subprocess.Popen[bytes]
     log: Path
     nodes: Sequence[str]
+
+    @property
+    def grace(self) -> float:
+        """Wall time that it has to end after it was asked to [s]."""
+        return GRACE_OF_FILES if RECORDER in self.nodes else GRACE
 
     @property
     def has_left(self) -> bool:
@@ -159,18 +166,20 @@ class Launcher:
         """End nodes without grace from now on; a signal handler."""
         self._skips_grace = True
 
-    def stop(self, grace: float = GRACE) -> None:
-        """End every node: SIGINT, then `grace` seconds of wall time to close files, then SIGKILL."""
+    def stop(self, grace: float | None = None) -> None:
+        """End every node: SIGINT, then `grace` seconds of wall time, for None as long as it may need, then SIGKILL."""
         for node in self.nodes:
             if node.process.poll() is None:
                 node.process.send_signal(signal.SIGINT)
-        deadline = time.monotonic() + grace
-        while not self.all_ended() and not self._skips_grace and time.monotonic() < deadline:
+        asked = time.monotonic()
+        while not self.all_ended():
+            for node in self.nodes:
+                allowed = node.grace if grace is None else grace
+                is_due = self._skips_grace or time.monotonic() - asked >= allowed
+                if is_due and node.process.poll() is None:
+                    node.process.kill()
+                    node.process.wait()
             time.sleep(0.02)
-        for node in self.nodes:
-            if node.process.poll() is None:
-                node.process.kill()
-                node.process.wait()
 
 
 def _command(name: str, bag: Path | None) -> list[str]:

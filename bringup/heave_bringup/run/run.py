@@ -7,6 +7,7 @@ import itertools
 import os
 import signal
 import tempfile
+import threading
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
@@ -172,7 +173,9 @@ def run_scenario(
                 launcher.start_composed(names, folder.scenario, folder.logs, namespace, is_public=public)
             for node in launcher.nodes:
                 watchdog.end_too(node.process.pid)
-            status = _watch(scenario, folder, launcher, monitor, progress, _until_started(watchdog, on_look))
+            with interrupts_noted() as was_interrupted:
+                look = _until_started(watchdog, was_interrupted, on_look)
+                status = _watch(scenario, folder, launcher, monitor, progress, look)
             return Outcome(status, monitor.alarms, list(monitor.strangers))
         except KeyboardInterrupt:
             raise InterruptedCommandError(f"interrupted; {_where_to_look(folder)}") from None
@@ -181,12 +184,17 @@ def run_scenario(
                 progress.close()
                 launcher.stop()
                 monitor.close()
+                remove_dead_segments()
 
 
-def _until_started(watchdog: StartWatchdog, on_look: OnLook | None) -> OnLook:
-    """Return what is to be called at each look: it keeps the `watchdog` until the clock master has been heard."""
+def _until_started(watchdog: StartWatchdog, was_interrupted: threading.Event, on_look: OnLook | None) -> OnLook:
+    """Return what is to be called at each look: it keeps the `watchdog` until the clock master has been heard, and
+    raises KeyboardInterrupt where the run was interrupted.
+    """
 
     def look(launcher: Launcher, status: TickStatus | None) -> None:
+        if was_interrupted.is_set():
+            raise KeyboardInterrupt
         if status is None:
             watchdog.beat()
         else:
@@ -225,14 +233,28 @@ def only_run_in_domain(namespace: str = "") -> Iterator[bool]:
 
 
 @contextmanager
+def interrupts_noted() -> Iterator[threading.Event]:
+    """Give what Ctrl-C and SIGTERM set meanwhile: an exception would be lost in a callback of the middleware."""
+    was_interrupted = threading.Event()
+    with _handled_by(lambda *_: was_interrupted.set()):
+        yield was_interrupted
+
+
+@contextmanager
 def interrupts_skip_grace(launcher: Launcher) -> Iterator[None]:
     """Let a further Ctrl-C, while the nodes of a launcher end, end them at once in place of leaving them behind."""
-    before = {number: signal.signal(number, launcher.skip_grace) for number in (signal.SIGINT, signal.SIGTERM)}
+    with _handled_by(launcher.skip_grace):
+        yield
+
+
+@contextmanager
+def _handled_by(handler: Callable[..., object]) -> Iterator[None]:
+    before = {number: signal.signal(number, handler) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        for number, previous in before.items():
+            signal.signal(number, previous)
 
 
 def _listen(namespace: str) -> Monitor:

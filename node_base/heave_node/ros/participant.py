@@ -336,7 +336,14 @@ class ParticipantNode(HeaveNode):
         silence = self._silence.look()
         if (self.is_active or self.has_started) and silence > limit:
             name = "".join(f" {node}" for node in self._known.nodes[:1])
-            self.fail(f"no message from the clock master{name} for {silence:.1f} s")
+            self.fail(f"no message from the clock master{name} for {silence:.1f} s{self._where_it_is()}")
+
+    def _where_it_is(self) -> str:
+        """Return in words, for one that has not been heard in a run yet, whether there is a clock master at all."""
+        if self.has_started:
+            return ""
+        seen = self.count_publishers(self.resolve_topic_name(topics.TICK_STATUS.name))
+        return ": it is in this ROS domain, but cannot be heard" if seen else ": there is none in this ROS domain"
 
     def wait_until_heard(self) -> None:
         """Let the clock master know why this node has ended before the run, so that nobody waits for it.

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from functools import partial
 from types import FrameType
 from typing import Any
@@ -97,11 +98,11 @@ def _run(
         return _exit_with_message(f"{nodes[0].name}: {exposure}", EXIT_FAILED)
     if notice:
         nodes[0].get_logger().warning(notice)
-    _end_on_signals(nodes)
-    if launcher is not None:
-        close_with(launcher)
-    for node in reversed(nodes):
-        node.fail_on_error(partial(_start, node))
+    with suppress(KeyboardInterrupt), _ended_by_signals(nodes):
+        if launcher is not None:
+            close_with(launcher)
+        for node in reversed(nodes):
+            node.fail_on_error(partial(_start, node))
     spin_nodes(nodes)
     failed = sorted((node for node in nodes if node.failure), key=lambda node: node.failed_at, reverse=True)
     for node in failed:
@@ -181,14 +182,27 @@ def _on_idle(node: HeaveNode) -> None:
     node.on_idle()
 
 
-def _end_on_signals(nodes: Sequence[HeaveNode]) -> None:
+@contextmanager
+def _ended_by_signals(nodes: Sequence[HeaveNode]) -> Iterator[None]:
+    """End `nodes` by SIGINT and SIGTERM from now on; the first of them interrupts what is within by KeyboardInterrupt.
+
+    A node is built within: it loads libraries and compiles, and that is no longer of use.
+    """
+    is_within = True
+
     def on_signal(number: int, _: FrameType | None) -> None:
+        nonlocal is_within
         for node in nodes:
             node.was_ended = node.was_ended or not node.failure
             node.fail(f"ended by {signal.Signals(number).name}")
+        if is_within:
+            is_within = False
+            raise KeyboardInterrupt
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, on_signal)
+    yield
+    is_within = False
 
 
 def _exit_with_message(text: str, status: int) -> int:

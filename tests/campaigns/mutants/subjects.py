@@ -36,7 +36,7 @@ SUBJECTS: dict[str, Subject] = {
     "running checks": _controller("supervision.checks", "test_guard_checks", "test_guard"),
     "winch demand": _controller("supervision.watch.winch_demand", "test_winch_demand", "test_guard"),
     "mode machine": _controller("supervision.mode_machine", "test_mode_machine", "test_modes"),
-    "table of modes": _controller("supervision.modes", "test_mode_machine", "test_modes"),
+    "table of modes": _controller("supervision.modes", "test_mode_guards", "test_mode_machine", "test_modes"),
     "command timeouts": _controller("supervision.command_timeouts", "test_command_timeouts"),
     "timeout cause": _controller("supervision.watch.timeout_cause", "test_timeout_cause"),
     "drum watch": _controller("supervision.watch.drum_watch", "test_drum_watch"),
