@@ -153,7 +153,11 @@ def run_scenario(
     if MASTER in foreign:  # it takes part in each tick, as others do, and does not lead them
         run = replace(scenario.run, participants=(*scenario.run.participants, MASTER))
         scenario = replace(scenario, run=run)
-    with only_run_in_domain(namespace) as is_only, watched_start() as watchdog:
+    with (
+        only_run_in_domain(namespace) as is_only,
+        watched_start() as watchdog,
+        interrupts_noted() as was_interrupted,
+    ):
         if not is_only:
             _remove_unused(folder)
             raise CommandError(ANOTHER_RUN)
@@ -173,9 +177,8 @@ def run_scenario(
                 launcher.start_composed(names, folder.scenario, folder.logs, namespace, is_public=public)
             for node in launcher.nodes:
                 watchdog.end_too(node.process.pid)
-            with interrupts_noted() as was_interrupted:
-                look = _until_started(watchdog, was_interrupted, on_look)
-                status = _watch(scenario, folder, launcher, monitor, progress, look)
+            look = _until_started(watchdog, was_interrupted, on_look)
+            status = _watch(scenario, folder, launcher, monitor, progress, look)
             return Outcome(status, monitor.alarms, list(monitor.strangers))
         except KeyboardInterrupt:
             raise InterruptedCommandError(f"interrupted; {_where_to_look(folder)}") from None
