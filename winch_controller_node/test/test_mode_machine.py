@@ -142,6 +142,34 @@ def test_a_fault_of_the_winch_brakes_is_told_in_words_and_is_not_forgiven_by_its
     assert (after.mode, after.reason) == (mode, words)
 
 
+@pytest.mark.parametrize(
+    ("fault", "mode"),
+    [
+        (WinchFault.EMERGENCY_STOP, Mode.EMERGENCY_STOP),
+        (WinchFault.DRIVE, Mode.STOPPED),
+        (WinchFault.INVALID_COMMAND, Mode.STOPPED),
+        (99, Mode.STOPPED),
+    ],
+)
+def test_a_fault_while_a_winch_is_stopped_for_a_lost_sensor_is_not_forgiven_with_the_sensor(fault, mode):
+    """Somebody who presses the emergency stop of a winch that rests must find it at rest."""
+    modes = machine()
+    run(modes, 30.0)
+    assert run(modes, 60.0, situation(lost="mru lost: stale"))[-1].mode is Mode.STOPPED
+    assert run(modes, 1.0, situation(lost="mru lost: stale", winch_fault=fault))[-1].mode is mode
+    assert {output.mode for output in run(modes, 120.0)} == {mode}
+    modes.request("compensating")
+    assert run(modes, 60.0)[-1].mode is Mode.COMPENSATING
+
+
+def test_a_winch_that_stopped_for_want_of_commands_while_a_sensor_was_lost_goes_on_with_the_sensor():
+    modes = machine()
+    run(modes, 30.0)
+    run(modes, 60.0, situation(lost="mru lost: stale"))
+    run(modes, 60.0, situation(lost="mru lost: stale", winch_fault=WinchFault.COMMAND_TIMEOUT))
+    assert run(modes, 60.0)[-1].mode is Mode.COMPENSATING
+
+
 def test_harm_fades_out_to_standby_and_comes_back_when_it_is_over():
     modes = machine()
     run(modes, 5.0)

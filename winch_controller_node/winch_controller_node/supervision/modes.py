@@ -249,6 +249,9 @@ NO_FAULT = Guard(
     lambda view: fault_words(view.situation.winch_fault),
 )
 NEW_FAULT = Guard("a new fault", lambda view: view.situation.winch_fault != view.known_fault)
+NOT_FOR_WANT_OF_COMMANDS = Guard(
+    "not for want of commands", lambda view: view.situation.winch_fault != WinchFault.COMMAND_TIMEOUT
+)
 SENSORS_WELL = Guard("sensors good", lambda view: view.lost_time == 0.0, lambda view: view.situation.lost)
 GATES_OPEN = Guard(
     "entry gates open", lambda view: not view.situation.closed_gates, lambda view: view.situation.closed_gates
@@ -388,6 +391,8 @@ TABLE: tuple[Transition, ...] = (
     Transition(MOVING, Event.WINCH_EMERGENCY_STOP, _EMERGENCY, (), (want_rest,)),
     Transition(MOVING, Event.WINCH_FAULT, _STOPPED, (), (want_rest,)),
     Transition((_STANDBY,), Event.WINCH_FAULT, _STOPPED, (NEW_FAULT,), (want_rest,)),
+    Transition((_STOPPED,), Event.WINCH_EMERGENCY_STOP, _EMERGENCY, (NEW_FAULT,), (want_rest,)),
+    Transition((_STOPPED,), Event.WINCH_FAULT, _STOPPED, (NEW_FAULT, NOT_FOR_WANT_OF_COMMANDS), (want_rest,)),
     # what happens to the sensors
     Transition((_FADE_OUT,), Event.WINCH_SILENT, _STOPPING, (RESTS_STOPPED,)),
     Transition((_COMPENSATING,), Event.SENSOR_LOST, _FADE_OUT, (), (end_stopped,)),
