@@ -13,7 +13,7 @@ import pytest
 from domain_coordinator import domain_id
 
 from tests.loop_runs import adapting, environment, give
-from tests.test_device_on_udp import free_port
+from tests.plc import free_port
 
 ODOMETRY_MAP = """
 heave: {topic: /boat/odometry, type: nav_msgs/msg/Odometry, field: pose.pose.position.z, positive: down}
@@ -115,7 +115,7 @@ def running(drive: Drive) -> Iterator[None]:
 
 @pytest.mark.slow
 def test_a_topic_of_another_type_and_a_drive_on_udp_take_part(tmp_path):
-    orders, state = free_port(), free_port()
+    orders, state = free_port("udp"), free_port("udp")
     drive = Drive(orders, state)
     (tmp_path / "boat.yaml").write_text(ODOMETRY_MAP)
     (tmp_path / "drive.yaml").write_text(WINCH_MAP.format(orders=orders, state=state))
@@ -158,7 +158,7 @@ def test_a_topic_of_another_type_and_a_drive_on_udp_take_part(tmp_path):
 
 @pytest.mark.slow
 def test_a_drive_without_brake_or_watchdog_keeps_the_contract_behind_its_map(tmp_path):
-    orders, state = free_port(), free_port()
+    orders, state = free_port("udp"), free_port("udp")
     drive = Drive(orders, state)
     (tmp_path / "drive.yaml").write_text(WINCH_MAP.format(orders=orders, state=state))
     with domain_id() as domain, running(drive), adapting(domain, str(tmp_path / "drive.yaml")) as ended:
