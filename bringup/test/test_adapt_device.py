@@ -22,9 +22,9 @@ from sensor_msgs.msg import JointState
 from tests.adapt_fakes import Node
 
 
-def joints(position, velocity=0.0):
+def joints(position, velocity=0.0, second=1):
     message = JointState(name=["slew", "drum"], position=[0.0, position], velocity=[0.0, velocity])
-    message.header.stamp.sec = 1
+    message.header.stamp.sec = second
     return message
 
 
@@ -35,7 +35,7 @@ def test_a_velocity_controller_gets_the_rate_in_turns_of_its_drum():
     node.callbacks["winch/command"](WinchCommand(sequence=1, payout_rate=0.3))
     (message,) = node.sent["/velocity_controller/commands"]
     assert list(message.data) == [pytest.approx(0.6)]
-    node.callbacks["/joint_states"](joints(690.5, 0.6))
+    node.callbacks["/joint_states"](joints(690.5, 0.6, second=2))
     state = node.sent["winch/state"][-1]
     assert (state.encoder_payout, state.encoder_payout_rate, state.command_sequence) == (0.25, pytest.approx(0.3), 1)
     assert not state.brake
