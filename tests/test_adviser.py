@@ -231,7 +231,7 @@ def test_in_real_time_a_redesign_is_made_in_another_process_and_the_adviser_is_t
             run.send_signal(signal.SIGINT)
             run.wait(60.0)
     assert asked.returncode == 0, asked.stderr
-    assert "predicted unit sigma" in asked.stdout
+    assert "predicted unit heave" in asked.stdout
     found = restated(folder / "bag")
     assert found[0] == {}
     assert found[-1] == {"sea.significant_wave_height": 2.0, "sea.peak_period": 9.0}

@@ -108,7 +108,7 @@ def use_every_verb(operator, folder):
     assert "no move is under way" in operator.refused("hold")
     assert "the winch reaches" in operator.refused("depth", "5000")
     assert "the mean payout moved by -0." in operator.must("speed", "-0.2", "--for", "2")
-    assert "predicted unit sigma" in operator.must("redesign", "--height", "2", "--period", "9")
+    assert "predicted unit heave" in operator.must("redesign", "--height", "2", "--period", "9")
     assert "not paused" in operator.refused("step")
     assert "paused at" in operator.must("pause")
     tick = operator.status()["run"]["tick"]

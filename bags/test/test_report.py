@@ -8,14 +8,16 @@ from dataclasses import replace
 import pytest
 from heave_bags.analyse import analysis, kpi_set, run_words
 from heave_bags.analyse.events import Interval
+from heave_bags.analyse.reading.innovations import Innovation
 from heave_bags.errors import BagError
 from heave_bags.report import paper, report
+from heave_bags.report.estimator_figure import innovation_figure
 from heave_bags.report.figure import pack, thin
-from heave_bags.report.report_figures import run_figures
+from heave_bags.report.report_figures import comparison_figures, run_figures
 from heave_bags.signals import Signal
 from heave_node.criteria import Criterion
 from made_up_run import SCENARIO, MadeUpRun, write_run
-from numpy import arange, array, sin, zeros
+from numpy import arange, array, sin, where, zeros
 
 from tests import browser
 
@@ -169,6 +171,29 @@ def test_no_line_ends_between_a_number_and_its_unit():
     assert glued.replace("\N{NO-BREAK SPACE}", "~") == (
         "at most 2~m/s, 1.5~m/s², 95~%, seed 1, figures from 120~s to 200~s, 3 landings"
     )
+
+
+def test_no_line_ends_within_an_option_of_a_command(made_up_bag):
+    (record,) = analysis.analyse([made_up_bag()])
+    page = report.render([replace(record, is_past_transient=False)])
+    assert 'a longer <span class="option">--duration,</span> or <span class="option">--set</span>' in page
+
+
+def test_a_run_that_ended_within_its_transient_shows_its_settled_innovations(made_up_bag):
+    """The first innovations of a filter dwarf all others, and such a run's figures begin with them."""
+    (record,) = analysis.analyse([made_up_bag()])
+    time = arange(0.0, 60.0, 0.1)
+    payout = Innovation("payout", time, zeros(time.size), where(time < 5.0, 1.0, 0.01))  # [m]
+    short = replace(record, innovations=[payout], start=0.0, end=60.0, is_past_transient=False)
+    reach = innovation_figure(short).layout["yaxis"]["range"][1]
+    assert 2.0 < reach < 3.0, "two predicted standard deviations of 1 cm, and a margin"
+
+
+def test_a_comparison_explains_the_grey_only_where_some_is_drawn(made_up_bag):
+    (record,) = analysis.analyse([made_up_bag()])
+    for start, is_drawn in ((0.0, False), (20.0, True)):
+        records = [replace(record, start=start)] * 2
+        assert ("Grey" in comparison_figures(records, ["a", "b"])[0].caption) == is_drawn
 
 
 def test_what_harm_means_is_on_the_page(made_up_bag):

@@ -103,6 +103,7 @@ class ProgressLine:
         )
         self._task = self._display.add_task("", total=None)
         self._written_at = -QUIET_PERIOD
+        self._written = ""
 
     def __enter__(self) -> ProgressLine:
         return self
@@ -126,9 +127,11 @@ class ProgressLine:
             self._display.start()
             total = None if share is None else 1.0
             self._display.update(self._task, description=text, completed=share or 0.0, total=total, refresh=True)
-        elif time.monotonic() - self._written_at >= QUIET_PERIOD:
-            self._written_at = time.monotonic()
-            self.tell(text if share is None else f"{_done(share)}  {text}")
+            return
+        line = text if share is None else f"{_done(share)}  {text}"
+        if line != self._written and time.monotonic() - self._written_at >= QUIET_PERIOD:
+            self._written_at, self._written = time.monotonic(), line
+            self.tell(line)
 
     def tell(self, text: str) -> None:
         """Print `text` as a line that stays."""

@@ -66,6 +66,15 @@ def test_progress_in_a_file_is_a_line_now_and_then_and_what_was_told_stays():
     assert stream.getvalue() == " 25 % done  reading\nan alarm [of a node]\n"
 
 
+def test_what_was_said_in_a_file_is_not_said_again(monkeypatch):
+    monkeypatch.setattr("heave_bringup.progress.QUIET_PERIOD", 0.0)
+    stream = io.StringIO()
+    with ProgressLine(stream) as progress:
+        for text in ("starting the nodes", "starting the nodes", "waiting for cable_sim", "waiting for cable_sim"):
+            progress.show(text)
+    assert stream.getvalue() == "starting the nodes\nwaiting for cable_sim\n"
+
+
 def test_the_share_that_is_done_stands_before_what_is_going_on_and_says_of_what_it_is():
     """A controller that compensates has an authority, a share too: it must not be taken for that."""
     stream = io.StringIO()
@@ -80,7 +89,7 @@ def test_the_share_that_is_done_is_seen_in_a_narrow_terminal_too(monkeypatch, co
     monkeypatch.setenv("COLUMNS", str(columns))
     stream = Terminal()
     with ProgressLine(stream) as progress:
-        progress.show("150.0 s of 600 s  compensating, true unit sigma 0.66 cm, efficiency 97.7 %" * 2, 0.25)
+        progress.show("150.0 s of 600 s  compensating, true unit heave 0.66 cm std. dev., efficiency 97.7 %" * 2, 0.25)
     assert "25 % done" in stream.getvalue()
     assert "150.0 s of" in stream.getvalue()
 

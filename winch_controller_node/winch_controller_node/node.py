@@ -334,7 +334,7 @@ class WinchControllerNode(ParticipantNode):
         response.predicted_unit_sigma = self.controller.predicted_unit_sigma()
         response.message = (
             f"length {design.length:g} m: a = {design.cable.a:.4g} s^2, b = {design.cable.b:.4g} s, predicted unit "
-            f"sigma {response.predicted_unit_sigma:.4g} m"
+            f"heave, standard deviation {response.predicted_unit_sigma:.4g} m"
         )
         return response
 

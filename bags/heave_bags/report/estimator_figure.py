@@ -63,8 +63,12 @@ def _shown_innovation(row: Innovation) -> Innovation:
 
 
 def _settled_range(row: Innovation, record: RunRecord) -> list[float]:
-    """Return the range that the evaluation window needs: the first innovations of a filter dwarf all others."""
-    settled = (row.time >= record.start) & (row.time <= record.end)
+    """Return the range that the evaluation window needs: the first innovations of a filter dwarf all others.
+
+    A run that ended within its transient has its start-up in that window: then the second half counts.
+    """
+    begin = record.start if record.is_past_transient else 0.5 * (record.start + record.end)
+    settled = (row.time >= begin) & (row.time <= record.end)
     shown = settled if settled.any() else np.ones(row.time.size, dtype=bool)
     reach = 1.15 * max(float(np.abs(row.value[shown]).max()), float(2.0 * row.sigma[shown].max()), 1e-9)
     return [-reach, reach]

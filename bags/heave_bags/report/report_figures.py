@@ -64,9 +64,10 @@ def run_figures(record: RunRecord) -> list[Figure]:
 
 def comparison_figures(records: Sequence[RunRecord], names: Sequence[str]) -> list[Figure]:
     """Return the figures that show the runs `records` together, each by its name among `names`."""
+    grey = " Grey: transient, not counted." if transient_band(records[0]) else ""
     heave = Figure(
         "Unit heave of all runs",
-        "About the mean of each run. Grey: transient, not counted.",
+        f"About the mean of each run.{grey}",
         layout=time_layout(records[0], "unit heave about the mean [cm]"),
     )
     for index, (record, label) in enumerate(zip(records, names, strict=True)):

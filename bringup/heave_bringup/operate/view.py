@@ -145,7 +145,8 @@ def _header(situation: Situation, silence: float) -> Group:
         words.append(f"brake {'ON' if winch.brake else 'off'}")
     if situation.figures is not None and math.isfinite(situation.figures.unit_sigma):
         figures = situation.figures
-        words.append(f"unit sigma {100.0 * figures.unit_sigma:.2f} cm over {figures.window:.0f} s, est.")
+        heave = f"{100.0 * figures.unit_sigma:.2f} cm over {figures.window:.0f} s"
+        words.append(f"unit heave, standard deviation {heave}, est.")
     return Group(*lines, Text("; ".join(words)), Text(""))
 
 

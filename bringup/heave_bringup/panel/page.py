@@ -28,7 +28,7 @@ CHARTS = (HEAVE, UNIT, WINCH, TENSION)
 COLOURS = ("#56b4e9", "#e69f00")
 FIGURES = (
     "unit, est. [cm]",
-    "unit sigma, est. [cm]",
+    "unit std. dev., est. [cm]",
     "boom tip, est. [m]",
     "residual [cm]",
     "depth, est. [m]",

@@ -113,7 +113,7 @@ class LiveFigures:
             source, sigma, efficiency = "estimated", estimated_sigma, estimated_efficiency
         words = [self._mode_words()]
         if math.isfinite(sigma):
-            words.append(f"{source} unit sigma {100.0 * sigma:.2f} cm")
+            words.append(f"{source} unit heave {100.0 * sigma:.2f} cm std. dev.")
             if self.mode in COMPENSATES and math.isfinite(efficiency):
                 words.append(f"efficiency {100.0 * efficiency:.1f} %")
         return ", ".join(word for word in words if word)
