@@ -88,11 +88,11 @@ def test_compensation_begins_near_resonance_in_every_sea(height, period, seed):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("scenario", "length"), [("b2_calm_300", 3000.0), ("b2_calm_300", 4000.0)])
-def test_a_unit_that_swings_above_its_resonance_is_held_on_a_cable_heavier_than_itself(scenario, length):
+@pytest.mark.parametrize("length", [3000.0, 4000.0])
+def test_a_unit_that_swings_above_its_resonance_is_held_on_a_cable_heavier_than_itself(length):
     """Of 3 t on 3,000 m of cable of 11 t, the waves are at twice the frequency of the first resonance."""
     settings = [f"system.length={length!r}", "all.duration=150", "all.transient=30.0"]
-    record = ClosedLoop(loop_parameters(load_scenario(scenario, settings=settings))).run()
+    record = ClosedLoop(loop_parameters(load_scenario("b2_calm_300", settings=settings))).run()
     begin = begin_of_compensation(record)
     assert begin < BEGINS, record.alarms
     assert share_left(record, begin + 40.0) < 0.12

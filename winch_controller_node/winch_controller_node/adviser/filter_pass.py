@@ -234,7 +234,7 @@ def _follow(motion: Motion, reads: Reads, commands: Array, x: Array, P: Array) -
     n, c = x.shape
     innovations, variances = np.empty_like(reads.values), np.empty(len(reads.values))
     across, left, first = np.empty(n), np.empty(c), 0
-    moved, half, across_half = np.empty_like(x), np.empty_like(P), np.empty_like(P)
+    moved, half, turned = np.empty_like(x), np.empty_like(P), np.empty_like(P)
     for k in range(len(reads.ends)):
         _slowed(motion, k, x, P)
         _move(motion, k, x, moved)
@@ -244,8 +244,8 @@ def _follow(motion: Motion, reads: Reads, commands: Array, x: Array, P: Array) -
                 x[i] += motion.B[i] * commands[k]
         # P = F P F' + Q = F (F P)' + Q, of a symmetric P
         _move(motion, k, P, half)
-        across_half[:] = half.T
-        _move(motion, k, across_half, P)
+        turned[:] = half.T
+        _move(motion, k, turned, P)
         P += motion.Q
         _slowed(motion, k, x, P)
         P[motion.rate, motion.rate] += motion.unknown[k]
