@@ -179,6 +179,22 @@ HAZARDS: tuple[Hazard, ...] = (
         events=(Event.HARM, Event.SENSOR_LOST),
     ),
     Hazard(
+        "The boom tip is taken to be where it is not: roll and pitch are carried to a false place, the winch follows a "
+        "lift that is not",
+        {"sensor": ("freeze", "gap", "nan", "spike", "jump", "scale", "rate", "delay")},
+        ("CRANE_POSE_STALE", "CRANE_POSE_INVALID", "CRANE_POSE_JUMP", "CRANE_RATES_DISAGREE"),
+        "a false pose is rejected, and the last one held; height counts from there, and the unit is not moved. Rates "
+        "that a joint does not follow are not used",
+        "at once for a jump or scale that begins, and for no number; 1 s without a pose; 1 s of motion for a freeze "
+        "while the crane moves (tests)",
+        "a pose that freezes while the crane stands, or has a scale from the start, is not detected: the unit then "
+        "moves as without a pose",
+        (f"{_C}test_crane_pose.py::test_each_fault_of_the_encoders_raises_its_alarm_in_time_and_moves_nothing",
+         f"{_C}test_crane_pose.py::"
+         "test_a_joint_that_does_not_move_by_its_stated_rate_is_told_within_a_second_and_goes_by_its_poses"),
+        others="encoders of a crane, whose poses travel as `crane/pose`",
+    ),
+    Hazard(
         "Payout is not known, or counted falsely: the unit is lowered too far, or the drum runs to its end",
         {"encoder": ("freeze", "nan", "spike", "jump", "scale")},
         ("ENCODER_STALE", "ENCODER_NOT_A_NUMBER", "ENCODER_BAD_STAMP", "ENCODER_OUT_OF_ORDER", "ENCODER_FROZEN",
