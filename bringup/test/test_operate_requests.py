@@ -8,6 +8,7 @@ from heave_bringup.operate.requests import (
     request_mode,
     request_snapshot,
 )
+from heave_bringup.parser import make_parser
 from heave_msgs.srv import SaveSnapshot, SetMode
 from heave_node.interface.topics import ALL_TOPICS
 from rcl_interfaces.msg import SetParametersResult
@@ -27,7 +28,13 @@ def test_a_fault_is_asked_of_the_node_that_publishes_the_device():
     assert NODE_OF_DEVICE["mru"] == publishers["mru"]
     assert NODE_OF_DEVICE["depth"] == publishers["unit/pressure"]
     assert NODE_OF_DEVICE["encoder"] == NODE_OF_DEVICE["winch"] == publishers["winch/state"]
+    assert NODE_OF_DEVICE["crane"] == publishers["crane/pose"]
     assert request_fault("depth", "nan").service == "cable_sim/inject_fault"
+
+
+def test_every_device_is_offered_on_the_command_line():
+    for device in NODE_OF_DEVICE:
+        assert make_parser().parse_args(["operate", "fault", "inject", device, "freeze"]).device == device
 
 
 def test_a_factor_is_a_parameter_of_the_controller_and_its_refusal_is_told():

@@ -110,7 +110,7 @@ def _add_redesign(parser: argparse.ArgumentParser) -> None:
 def _add_fault(parser: argparse.ArgumentParser) -> None:
     from heave_node.interface.sensors import SENSORS
 
-    devices = (*SENSORS, "encoder", "winch")
+    devices = (*SENSORS, "crane", "encoder", "winch")
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
     inject = actions.add_parser(
         "inject",
