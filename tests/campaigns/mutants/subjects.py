@@ -33,7 +33,7 @@ SUBJECTS: dict[str, Subject] = {
     "guard": _controller("supervision.guard", "test_guard", "test_guard_checks"),
     "guard checks": _controller("supervision.guard_checks", "test_guard_checks", "test_guard"),
     "guard hold": _controller("supervision.guard_hold", "test_guard_hold"),
-    "running checks": _controller("supervision.checks", "test_guard_checks", "test_guard"),
+    "running checks": _controller("supervision.checks", "test_checks", "test_guard_checks", "test_guard"),
     "winch demand": _controller("supervision.watch.winch_demand", "test_winch_demand", "test_guard"),
     "mode machine": _controller("supervision.mode_machine", "test_mode_machine", "test_modes"),
     "table of modes": _controller("supervision.modes", "test_mode_guards", "test_mode_machine", "test_modes"),
