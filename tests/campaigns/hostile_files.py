@@ -29,6 +29,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parents[2] / "bags" / "test"))
 
 from heave_bringup.progress import ProgressLine
+from heave_node.ros.transport import parents_death
 from made_up_run import MadeUpRun, write_run
 from memory import peak_memory
 
@@ -165,10 +166,9 @@ def campaign(count: int, progress: Callable[[str], None], first: int = 0) -> lis
         with tempfile.TemporaryDirectory() as folder:
             numbers = f"{begin}:{min(begin + BATCH, first + count)}"
             path = Path(folder) / "results.json"
-            command = [sys.executable, "-m", "tests.campaigns.hostile_files", "--batch", numbers]
-            done = subprocess.run(
-                [*command, "--results", str(path)], stderr=subprocess.PIPE, cwd=Path(__file__).parents[2], check=False
-            )
+            command = parents_death.command("tests.campaigns.hostile_files", "--batch", numbers, "--results", str(path))
+            environment, root = {**os.environ, **parents_death.environment()}, Path(__file__).parents[2]
+            done = subprocess.run(command, stderr=subprocess.PIPE, cwd=root, env=environment, check=False)
             if path.exists():
                 results += [Result(**entry) for entry in json.loads(path.read_text())]
             else:
