@@ -11,7 +11,6 @@ from winch_controller_node.supervision.watch.drum_watch import CHECKED_TIME, ORD
 from winch_controller_node.supervision.watch.encoder_reflex import (
     BEGINNING,
     LONGEST_ASIDE,
-    LOOKED_EVERY,
     LOOKS,
     Act,
     EncoderReflex,
@@ -413,7 +412,8 @@ def test_what_was_said_of_an_encoder_ends_later_whatever_is_left(share, left, is
 # the reflex
 
 TRUE, HALF, BACK = Ordered(1.0, 0.02, 3.0), Ordered(0.5, 0.02, 3.0), Ordered(-1.0, 0.02, 3.0)
-LOOK = round(LOOKED_EVERY / DT)
+LOOK = 2
+"""Ticks from one look to the next: ten looks a second."""
 
 
 def acts(shown, *, is_aside=False, reflex=None, start=0):
@@ -429,7 +429,14 @@ def acts(shown, *, is_aside=False, reflex=None, start=0):
 
 
 def seconds(time):
-    return round(time / LOOKED_EVERY)
+    return round(10.0 * time)
+
+
+def test_before_the_first_look_nothing_is_unresolved():
+    reflex = EncoderReflex(DT)
+    assert (reflex.is_unresolved, reflex.inhibition) == (False, None)
+    assert reflex.look(0, None, is_aside=False) is Act.NOTHING
+    assert not reflex.is_unresolved
 
 
 def test_an_encoder_that_was_wrong_from_the_start_is_set_aside_at_once_and_nothing_can_be_done():
