@@ -23,7 +23,10 @@ SUBJECTS: dict[str, Subject] = {
         "cable_sim_node.winch.component",
         ("cable_sim_node/test/test_virtual_winch.py", "cable_sim_node/test/test_faulty_drum.py"),
     ),
-    "command line": Subject("cable_sim_node.winch.command_line", ("cable_sim_node/test/test_virtual_winch.py",)),
+    "command line": Subject(
+        "cable_sim_node.winch.command_line",
+        ("cable_sim_node/test/test_command_line.py", "cable_sim_node/test/test_virtual_winch.py"),
+    ),
     "faulty drum": Subject("cable_sim_node.winch.faulty_drum", ("cable_sim_node/test/test_faulty_drum.py",)),
     "motion supervision": Subject(
         "heave_node.winch.motion_supervision", ("node_base/test/test_motion_supervision.py",)
