@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,6 +14,7 @@ from heave_node.ros.transport.start_watchdog import check_memory
 
 from heave_bringup.commands.completion import complete
 from heave_bringup.errors import CommandError, ExitStatus
+from heave_bringup.interrupts import raise_interrupts
 from heave_bringup.parser import make_parser
 
 
@@ -25,8 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ----------
     arguments : of the command line, without the program's name; None: those of this process
     """
-    for number in (signal.SIGINT, signal.SIGTERM):  # a shell may have set SIGINT to be ignored in the background
-        signal.signal(number, signal.default_int_handler)  # nodes are ended in order
+    raise_interrupts()  # nodes are ended in order
     parser = make_parser()
     complete(parser)
     options = parser.parse_args(arguments)
