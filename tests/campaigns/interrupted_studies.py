@@ -78,6 +78,9 @@ class Interruption:
     wrong: str
     had_ended: bool = False
 
+    def __str__(self) -> str:
+        return f"{self.command} after {self.after:.1f} s, ended within {self.took:.1f} s: {self.wrong or 'well'}"
+
 
 def interrupt_one(command: str, number: int, folder: Path, record: Path, latest: float = LATEST) -> Interruption:
     """Start a command in a folder, interrupt it at a moment drawn by the seed `number`, and judge its end.
@@ -167,7 +170,7 @@ def table(found: Sequence[Interruption]) -> str:
             longest, kept = max(one.took for one in part), max(one.kept for one in part)
             median, wrong = statistics.median(one.took for one in part), sum(bool(one.wrong) for one in part)
             lines.append(f"{command:14}{len(part):6}{median:10.1f}{longest:11.1f}{kept:11}{wrong:7}")
-    return "\n".join([*lines, *(f"{one.command} after {one.after:.1f} s: {one.wrong}" for one in found if one.wrong)])
+    return "\n".join([*lines, *(str(one) for one in found if one.wrong)])
 
 
 def main() -> int:
@@ -191,6 +194,8 @@ def main() -> int:
             for command in options.only:
                 with tempfile.TemporaryDirectory() as folder:
                     found.append(interrupt_one(command, number, Path(folder), record, options.latest))
+                if found[-1].wrong:
+                    progress.tell(str(found[-1]))
                 loads.append(os.getloadavg()[0])
                 wrong = sum(bool(one.wrong) for one in found)
                 progress.show(f"{len(found)} of {options.count * len(options.only)}, {wrong} wrong")
