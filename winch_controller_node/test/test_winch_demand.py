@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from winch_controller_node.laws.parts.effort import Effort
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
+from winch_controller_node.supervision.checks import RunningSigma
 from winch_controller_node.supervision.watch.winch_demand import (
     GROUP_PEAK,
     GROWING_PEAK,
@@ -59,19 +60,26 @@ def test_a_calm_sea_is_given_as_a_whole():
     assert WinchDemand(40.0, tick_period=DT).largest_share(STRONG, Effort(), 0.85) == 1.0
 
 
+def sigma_of_group(values):
+    """Return the standard deviation over the last 8 s of `values` about a mean that follows three times more slowly."""
+    sigma = RunningSigma(8.0, DT)
+    for value in values:
+        sigma.add(value)
+    return sigma.sigma
+
+
 @pytest.mark.parametrize("limits", [STRONG, FAST], ids=["speed", "acceleration"])
 def test_a_group_of_high_waves_is_seen_before_the_mean_of_the_sea_has_grown(limits):
     """Ten minutes of 0.2 m/s, then two waves of 3 m/s: peaks are 2.2 times the sigma of 8 s."""
     demand = sine(0.2, 600.0)
-    group = []
+    group = [(0.2 if limits is STRONG else 0.2 * OMEGA) * math.sin(OMEGA * time) for time in np.arange(0.0, 100.0, DT)]
     for time in DT * np.arange(round(12.0 / DT)):
         rate = 3.0 * math.sin(OMEGA * time)
         demand.add(rate)
         group.append(rate if limits is STRONG else 3.0 * OMEGA * math.cos(OMEGA * time))
-    weights = np.exp(-DT * np.arange(len(group))[::-1] / 8.0) * DT / 8.0
-    sigma = math.sqrt(float(weights @ np.square(group)))
     limit = limits.usual_speed if limits is STRONG else limits.acceleration
-    assert demand.largest_share(limits, Effort(), 0.85) == pytest.approx(0.85 * limit / (GROUP_PEAK * sigma), rel=0.1)
+    peak = GROUP_PEAK * sigma_of_group(group)
+    assert demand.largest_share(limits, Effort(), 0.85) == pytest.approx(0.85 * limit / peak, rel=0.02)
 
 
 @pytest.mark.parametrize("limits", [STRONG, FAST], ids=["speed", "acceleration"])
@@ -80,12 +88,12 @@ def test_a_sea_that_grows_from_its_first_wave_on_is_as_high_as_its_last_waves(li
     demand = sine(0.0, 60.0, growth=0.05)
     limit = limits.usual_speed if limits is STRONG else limits.acceleration
     time = DT * np.arange(round(60.0 / DT))
-    crest = float(np.max(0.05 * time * np.abs(np.sin(time) if limits is STRONG else np.cos(time))))
+    waves = 0.05 * time * (np.sin(time) if limits is STRONG else np.cos(time))
+    crest = float(np.max(np.abs(waves)))
     assert demand.coming(limits) == pytest.approx(crest / limit, rel=0.01)
     assert demand.significant(limits) < 0.95 * demand.coming(limits)
-    assert demand.largest_share(limits, Effort(), 0.85) == pytest.approx(
-        0.85 * limit / (GROWING_PEAK * SIGMA * 2.6), rel=0.1
-    )
+    peak = GROWING_PEAK * sigma_of_group(waves)
+    assert demand.largest_share(limits, Effort(), 0.85) == pytest.approx(0.85 * limit / peak, rel=0.03)
 
 
 def test_a_sea_that_is_known_for_two_minutes_grows_no_more():
