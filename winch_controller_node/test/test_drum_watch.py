@@ -527,6 +527,14 @@ def test_one_that_is_set_aside_late_is_not_unresolved_and_one_in_the_beginning_i
         assert reflex.is_unresolved is is_unresolved
 
 
+@pytest.mark.parametrize(("moved", "is_unresolved"), [(14.9, True), (15.1, False)])
+def test_the_time_in_which_the_winch_moves_counts_from_its_first_tick(moved, is_unresolved):
+    """In the first 15 s an encoder may have been wrong from the start."""
+    found, reflex = acts([None] * seconds(moved) + [BACK] * 3)
+    assert [act for _, act in found] == [Act.SET_ASIDE]
+    assert reflex.is_unresolved is is_unresolved
+
+
 def test_the_time_in_which_the_winch_moves_begins_anew_after_a_pause():
     _, reflex = acts([None] * seconds(BEGINNING + 1.0))
     found, reflex = acts([BACK] * 3, reflex=reflex, start=10_000)
