@@ -27,7 +27,9 @@ class Durations:
 
     def __init__(self) -> None:
         self._newest: deque[float] = deque(maxlen=KEPT)
-        self.clear()
+        self._count, self._largest = 0, 0.0
+        self._fine = np.zeros(FINE_CLASSES, dtype=np.int64)
+        self._classes = [0] * (len(EDGES) + 1)
 
     def __len__(self) -> int:
         return self._count
@@ -44,8 +46,8 @@ class Durations:
         """Start again."""
         self._newest.clear()
         self._count, self._largest = 0, 0.0
-        self._fine = np.zeros(FINE_CLASSES, dtype=np.int64)
-        self._classes = [0] * (len(EDGES) + 1)
+        self._fine[:] = 0
+        self._classes = [0] * len(self._classes)
 
     def percentiles(self, last: int | None = None, more: tuple[float, ...] = ()) -> tuple[float, float, float]:
         """Return p50, p99 and the largest [s]; zeros without any.
