@@ -1,5 +1,6 @@
 """Whether the winch does what is predicted of it: authority is reduced while the difference is unexplained."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -178,7 +179,9 @@ def test_a_fault_stays_known_while_no_state_comes_and_its_cause_is_told(design):
     link.run(100)
     link.late += 12
     link.run(12, fault=WinchFault.COMMAND_TIMEOUT)
-    assert link.watch.fault_cause(Lateness()).startswith("commands were sent in time, and the winch took none for")
+    said = link.watch.fault_cause(Lateness())
+    assert said.startswith("commands were sent in time, and the winch took none for")
+    assert float(re.findall(r"\d+\.\d+", said)[0]) == pytest.approx(12 * DT), "beyond its delay"
     link.run(3, has_state=False)
     assert link.watch.fault == WinchFault.COMMAND_TIMEOUT
     silent = Link(design)
