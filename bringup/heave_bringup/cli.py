@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from heave_bringup.interrupts import forget_interrupts, raise_if_interrupted, raise_interrupts  # notes them from now on
+
+# isort: split
 import argparse
 import sys
 from collections.abc import Sequence
@@ -14,7 +17,6 @@ from heave_node.ros.transport.start_watchdog import check_memory
 
 from heave_bringup.commands.completion import complete
 from heave_bringup.errors import CommandError, ExitStatus
-from heave_bringup.interrupts import raise_interrupts
 from heave_bringup.parser import make_parser
 
 
@@ -26,6 +28,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments : of the command line, without the program's name; None: those of this process
     """
     raise_interrupts()  # nodes are ended in order
+    try:
+        return _main(arguments)
+    finally:
+        forget_interrupts()
+
+
+def _main(arguments: Sequence[str] | None) -> int:
     parser = make_parser()
     complete(parser)
     options = parser.parse_args(arguments)
@@ -51,6 +60,7 @@ def _status_after(options: argparse.Namespace) -> int:
 
 
 def _execute(options: argparse.Namespace) -> None:
+    raise_if_interrupted()
     try:
         options.execute(options)
     except (CommandError, ParameterError, BagError):
