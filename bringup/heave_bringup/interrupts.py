@@ -30,7 +30,7 @@ def raise_if_interrupted() -> None:
 
 
 def forget_interrupts() -> None:
-    """Let the next command of this process begin anew."""
+    """Let the next command of this process know nothing of it."""
     _came.clear()
 
 

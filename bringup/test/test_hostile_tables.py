@@ -64,6 +64,14 @@ def test_what_a_table_keeps_is_written_into_the_folder_of_the_run(tmp_path):
     assert path.read_bytes() == CONTENT
 
 
+def test_a_table_whose_texts_are_no_texts_is_refused_in_a_line(tmp_path):
+    wrong = pyarrow.array([b"\xac\xff"]).cast(pyarrow.binary()).view(pyarrow.string())
+    arrow = pyarrow.table({"case": pyarrow.array([1]), "scenario": wrong})
+    pyarrow.parquet.write_table(arrow, tmp_path / "own.parquet")
+    with pytest.raises(ParameterError, match="cannot be read as a table of cases"):
+        scenario_of(tmp_path / "own.parquet", 1)
+
+
 @pytest.mark.parametrize("name", ["seed", "nominal", "failure", *FIGURES])
 @pytest.mark.parametrize("change", ["is missing", "is a list"])
 def test_a_table_without_what_extremes_need_is_refused_in_words(tmp_path, name, change):
