@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import ast
+import signal
+import subprocess
+import sys
 
+import psutil
 import pytest
 
 from tests.campaigns.mutants.judge import ROOT
 from tests.campaigns.mutants.mutations import mutated, mutations_of
 from tests.campaigns.mutants.subjects import SUBJECTS
-from tests.campaigns.soak import Look, Soaked, is_well, judged
+from tests.campaigns.soak import Look, Soaked, is_well, judged, memory_by_node
+from tests.loop_runs import wait_until
 
 SOURCE = '''
 """Words."""
@@ -61,7 +66,7 @@ def soaked(**growing: float) -> Soaked:
     """Return a run whose figures grow by so much to its end."""
     looks = [
         Look(
-            300.0 + growing.get("memory", 0.0) * share,
+            {"plant": 300.0, "adviser": 100.0 + growing.get("memory", 0.0) * share},
             60 + round(growing.get("descriptors", 0.0) * share),
             frozenset(f"fastdds_{number}" for number in range(20 + round(growing.get("shared_memory", 0.0) * share))),
             5 + round(growing.get("files", 0.0) * share),
@@ -77,3 +82,21 @@ def test_a_figure_that_grows_in_a_long_run_is_found(figure):
     grown = soaked(**{figure: 30.0})
     assert [name for name, *_, has_stayed in judged(grown) if not has_stayed] == [figure.replace("_", " ")]
     assert not is_well(grown)
+
+
+def test_the_memory_of_each_node_is_known():
+    found = memory_by_node(soaked(memory=80.0))
+    assert found == {"plant": (300.0, 300.0), "adviser": (pytest.approx(129.6), pytest.approx(170.4))}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_the_run_of_a_soak_ends_with_it(number, tmp_path):
+    command = [sys.executable, "-m", "tests.campaigns.soak", "--kinds", "processes", "--folder", str(tmp_path)]
+    soak = psutil.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        wait_until(lambda: len(soak.children(recursive=True)) > 5, 120.0)
+    finally:
+        started = soak.children(recursive=True)
+        soak.send_signal(number)
+    assert psutil.wait_procs([soak, *started], timeout=60.0)[1] == []

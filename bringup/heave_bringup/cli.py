@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from heave_bringup.interrupts import forget_interrupts, raise_if_interrupted, raise_interrupts  # notes them from now on
+
+# isort: split
 import argparse
-import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -25,8 +27,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ----------
     arguments : of the command line, without the program's name; None: those of this process
     """
-    for number in (signal.SIGINT, signal.SIGTERM):  # a shell may have set SIGINT to be ignored in the background
-        signal.signal(number, signal.default_int_handler)  # nodes are ended in order
+    raise_interrupts()  # nodes are ended in order
+    try:
+        return _main(arguments)
+    finally:
+        forget_interrupts()
+
+
+def _main(arguments: Sequence[str] | None) -> int:
     parser = make_parser()
     complete(parser)
     options = parser.parse_args(arguments)
@@ -52,6 +60,7 @@ def _status_after(options: argparse.Namespace) -> int:
 
 
 def _execute(options: argparse.Namespace) -> None:
+    raise_if_interrupted()
     try:
         options.execute(options)
     except (CommandError, ParameterError, BagError):

@@ -145,6 +145,16 @@ def test_a_sea_from_a_file_that_is_no_longer_there_is_a_note(monkeypatch, bag):
     assert "/nowhere/heave.csv" in note
 
 
+def test_of_a_unit_that_floats_above_the_boom_tip_it_is_a_note(monkeypatch, bag):
+    """What a bag carries is any scenario."""
+    floating = scenario("system.unit.volume=20")
+    monkeypatch.setattr(baseline, "scenario_of", lambda _: floating)
+    record = RunRecord("run", RunSignals(), 1.0, 4.0)
+    baseline.add_baseline(record, bag)
+    (note,) = record.notes
+    assert note.startswith("the baseline is unknown: the line does not hang")
+
+
 def test_how_far_it_is_is_told():
     shares: list[float] = []
     baseline.baseline_signals(scenario(), shares.append)

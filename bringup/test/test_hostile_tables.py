@@ -15,6 +15,7 @@ import pyarrow
 import pyarrow.parquet
 import pytest
 from heave_bags.signals import Signal
+from heave_bringup.campaign.extremes import FIGURES, extremes_of_table
 from heave_bringup.run.baseline import KEPT, read_kept
 from heave_bringup.scenarios import load_scenario, shipped_scenarios
 from heave_bringup.tables.case_table import files_of, read_cases, scenario_of, split_reference
@@ -61,6 +62,28 @@ def test_what_a_table_keeps_is_written_into_the_folder_of_the_run(tmp_path):
     assert "is not there" in line
     (path,) = (tmp_path / "run").rglob(ENTRY)
     assert path.read_bytes() == CONTENT
+
+
+def test_a_table_whose_texts_are_no_texts_is_refused_in_a_line(tmp_path):
+    wrong = pyarrow.array([b"\xac\xff"]).cast(pyarrow.binary()).view(pyarrow.string())
+    arrow = pyarrow.table({"case": pyarrow.array([1]), "scenario": wrong})
+    pyarrow.parquet.write_table(arrow, tmp_path / "own.parquet")
+    with pytest.raises(ParameterError, match="cannot be read as a table of cases"):
+        scenario_of(tmp_path / "own.parquet", 1)
+
+
+@pytest.mark.parametrize("name", ["seed", "nominal", "failure", *FIGURES])
+@pytest.mark.parametrize("change", ["is missing", "is a list"])
+def test_a_table_without_what_extremes_need_is_refused_in_words(tmp_path, name, change):
+    rows = {"case": [1, 2, 3], "scenario": [""] * 3, "seed": [1, 2, 3], "nominal": [False] * 3, "failure": [""] * 3}
+    frame = pandas.DataFrame(rows | {figure: [1.0, 2.0, 3.0] for figure in FIGURES})
+    if change == "is missing":
+        frame = frame.drop(columns=name)
+    else:
+        frame[name] = [[1.0], [2.0], [3.0]]
+    frame.to_parquet(tmp_path / "own.parquet")
+    with pytest.raises(ParameterError):
+        extremes_of_table(tmp_path / "own.parquet", 3600.0)
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,11 @@ stops the drum. Expected speeds are those ordered; times are the supervision's, 
 
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
+from cable_sim_node.winch.drives.interface import DriveCommand, DriveState
+from cable_sim_node.winch.faulty_drum import FaultyDrum
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.interface.codes import WinchFault, WinchLimit
+from heave_node.interface.faults import FaultParameters, FaultSchedule
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -82,6 +85,79 @@ def test_pressure_that_falls_and_comes_back_bounds_the_speed_and_says_so():
     bench.run(2.0, rate=0.5)
     assert bench.state.payout_rate == pytest.approx(0.5, rel=1e-3)
     assert not bench.state.limits_hit & WinchLimit.PRESSURE
+
+
+def drum(**parameters):
+    """Return a drum alone, and its faults."""
+    faults = FaultSchedule(FaultParameters(), name="winch", device="winch")
+    return FaultyDrum(WinchParameters(**parameters), faults), faults
+
+
+AT_3 = DriveState(3.0, 0.5, 0.0, 0.0, 0.0, WinchLimit.SPEED, brake=False)
+
+
+def moved(of, *, is_at_rest=False, tension=TENSION, duration=1.0, state=AT_3):
+    return of.moved(state, is_at_rest=is_at_rest, time=10.0, duration=duration, tension=tension)
+
+
+@pytest.mark.parametrize("is_at_rest", [False, True])
+def test_a_sound_drum_does_what_the_drive_does_and_its_brake_says_what_it_does(is_at_rest):
+    sound, _ = drum()
+    assert sound.is_brake_engaged
+    order = DriveCommand(0.5, 7.0)
+    assert sound.ordered(order, 10.0, 3.0) is order
+    assert moved(sound, is_at_rest=is_at_rest) is AT_3
+    assert sound.is_brake_engaged is is_at_rest
+
+
+def test_a_drum_that_turns_the_other_way_goes_as_far_from_where_it_is_to_the_other_side():
+    """At 3 m, ordered to 7 m at 0.5 m/s: to -1 m. What the load has slipped is none of the drive's way."""
+    reversed_one, faults = drum()
+    faults.inject("reverse", start=0.0)
+    assert reversed_one.ordered(DriveCommand(0.5, 7.0), 10.0, 3.0) == DriveCommand(-0.5, -1.0)
+    faults.inject("creep", start=0.0, magnitude=0.25)
+    assert moved(reversed_one, duration=2.0).payout == 3.5
+    # the drive is at 3 m where the rope is at 3.5 m, and 7 m of rope are 6.5 m of it
+    assert reversed_one.ordered(DriveCommand(0.5, 7.0), 10.0, 3.5) == DriveCommand(-0.5, -0.5)
+
+
+@pytest.mark.parametrize(
+    ("kind", "is_at_rest", "slips", "is_engaged"),
+    [
+        ("creep", False, True, False),
+        ("creep", True, False, True),
+        ("brake_slip", False, False, False),
+        ("brake_slip", True, True, True),
+        ("brake_open", False, False, False),
+        ("brake_open", True, True, False),
+        ("brake_shut", False, False, True),
+        ("brake_shut", True, False, True),
+    ],
+)
+def test_the_load_pays_out_where_nothing_holds_it_and_only_then(kind, is_at_rest, slips, is_engaged):
+    faulty, faults = drum()
+    faults.inject(kind, start=0.0, magnitude=0.25)
+    slack = moved(faulty, is_at_rest=is_at_rest, tension=0.0)
+    assert (slack.payout, slack.payout_rate) == (3.0, 0.5)
+    state = moved(faulty, is_at_rest=is_at_rest, duration=2.0)
+    assert (state.payout, state.payout_rate) == ((3.5, 0.75) if slips else (3.0, 0.5))
+    assert state.limits == WinchLimit.SPEED
+    assert faulty.is_brake_engaged is is_engaged
+    assert faulty.ordered(DriveCommand(0.1), 10.0, 3.0).brake is (kind == "brake_shut")
+    assert faulty.ordered(DriveCommand(0.1, brake=True), 10.0, 3.0).brake
+
+
+@pytest.mark.parametrize(
+    ("rate", "given", "is_limited"), [(0.5, 0.5, False), (0.51, 0.5, True), (-0.51, -0.5, True), (-0.4, -0.4, False)]
+)
+def test_low_pressure_limits_the_speed_either_way_to_its_share(rate, given, is_limited):
+    weak, faults = drum(speed_limit=2.0)
+    faults.inject("low_pressure", start=0.0, duration=20.0, magnitude=0.25)
+    assert moved(weak).limits == WinchLimit.SPEED, "before any order"
+    assert weak.ordered(DriveCommand(rate), 10.0, 3.0).payout_rate == given
+    assert moved(weak).limits == WinchLimit.SPEED | (WinchLimit.PRESSURE if is_limited else WinchLimit.NONE)
+    assert weak.ordered(DriveCommand(9.0), 30.0, 3.0).payout_rate == 9.0, "afterwards there is no such limit"
+    assert moved(weak).limits == WinchLimit.SPEED
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,9 @@
 """Durations in wall time: nothing that is late is left out."""
 
+import math
+import pickle
+
+import numpy as np
 import pytest
 from heave_node.tick.durations import Durations, TickTimes, histogram_text, parse_histogram
 from heave_node.tick.loop_timing import LoopTiming
@@ -19,6 +23,32 @@ def test_percentiles_of_one_to_a_hundred_milliseconds():
     # linear between the ranks: 50.5 and 99.01 (numpy's and Excel's definition)
     assert durations.percentiles() == pytest.approx((0.0505, 0.09901, 0.1))
     assert durations.percentiles(last=1) == pytest.approx((0.1, 0.1, 0.1))
+
+
+def test_of_many_durations_the_percentiles_are_within_half_a_percent_and_the_largest_is_exact():
+    """A run of hours: those of a part of them would be exact, those of all come from classes of one percent."""
+    durations, random = Durations(), np.random.default_rng(1)
+    values = np.exp(random.normal(math.log(3e-3), 1.0, 20_000))
+    for value in values:
+        durations.add(float(value))
+    p50, p99, largest = durations.percentiles()
+    assert (p50, p99) == pytest.approx(np.percentile(values, [50.0, 99.0]), rel=0.006)
+    assert largest == values.max()
+    assert durations.percentiles(last=10) == pytest.approx((*np.percentile(values[-10:], [50, 99]), values[-10:].max()))
+    assert durations.percentiles(more=(1e3,))[2] == 1e3
+    for value in (0.0, 1e-7, 1e6):
+        durations.add(value)
+    assert durations.percentiles()[2] == 1e6
+
+
+def test_what_is_kept_of_durations_does_not_grow():
+    durations, sizes = Durations(), []
+    for number in range(30_000):
+        durations.add(1e-3 * (1.0 + number % 7))
+        if number % 10_000 == 9_999:
+            sizes.append(len(pickle.dumps(durations)))
+    assert len(durations) == 30_000
+    assert max(sizes) < 1.01 * min(sizes)
 
 
 def test_a_histogram_has_each_duration_in_one_class_and_survives_as_text():

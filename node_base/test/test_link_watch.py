@@ -79,3 +79,14 @@ def test_a_gap_is_longer_than_two_and_a_half_usual_intervals_and_the_longest_is_
     assert (watch.gaps, watch.longest_gap) == (0, 0.3125)
     watch.arrived(19 * 0.125 + 0.3125 + 0.375)
     assert (watch.gaps, watch.longest_gap) == (1, 0.375)
+
+
+def test_a_burst_is_shorter_than_a_fifth_of_the_usual_interval():
+    """Of 1.25 s: 0.25 s is none yet."""
+    watch = LinkWatch(timeout=9.0)
+    for n in range(20):
+        watch.arrived(1.25 * n)
+    watch.arrived(24.0)
+    assert watch.bursts == 0
+    watch.arrived(24.125)
+    assert watch.bursts == 1

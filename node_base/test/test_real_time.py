@@ -5,9 +5,11 @@ import os
 import subprocess
 import sys
 import weakref
+from types import SimpleNamespace
 
 import pytest
-from heave_node.ros.transport.real_time import MIDDLE_AGED, OLD, after_tick, collect_between_ticks
+from heave_node.ros import process
+from heave_node.ros.transport.real_time import MIDDLE_AGED, MUCH, OLD, after_tick, collect_between_ticks
 from heave_node.run_parameters import REALTIME, RunParameters
 
 PRIORITY = """
@@ -68,6 +70,18 @@ def test_what_outlived_some_ticks_is_collected_too():
     kept.clear()
     for _ in range(2 * OLD * MIDDLE_AGED):
         after_tick()
+    assert alive(garbage) == 0
+
+
+def test_garbage_of_a_node_that_waits_is_collected_too():
+    """Without ticks, as long as somebody is missing or the run is paused; what a tick leaves waits for its end."""
+    node = SimpleNamespace(on_idle=lambda: None)
+    collect_between_ticks()
+    garbage = leave_garbage(1000)
+    process._on_idle(node)
+    assert alive(garbage) == len(garbage)
+    garbage = leave_garbage(MUCH)
+    process._on_idle(node)
     assert alive(garbage) == 0
 
 

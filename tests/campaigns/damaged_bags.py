@@ -34,6 +34,7 @@ from heave_bags.mcap.bag_writer import BagPolicy
 from heave_bags.mcap.reader import Bag
 from heave_bags.mcap.writer import ChunkPolicy
 from heave_bringup.progress import ProgressLine
+from heave_node.ros.transport import parents_death
 from hostile_bags import write_hostile_bags
 from made_up_run import MadeUpRun, write_run
 from memory import peak_memory
@@ -157,8 +158,8 @@ def _compare(result: Result, command: str, said: str, bag: Path) -> None:
 
 
 def _in_child(task: Sequence[str], results: Path) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "tests.campaigns.damaged_bags", *task, "--results", str(results)]
-    return subprocess.Popen(command, stderr=subprocess.PIPE)
+    command = parents_death.command("tests.campaigns.damaged_bags", *task, "--results", str(results))
+    return subprocess.Popen(command, stderr=subprocess.PIPE, env={**os.environ, **parents_death.environment()})
 
 
 def campaign(count: int, processes: int, progress: Callable[[str], None]) -> list[Result]:

@@ -21,7 +21,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parents[2] / "bags" / "test"))
 
 from heave_bringup.progress import ProgressLine
+from heave_node.ros.transport import parents_death
 from made_up_run import MadeUpRun, write_run
 from memory import peak_memory
 
@@ -40,8 +41,8 @@ MEMORY = 500 << 20
 """Bytes that a process may take on any file."""
 LONGEST = 5.0
 """Time of a processor that a command may take on a file [s]."""
-HANGING = 120
-"""Wall time after which a command is said to hang [s]."""
+HANGING = 900
+"""Wall time after which a command is said to hang [s]: on a busy machine, at the lowest priority, one takes minutes."""
 BATCH = 50
 """Files for one process."""
 ELSEWHERE = (Path("/tmp/heave-hostile"), Path("/tmp/heave-hostile.csv"), Path("/tmp/hostile"))
@@ -158,23 +159,25 @@ def run_batch(numbers: range, work: Path) -> list[Result]:
     return [try_file(number, work) for number in numbers]
 
 
-def campaign(count: int, progress: Callable[[str], None], first: int = 0) -> list[Result]:
-    """Try `count` files, beginning with the number `first`; each batch in a process of its own."""
+def campaign(count: int, progress: Callable[[list[Result]], None], first: int = 0) -> list[Result]:
+    """Try `count` files, beginning with the number `first`; each batch in a process of its own.
+
+    After each batch `progress` is given the results so far.
+    """
     results: list[Result] = []
     for begin in range(first, first + count, BATCH):
         with tempfile.TemporaryDirectory() as folder:
             numbers = f"{begin}:{min(begin + BATCH, first + count)}"
             path = Path(folder) / "results.json"
-            command = [sys.executable, "-m", "tests.campaigns.hostile_files", "--batch", numbers]
-            done = subprocess.run(
-                [*command, "--results", str(path)], stderr=subprocess.PIPE, cwd=Path(__file__).parents[2], check=False
-            )
+            command = parents_death.command("tests.campaigns.hostile_files", "--batch", numbers, "--results", str(path))
+            environment, root = {**os.environ, **parents_death.environment()}, Path(__file__).parents[2]
+            done = subprocess.run(command, stderr=subprocess.PIPE, cwd=root, env=environment, check=False)
             if path.exists():
                 results += [Result(**entry) for entry in json.loads(path.read_text())]
             else:
                 said = done.stderr.decode(errors="replace")[-2000:]
                 results.append(Result(begin, "process", {"all": f"ended with {done.returncode}: {said}"}))
-        progress(f"{len(results)} of {count} files, {sum(1 for result in results if problems(result))} wrong")
+        progress(results)
     return results
 
 
@@ -196,9 +199,12 @@ def table(results: Sequence[Result]) -> str:
         refused, wrong = sum(result.refused for result in part), sum(bool(problems(result)) for result in part)
         longest, memory = max(result.longest for result in part), max(result.memory for result in part) / 2**20
         lines.append(f"{kind:12}{len(part):7}{refused:9}{longest:11.1f}{memory:9.0f}{wrong:7}")
-    for result in results:
-        lines += [f"{result.kind} {result.number}: {where}: {text}" for where, text in problems(result).items()]
-    return "\n".join(lines)
+    return "\n".join([*lines, *wrong_ones(results)])
+
+
+def wrong_ones(results: Iterable[Result]) -> list[str]:
+    """Return a line for each thing that is wrong."""
+    return [f"{one.kind} {one.number}: {where}: {text}" for one in results for where, text in problems(one).items()]
 
 
 def _child(options: argparse.Namespace) -> None:
@@ -221,8 +227,16 @@ def main() -> int:
     if options.results:
         _child(options)
         return 0
-    progress = ProgressLine()
-    results = campaign(options.count, progress.show, options.first)
+    progress, told = ProgressLine(), set[str]()
+
+    def tell(results: list[Result]) -> None:
+        for line in wrong_ones(results):
+            if line not in told:
+                progress.tell(line)
+        told.update(wrong_ones(results))
+        progress.show(f"{len(results)} of {options.count} files")
+
+    results = campaign(options.count, tell, options.first)
     progress.close()
     sys.stdout.write(f"{commit_line()}\n{table(results)}\n")
     return 1 if any(problems(result) for result in results) else 0

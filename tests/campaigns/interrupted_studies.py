@@ -31,6 +31,7 @@ from heave_bringup.errors import ExitStatus
 from heave_bringup.progress import ProgressLine
 
 from tests.campaigns.commit import commit_line
+from tests.loop_runs import HAS_RUN
 
 LONGEST = 5.0
 """Wall time from the signal to the end [s]."""
@@ -38,6 +39,8 @@ GIVEN_UP = 120.0
 """Wall time from the signal after which a command is killed [s]."""
 LATEST = 60.0
 """Wall time from the start to the signal at most [s]: workers are busy by half of it."""
+AT_ITS_END = 0.3
+"""Wall time [s]: a command that ends so soon after the signal may have been at its end, with the status that it had."""
 MARK = "HEAVE_INTERRUPTED_STUDY"
 """Environment variable by which all that a command has started is known, in whatever group or session it runs."""
 CASES = """
@@ -52,6 +55,7 @@ COMMANDS: dict[str, list[str]] = {
     "sizing": ["sizing", "unit_1500", "--output", "own.parquet", "--processes", "2"],
     "benchmark": ["benchmark", "run", "industrial", "--processes", "2"],
     "run": ["run", "b2_calm_300", "--duration", "100000", "--bag", "run", "--no-report"],
+    "short run": ["run", "b2_calm_300", "--duration", "300", "--bag", "run"],
     "record": ["record", "bag"],
     "whatif": ["whatif", "RECORD", "--draws", "100", "--output", "whatif.html"],
     "accept": ["accept", "harbour_test", "--output", "accepted"],
@@ -64,13 +68,18 @@ ENDS = {"record": (ExitStatus.DONE, ExitStatus.INTERRUPTED)}
 
 @dataclass(frozen=True)
 class Interruption:
-    """One command and its end: wall times of the signal and from it to the end [s], what was kept, what is wrong."""
+    """One command and its end: wall times of the signal and from it to the end [s], what was kept, what is wrong, and
+    whether it had come to its own end before."""
 
     command: str
     after: float
     took: float
     kept: int
     wrong: str
+    had_ended: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.command} after {self.after:.1f} s, ended within {self.took:.1f} s: {self.wrong or 'well'}"
 
 
 def interrupt_one(command: str, number: int, folder: Path, record: Path, latest: float = LATEST) -> Interruption:
@@ -98,12 +107,14 @@ def interrupt_one(command: str, number: int, folder: Path, record: Path, latest:
         )
         try:
             after = chance.uniform(0.5, latest)
-            time.sleep(after)
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(after)
+            had_ended = process.poll() is not None
             finished = _lines(folder)
             began = time.monotonic()
             if number % 2:
                 process.send_signal(signal.SIGINT)
-            else:
+            elif not had_ended:
                 os.killpg(process.pid, signal.SIGINT)
             with suppress(subprocess.TimeoutExpired):
                 process.wait(GIVEN_UP)
@@ -113,13 +124,13 @@ def interrupt_one(command: str, number: int, folder: Path, record: Path, latest:
             for left in started_for(folder):
                 left.kill()
             process.wait()
-    return Interruption(command, after, took, _lines(folder), wrong)
+    return Interruption(command, after, took, _lines(folder), wrong, had_ended)
 
 
 def _judge(command: str, process: subprocess.Popen[bytes], folder: Path, finished: int, took: float) -> str:
     complaint = (folder / "said").read_text(errors="replace")
     wrong = [f"it took {took:.1f} s"] if took > LONGEST else []
-    ends = ENDS.get(command, (ExitStatus.INTERRUPTED,))
+    ends = (*ENDS.get(command, (ExitStatus.INTERRUPTED,)), *(HAS_RUN if took < AT_ITS_END else ()))
     if process.returncode not in (*ends, -signal.SIGINT):  # the latter before the command has begun
         wrong.append(f"status {process.returncode}: {complaint[-300:]}")
     if process.returncode != -signal.SIGINT and "Traceback" in complaint:
@@ -154,12 +165,12 @@ def table(found: Sequence[Interruption]) -> str:
     """Return what became of the commands as a table."""
     lines = [f"{'command':14}{'times':>6}{'median s':>10}{'longest s':>11}{'most kept':>11}{'wrong':>7}"]
     for command in COMMANDS:
-        part = [one for one in found if one.command == command]
+        part = [one for one in found if one.command == command and not one.had_ended]
         if part:
             longest, kept = max(one.took for one in part), max(one.kept for one in part)
             median, wrong = statistics.median(one.took for one in part), sum(bool(one.wrong) for one in part)
             lines.append(f"{command:14}{len(part):6}{median:10.1f}{longest:11.1f}{kept:11}{wrong:7}")
-    return "\n".join([*lines, *(f"{one.command} after {one.after:.1f} s: {one.wrong}" for one in found if one.wrong)])
+    return "\n".join([*lines, *(str(one) for one in found if one.wrong)])
 
 
 def main() -> int:
@@ -183,6 +194,8 @@ def main() -> int:
             for command in options.only:
                 with tempfile.TemporaryDirectory() as folder:
                     found.append(interrupt_one(command, number, Path(folder), record, options.latest))
+                if found[-1].wrong:
+                    progress.tell(str(found[-1]))
                 loads.append(os.getloadavg()[0])
                 wrong = sum(bool(one.wrong) for one in found)
                 progress.show(f"{len(found)} of {options.count * len(options.only)}, {wrong} wrong")

@@ -6,27 +6,31 @@
 
 `composed` is a run in lockstep with all nodes in one process, as fast as it goes; `processes` is one in real time with
 a process for each. While the nodes run they are looked at every few seconds; the median of the second quarter is
-compared with that of the last. Prints a table and ends with status 1 where something grows, is left behind, or the run
-does not do what it should.
+compared with that of the last. Prints a table, with the memory of each node, and ends with status 1 where something
+grows, is left behind, or the run does not do what it should. A run ends with this program, however that ends.
 """
 
 from __future__ import annotations
 
 import argparse
 import re
+import signal
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import psutil
 from domain_coordinator import domain_id
+from heave_bringup.nodes import PROCESS_BY_NAME
 from heave_bringup.progress import ProgressLine
+from heave_bringup.run.launcher import TOGETHER
+from heave_node.ros.transport import parents_death
 from heave_node.ros.transport.shared_memory import SHARED_MEMORY
 
 from tests.campaigns.commit import commit_line
@@ -48,21 +52,21 @@ class Look:
 
     Attributes
     ----------
-    memory : that no other process shares [MB]
+    memory : that no other process shares, of each node by its name [MB]
     descriptors : that are open
     shared_memory : names of the middleware's files in shared memory that they or the command have mapped
     files : in the folder of the run, the bag's apart
     """
 
-    memory: float
+    memory: Mapping[str, float]
     descriptors: int
     shared_memory: frozenset[str]
     files: int
 
     def figures(self) -> dict[str, float]:
         """Return them by name."""
-        names = ("memory", "descriptors", "shared memory", "files")
-        return dict(zip(names, (self.memory, self.descriptors, len(self.shared_memory), self.files), strict=True))
+        values = (sum(self.memory.values()), self.descriptors, len(self.shared_memory), self.files)
+        return dict(zip(ALLOWED, values, strict=True))
 
 
 @dataclass(frozen=True)
@@ -78,11 +82,12 @@ class Soaked:
 
 def look_at(command: psutil.Process, folder: Path) -> Look | None:
     """Return what the nodes of a `command` that runs into a `folder` have now; None where none runs."""
-    memory, descriptors = 0.0, 0
+    memory: dict[str, float] = {}
+    descriptors = 0
     nodes = [node for node in command.children() if "--ros-args" in _words(node)]
     for node in nodes:
         with suppress(psutil.Error):
-            memory += node.memory_full_info().uss / 1e6
+            memory[_name(node)] = node.memory_full_info().uss / 1e6
             descriptors += node.num_fds()
     files = sum(path.is_file() for path in folder.rglob("*") if "bag" not in path.relative_to(folder).parts)
     mapped = frozenset[str]().union(*map(_mapped, [command, *nodes]))
@@ -94,6 +99,12 @@ def _words(process: psutil.Process) -> list[str]:
         return list(process.cmdline())
     except psutil.Error:
         return []
+
+
+def _name(process: psutil.Process) -> str:
+    """Return the name of the node that a process runs; of several in one process, that they are."""
+    words = _words(process)
+    return next((node.name for node in PROCESS_BY_NAME.values() if node.module in words), TOGETHER)
 
 
 def _mapped(process: psutil.Process) -> set[str]:
@@ -108,20 +119,20 @@ def soak(kind: str, hours: float, scenario: str, place: Path, show: Callable[[st
     """Run a `scenario` for so many `hours` into the folder `place`, and look at its nodes all the while."""
     folder, before = place / "run", set(SHARED_MEMORY.glob("*fastdds_*"))
     wanted = 3600.0 * hours
-    command = [sys.executable, "-m", "heave_bringup.cli", "run", scenario, "--duration", f"{wanted:g}", "--quiet"]
-    command += ["--no-report", "--no-baseline", "--bag", str(folder), *OPTIONS[kind]]
+    words = ["run", scenario, "--duration", f"{wanted:g}", "--quiet", "--no-report", "--no-baseline"]
+    command = parents_death.command("heave_bringup.cli", *words, "--bag", str(folder), *OPTIONS[kind])
     begun, looks = time.monotonic(), []
     with domain_id() as domain, (place / "said.txt").open("wb") as said:
-        of_domain = {"env": environment(domain), "stdin": subprocess.DEVNULL}
-        run = psutil.Popen(command, stdout=said, stderr=subprocess.STDOUT, **of_domain)
+        of_domain = {**environment(domain), **parents_death.environment()}
+        run = psutil.Popen(command, env=of_domain, stdin=subprocess.DEVNULL, stdout=said, stderr=subprocess.STDOUT)
         pause = min(10.0, 0.01 * wanted)
         try:
             while run.poll() is None:
                 time.sleep(pause)
                 look = look_at(run, folder) if run.is_running() else None
                 looks += [] if look is None else [look]
-                nodes = "no nodes" if look is None else f"{look.memory:.0f} MB"  # they start, or the bag is judged
-                show(f"{kind}: {time.monotonic() - begun:.0f} s, {nodes}")
+                memory = look.figures()["memory"] if look else 0.0  # none: they start, or the bag is judged
+                show(f"{kind}: {time.monotonic() - begun:.0f} s, {memory:.0f} MB")
         finally:
             with suppress(psutil.NoSuchProcess):  # it has come to its end
                 run.terminate()
@@ -139,13 +150,23 @@ def _used(looks: list[Look]) -> frozenset[str]:
 
 def judged(soaked: Soaked) -> list[tuple[str, float, float, bool]]:
     """Return of each figure its name, the medians of the second quarter and the last, and whether it stayed."""
-    quarter = len(soaked.looks) // 4
     found = []
     for name, (share, more) in ALLOWED.items():
-        values = [look.figures()[name] for look in soaked.looks]
-        first, last = statistics.median(values[quarter : 2 * quarter]), statistics.median(values[-quarter:])
+        first, last = _quarters([look.figures()[name] for look in soaked.looks])
         found.append((name, first, last, last <= first * (1.0 + share) + more))
     return found
+
+
+def _quarters(values: Sequence[float]) -> tuple[float, float]:
+    """Return the medians of the second quarter of some `values`, and of the last."""
+    quarter = len(values) // 4
+    return statistics.median(values[quarter : 2 * quarter]), statistics.median(values[-quarter:])
+
+
+def memory_by_node(soaked: Soaked) -> dict[str, tuple[float, float]]:
+    """Return the memory of each node in the second quarter and in the last [MB]."""
+    names = dict.fromkeys(name for look in soaked.looks for name in look.memory)
+    return {name: _quarters([look.memory.get(name, 0.0) for look in soaked.looks]) for name in names}
 
 
 def table(results: list[Soaked]) -> str:
@@ -160,6 +181,8 @@ def table(results: list[Soaked]) -> str:
             what = f"{name} {UNITS[name]}".strip()
             lines.append(f"{run}  {what:28}{first:12.1f}{last:9.1f}{'' if has_stayed else '  GROWS'}")
             run = " " * 28
+        for name, (first, last) in memory_by_node(soaked).items():
+            lines.append(f"{run}    {name:26}{first:12.1f}{last:9.1f}")
         lines += [f"  wrong: {text}" for text in soaked.wrong]
     return "\n".join(lines)
 
@@ -177,6 +200,7 @@ def main() -> int:
     parser.add_argument("--scenario", default="b2_calm_300", help="(default b2_calm_300)")
     parser.add_argument("--folder", type=Path, help="for the bags while they are recorded (default: of the system)")
     options = parser.parse_args()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # its run ends in order
     progress, results, commit = ProgressLine(), [], commit_line()
     for kind in options.kinds:
         with tempfile.TemporaryDirectory(prefix="heave-soak-", dir=options.folder) as place:

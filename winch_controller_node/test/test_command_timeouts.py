@@ -151,3 +151,16 @@ def test_a_fault_that_somebody_has_released_is_not_pending():
     timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
     assert feed(timeouts, 1.0, WinchFault.NONE) == []
     assert feed(timeouts, 3.0 * WAIT, WinchFault.DRIVE) == []
+
+
+def test_a_timeout_is_pending_until_it_is_cancelled_and_is_tried_again_after_three_seconds():
+    """Ticks of a quarter of a second: twelve of them."""
+    timeouts = CommandTimeouts(0.25, resumes=True)
+    assert not timeouts.is_pending
+    timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
+    assert timeouts.is_pending
+    given = {"wants_compensation": False, "is_stopped": True, "is_well": True}
+    told = [timeouts.update(int(WinchFault.COMMAND_TIMEOUT), **given) for _ in range(12)]
+    assert told == [None] * 11 + [Advice.RESUME]
+    timeouts.cancel()
+    assert not timeouts.is_pending

@@ -11,7 +11,6 @@ from winch_controller_node.supervision.watch.drum_watch import CHECKED_TIME, ORD
 from winch_controller_node.supervision.watch.encoder_reflex import (
     BEGINNING,
     LONGEST_ASIDE,
-    LOOKED_EVERY,
     LOOKS,
     Act,
     EncoderReflex,
@@ -413,7 +412,8 @@ def test_what_was_said_of_an_encoder_ends_later_whatever_is_left(share, left, is
 # the reflex
 
 TRUE, HALF, BACK = Ordered(1.0, 0.02, 3.0), Ordered(0.5, 0.02, 3.0), Ordered(-1.0, 0.02, 3.0)
-LOOK = round(LOOKED_EVERY / DT)
+LOOK = 2
+"""Ticks from one look to the next: ten looks a second."""
 
 
 def acts(shown, *, is_aside=False, reflex=None, start=0):
@@ -429,7 +429,14 @@ def acts(shown, *, is_aside=False, reflex=None, start=0):
 
 
 def seconds(time):
-    return round(time / LOOKED_EVERY)
+    return round(10.0 * time)
+
+
+def test_before_the_first_look_nothing_is_unresolved():
+    reflex = EncoderReflex(DT)
+    assert (reflex.is_unresolved, reflex.inhibition) == (False, None)
+    assert reflex.look(0, None, is_aside=False) is Act.NOTHING
+    assert not reflex.is_unresolved
 
 
 def test_an_encoder_that_was_wrong_from_the_start_is_set_aside_at_once_and_nothing_can_be_done():
@@ -518,6 +525,14 @@ def test_one_that_is_set_aside_late_is_not_unresolved_and_one_in_the_beginning_i
         found, reflex = acts([None] * seconds(moved) + [BACK] * 3)
         assert [act for _, act in found] == [Act.SET_ASIDE]
         assert reflex.is_unresolved is is_unresolved
+
+
+@pytest.mark.parametrize(("moved", "is_unresolved"), [(14.9, True), (15.1, False)])
+def test_the_time_in_which_the_winch_moves_counts_from_its_first_tick(moved, is_unresolved):
+    """In the first 15 s an encoder may have been wrong from the start."""
+    found, reflex = acts([None] * seconds(moved) + [BACK] * 3)
+    assert [act for _, act in found] == [Act.SET_ASIDE]
+    assert reflex.is_unresolved is is_unresolved
 
 
 def test_the_time_in_which_the_winch_moves_begins_anew_after_a_pause():

@@ -8,7 +8,7 @@ from cable_sim_node.winch.parameters import WinchParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.laws.parts.governor import SpeedServo, standing_command
+from winch_controller_node.laws.parts.governor import LiftShare, SpeedServo, standing_command
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import WinchModelParameters
@@ -154,6 +154,11 @@ STEP = ACCELERATION * DT / -math.expm1(-DT / LAG)
 """A set-point so far off gains the limit of 1.5 m/s^2 over a tick of the linear servo: v_set - v of the first order."""
 
 
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_command_at_a_limit_is_within_it(way):
+    assert govern(way * 2.0, rate=way * 1.9)[:2] == (way * 2.0, ())
+
+
 @pytest.mark.parametrize("wanted", [-0.2, 0.0, 0.2])
 def test_a_command_within_the_limits_leaves_as_it_is(wanted):
     assert tuple(govern(wanted))[:3] == (wanted, (), wanted)
@@ -163,12 +168,20 @@ def test_a_command_within_the_limits_leaves_as_it_is(wanted):
     ("given", "value", "active"),
     [
         ({"rate": 1.9}, 2.0, ("speed",)),
+        ({"rate": 2.2}, 2.0, ("speed",)),
         ({"rate": 0.0}, STEP, ("speed", "acceleration")),
         ({"rate": -0.5}, -0.5 + STEP, ("speed", "acceleration")),
         ({"rate": 0.5, "tension": 200e3, "power_limit": 100e3}, 0.5, ("power",)),
         ({"rate": 0.0, "power_limit": 1e9}, STEP, ("speed", "acceleration")),
     ],
-    ids=["speed", "acceleration", "acceleration while it hauls in", "power", "no power limit yet"],
+    ids=[
+        "speed",
+        "faster than its speed",
+        "acceleration",
+        "acceleration while it hauls in",
+        "power",
+        "no power limit yet",
+    ],
 )
 def test_a_command_beyond_a_limit_leaves_at_it_with_its_name_in_both_directions(given, value, active):
     """P = T v: 100 kW at 200 kN are 0.5 m/s."""
@@ -244,6 +257,20 @@ def test_no_set_point_of_a_limited_servo_is_sent_beyond_the_reach_of_the_winch()
     assert SpeedServo(LAG, ACCELERATION, DT).linear_acceleration == pytest.approx(STEP / LAG)
 
 
+@pytest.mark.parametrize("law", ["speed_servo", "first_order"])
+def test_the_limits_hold_for_lift_and_compensation_together_and_each_is_sent_its_share(law):
+    """A winch of gain 0.8 is sent 0.25 m/s for a lift of 0.2 m/s; a first-order one is ordered the lift's payout."""
+    governor = designed(law=law, speed_gain=0.8).make_governor()
+    lift = LiftShare(command=0.2, payout=0.2, rate=0.1)
+    governed = governor.govern(0.1, 0.0, 0.0, 1e4, lift)
+    assert (governed.value, governed.active) == (pytest.approx(0.1), ())
+    gain = 0.8 if law == "speed_servo" else 1.0
+    assert (governed.sent, governed.lift_sent) == pytest.approx((0.1 / gain, 0.2 / gain))
+    alone, both = (governor.govern(99.0, 0.2, 0.1, 1e4), governor.govern(99.0, 0.0, 0.0, 1e4, lift))
+    assert both.value == pytest.approx(alone.value - 0.2)
+    assert both.active == alone.active != ()
+
+
 # the first-order winch of the thesis, ordered by its payout
 
 
@@ -254,6 +281,8 @@ FIRST = {"law": "first_order", "position_rate": 2.0, "speed_limit": 0.8, "power_
     ("wanted", "payout", "tension", "value", "active"),
     [
         (10.1, 10.0, 1e4, 10.1, ()),
+        (10.4, 10.0, 1e4, 10.4, ()),
+        (-10.4, -10.0, 1e4, -10.4, ()),
         (12.0, 10.0, 1e4, 10.4, ("speed",)),
         (-12.0, -10.0, 1e4, -10.4, ("speed",)),
         (12.0, 10.0, 250e3, 10.2, ("speed",)),
@@ -261,7 +290,7 @@ FIRST = {"law": "first_order", "position_rate": 2.0, "speed_limit": 0.8, "power_
         (-60.0, -48.9, 1e4, -49.0, ("payout",)),
         (60.0, 10.0, 1e4, 10.4, ("payout", "speed")),
     ],
-    ids=["within", "out", "in", "power", "upper end", "lower end", "both"],
+    ids=["within", "at its speed out", "at its speed in", "out", "in", "power", "upper end", "lower end", "both"],
 )
 def test_a_first_order_winch_is_ordered_no_payout_that_takes_more_than_its_speed(
     wanted, payout, tension, value, active

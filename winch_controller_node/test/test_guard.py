@@ -372,12 +372,36 @@ def test_a_reason_that_is_certain_keeps_compensation_off_for_the_hold_time_after
     assert not guard.inhibits and guard.alarm is None
 
 
-def test_the_drum_is_not_checked_while_the_law_catches_up():
+@pytest.mark.parametrize("allow", [HarmGuard.allow_catch_up, HarmGuard.allow_resumption])
+def test_the_drum_is_not_checked_while_the_law_catches_up(allow):
     guard = make_guard()
     watch_waves(guard, 60.0, authority=0.0)
-    guard.allow_catch_up()
+    allow(guard)
     assert watch_waves(guard, 14.0, rate_error=0.7) is None
     assert watch_waves(guard, 10.0, rate_error=0.7) is not None
+
+
+def test_after_a_resumption_waves_are_compared_anew_once_the_swing_had_time_to_be_taken_out():
+    """A tenth is to be gained: of 0.5 m by which nothing is. Half a minute is allowed, and half of 20 s is compared."""
+    guard = make_guard()
+    feed_guard(guard, 0.44, 0.5, 100.0)
+    guard.allow_resumption()
+    feed_guard(guard, 0.5, 0.5, 39.0)
+    assert not guard.inhibits
+    feed_guard(guard, 0.5, 0.5, 3.0)
+    assert guard.alarm.code in ("LITTLE_GAIN", "WORSE_THAN_OFF")
+
+
+def test_after_a_long_good_time_compensation_is_off_for_no_longer_than_at_first():
+    """The second hold time would be 120 s; four times that is long."""
+    guard = make_guard()
+    feed_guard(guard, 0.8, 0.5, 40.0)
+    feed_guard(guard, 0.0, 0.5, 31.0, authority=0.0)
+    feed_guard(guard, 0.2, 0.5, 500.0)
+    feed_guard(guard, 0.8, 0.5, 60.0)
+    assert guard.inhibits
+    feed_guard(guard, 0.0, 0.5, 31.0, authority=0.0)
+    assert not guard.inhibits
 
 
 def test_the_reason_is_told_while_compensation_is_kept_off_and_the_loop_that_is_watched_may_be_another():

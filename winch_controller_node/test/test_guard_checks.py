@@ -79,13 +79,47 @@ def test_a_drum_may_take_the_unit_out_of_its_swing_while_authority_moves_and_for
     assert all(found[round(20.0 / DT) :])
 
 
-@pytest.mark.parametrize(("unit", "is_harm"), [(0.4, False), (1.2, True)])
-def test_stopping_a_unit_that_swings_is_no_harm_of_the_drum(unit, is_harm):
-    """a = 4 s^2: a drum of 1.2 m/s is allowed from a swing of 0.8 m on, 1.5 sqrt(4 z^2/4) m/s."""
-    check, loop = DrumCheck(4.0, DT), GuardedLoop(LIMITS, inertia=4.0)
-    for _ in times(20.0):
-        check.update(GuardedMotions(STILL, STILL, STILL, 1.2), loop, 1.0, 0.0, Swings(unit**2, 0.0))
-    assert (check.harm is None) is is_harm
+def run_wild(loop, seconds, swing=0.0):
+    """Let a drum run at 1.2 m/s over a still boom tip, with a `swing` of the unit [m]; return what is found."""
+    check = DrumCheck(4.0, DT)
+    for _ in times(seconds):
+        check.update(GuardedMotions(STILL, STILL, STILL, 1.2), loop, 1.0, 0.0, Swings(swing**2, 0.0))
+    return check.harm
+
+
+def test_a_drum_that_runs_wild_is_found_as_soon_as_half_the_time_of_the_waves_was_seen():
+    """From the start on nothing is allowed: no swing, no speed to be gained, no limit that was left behind."""
+    for inertia in (0.0, 4.0):
+        assert run_wild(GuardedLoop(LIMITS, inertia=inertia), 2.0 - DT) is None
+        assert run_wild(GuardedLoop(LIMITS, inertia=inertia), 2.0).values == {"error": pytest.approx(1.2)}
+
+
+def test_on_a_cable_that_is_not_known_no_drum_is_allowed_to_stop_a_swing():
+    assert run_wild(GuardedLoop(LIMITS), 20.0, swing=1.0) is not None
+
+
+@pytest.mark.parametrize("acceleration", [1.0, -1.0])
+def test_a_drum_may_let_the_unit_gain_speed_with_the_mean_payout_for_some_seconds_after_it(acceleration):
+    """a = 4 s^2: 4 m/s^2 over 2 s are 2 m/s, which fade within sqrt(a) = 2 s.
+
+    Their mean square over a memory of 4 s is (16/3) e^(-t/4 s) m^2/s^2 then, which is 1.2^2/1.5^2 at 8.5 s.
+    """
+    check, loop, found = DrumCheck(4.0, DT), GuardedLoop(LIMITS, inertia=4.0), []
+    for time in times(60.0):
+        given = acceleration if time < 40.0 else 0.0
+        check.update(
+            GuardedMotions(STILL, STILL, STILL, 1.2, mean_acceleration=given), loop, 1.0, 0.0, Swings(0.0, 0.0)
+        )
+        found.append(check.harm is not None)
+    assert found.index(True) * DT - 40.0 == pytest.approx(8.5, abs=0.3)
+
+
+@pytest.mark.parametrize("inertia", [0.25, 4.0])
+@pytest.mark.parametrize(("share", "is_harm"), [(0.2, False), (0.6, True)])
+def test_stopping_a_unit_that_swings_is_no_harm_of_the_drum(share, is_harm, inertia):
+    """A drum of 1.2 m/s is allowed from 1.5 sqrt(4 z^2/a) m/s on: a swing z of 0.4 sqrt(a)."""
+    harm = run_wild(GuardedLoop(LIMITS, inertia=inertia), 20.0, swing=share * math.sqrt(inertia))
+    assert (harm is None) is is_harm
 
 
 def unit_check():
@@ -123,6 +157,33 @@ def test_a_corrected_disagreement_is_compared_anew_without_what_was_read_before(
     assert check.mismatch is None
     feed(check, 60.0, unit=0.0, free=1.0, reads=0.0)
     assert check.mismatch is None
+
+
+def test_a_corrected_disagreement_leaves_no_heave_behind():
+    """A sensor that reads four times the heave is corrected at a crest, and reads the truth from then on."""
+    check = unit_check()
+    feed(check, 18.5 * math.pi, unit=0.0, free=1.0, reads=4.0, authority=0.0)
+    assert check.mismatch is not None
+    check.reset_mismatch()
+    for _ in range(20):
+        feed(check, 1.0, unit=0.0, free=1.0, reads=0.0, authority=0.0)
+        assert check.mismatch is None
+
+
+def test_noise_of_the_depth_sensor_that_is_known_is_no_heave_of_the_unit():
+    """It reads 0.6 m up and down in turn, of a still unit in a sea of 0.5 m: more than 1.3 times its 1 sigma."""
+    check = unit_check()
+    for tick, time in enumerate(times(60.0)):
+        free = Motion(0.5 * math.sin(time), 0.5 * math.cos(time))
+        reads = 0.6 * (-1.0) ** tick
+        motions = GuardedMotions(STILL, free, STILL, measured_heave=reads, depth_noise=0.6)
+        check.update(motions, 1.0, 1.0, Swings.of(motions, 1.0), is_out_of_reach=False)
+        assert check.harm_by_depth is None
+
+
+def test_a_swing_above_the_sea_is_found_at_the_start_as_later():
+    """0.8 m over 0.5 m; half the time of the waves is 10 s, and nothing was left over that could be allowed."""
+    assert feed(unit_check(), 30.0, unit=0.8, free=0.5) == pytest.approx(10.0, abs=2.0 * DT)
 
 
 def test_a_unit_that_moves_with_the_sea_while_the_winch_stands_has_no_swing_of_its_own_to_be_allowed():

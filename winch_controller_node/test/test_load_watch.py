@@ -53,6 +53,21 @@ def test_an_alarm_comes_again_only_after_a_quiet_minute():
     assert [time for time, _ in slow] == pytest.approx([62.0 * number for number in range(10)])
 
 
+@pytest.mark.parametrize(("quiet", "count"), [(59.5, 1), (60.5, 2)])
+def test_the_quiet_minute_counts_from_the_last_tick_of_its_cause(quiet, count):
+    assert len(watched((5.0, 0.01, False), (quiet, 1.0, False), (5.0, 0.01, False))) == count
+
+
+def test_a_tension_may_be_too_high_below_the_static_one():
+    ((_, alarm),) = watched((1.0, 0.9, False), (1.0, 0.96, False), tension_ratio=0.95)
+    assert alarm.values == pytest.approx({"tension": 192.0, "ratio": 0.96, "limit": 0.95})
+
+
+def test_of_a_unit_that_weighs_nothing_no_tension_is_slack_or_too_high():
+    watch = LoadWatch(AlarmParameters(), tick_period=DT)
+    assert watch.update(1e3, 0.0, is_at_limit=False) == watch.update(1e3, -1.0, is_at_limit=False) == ()
+
+
 def test_slack_and_too_much_tension_are_episodes_of_their_own():
     alarms = watched((1.0, 0.01, False), (1.0, 2.0, False), (1.0, 0.01, False))
     assert [alarm.code for _, alarm in alarms] == ["CABLE_SLACK", "TENSION_HIGH"]

@@ -111,6 +111,41 @@ def test_hiccups_of_a_sensor_do_not_put_compensation_off_for_ever():
     assert modes.mode is Mode.COMPENSATING
 
 
+def test_the_change_to_another_mode_moves_nothing_yet_and_states_why():
+    modes = machine()
+    change = next(output for output in run(modes, 5.0) if output.before is Mode.STANDBY)
+    assert (change.mode, change.authority, change.reason) == (Mode.COMPENSATING, 0.0, "estimate settled")
+    run(modes, 5.0)
+    modes.request("emergency_stop")
+    assert modes.authority == 0.0
+
+
+def test_a_sensor_that_is_lost_is_the_reason_for_standby():
+    modes = machine()
+    run(modes, 0.2, situation(lost="mru stale"))
+    assert (modes.mode, modes.reason) == (Mode.STANDBY, "mru stale")
+
+
+def test_what_did_not_compensate_does_not_resume_with_a_sensor_and_says_so():
+    modes = machine()
+    run(modes, 5.0)
+    modes.request("standby")
+    run(modes, 5.0)
+    modes.request("manual")
+    run(modes, 5.0, situation(lost="encoder frozen", speed=0.3))
+    assert modes.mode not in (Mode.MANUAL, Mode.COMPENSATING)
+    assert modes.reason.endswith("request a mode once the sensor is good")
+
+
+def test_a_unit_that_was_damped_blind_is_given_half_a_minute_to_settle_from_the_request_on():
+    modes = machine()
+    run(modes, 5.0)
+    run(modes, 60.0, situation(lost="mru frozen", is_damped_blind=True, is_settled=False))
+    modes.request("stopped")
+    assert run(modes, 25.0, situation(is_settled=False, speed=0.3))[-1].mode is Mode.FADE_OUT
+    assert run(modes, 10.0, situation(is_settled=False, speed=0.3))[-1].mode is Mode.STOPPING
+
+
 def test_an_emergency_stop_brakes_at_once_and_waits_for_somebody():
     modes = machine()
     run(modes, 5.0)

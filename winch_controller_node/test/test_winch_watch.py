@@ -1,5 +1,8 @@
 """Whether the winch does what is predicted of it: authority is reduced while the difference is unexplained."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
@@ -91,8 +94,9 @@ def test_a_drum_at_the_end_of_its_payout_is_not_compared(design):
 class Link:
     """A winch that takes each command after `late` ticks, and does what it is sent."""
 
-    def __init__(self, design, late=4):
+    def __init__(self, design, late=4, parameters=PARAMETERS):
         self.watch, self.late, self.tick = WinchWatch(design), late, 0
+        self.parameters = parameters
         self.last_taken = 1_000_000
 
     def run(self, ticks, *, fault=0, has_state=True, brake=False, rate=0.0, limits=0):
@@ -109,8 +113,7 @@ class Link:
                 limits_hit=limits,
                 fault=fault,
             )
-            parameters = WinchControllerParameters()
-            reports.append(self.watch.watch(reading if has_state else None, 0.0, np.nan, parameters))
+            reports.append(self.watch.watch(reading if has_state else None, 0.0, np.nan, self.parameters))
             self.watch.give(WinchOrder(self.tick + 1, 0.0, rate, brake=brake))
         return reports
 
@@ -131,12 +134,54 @@ def test_commands_that_are_taken_in_time_are_no_news_and_ones_that_are_not_inhib
     assert reports[-1].inhibition.values["delay"] == pytest.approx(PARAMETERS.lag.largest + 0.5, abs=2.0 * DT)
 
 
+@pytest.mark.parametrize(("more", "is_tolerated"), [(3, True), (4, False)])
+def test_where_the_winch_is_not_identified_half_its_lag_and_delay_more_is_tolerated(design, more, is_tolerated):
+    """A delay of 0.2 s and a lag of 0.15 s: 0.175 s more."""
+    assert (PARAMETERS.winch.command_delay, PARAMETERS.winch.time_constant) == (0.2, 0.15)
+    fixed = replace(PARAMETERS, lag=replace(PARAMETERS.lag, adaptation=False))
+    link = Link(design, parameters=fixed)
+    link.run(100)
+    link.late += more
+    report = link.run(100)[-1]
+    assert (report.inhibition is None) is is_tolerated
+    assert is_tolerated or report.inhibition.values == {"delay": pytest.approx(0.2), "limit": pytest.approx(0.175)}
+
+
+@pytest.mark.parametrize(("limits", "is_limited"), [(0, False), (WinchLimit.SPEED, True)])
+def test_a_limit_that_the_winch_reports_is_on_record(design, limits, is_limited):
+    assert shares(design, WinchParameters(), says=limits)[1].drum.ordered().is_limited is is_limited
+
+
+def test_a_winch_that_gets_no_order_keeps_the_last_one_which_is_counted_and_put_on_record(design):
+    """Four ticks of 0.8 m/s: had they not been on record, the drum would be 0.16 m ahead of its prediction."""
+    watch, drum = WinchWatch(design), VirtualWinch(WinchParameters(), tick_period=DT)
+    watch.keep()
+    assert (watch.given, watch.kept) == (None, 1)
+    drum.step(0, WinchCommand(1))
+    for tick in range(1, 300):
+        is_kept = 200 <= tick < 204
+        command = WinchCommand(200 if is_kept else tick + 1, 0.0, 0.8)
+        if is_kept:
+            watch.keep()
+        else:
+            watch.give(WinchOrder(command.sequence, 0.0, 0.8, brake=False))
+        state = drum.step(tick, command)
+        assert watch.kept == (tick - 199 if is_kept else 0)
+        if not is_kept:
+            reading = WinchReading(tick * DT, state.encoder_payout, 0.0, brake=False, command_sequence=tick)
+            watch.watch(reading, state.encoder_payout, np.nan, PARAMETERS)
+        assert abs(watch.drum.error()) < 4e-3, tick
+        assert watch.share == 1.0
+
+
 def test_a_fault_stays_known_while_no_state_comes_and_its_cause_is_told(design):
     link = Link(design)
     link.run(100)
     link.late += 12
     link.run(12, fault=WinchFault.COMMAND_TIMEOUT)
-    assert link.watch.fault_cause(Lateness()).startswith("commands were sent in time, and the winch took none for")
+    said = link.watch.fault_cause(Lateness())
+    assert said.startswith("commands were sent in time, and the winch took none for")
+    assert float(re.findall(r"\d+\.\d+", said)[0]) == pytest.approx(12 * DT), "beyond its delay"
     link.run(3, has_state=False)
     assert link.watch.fault == WinchFault.COMMAND_TIMEOUT
     silent = Link(design)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -124,7 +124,7 @@ class McapWriter:
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
         self._counts: dict[int, int] = {}
-        self._chunk_indexes: list[ChunkIndex] = []
+        self._chunk_indexes: list[bytes] = []  # as in the file: a tenth of what the records take
         self._attachment_indexes: list[AttachmentIndex] = []
         self._metadata_indexes: list[MetadataIndex] = []
         self.start_time = 0
@@ -249,16 +249,18 @@ class McapWriter:
             position += len(piece)
         self._put(b"".join(pieces))
         self._chunk_indexes.append(
-            ChunkIndex(
-                message_start_time=chunk.start,
-                message_end_time=chunk.end,
-                chunk_start_offset=offset,
-                chunk_length=len(encoded),
-                message_index_offsets=index_offsets,
-                message_index_length=position - offset - len(encoded),
-                compression=self._chunks.compression,
-                compressed_size=len(record.data),
-                uncompressed_size=len(records),
+            _encode(
+                ChunkIndex(
+                    message_start_time=chunk.start,
+                    message_end_time=chunk.end,
+                    chunk_start_offset=offset,
+                    chunk_length=len(encoded),
+                    message_index_offsets=index_offsets,
+                    message_index_length=position - offset - len(encoded),
+                    compression=self._chunks.compression,
+                    compressed_size=len(record.data),
+                    uncompressed_size=len(records),
+                )
             )
         )
 
@@ -320,17 +322,17 @@ class McapWriter:
             message_end_time=self.end_time,
             schema_count=len(self._schemas),
         )
-        groups: list[tuple[int, list[McapRecord]]] = [
-            (Opcode.SCHEMA, list(self._schemas)),
-            (Opcode.CHANNEL, list(self._channels)),
-            (Opcode.STATISTICS, [statistics]),
-            (Opcode.CHUNK_INDEX, list(self._chunk_indexes)),
-            (Opcode.ATTACHMENT_INDEX, list(self._attachment_indexes)),
-            (Opcode.METADATA_INDEX, list(self._metadata_indexes)),
+        groups: list[tuple[int, Iterable[bytes]]] = [
+            (Opcode.SCHEMA, map(_encode, self._schemas)),
+            (Opcode.CHANNEL, map(_encode, self._channels)),
+            (Opcode.STATISTICS, [_encode(statistics)]),
+            (Opcode.CHUNK_INDEX, self._chunk_indexes),
+            (Opcode.ATTACHMENT_INDEX, map(_encode, self._attachment_indexes)),
+            (Opcode.METADATA_INDEX, map(_encode, self._metadata_indexes)),
         ]
         summary = offsets = b""
         for opcode, records in groups:
-            group = b"".join(map(_encode, records))
+            group = b"".join(records)
             if group:
                 offset = SummaryOffset(group_opcode=opcode, group_start=start + len(summary), group_length=len(group))
                 offsets += _encode(offset)

@@ -17,6 +17,8 @@ from heave_bringup.tables.case_table import CASE, read_cases
 
 FEWEST_SEEDS = 3
 """Fewest seeds of a sea from which its extremes are estimated."""
+FIGURES = ("max_abs_heave_m", "uncompensated_max_abs_heave_m", "tension_mean_n", "tension_max_n", "tension_min_n")
+"""Figures of merit that they are estimated from."""
 
 
 def extremes_of_table(path: Path, duration: float) -> list[tuple[str, list[Expected]]]:
@@ -30,6 +32,7 @@ def extremes_of_table(path: Path, duration: float) -> list[tuple[str, list[Expec
     Raises ParameterError for another file, and where no sea has FEWEST_SEEDS seeds.
     """
     frame, _ = read_cases(path)
+    _check(path, frame)
     good = frame[frame[FAILURE] == ""]
     settings = settings_of(frame)
     groups = (
@@ -42,6 +45,15 @@ def extremes_of_table(path: Path, duration: float) -> list[tuple[str, list[Expec
             "seeds, or name the bag of a long run"
         )
     return [(_label(part, settings), _of_group(path, part, duration)) for part in groups]
+
+
+def _check(path: Path, frame: pandas.DataFrame) -> None:
+    """Raise ParameterError where a table lacks a column that is needed, or has it in another form."""
+    for name in (SEED, NOMINAL, FAILURE, *FIGURES):
+        if name not in frame.columns:
+            raise ParameterError(f"{path}: is not a table of heave campaign: it has no column {name}")
+        if name in (SEED, *FIGURES) and not pandas.api.types.is_numeric_dtype(frame[name]):
+            raise ParameterError(f"{path}: is not a table of heave campaign: its {name} is no number")
 
 
 def _label(part: pandas.DataFrame, settings: list[str]) -> str:

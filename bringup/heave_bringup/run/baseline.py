@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from cable_sim_node.errors import PlantError
 from heave_bags.analyse.reading.stored import ALL_NODES, NodeParameters
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.mcap.reader import Progress, no_progress
@@ -45,7 +46,7 @@ def baseline_signals(scenario: Scenario, progress: Progress = no_progress) -> Ru
     scenario : of the run
     progress : called with the share that is done, 0 to 1
 
-    Raises DesignError where that law cannot be designed for it.
+    Raises DesignError where that law cannot be designed for it, PlantError where its cable cannot hang.
     """
     parameters: Mapping[str, object] = {
         **scenario.parameters,
@@ -78,7 +79,7 @@ def add_baseline(record: RunRecord, bag: Path, given: Scenario | None = None, pr
         scenario = replace(scenario, run=replace(scenario.run, duration=record.end))  # it may have been ended early
         try:
             record.signals.baseline = _kept_or_computed(scenario, bag, progress)
-        except (DesignError, ParameterError, ArithmeticError, ValueError, OSError) as error:  # a bag may carry any
+        except (DesignError, PlantError, ParameterError, ArithmeticError, ValueError, OSError) as error:  # of any bag
             reason = " ".join(str(error).split())
     if reason:
         record.notes.append(f"the baseline is unknown: {reason}")

@@ -21,6 +21,7 @@ from heave_node.ros.transport.start_watchdog import StartWatchdog, watched_start
 from heave_node.scenario import write_sections
 
 from heave_bringup.errors import CommandError, InterruptedCommandError
+from heave_bringup.interrupts import raise_if_interrupted
 from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, NODES, RECORDER, SHIP_CLOCK
 from heave_bringup.progress import ProgressLine
 from heave_bringup.run.launcher import Launcher, NodeProcess
@@ -238,6 +239,7 @@ def only_run_in_domain(namespace: str = "") -> Iterator[bool]:
 @contextmanager
 def interrupts_noted() -> Iterator[threading.Event]:
     """Give what Ctrl-C and SIGTERM set meanwhile: an exception would be lost in a callback of the middleware."""
+    raise_if_interrupted()
     was_interrupted = threading.Event()
     with _handled_by(lambda *_: was_interrupted.set()):
         yield was_interrupted

@@ -66,6 +66,7 @@ def _read(path: Path) -> Any:
     arrow, parquet = _pyarrow(path)
     try:
         table = read_bounded(parquet, path)
+        table.validate(full=True)  # texts too
     except (OSError, ValueError, arrow.ArrowException) as error:
         raise ParameterError(f"{path}: cannot be read as a table of cases: {str(error).splitlines()[0]}") from error
     missing = [name for name in (CASE, SCENARIO) if name not in table.column_names]

@@ -12,6 +12,8 @@ from typing import ParamSpec, TypeVar
 
 from heave_node.ros.transport.parents_death import end_with
 
+from heave_bringup.interrupts import raise_if_interrupted
+
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -24,6 +26,7 @@ def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
     ----------
     processes : at most so many
     """
+    raise_if_interrupted()
     before = set(multiprocessing.active_children())
     pool = _Pool(
         processes,

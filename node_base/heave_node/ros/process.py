@@ -25,6 +25,7 @@ from heave_node.ros.transport.environment import is_bound_to_loopback, prepare_e
 from heave_node.ros.transport.exchange import Exchange
 from heave_node.ros.transport.exposure import exposed_ports
 from heave_node.ros.transport.parents_death import close_with, end_with, launcher_of
+from heave_node.ros.transport.real_time import between_looks
 from heave_node.ros.transport.start_watchdog import watched_start
 
 RCLError = rclpy_implementation.RCLError
@@ -180,6 +181,7 @@ def _on_idle(node: HeaveNode) -> None:
     if launcher is not None and os.getppid() != launcher:
         node.fail("its parent process has ended")
     node.on_idle()
+    between_looks()
 
 
 @contextmanager

@@ -25,6 +25,7 @@ from types import CodeType, FrameType, ModuleType
 from typing import Any
 
 import pytest
+from heave_node.ros.transport.parents_death import end_with
 from hypothesis import Phase, settings
 
 from tests.campaigns.mutants.mutations import Mutation, mutated
@@ -232,7 +233,7 @@ def _tracer(lines: set[int], file: str) -> Callable[[FrameType, str, Any], Any]:
 def _in_a_fork(task: Callable[[], Any], longest: float) -> Any:
     """Return what a task gives in a process of its own; None after `longest` [s], its exit status where it crashes."""
     ours, theirs = multiprocessing.Pipe(duplex=False)
-    child = multiprocessing.get_context("fork").Process(target=_quietly, args=(task, theirs))
+    child = multiprocessing.get_context("fork").Process(target=_quietly, args=(task, theirs, os.getpid()))
     child.start()
     theirs.close()
     try:
@@ -247,7 +248,8 @@ def _in_a_fork(task: Callable[[], Any], longest: float) -> Any:
         child.join()
 
 
-def _quietly(task: Callable[[], Any], result: Any) -> None:
+def _quietly(task: Callable[[], Any], result: Any, parent: int) -> None:
+    end_with(parent)
     resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
     nowhere = os.open(os.devnull, os.O_RDWR)
     for number in (0, 1, 2):

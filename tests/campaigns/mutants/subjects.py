@@ -23,7 +23,10 @@ SUBJECTS: dict[str, Subject] = {
         "cable_sim_node.winch.component",
         ("cable_sim_node/test/test_virtual_winch.py", "cable_sim_node/test/test_faulty_drum.py"),
     ),
-    "command line": Subject("cable_sim_node.winch.command_line", ("cable_sim_node/test/test_virtual_winch.py",)),
+    "command line": Subject(
+        "cable_sim_node.winch.command_line",
+        ("cable_sim_node/test/test_command_line.py", "cable_sim_node/test/test_virtual_winch.py"),
+    ),
     "faulty drum": Subject("cable_sim_node.winch.faulty_drum", ("cable_sim_node/test/test_faulty_drum.py",)),
     "motion supervision": Subject(
         "heave_node.winch.motion_supervision", ("node_base/test/test_motion_supervision.py",)
@@ -33,7 +36,7 @@ SUBJECTS: dict[str, Subject] = {
     "guard": _controller("supervision.guard", "test_guard", "test_guard_checks"),
     "guard checks": _controller("supervision.guard_checks", "test_guard_checks", "test_guard"),
     "guard hold": _controller("supervision.guard_hold", "test_guard_hold"),
-    "running checks": _controller("supervision.checks", "test_guard_checks", "test_guard"),
+    "running checks": _controller("supervision.checks", "test_checks", "test_guard_checks", "test_guard"),
     "winch demand": _controller("supervision.watch.winch_demand", "test_winch_demand", "test_guard"),
     "mode machine": _controller("supervision.mode_machine", "test_mode_machine", "test_modes"),
     "table of modes": _controller("supervision.modes", "test_mode_guards", "test_mode_machine", "test_modes"),

@@ -27,6 +27,7 @@ from heave_bringup.commands.arguments import (
 )
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError, VerdictError
+from heave_bringup.interrupts import raise_if_interrupted
 from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER
 from heave_bringup.settings import Setting, external_settings
 
@@ -149,6 +150,7 @@ def execute(options: argparse.Namespace) -> None:
         composed=_composed(options),
     )
     evaluation = importlib.import_module(EVALUATION)
+    raise_if_interrupted()
     if scenario.run.is_lockstep:
         evaluation.check_complete(folder.bag, outcome.status)
     report = None if options.no_report else folder.report

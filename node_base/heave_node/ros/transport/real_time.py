@@ -13,6 +13,8 @@ MIDDLE_AGED = 50
 """Ticks between two collections of what has lived through some already."""
 OLD = 20
 """Collections of middle-aged objects between two of all objects, which take milliseconds."""
+MUCH = 10_000
+"""Objects that a node may leave without a tick: more than any tick does, and a millisecond to collect."""
 
 _MCL_CURRENT_AND_FUTURE = 1 | 2
 
@@ -33,6 +35,12 @@ def after_tick() -> None:
     if not gc.isenabled():
         _, young, middle_aged = gc.get_count()  # collections of the generation before
         gc.collect(2 if middle_aged >= OLD else 1 if young >= MIDDLE_AGED else 0)
+
+
+def between_looks() -> None:
+    """Collect where much has been left without a tick, as in a run that waits for somebody or is paused."""
+    if gc.get_count()[0] > MUCH:  # objects made since the last collection, less those freed
+        after_tick()
 
 
 def take_priority(priority: int) -> Iterator[str]:
