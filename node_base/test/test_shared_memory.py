@@ -28,9 +28,7 @@ def names_in(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-@pytest.mark.parametrize(
-    "files", [(SEGMENT, f"{SEGMENT}_el"), (PORT, f"{PORT}_el", f"sem.{PORT}_mutex"), (f"{PORT}_sl",)]
-)
+@pytest.mark.parametrize("files", [(SEGMENT, f"{SEGMENT}_el"), (f"{SEGMENT}_sl",)])
 def test_what_nobody_holds_is_removed_and_named(tmp_path, files):
     make(tmp_path, *files)
     assert remove_dead_segments(tmp_path) == sorted(files)
@@ -39,11 +37,18 @@ def test_what_nobody_holds_is_removed_and_named(tmp_path, files):
 
 @pytest.mark.parametrize("lock", [fcntl.LOCK_EX, fcntl.LOCK_SH])
 def test_what_a_living_process_holds_is_left(tmp_path, lock):
-    make(tmp_path, PORT, f"{PORT}_el", f"sem.{PORT}_mutex")
-    with (tmp_path / f"{PORT}_el").open() as held:
+    make(tmp_path, SEGMENT, f"{SEGMENT}_el")
+    with (tmp_path / f"{SEGMENT}_el").open() as held:
         fcntl.flock(held, lock)
         assert remove_dead_segments(tmp_path) == []
-    assert len(names_in(tmp_path)) == 3
+    assert len(names_in(tmp_path)) == 2
+
+
+def test_a_port_is_left_as_a_process_may_have_opened_it_and_not_yet_locked_it(tmp_path):
+    files = (PORT, f"{PORT}_el", f"{PORT}_sl", f"sem.{PORT}_mutex")
+    make(tmp_path, *files)
+    assert remove_dead_segments(tmp_path) == []
+    assert names_in(tmp_path) == sorted(files)
 
 
 def test_what_has_just_been_made_is_left(tmp_path):
@@ -71,19 +76,19 @@ def test_a_lock_file_that_is_a_link_is_not_followed(tmp_path):
     assert (tmp_path / "precious").exists()
 
 
-def test_a_name_that_was_given_to_a_new_port_meanwhile_is_left(tmp_path, monkeypatch):
-    """Another process found the port dead as well, and made it again between this one's look and its lock."""
-    make(tmp_path, PORT, f"{PORT}_el")
+def test_a_name_that_was_given_to_a_new_segment_meanwhile_is_left(tmp_path, monkeypatch):
+    """Another process found it dead as well, and one made it again between this one's look and its lock."""
+    make(tmp_path, SEGMENT, f"{SEGMENT}_el")
     take = shared_memory._is_lockable
 
     def made_anew(descriptor: int) -> bool:
-        (tmp_path / f"{PORT}_el").unlink()
-        make(tmp_path, f"{PORT}_el", age=0.0)
+        (tmp_path / f"{SEGMENT}_el").unlink()
+        make(tmp_path, f"{SEGMENT}_el", age=0.0)
         return take(descriptor)
 
     monkeypatch.setattr(shared_memory, "_is_lockable", made_anew)
     assert remove_dead_segments(tmp_path) == []
-    assert names_in(tmp_path) == [PORT, f"{PORT}_el"]
+    assert names_in(tmp_path) == [SEGMENT, f"{SEGMENT}_el"]
 
 
 def test_a_machine_without_such_a_folder_has_nothing_to_clean(tmp_path):

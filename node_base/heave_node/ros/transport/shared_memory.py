@@ -1,10 +1,13 @@
 """What killed processes leave in the shared memory of the machine, and which of it is safe to remove.
 
-Fast DDS keeps a segment for each participant, `fastdds_<16 hex digits>`, and a queue for each port that is read,
-`fastdds_port<N>` with the mutex `sem.fastdds_port<N>_mutex`. Beside each lies a lock file, `_el` or `_sl`, which the
-kernel (flock) holds locked as long as the process lives that owns it; a process that is stopped, of another user or in
-another container holds its lock like any other. So a lock that can be taken proves that nothing uses what it guards,
-and while it is held here nothing can begin to. A file without a lock file proves nothing, and is left.
+Fast DDS keeps a segment for each participant, `fastdds_<16 hex digits>`. Beside it lies a lock file, `_el` or `_sl`,
+which the kernel (flock) holds locked as long as the process lives that owns it; a process that is stopped, of another
+user or in another container holds its lock like any other. So a lock that can be taken proves that nothing uses what it
+guards, and while it is held here nothing can begin to. A file without a lock file proves nothing, and is left.
+
+The queues of ports, `fastdds_port<N>`, are left as well: their names are used again, by all domains, and a process that
+has opened one and not yet locked it would listen to a queue that nobody finds. They are small, of a bounded number, and
+Fast DDS makes a dead one anew.
 """
 
 from __future__ import annotations
@@ -22,7 +25,7 @@ SHARED_MEMORY = Path("/dev/shm")
 MINIMUM_AGE = 10.0
 """Files that are younger may be half made [s]: Fast DDS creates a lock file first and takes the lock then."""
 
-_LOCK = re.compile(r"(?P<guarded>fastdds_(?:[0-9a-f]{16}|port[0-9]{1,5}))_[es]l")
+_LOCK = re.compile(r"(?P<guarded>fastdds_[0-9a-f]{16})_[es]l")
 
 
 def remove_dead_segments(folder: Path = SHARED_MEMORY, minimum_age: float = MINIMUM_AGE) -> list[str]:
@@ -38,8 +41,7 @@ def remove_dead_segments(folder: Path = SHARED_MEMORY, minimum_age: float = MINI
             continue
         with _taken(lock) as is_dead:
             if is_dead:
-                guarded = match["guarded"]
-                removed += _remove(folder / guarded, folder / f"sem.{guarded}_mutex", lock)
+                removed += _remove(folder / match["guarded"], lock)
     return sorted(removed)
 
 
@@ -73,7 +75,7 @@ def _is_lockable(descriptor: int) -> bool:
 
 
 def _is_still(lock: Path, descriptor: int) -> bool:
-    """Return whether a name still refers to the open file: a port's may have been given to a new one meanwhile."""
+    """Return whether a name still refers to the open file: another may have been made in its place meanwhile."""
     with suppress(OSError):
         return os.path.samestat(lock.stat(follow_symlinks=False), os.fstat(descriptor))
     return False
