@@ -29,6 +29,9 @@ something else."""
 POOR_CHI2 = 1.5
 """Mean square of what is left of the depth over its noise, above which a report warns."""
 
+WIDE = 0.05
+"""Half width of a band of the efficiency above which a report warns [-]."""
+
 SAME_PAYOUT = 1e-3
 """Error of payout up to which the same law gives the record again [m]."""
 
@@ -134,5 +137,11 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             lines.append(
                 f"{answer.asked.name}: at the winch's limits for {limit:.1f} % of the time, by limits that are "
                 "assumed: the record never reached them"
+            )
+        low, high = answer.figures.bands["unit_efficiency"]
+        if high - low > 2.0 * WIDE:
+            lines.append(
+                f"{answer.asked.name}: the record does not tell its efficiency: {100.0 * low:.0f} to "
+                f"{100.0 * high:.0f} %"
             )
     return lines
