@@ -11,9 +11,9 @@ from heave_node.crane.pose import CranePose
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import PointMotion
 from heave_node.numerics.quantisation import quantised
+from heave_node.numerics.ramp import PEAK_OF_RAMP, smooth_ramp
 
 from wave_vessel_node.crane_parameters import CraneMotionParameters
-from wave_vessel_node.ramp import PEAK_OF_RAMP, smooth_ramp
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
 
 
