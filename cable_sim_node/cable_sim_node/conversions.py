@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import math
 from operator import attrgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from heave_node.cdr.packer import Packer
 from heave_node.interface import topics
 from heave_node.interface.sensors import WireReading
+from heave_node.interface.waves import Waves
 from heave_node.numerics.kinematics import PointMotion
+from heave_node.tick.tick import nanoseconds_of
 
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import WinchState
@@ -54,6 +56,7 @@ _winch_values = attrgetter(*_WINCH_STATE_FIELDS)
 _WINCH_STATE = Packer(topics.WINCH_STATE.type, (_STAMP, *_WINCH_STATE_FIELDS))
 
 WINCH_COMMAND = ("sequence", "payout", "payout_rate", "brake")
+WAVE_COLUMNS = ("frequency", "encounter_frequency", "amplitude", "phase", "direction")
 DRUM_MOTION = ("payout", "payout_rate", "payout_acceleration", "encoder_payout", "encoder_payout_rate")
 
 
@@ -72,6 +75,13 @@ def point_motion_of(reading: WireReading) -> PointMotion:
     """Return the motion in a `reading` of the fields POINT_MOTION."""
     numbers = np.array(reading.numbers)
     return PointMotion(reading.time, numbers[0:3], numbers[3:6], numbers[6:9])
+
+
+def waves_of(message: Any) -> Waves:
+    """Return the components in a heave_msgs/WaveComponents, the `message`. Raises ValueError where they are none."""
+    start = nanoseconds_of(message.header.stamp) * 1e-9
+    columns = (getattr(message, name) for name in WAVE_COLUMNS)
+    return Waves(*(np.array(column, dtype=float) for column in columns), start=start, ramp=message.ramp)
 
 
 def unit_odometry_message(motion: PointMotion, stamp: int) -> bytes:

@@ -290,6 +290,7 @@ def advance(
     tiles: Array,
     numbers: Array,
     water: Array,
+    waves: Array,
     band: Array,
     duration: float,
     start: Array,
@@ -306,14 +307,14 @@ def advance(
 
     Parameters
     ----------
-    tiles, numbers, water, band : the line's arrays, one by one: a tuple of them takes Python twice as long
+    tiles, numbers, water, waves, band : the line's arrays, one by one: a tuple of them takes Python twice as long
     duration : [s]
     start, start_velocity, end, end_velocity : of the boom tip at both ends [m], [m/s], shape (3,)
     lengths : unstretched length and its rate at the start, the same at the end [m], [m/s]
     """
     outcome = take_motion(numbers, duration, start, start_velocity, end, end_velocity, lengths)
     if outcome == at.DONE:
-        line = LineArrays(tiles, numbers, water, band)
+        line = LineArrays(tiles, numbers, water, waves, band)
         outcome = integrate(line, duration)
         if outcome == at.DONE:
             observe(line)
