@@ -9,15 +9,22 @@ from cable_sim_node.line import layout as at
 from cable_sim_node.line.forces.waves import add_waves, surface_at
 from cable_sim_node.line.grid import build_line, with_waves
 from cable_sim_node.parameters import CableSimParameters
+from heave_bringup.cli import main
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_msgs.msg import WaveComponents
 from heave_node.numerics.compiled import kernel
 from heave_node.numerics.constants import STANDARD_GRAVITY
+from rclpy.serialization import deserialize_message
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import LaterSeaParameters, SpreadingParameters, WaveVesselParameters
 from wave_vessel_node.vessel_parameters import CourseParameters, VesselParameters
 
+from cable_sim_node import conversions as plant_messages
+from wave_vessel_node import conversions as vessel_messages
+
 TICK = 0.05
+OTHERS = ("encounter_frequency", "amplitude", "phase", "direction")
 HEIGHT, PERIOD = 2.0, 9.0
 
 
@@ -100,6 +107,16 @@ def test_a_sea_whose_components_do_not_last_has_none(sea):
     assert not len(WaveVessel(sea, seed=1, tick_period=TICK).waves().frequency)
 
 
+@pytest.mark.parametrize("setting", ["wave_vessel.boom_tip_source=filter", "wave_vessel.later_sea.duration=60"])
+def test_a_run_with_such_a_sea_on_the_unit_is_refused_in_a_line_before_it_starts(tmp_path, capsys, setting):
+    place = str(tmp_path / "out")
+    assert main(["run", "b11_splash_zone", "--bag", place, "--set", setting]) != 0
+    said = capsys.readouterr().err.strip()
+    assert "\n" not in said
+    assert "b11_splash_zone.yaml: cable_sim: wave.source = sea, but this sea has no components" in said
+    assert not (tmp_path / "out").exists()
+
+
 def test_the_unit_of_a_loop_feels_the_sea_and_its_shadow_too():
     settings = ["system.length=20", "cable_sim.segments=2", "all.duration=20", "wave_vessel.ramp=5"]
     felt = {}
@@ -110,3 +127,17 @@ def test_the_unit_of_a_loop_feels_the_sea_and_its_shadow_too():
         felt[source] = [record.column(name) for name in ("top_tension", "uncompensated_tension")]
     for sea, still in zip(felt["sea"], felt["none"], strict=True):
         assert np.abs(sea - still).max() > 20.0
+
+
+def test_the_components_travel_bit_for_bit():
+    waves = WaveVessel(SEAS["RAOs under way"], seed=3, tick_period=TICK).waves()
+    received = plant_messages.waves_of(deserialize_message(vessel_messages.waves_message(waves), WaveComponents))
+    assert (received.start, received.ramp) == (waves.start, waves.ramp) == (TICK, 60.0)
+    for sent, taken in zip(waves.columns, received.columns, strict=True):
+        assert np.array_equal(sent, taken)
+
+
+def test_components_that_are_no_numbers_or_differ_in_length_are_refused_on_receipt():
+    for columns in ({"frequency": [1.0]}, {name: [math.nan] for name in ("frequency", *OTHERS)}):
+        with pytest.raises(ValueError, match="wave components"):
+            plant_messages.waves_of(WaveComponents(**columns))

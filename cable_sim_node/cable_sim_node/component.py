@@ -34,6 +34,12 @@ LARGEST_START_GAP = 20.0
 IMPLAUSIBLE_SPEED = 20.0
 """An input that moves faster [m/s] is a false number, not a motion."""
 
+NO_COMPONENTS = (
+    "wave.source = sea, but this sea has no components, or none that last: take boom_tip_source = spectrum or regular "
+    "without a later sea, a turn or change of speed, or another wave.source"
+)
+"""Why such a sea is refused."""
+
 
 class PlantState(NamedTuple):
     """Truth of the plant at one time, frame `world` (z up).
@@ -161,10 +167,7 @@ class CableSim:
         if self._parameters.wave.source != "sea":
             return
         if not len(waves.frequency):
-            raise PlantError(
-                "cable_sim: wave.source = sea, but this sea has no components, or none that last: take boom_tip_source "
-                "= spectrum or regular without a later sea, a turn or change of speed, or another wave.source"
-            )
+            raise PlantError(f"cable_sim: {NO_COMPONENTS}")
         for dynamics in (self._plant, self._shadow):
             if isinstance(dynamics, CableDynamics):
                 dynamics.set_waves(waves)

@@ -15,7 +15,7 @@ from heave_node.interface import topics
 from heave_node.interface.sensors import WireReading
 from heave_node.interface.waves import Waves
 from heave_node.numerics.kinematics import PointMotion
-from heave_node.tick.tick import nanoseconds_of
+from heave_node.tick.tick import seconds_of
 
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import WinchState
@@ -56,7 +56,6 @@ _winch_values = attrgetter(*_WINCH_STATE_FIELDS)
 _WINCH_STATE = Packer(topics.WINCH_STATE.type, (_STAMP, *_WINCH_STATE_FIELDS))
 
 WINCH_COMMAND = ("sequence", "payout", "payout_rate", "brake")
-WAVE_COLUMNS = ("frequency", "encounter_frequency", "amplitude", "phase", "direction")
 DRUM_MOTION = ("payout", "payout_rate", "payout_acceleration", "encoder_payout", "encoder_payout_rate")
 
 
@@ -79,9 +78,15 @@ def point_motion_of(reading: WireReading) -> PointMotion:
 
 def waves_of(message: Any) -> Waves:
     """Return the components in a heave_msgs/WaveComponents, the `message`. Raises ValueError where they are none."""
-    start = nanoseconds_of(message.header.stamp) * 1e-9
-    columns = (getattr(message, name) for name in WAVE_COLUMNS)
-    return Waves(*(np.array(column, dtype=float) for column in columns), start=start, ramp=message.ramp)
+    return Waves(
+        np.array(message.frequency, dtype=float),
+        np.array(message.encounter_frequency, dtype=float),
+        np.array(message.amplitude, dtype=float),
+        np.array(message.phase, dtype=float),
+        np.array(message.direction, dtype=float),
+        start=seconds_of(message.header.stamp),
+        ramp=message.ramp,
+    )
 
 
 def unit_odometry_message(motion: PointMotion, stamp: int) -> bytes:

@@ -141,10 +141,10 @@ class CableDynamics:
         base = self.parameters.length
         ends = (base + payout_start, 0.0 + payout_rate_start, base + payout_end, 0.0 + payout_rate_end)
         motion = (tip_start.position, tip_start.velocity, tip_end.position, tip_end.velocity)
-        outcome = advance(*self._line, 0.0 + duration, *motion, ends)
+        outcome = advance(*self._line, *motion, (0.0 + duration, *ends))
         if outcome == at.GRID_TOO_SHORT:
             self._grow(max(ends[0], ends[2]) + duration * max(abs(ends[1]), abs(ends[3])))
-            outcome = advance(*self._line, 0.0 + duration, *motion, ends)
+            outcome = advance(*self._line, *motion, (0.0 + duration, *ends))
         self._fresh = outcome == at.DONE or (self._fresh and outcome == at.BAD_MOTION)
         if outcome == at.DONE:
             return

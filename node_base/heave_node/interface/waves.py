@@ -57,7 +57,8 @@ class Waves:
         return self.frequency, self.encounter_frequency, self.amplitude, self.phase, self.direction
 
 
-NO_WAVES = Waves(*(np.zeros(0) for _ in range(5)))
+_NONE = np.zeros(0)
+NO_WAVES = Waves(_NONE, _NONE, _NONE, _NONE, _NONE)
 """Still water, and what is published of a sea that has no components, or none that last."""
 
 

@@ -124,7 +124,7 @@ def _let_go(line: LineArrays, n: int, boom_tip: Array) -> bool:
     mass[0] += numbers[at.UNIT_INERTIA]
     energy, quiet = 0.0, _QUIET
     for _ in range(round(_LONGEST / _INTERVAL)):
-        outcome = advance(*line, _INTERVAL, boom_tip, still, boom_tip, still, ends)
+        outcome = advance(*line, boom_tip, still, boom_tip, still, (_INTERVAL, *ends))
         if outcome != at.DONE:
             return False
         numbers[at.NOW + at.TIME] = start_time
