@@ -94,7 +94,7 @@ $(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
 	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
 		$(PINNED) $(BIN)/python -m pip install --quiet --editable .
 	@echo "setup: compiling the models, once"
-	@rm -rf $(VENV)/first-run && $(BIN)/heave run b2_calm_300 --duration 1 --no-report --bag $(VENV)/first-run > $(VENV)/first-run.log 2>&1 || \
+	@rm -rf $(VENV)/first-run && $(BIN)/heave run b2_calm_300 --duration 1 --no-report --namespace set_up --bag $(VENV)/first-run > $(VENV)/first-run.log 2>&1 || \
 		echo "setup: left to the first run, which will start slowly; $(VENV)/first-run.log says why"
 	@touch $@
 

@@ -1,5 +1,8 @@
 """A lift whose crane slews by 60 degrees while it compensates, with the pose of the crane and without it."""
 
+import subprocess
+import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,7 +12,9 @@ from heave_bags.mcap.reader import Bag
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.scenarios import load_scenario
 
-from tests.loop_runs import HAS_RUN, give
+from tests.crane_encoders import LASTING, SLEW, START, TURN
+from tests.loop_runs import HAS_RUN, adapting, environment, give
+from tests.plc import free_port
 from tests.test_one_loop import compare
 
 SLEWED = 180.0
@@ -90,7 +95,7 @@ def test_a_lift_towards_the_end_of_the_range_stops_there_and_compensation_goes_o
 @pytest.mark.long
 def test_with_the_pose_a_slewed_lift_is_held_and_without_it_is_not():
     """A chord of 24.7 m times pitch and roll is missing without the pose: as much as the heave itself."""
-    with_pose, without = slewed_lift(), slewed_lift("wave_vessel.crane.publishes_pose=false")
+    with_pose, without = slewed_lift(), slewed_lift("wave_vessel.crane.pose.fitted=false")
     assert [alarm.code for _, alarm in with_pose.alarms if alarm.code.startswith("CRANE")] == ["CRANE_POSE_USED"]
     assert not [alarm for _, alarm in without.alarms if alarm.code.startswith("CRANE")]
     for record in (with_pose, without):
@@ -114,3 +119,62 @@ def test_over_ros_it_is_the_same_to_the_last_bit_and_the_pose_is_in_the_bag(tmp_
     assert len(poses) == 12.0 / 0.05
     assert poses[-1].slew > poses[0].slew == 1.5708
     compare(bag)
+
+
+PENCR_MAP = """
+source: {{udp: {port}}}
+format: nmea
+slew: {{field: PENCR.angle_1, positive: anticlockwise}}
+luff: {{field: PENCR.angle_2, positive: up}}
+knuckle: {{field: PENCR.angle_3, positive: up}}
+"""
+JOINT_MAP = """
+clock: own
+slew: {topic: /crane/joint_states, type: sensor_msgs/msg/JointState, field: 'position[name=slew]'}
+luff: {topic: /crane/joint_states, type: sensor_msgs/msg/JointState, field: 'position[name=luff]', positive: up}
+knuckle: {topic: /crane/joint_states, type: sensor_msgs/msg/JointState, field: 'position[name=knuckle]', positive: up}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", ["pencr", pytest.param("joint_states", marks=pytest.mark.long)])
+def test_encoders_behind_an_adapter_take_the_place_of_the_simulated_ones_while_the_crane_slews(way, tmp_path):
+    """Five processes and two programs in real time: without the pose half of the motion is left after the slew."""
+    port = free_port("udp")
+    crane = tmp_path / "crane.yaml"
+    crane.write_text(PENCR_MAP.format(port=port) if way == "pencr" else JOINT_MAP)
+    moves = ("move_times=[14.0]", "move_slew=[2.618]", f"turn_rate={1.875 * TURN / LASTING}")
+    settings = [f"wave_vessel.crane.{move}" for move in moves]
+    settings += ["wave_vessel.ramp=5.0", "winch_controller.law=lqg", "cable_sim.segments=6", "all.transient=10"]
+    settings += ["winch_controller.modes.settling_time=5.0", "winch_controller.crane.joints=[slew, luff, knuckle]"]
+    options = ["--pacing", "realtime", "--duration", "50", "--no-report", "--external", "crane/pose"]
+    options += [part for setting in settings for part in ("--set", setting)]
+    with domain_id() as domain:
+        program = str(Path(__file__).with_name("crane_encoders.py"))
+        encoders = subprocess.Popen([sys.executable, program, way, str(port)], env=environment(domain))
+        try:
+            with adapting(domain, str(crane)) as ended:
+                run = give(domain, "run", "crane_slew", "--bag", str(tmp_path / "run"), *options, timeout=300.0)
+        finally:
+            encoders.kill()
+            encoders.wait()
+    assert run.returncode in HAS_RUN, run.stdout + run.stderr + ended[0].err
+    bag = Bag(tmp_path / "run" / "bag")
+    columns = bag.columns(
+        {
+            "/crane/pose": ["slew"],
+            "/unit/odometry": ["pose.pose.position.z"],
+            "/unit_uncompensated": ["position.z"],
+        }
+    )
+    slew = columns["/crane/pose"]["slew"]
+    # five a second; an encoder of 16 bits
+    assert len(slew) > 150
+    assert (slew[0], slew[-1]) == pytest.approx((SLEW, SLEW + TURN), abs=1e-4)
+    tail = {topic: columns[topic] for topic in ("/unit/odometry", "/unit_uncompensated")}
+    heave = {topic: next(v for k, v in column.items() if "position" in k)[-300:] for topic, column in tail.items()}
+    assert START + LASTING < 50.0 - 15.0
+    assert np.std(heave["/unit/odometry"]) < 0.2 * np.std(heave["/unit_uncompensated"])
+    said = " ".join(status.message for _, message in bag.decoded(["diagnostics"]) for status in message.status)
+    assert "CRANE_POSE_USED" in said
+    assert "CRANE_RATES_DISAGREE" not in said

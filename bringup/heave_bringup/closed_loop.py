@@ -198,7 +198,7 @@ class ClosedLoop:
         # the state at t_k is that of the tick before; before the first tick there was none
         now = self.tick * self._tick_nanoseconds
         winch = winch_reading(self.winch.state, now) if self.tick > 1 else None
-        crane = () if vessel.crane is None else (pose_of(pose_to_wire(vessel.crane)),)
+        crane = tuple([pose_of(pose_to_wire(pose)) for pose in vessel.crane])
         return measurements(delivered, winch, self._assumed_water, vessel.preview, crane=crane)
 
     def run(self, on_tick: Callable[[int, Outputs], None] | None = None) -> LoopRecord:

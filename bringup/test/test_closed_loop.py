@@ -79,7 +79,7 @@ class LoopOverMessages:
         }
         winch = self.winch_state
         reading = winch_reading_of(heard(topics.WINCH_STATE, WINCH_STATE, winch)) if winch is not None else None
-        poses = [] if vessel.crane is None else [pose_message(pose_to_wire(vessel.crane))]
+        poses = [pose_message(pose_to_wire(pose)) for pose in vessel.crane]
         crane = [pose_of(heard(topics.CRANE_POSE, POSE_FIELDS, pose)) for pose in poses]
         taken = measurements(delivered, reading, self.water, crane=crane)
         outputs = self.controller.step(number, taken)

@@ -15,6 +15,7 @@ from heave_node.interface.sensors import Water
 from heave_node.interface.waves import Waves
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import PointMotion
+from heave_node.sensing.sensor import Sensor
 
 from cable_sim_node.errors import BadMotionError, PlantError
 from cable_sim_node.inputs import BridgedInput, Motion, is_finite
@@ -22,7 +23,6 @@ from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.sensors.instruments import SensorTruth
-from cable_sim_node.sensors.sensor import Sensor
 from cable_sim_node.sensors.suite import SensorReadings, SensorSuite
 from cable_sim_node.shadow import ShadowPayout
 from cable_sim_node.vertical.linear_plant import LinearPlant

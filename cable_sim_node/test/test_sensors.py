@@ -19,11 +19,11 @@ from cable_sim_node.sensors.instruments import (
     VelocitySensorParameters,
     View,
 )
-from cable_sim_node.sensors.sensor import Sensor
 from cable_sim_node.sensors.suite import SensorSuite
 from heave_node.interface.faults import FaultParameters
 from heave_node.interface.sensors import SENSORS, Reading
 from heave_node.parameters import ParameterError, build_parameters, flatten
+from heave_node.sensing.sensor import Sensor
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
@@ -53,7 +53,7 @@ class Probe(SensorParameters):
 
 
 def probe(parameters: Probe, seed: int = 1) -> Sensor:
-    return Sensor(parameters, name="probe", width=1, seed=seed, tick_period=TICK)
+    return Sensor(parameters, name="probe", node="cable_sim", width=1, seed=seed, tick_period=TICK)
 
 
 def run(parameters: Probe, ticks: int, *, seed: int = 1) -> list[tuple[int, Reading]]:
@@ -303,10 +303,8 @@ def test_whatever_the_faults_readings_are_of_the_past_and_of_distinct_times(
 
 
 def test_depth_is_read_in_whole_steps_of_the_resolution() -> None:
-    exact, coarse = (
-        Sensor(DepthSensorParameters(resolution=step), name="depth", width=1, seed=1, tick_period=TICK)
-        for step in (0.0, 0.05)
-    )
+    of_run = {"name": "depth", "node": "cable_sim", "width": 1, "seed": 1, "tick_period": TICK}
+    exact, coarse = (Sensor(DepthSensorParameters(resolution=step), **of_run) for step in (0.0, 0.05))
     pairs = [
         (one, other)
         for tick in range(1, 400)

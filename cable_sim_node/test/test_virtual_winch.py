@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -314,6 +315,17 @@ def test_encoder_faults_show_in_the_reading_and_not_in_the_truth(kind: str, expe
     np.testing.assert_allclose(errors[39:41], expected, atol=1e-9)  # states at t = 2.00 and 2.05 s
     np.testing.assert_allclose(errors[:39], 0.0)
     np.testing.assert_allclose(errors[59:], 0.0)
+
+
+@pytest.mark.parametrize("drive", [{"position_gain": 1.2}, {"law": "first_order", "position_rate": 1.5}])
+def test_a_position_loop_counts_by_the_encoder(drive: dict[str, Any]) -> None:
+    """Ordered to 0.2 m, a drum whose encoder jumps by 0.5 m hauls in by that: it is where the encoder reads 0.2 m."""
+    faults = FaultParameters(("jump",), (5.0,), (0.0,), (0.5,))
+    winch = VirtualWinch(dataclasses.replace(IDEAL, encoder=EncoderParameters(0.0, faults), **drive), tick_period=TICK)
+    states = run(winch, 400, payout=0.2)
+    assert states[98].payout == pytest.approx(0.2, abs=2e-3)
+    assert states[-1].encoder_payout == pytest.approx(0.2, abs=1e-3)
+    assert states[-1].payout == pytest.approx(-0.3, abs=1e-3)
 
 
 def test_scaled_encoder_counts_another_length_than_is_paid_out() -> None:

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_node.devices.live.high_pass import HighPass
+from heave_node.numerics.high_pass import HighPass
 
 PERIOD, SWELL, STEP = 200.0, 10.0, 0.05
 TIME = STEP * np.arange(round(1000.0 / STEP))
@@ -50,3 +50,23 @@ def test_it_says_when_it_has_settled_and_begins_anew_after_a_gap():
     assert filtered.is_settled
     assert filtered.add(100.0, 80.0) == 0.0
     assert not filtered.is_settled
+
+
+def test_a_late_or_repeated_sample_changes_nothing():
+    with_late, without = HighPass(30.0), HighPass(30.0)
+    for n in range(200):
+        t, height = 0.1 * n, math.sin(0.1 * n)
+        expected_heave = without.add(t, height)
+        with_late.add(t, height)
+        assert with_late.add(t - 0.5 * (n % 2), height + 3.0) == expected_heave
+
+
+@pytest.mark.parametrize("starts_whole", [True, False])
+def test_the_first_value_passes_whole_or_is_the_datum_and_the_rate_of_both_fits(starts_whole):
+    """From any start the rate that passes is the derivative of what passes, to the second order of the step."""
+    filtered, step = HighPass(30.0, 0.5, starts_whole=starts_whole), 0.01
+    passed = [(filtered.add(step * n, 2.0 + math.sin(step * n)), filtered.rate_taken_off) for n in range(1000)]
+    assert passed[0] == ((2.0, 0.0) if starts_whole else (0.0, 0.0))
+    heave, off = np.array(passed).T
+    rate = np.cos(step * np.arange(1000)) - off
+    assert np.diff(heave) == pytest.approx(0.5 * step * (rate[1:] + rate[:-1]), abs=1e-6)

@@ -9,10 +9,11 @@ from heave_msgs.msg import CranePose
 from heave_node.crane.kinematics import Crane
 from heave_node.crane.messages import pose_message
 from heave_node.crane.pose import pose_to_wire
+from heave_node.interface.faults import FaultParameters
 from heave_node.parameters import ParameterError, build_parameters
 from rclpy.serialization import deserialize_message
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.crane_parameters import CraneMotionParameters
+from wave_vessel_node.crane_parameters import CraneMotionParameters, PoseSensorParameters
 from wave_vessel_node.parameters import PreviewParameters, WaveVesselParameters
 from wave_vessel_node.vessel.crane_motion import CraneMotion
 from wave_vessel_node.vessel_parameters import CourseParameters, VesselParameters
@@ -48,7 +49,7 @@ def test_after_the_move_the_tip_moves_as_that_of_a_ship_whose_boom_is_there():
 def test_the_mru_and_the_ship_are_as_without_a_crane_and_so_is_the_tip_before_the_move():
     plain, moved = outputs_of(SHIP, 200), outputs_of(replace(SHIP, crane=SLEWED), 200)
     for tick, (one, other) in enumerate(zip(plain, moved, strict=True), 1):
-        assert (one.mru, one.wave_elevation, one.crane) == (other.mru, other.wave_elevation, None)
+        assert (one.mru, one.wave_elevation, one.crane) == (other.mru, other.wave_elevation, ())
         if tick < 39:
             np.testing.assert_array_equal(one.boom_tip.position, other.boom_tip.position)
 
@@ -77,17 +78,52 @@ def test_a_move_keeps_its_rate_and_ends_where_it_should():
     np.testing.assert_allclose(np.gradient(states[:, 0, 0], 0.01)[1:-1], states[1:-1, 1, 0], atol=1e-5)
 
 
+def poses_of(crane, ticks):
+    """Return the poses of a `crane` by the tick at which they are delivered."""
+    ship = WaveVessel(replace(SHIP, crane=crane), seed=1, tick_period=DT)
+    return {tick: ship.step(tick).crane for tick in range(1, ticks + 1)}
+
+
 def test_the_pose_is_published_as_the_joints_are_in_steps_of_the_encoder():
-    step = math.tau / 65536.0
-    crane = CraneMotion(replace(SLEWED, angle_resolution=step), np.array(ARM), 0.0)
-    pose = crane.pose(5.0)
+    step, tick = math.tau / 65536.0, round(5.0 / DT)
+    (pose,) = poses_of(replace(SLEWED, pose=PoseSensorParameters(angle_resolution=step)), tick)[tick]
     message = deserialize_message(pose_message(pose_to_wire(pose)), CranePose)
     assert message.header.stamp.sec == 5
     assert message.header.frame_id == "vessel"
-    joints, rates, _ = crane.joints(5.0)
+    joints, rates, _ = CraneMotion(SLEWED, np.array(ARM), 0.0).joints(tick * DT)
     assert message.slew == pytest.approx(joints[0], abs=0.5 * step)
     assert (message.slew / step) == pytest.approx(round(message.slew / step), abs=1e-6)
     assert (message.slew_rate, message.luff_rate) == (rates[0], rates[1])
+
+
+def faulty(kind, magnitude=0.0):
+    """Return the poses of a crane that slews, with a fault of its encoders from tick 100 on and without it."""
+    faults = FaultParameters((kind,), (100 * DT,), (0.0,), (magnitude,))
+    cranes = (replace(SLEWED, pose=PoseSensorParameters(faults=faults)), SLEWED)
+    return [poses_of(crane, 130) for crane in cranes]
+
+
+@pytest.mark.parametrize(
+    ("kind", "magnitude", "of_joint", "of_rate"),
+    [("jump", 0.3, lambda joint: joint + 0.3, lambda rate: rate), ("scale", -1.0, lambda joint: -joint, lambda r: -r)],
+)
+def test_encoders_at_fault_read_every_joint_falsely(kind, magnitude, of_joint, of_rate):
+    wrong, right = faulty(kind, magnitude)
+    assert wrong[99] == right[99]
+    (given,), (true,) = wrong[100], right[100]
+    assert given.time == true.time
+    assert given.joints == pytest.approx([of_joint(joint) for joint in true.joints])
+    assert given.rates == pytest.approx([of_rate(rate) for rate in true.rates])
+
+
+def test_encoders_that_freeze_stop_or_are_late_are_those_of_any_sensor():
+    wrong, right = faulty("freeze")
+    assert {(poses[0].joints, poses[0].rates) for tick, poses in wrong.items() if tick >= 99} == {right[99][0][1:]}
+    assert wrong[130][0].time == right[130][0].time
+    assert not any(poses for tick, poses in faulty("gap")[0].items() if tick >= 100)
+    assert np.isnan(faulty("nan")[0][100][0].joints).all()
+    wrong, right = faulty("delay", 5 * DT)
+    assert wrong[120] == right[115]
 
 
 def test_a_preview_sees_the_tip_that_moves():

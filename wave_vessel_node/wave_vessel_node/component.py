@@ -22,7 +22,7 @@ from wave_vessel_node.sources.layers import ChangingSource, CourseSource, Drifti
 from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.sources.preview import PreviewSource
 from wave_vessel_node.sources.scene import Scene, build_scene
-from wave_vessel_node.vessel.crane_motion import CraneMotion
+from wave_vessel_node.vessel.crane_motion import CraneMotion, PoseSensor
 from wave_vessel_node.vessel.fit import VesselFit
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
 
@@ -42,7 +42,7 @@ class WaveVesselOutputs:
     wave_elevation : sea surface below the boom tip at t_{k+1} [m]
     estimate : a new sea-state estimate from the MRU readings up to t_k, when one is due and the record long enough
     preview : of the boom tip from t_k on; None: there is none
-    crane : pose of the crane at t_k; None: there is none, or it is not measured
+    crane : poses of the crane delivered at t_k
     """
 
     mru: MruReading | None
@@ -51,7 +51,7 @@ class WaveVesselOutputs:
     wave_elevation: float
     estimate: SeaStateEstimate | None = None
     preview: HeavePreview | None = None
-    crane: CranePose | None = None
+    crane: tuple[CranePose, ...] = ()
 
 
 class WaveVessel:
@@ -67,6 +67,7 @@ class WaveVessel:
     ----------
     warnings : what was repaired in the files read
     mru : the motion reference unit, into which faults are injected
+    pose_sensor : of the crane, the same; None: there is no crane, or its pose is not measured
 
     Raises SpectrumError, SpectrumFileError, RaoError or RecordingError when the parameters name something that cannot
     be used.
@@ -80,6 +81,9 @@ class WaveVessel:
         self._source = _with_change_course_drift_and_ramp(waves, self._scene)
         self._lever = lever_arm_matrix(self._scene.boom_tip_arm)
         self._crane = self._build_crane()
+        self.pose_sensor: PoseSensor | None = None
+        if self._crane is not None and parameters.crane.pose.fitted:
+            self.pose_sensor = PoseSensor(self._crane, parameters.crane.pose, seed=seed, tick_period=tick_period)
         self._sea_state = describe_sea(parameters, self._scene.spectrum, waves.nominal_sea(), seed)
         self.mru = MotionReferenceUnit(parameters.mru, seed=seed, tick_period=tick_period)
         self._estimator = self._build_estimator()
@@ -124,7 +128,7 @@ class WaveVessel:
         height = self.parameters.boom_tip_height
         heave = np.array([here.position[2] - height, here.velocity[2], here.acceleration[2]])
         reading = self.mru.step(tick, heave, self._motion)
-        pose = self._pose(self._motion.time)
+        poses = () if self.pose_sensor is None else self.pose_sensor.step(tick)
         self._motion = self._source.motion(tick + 1)
         self._next_tick = tick + 1
         self._boom_tip = self._point(self._motion)
@@ -132,19 +136,14 @@ class WaveVessel:
             self._estimator.add(reading)
         estimate = self._estimator.estimate() if tick % self._ticks_between_estimates == 0 else None
         preview = None if self._preview is None else self._preview.step(tick)
-        return WaveVesselOutputs(reading, self._boom_tip, self._motion, self._motion.elevation, estimate, preview, pose)
+        motion = self._motion
+        return WaveVesselOutputs(reading, self._boom_tip, motion, motion.elevation, estimate, preview, poses)
 
     def _build_crane(self) -> CraneMotion | None:
         crane = self.parameters.crane
         return (
             CraneMotion(crane, self._scene.boom_tip_arm, self.parameters.boom_tip_height) if crane.is_fitted else None
         )
-
-    def _pose(self, time: float) -> CranePose | None:
-        """Return the pose of the crane as measured at a `time` [s]; None where it is not."""
-        if self._crane is None or not self.parameters.crane.publishes_pose:
-            return None
-        return self._crane.pose(time)
 
     def _point(self, motion: VesselMotion) -> PointMotion:
         """Return the motion of the boom tip."""

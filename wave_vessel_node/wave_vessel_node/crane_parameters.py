@@ -1,13 +1,33 @@
-"""The parameters of the simulated crane: its lengths, its programme of moves, what is measured of its pose."""
+"""The parameters of the simulated crane: its lengths, its programme of moves, the sensor of its pose."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from heave_node.crane.kinematics import JOINTS, CraneParameters
-from heave_node.parameters import parameter
+from heave_node.parameters import group, parameter
+from heave_node.sensing.view import SensorParameters, View
+
+if TYPE_CHECKING:
+    from heave_node.numerics.arrays import Array
 
 _WHERE = "after each of move_times; none: it stays."
+
+
+@dataclass(frozen=True)
+class PoseSensorParameters(SensorParameters):
+    """Encoders of the crane's joints, read together. A scale, and a fault of one, is that of all of them."""
+
+    rate: float = parameter(20.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
+    angle_resolution: float = parameter(
+        0.0, unit="rad", minimum=0.0, maximum=0.1, description="Step of the measured angles; 0 means none."
+    )
+
+    def view(self, truth: Array) -> View:
+        """See the joints [rad], [m], and their rates [rad/s], [m/s], shape (8,)."""
+        angle = self.angle_resolution
+        return View(truth, 0.0, resolution=(angle, angle, angle, 0.0, 0.0, 0.0, 0.0, 0.0))
 
 
 @dataclass(frozen=True)
@@ -31,14 +51,10 @@ class CraneMotionParameters(CraneParameters):
     extension_rate: float = parameter(
         0.2, unit="m/s", minimum=1e-4, maximum=10.0, description="Largest rate of the extension during a move."
     )
-    publishes_pose: bool = parameter(
-        True, unit="", description="The pose is measured and published as crane/pose in each tick."
-    )
-    angle_resolution: float = parameter(
-        0.0, unit="rad", minimum=0.0, maximum=0.1, description="Step of the measured angles; 0 means none."
-    )
+    pose: PoseSensorParameters = group(PoseSensorParameters)
 
     def __post_init__(self) -> None:
+        self.pose.faults.check("crane.pose.faults", "sensor")
         if list(self.move_times) != sorted(self.move_times):
             raise ValueError(f"crane.move_times must be ascending; got {list(self.move_times)}")
         for joint in JOINTS:

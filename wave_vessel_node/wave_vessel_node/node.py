@@ -9,6 +9,7 @@ from heave_node.crane.pose import pose_to_wire
 from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.codes import MruStatus
+from heave_node.interface.faults import FaultSchedule
 from heave_node.interface.messages import SensorMessages
 from heave_node.interface.sensors import MRU, STANDARD_WATER
 from heave_node.ros.diagnostics import Health, Level, alarm_health
@@ -29,7 +30,7 @@ class WaveVesselNode(ParticipantNode):
     """Publishes in tick k the MRU reading delivered at t_k, and the boom tip, vessel and surface at t_{k+1};
     with `preview.time` above 0 also a preview of the boom tip from t_k on, with a crane its pose at t_k.
 
-    Service `wave_vessel/inject_fault` makes the MRU misbehave from the next tick on.
+    Service `wave_vessel/inject_fault` makes the MRU, or the crane's encoders, misbehave from the next tick on.
     """
 
     name = "wave_vessel"
@@ -49,11 +50,11 @@ class WaveVesselNode(ParticipantNode):
         previews = self.parameters.preview.time > 0.0
         self.preview = self.add_output(topics.HEAVE_PREVIEW) if previews else None
         crane = self.parameters.crane
-        self.crane = self.add_output(topics.CRANE_POSE) if crane.is_fitted and crane.publishes_pose else None
+        self.crane = self.add_output(topics.CRANE_POSE) if crane.is_fitted and crane.pose.fitted else None
         self._mru_messages = SensorMessages(MRU)
         self._last_reading_time = 0.0
         self._last_status: int = MruStatus.OK
-        FaultService(self, lambda: {"mru": self.component.mru.faults})
+        FaultService(self, self._faults)
 
     def on_reset(self) -> None:
         """See HeaveNode."""
@@ -74,8 +75,9 @@ class WaveVesselNode(ParticipantNode):
             self._last_reading_time, self._last_status = tick.time, reading.status
         if self.preview is not None and outputs.preview is not None:
             self.preview.publish(messages.preview_message(outputs.preview, self.parameters.preview.noise))
-        if self.crane is not None and outputs.crane is not None:
-            self.crane.publish(pose_message(pose_to_wire(outputs.crane)))
+        if self.crane is not None:
+            for pose in outputs.crane:
+                self.crane.publish(pose_message(pose_to_wire(pose)))
         end = tick.end_nanoseconds
         self.boom_tip.publish_deferred(lambda: messages.boom_tip_message(outputs.boom_tip, end))
         self.odometry.publish_deferred(lambda: messages.odometry_message(outputs.vessel, end))
@@ -128,6 +130,11 @@ class WaveVesselNode(ParticipantNode):
             repaired = ALARMS.alarm("FILE_REPAIRED", warnings="; ".join(self.component.warnings))
             health.append(alarm_health("files", repaired))
         return health
+
+    def _faults(self) -> dict[str, FaultSchedule]:
+        """Return the faults of the devices that it simulates, by their names."""
+        pose = self.component.pose_sensor
+        return {"mru": self.component.mru.faults} | ({} if pose is None else {"crane": pose.faults})
 
     def _new_component(self) -> WaveVessel:
         try:

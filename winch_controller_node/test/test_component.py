@@ -160,6 +160,29 @@ def test_an_encoder_jump_raises_an_alarm_within_three_samples_and_does_not_move_
     assert record.unit_sigma(45.0) < 0.005
 
 
+@pytest.mark.parametrize(("winch", "jump"), [("position loop", -8.0), ("first order", 2.0)])
+def test_a_drive_that_counts_by_the_encoder_does_not_follow_its_jump_and_nothing_is_found_wrong(winch, jump):
+    """An order in the new count takes effect after 0.25 s. Held against the old count, the drum went the whole jump."""
+    parameters = loop_parameters(duration=60.0, **{"winch.position_gain": 0.5})
+    drive = WinchParameters(position_gain=0.5)
+    if winch == "first order":
+        parameters = dataclasses.replace(thesis_parameters(), duration=60.0)
+        drive = parameters.winch
+    faults = FaultParameters(kind=("jump",), start=(40.0,), duration=(0.0,), magnitude=(jump,))
+    encoder = dataclasses.replace(drive.encoder, faults=faults)
+    loop = ClosedLoop(dataclasses.replace(parameters, winch=dataclasses.replace(drive, encoder=encoder)))
+    set_points = []
+    record = loop.run(lambda _, outputs: set_points.append(outputs.order.payout))
+    assert [alarm.code for time, alarm in record.alarms if time > 39.0] == ["ENCODER_JUMP"]
+    encoder_error = loop.winch.state.encoder_payout - loop.winch.state.payout
+    assert encoder_error == pytest.approx(jump, abs=1e-3)
+    # over four seconds of a motion about the mean
+    assert np.mean(set_points[-200:]) - np.mean(set_points[600:800]) == pytest.approx(jump, abs=0.2)
+    moved = np.abs(record.column("unit")[800:] - record.column("unit")[600:800].mean())
+    assert moved.max() < 0.2
+    assert moved[-200:].max() < 0.01
+
+
 @pytest.mark.parametrize("volume", [0.354, 0.0])
 def test_a_load_cell_in_use_is_heard_also_where_the_weight_of_the_unit_is_not_known(volume):
     """Without its 0.354 m^3 the unit is assumed 3.6 kN heavier than it is, 6 % of the static tension."""

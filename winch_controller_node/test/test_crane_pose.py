@@ -2,10 +2,19 @@
 
 import math
 
+import numpy as np
 import pytest
 from heave_node.crane.pose import CranePose
+from heave_node.interface.faults import FaultParameters
+from heave_node.interface.sensors import MruReading
+from wave_vessel_node.crane_parameters import CraneMotionParameters, PoseSensorParameters
+from wave_vessel_node.vessel.crane_motion import CraneMotion, PoseSensor
 from winch_controller_node.crane.pose_watch import CONFIRMED_AFTER, WELL_AFTER, PoseWatch
+from winch_controller_node.crane.tip_carry import TipCarry
+from winch_controller_node.interface.readings import Measurements
+from winch_controller_node.interface.sensors import MruModelParameters
 from winch_controller_node.parameters.crane import CraneModelParameters
+from winch_controller_node.parameters.model import WinchModelParameters
 
 CRANE = CraneModelParameters(boom_length=20.0, slew=1.5, luff=0.6)
 NAN = (math.nan,) * 4
@@ -76,6 +85,83 @@ def test_what_cannot_be_is_rejected_told_once_held_and_well_again_after_a_second
     assert codes(watch) == ["CRANE_POSE_RESTORED"]
     assert watch.fault == ""
     assert WELL_AFTER == 1.0
+
+
+@pytest.mark.parametrize(
+    ("pose", "rate"),
+    [(lambda t: slewing(min(t, 3.0)), RATE), (slewing, -RATE), (slewing, math.degrees(RATE))],
+    ids=["frozen", "rate of the wrong sign", "rate in degrees"],
+)
+def test_a_joint_that_does_not_move_by_its_stated_rate_is_told_within_a_second_and_goes_by_its_poses(pose, rate):
+    watch, found = PoseWatch(CRANE), {}
+    for n in range(1, 121):
+        now = 0.05 * n
+        stated = rate if now > 3.0 else RATE
+        watch.take(now, CranePose(now, pose(now), (stated, 0.0, 0.0, 0.0)))
+        watch.tick(now)
+        found |= {alarm.code: (now, alarm.values) for alarm in watch.news()}
+    assert set(found) == {"CRANE_POSE_USED", "CRANE_RATES_DISAGREE"}
+    when, values = found["CRANE_RATES_DISAGREE"]
+    assert 3.0 < when < 4.0
+    assert (values["joint"], values["unit"]) == ("slew", "rad")
+    joints, rates = watch.at(6.0)
+    assert joints == pytest.approx(pose(6.0), abs=1e-9)
+    assert rates[0] == pytest.approx(0.0 if pose(6.0) == pose(5.0) else RATE, abs=1e-9)
+    for n in range(121, 400):
+        watch.take(0.05 * n, CranePose(0.05 * n, pose(6.0), (0.0,) * 4))
+    assert codes(watch) == ["CRANE_POSE_RESTORED"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "magnitude", "code", "within"),
+    [
+        ("gap", 0.0, "CRANE_POSE_STALE", 1.1),
+        ("nan", 0.0, "CRANE_POSE_INVALID", 0.05),
+        ("spike", 0.5, "CRANE_POSE_JUMP", 0.05),
+        ("jump", 0.5, "CRANE_POSE_JUMP", 0.05),
+        ("scale", -1.0, "CRANE_POSE_JUMP", 0.05),
+        ("scale", 1.1, "CRANE_POSE_JUMP", 0.05),
+        ("freeze", 0.0, "CRANE_RATES_DISAGREE", 1.0),
+        ("rate", 0.5, "CRANE_POSE_STALE", 3.1),
+        ("delay", 2.0, "CRANE_POSE_STALE", 1.1),
+    ],
+)
+def test_each_fault_of_the_encoders_raises_its_alarm_in_time_and_moves_nothing(kind, magnitude, code, within):
+    """Of encoders as they are simulated, of a boom that slews and luffs when the fault begins, at 6 s."""
+    begins, sensor = 6.0, PoseSensorParameters(faults=FaultParameters((kind,), (6.0,), (0.0,), (magnitude,)))
+    moves = {"move_times": (2.0,), "move_slew": (2.0,), "move_luff": (0.8,), "turn_rate": 0.08}
+    crane = CraneMotionParameters(boom_length=20.0, slew=1.5, luff=0.6, pose=sensor, **moves)
+    encoders = PoseSensor(CraneMotion(crane, np.zeros(3), 0.0), sensor, seed=1, tick_period=0.05)
+    carry = TipCarry(CRANE, MruModelParameters(), WinchModelParameters(), 0.05)
+    told, lifted = {}, []
+    for tick in range(1, 400):
+        given = Measurements(mru=(MruReading(0.05 * tick, 0.0, 0.0),), crane=encoders.step(tick))
+        for alarm in carry.carried(0.05 * tick, given)[1]:
+            told.setdefault(alarm.code, 0.05 * tick)
+        lifted.append(carry.left(0.05 * tick)[0])
+    first = next(name for name, when in told.items() if when >= begins - 1e-9)
+    assert (first, told[first] - begins) == (code, pytest.approx(0.5 * within, abs=0.5 * within + 1e-6))
+    # no step: the boom lifts its tip by 0.08 rad/s times 20 m at most
+    assert np.abs(np.diff(lifted)).max() < 0.08 * 20.0 * 0.05 * 1.05
+
+
+def test_rates_that_are_noisy_and_poses_in_steps_agree():
+    """An encoder of 12 bits, 1.5 mrad a step, and rates off by a tenth, at four poses a second."""
+    step, random = math.tau / 4096, random_rates()
+    watch = watch_until(0.0)
+    for n in range(1, 400):
+        t = 0.25 * n
+        joint = 1.5 + 0.5 * math.sin(0.1 * t)
+        rate = 0.05 * math.cos(0.1 * t) + 0.005 * next(random)
+        watch.take(t, CranePose(t, (step * round(joint / step), 0.6, 0.0, 0.0), (rate, 0.0, 0.0, 0.0)))
+        watch.tick(t)
+    assert codes(watch) == ["CRANE_POSE_USED"]
+
+
+def random_rates():
+    generator = np.random.default_rng(1)
+    while True:
+        yield float(generator.standard_normal())
 
 
 def test_a_jump_says_which_joint_and_by_how_much():

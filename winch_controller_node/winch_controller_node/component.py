@@ -378,6 +378,7 @@ class WinchController:
         order = self._command.order(command, decision.mode, self._estimation.set_point)
         self._winch.give(order)
         order = self._command.with_lift(order)
+        order = order._replace(payout=self.observer.encoder.count_at(order.payout))
         self._note_kpi(loop)
         reported = ControllerTick(
             loop=loop,
@@ -620,6 +621,9 @@ class WinchController:
             self._supervisor.guard.reset_mismatch()
             if not is_lost:
                 self._estimation.find_drum(tick - 1)
+        if tick * self._dt - observer.encoder.jumped_at < self._command.time_of_another_count:
+            self._estimation.reset_readings()
+            self._winch.drum.restart()
         moves = self.mode in (Mode.COMPENSATING, Mode.FADE_OUT)
         if not moves or not identifies_winch(self.parameters) or observer.excluded not in ("", "encoder"):
             return

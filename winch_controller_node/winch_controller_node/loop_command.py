@@ -31,6 +31,9 @@ LARGEST_UNSEEN, UNSEEN_ERROR = 0.02, 0.5
 """Largest swing for which compensation corrects a unit that no depth sensor sees [m], and swing of which it corrects
 what is above it: up to there all of it may be error."""
 
+COUNT_MARGIN = 0.2
+"""Time that an order may take longer than the nominal delay to the drive's position loop [s]: some ticks."""
+
 BY_LAW = (Mode.COMPENSATING, Mode.FADE_OUT)
 """Modes in which a winch that gives way to more than compensation can keep would be too late for the next wave."""
 
@@ -109,6 +112,15 @@ class LoopCommand:
     @property
     def _is_first_order(self) -> bool:
         return self._winch.law == "first_order"
+
+    @property
+    def time_of_another_count(self) -> float:
+        """Time from a jump of the encoder to the first effect of an order that is in its new count [s].
+
+        Meanwhile a position loop goes by the old order in the new count. Without one there is no such time.
+        """
+        has_loop = self._is_first_order or self._winch.position_gain > 0.0
+        return self._winch.command_delay + COUNT_MARGIN if has_loop else 0.0
 
     @property
     def settled_swing(self) -> float:

@@ -213,10 +213,10 @@ CONTRACTS: tuple[Contract, ...] = (
         f"{MOST} times in {PERIOD / 60.0:g} minutes; every other fault waits for an operator.",
         advice="Publish one state for each `clock` message that comes, from the first one on, also before the first "
         "command. Follow `payout_rate` within your limits of speed and acceleration; `payout` is where the controller "
-        "wants the drum, for a position loop of your own. `command_sequence` echoes the number of the newest command "
-        "in effect: lateness is measured by it. `payout`, `payout_rate`, `payout_acceleration`, `tension` and `power` "
-        "are NaN where the drive does not know them. The controller takes limits and lag from `system.winch` of the "
-        "scenario: set them to those of your drive.",
+        "wants the drum, in the count of `encoder_payout`, for a position loop of your own. `command_sequence` echoes "
+        "the number of the newest command in effect: lateness is measured by it. `payout`, `payout_rate`, "
+        "`payout_acceleration`, `tension` and `power` are NaN where the drive does not know them. The controller takes "
+        "limits and lag from `system.winch` of the scenario: set them to those of your drive.",
     ),
     Contract(
         "wave_vessel",

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from heave_msgs.srv import InjectFault, Redesign, SaveSnapshot, SetMode, StepSimulation
+from heave_node.interface import topics
 from heave_node.interface.sensors import SENSORS
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters
@@ -25,6 +26,7 @@ DESIGN_TIME = 60.0
 
 NODE_OF_DEVICE = {
     **{name: sensor.topic.publisher for name, sensor in SENSORS.items()},
+    "crane": topics.CRANE_POSE.publisher,
     "encoder": WINCH,
     "winch": WINCH,
 }

@@ -179,16 +179,35 @@ HAZARDS: tuple[Hazard, ...] = (
         events=(Event.HARM, Event.SENSOR_LOST),
     ),
     Hazard(
+        "The boom tip is taken to be where it is not: roll and pitch are carried to a false place, the winch follows a "
+        "lift that is not",
+        {"sensor": ("freeze", "gap", "nan", "spike", "jump", "scale", "rate", "delay")},
+        ("CRANE_POSE_STALE", "CRANE_POSE_INVALID", "CRANE_POSE_JUMP", "CRANE_RATES_DISAGREE"),
+        "a false pose is rejected, and the last one held; height counts from there, and the unit is not moved. Rates "
+        "that a joint does not follow are not used",
+        "at once for a jump or scale that begins, and for no number; 1 s without a pose; 1 s of motion for a freeze "
+        "while the crane moves (tests)",
+        "a pose that freezes while the crane stands, or has a scale from the start, is not detected: the unit then "
+        "moves as without a pose",
+        (f"{_C}test_crane_pose.py::test_each_fault_of_the_encoders_raises_its_alarm_in_time_and_moves_nothing",
+         f"{_C}test_crane_pose.py::"
+         "test_a_joint_that_does_not_move_by_its_stated_rate_is_told_within_a_second_and_goes_by_its_poses"),
+        others="encoders of a crane, whose poses travel as `crane/pose`",
+    ),
+    Hazard(
         "Payout is not known, or counted falsely: the unit is lowered too far, or the drum runs to its end",
         {"encoder": ("freeze", "nan", "spike", "jump", "scale")},
         ("ENCODER_STALE", "ENCODER_NOT_A_NUMBER", "ENCODER_BAD_STAMP", "ENCODER_OUT_OF_ORDER", "ENCODER_FROZEN",
          "ENCODER_JUMPS", "ENCODER_EXCLUDED", "ENCODER_REVERSED",
          "ENCODER_SCALE_STEP", "ENCODER_SCALE_ERROR"),
-        "a jump is taken out of the count; a lost or reversed encoder fades compensation out and stops",
+        "a jump is taken out of the count, and put into the payout set-point, by which a position loop does not follow "
+        "it; a lost or reversed encoder fades compensation out and stops",
         "3 samples for a jump (test); a reversed one: seconds",
         "a payout zero that a person has set falsely is not detected without a depth sensor",
         (f"{_C}test_component.py::"
          "test_an_encoder_jump_raises_an_alarm_within_three_samples_and_does_not_move_the_unit",
+         f"{_C}test_component.py::"
+         "test_a_drive_that_counts_by_the_encoder_does_not_follow_its_jump_and_nothing_is_found_wrong",
          f"{_C}test_sensor_health.py::test_a_drum_that_turns_unseen_is_a_frozen_encoder",
          "tests/test_sensor_faults.py::"
          "test_an_encoder_that_reads_another_scale_all_at_once_does_not_set_the_unit_swinging"),

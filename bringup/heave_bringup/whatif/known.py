@@ -116,9 +116,13 @@ class Known:
 
     @cached_property
     def by_tip(self) -> float:
-        """Standard deviation of the unit's motion by what is not known of the boom tip, where waves are [m]."""
+        """Standard deviation of the unit's motion by what is not known of the boom tip, where waves are [m].
+
+        The depth sensor has seen the unit: what the tip leaves open at a resonance is no more than the sensor's noise.
+        """
         evidence = self.evidence
-        power = evidence.covariance(self.fit.values, np.zeros(len(evidence.readings)))[:, 0, 0].real
+        open_ = evidence.covariance(self.fit.values, np.zeros(len(evidence.readings)))[:, 0, 0].real
+        power = open_ * evidence.noise[0] / (open_ + evidence.noise[0])
         # one-sided density over omega: twice the power over 2 pi
         step = float(evidence.omegas[1] - evidence.omegas[0])
         return math.sqrt(float(np.sum(power)) * step / math.pi)

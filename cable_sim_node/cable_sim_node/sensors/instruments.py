@@ -6,16 +6,15 @@ To add one, write a class here and name it in `SensorsParameters`; its name is t
 
 from __future__ import annotations
 
-import abc
 import dataclasses
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from heave_node.interface.faults import FaultParameters
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import group, parameter
+from heave_node.sensing.view import SensorParameters, View
 
 
 class SensorTruth(NamedTuple):
@@ -36,52 +35,6 @@ class SensorTruth(NamedTuple):
     static_top_tension: float
     height_above_seabed: float
     gravity: float
-
-
-class View(NamedTuple):
-    """What a sensor without noise would say at one time, and how good it is then.
-
-    Attributes
-    ----------
-    value : shape (n,), SI units
-    sigma : standard deviation of the white noise of each value, or of all
-    bias : constant error of each value, or of all
-    extra_latency : of a sample taken now, beyond the sensor's own [s]
-    is_available : False: the sensor cannot measure now
-    resolution : to which readings are rounded; 0: they are not
-    """
-
-    value: Array
-    sigma: Array | float
-    bias: Array | float = 0.0
-    extra_latency: float = 0.0
-    is_available: bool = True
-    resolution: float = 0.0
-
-
-@dataclass(frozen=True)
-class SensorParameters(abc.ABC):
-    """What every sensor has: when it measures, when its readings arrive, and its scheduled faults.
-
-    Samples are taken at ticks: the first one at or after each whole multiple of 1/rate. A rate above the tick rate
-    gives one sample a tick.
-    """
-
-    fitted: bool = parameter(
-        True, unit="", description="Whether the unit carries this sensor; without it, nothing is published."
-    )
-    rate: float = parameter(10.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
-    latency: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=600.0, description="Delay from the measurement (its stamp) to its delivery."
-    )
-    scale_error: float = parameter(
-        0.0, unit="", minimum=-1.0, maximum=1.0, description="Relative scale error: 0.05 reads 5 % high."
-    )
-    faults: FaultParameters = group(FaultParameters)
-
-    @abc.abstractmethod
-    def view(self, truth: SensorTruth) -> View:
-        """Return what this sensor sees of the truth."""
 
 
 @dataclass(frozen=True)

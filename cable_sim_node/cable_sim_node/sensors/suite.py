@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from heave_node.interface.sensors import SENSORS, Reading
+from heave_node.sensing.sensor import Sensor
 
 from cable_sim_node.sensors.instruments import SensorsParameters, SensorTruth
-from cable_sim_node.sensors.sensor import Sensor
+
+NODE = "cable_sim"
+"""Node that these sensors are of."""
 
 SensorReadings = dict[str, tuple[Reading, ...]]
 """Readings delivered at one tick, oldest delivery first, by sensor; values as `heave_node.interface.sensors` says."""
@@ -26,7 +29,7 @@ class SensorSuite:
 
     def __init__(self, parameters: SensorsParameters, *, seed: int, tick_period: float) -> None:
         self.by_name = {
-            name: Sensor(sensor, name=name, width=SENSORS[name].width, seed=seed, tick_period=tick_period)
+            name: Sensor(sensor, name=name, node=NODE, width=SENSORS[name].width, seed=seed, tick_period=tick_period)
             for name, sensor in parameters.by_name().items()
             if sensor.fitted
         }

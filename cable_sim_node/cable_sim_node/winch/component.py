@@ -11,6 +11,7 @@ State: payout u [m] (positive lets out) and its rate v [m/s], both 0 at the star
     k_p < 1/(4 T). A gain that would let the drum swing long within its acceleration limit is refused, see
     `WinchParameters`.
   - `first_order`: u' = K (u_0 - u), thesis Eq. 6.1, u_0 the payout set-point; payout_rate has no effect.
+  A payout set-point is in the encoder's count: the u that it is held against has the error of a faulty encoder.
 - `electric`, `pump_controlled`, `valve_controlled`: drives with inertia, torque or pressure, friction, power and a
   speed loop of their own, on which the cable's tension acts back (`cable_sim_node.winch.drives`).
 
@@ -100,11 +101,15 @@ class WinchState(NamedTuple):
 
 
 class Encoder:
-    """The drum encoder: payout rounded to its resolution, with faults.
+    """The drum encoder: payout rounded to its resolution, with faults. The drive's position loop counts by it.
 
     Parameters
     ----------
     parameters : resolution [m] and scheduled faults
+
+    Attributes
+    ----------
+    error : what its faults add to the payout, as it last read a number [m]
     """
 
     def __init__(self, parameters: EncoderParameters) -> None:
@@ -113,11 +118,13 @@ class Encoder:
         self._position = 0.0
         self.faults = FaultSchedule(parameters.faults, name="encoder", device="encoder")
         self._faulty_values = FaultyValues(self.faults)
+        self.error = 0.0
 
     def read(self, time: float, payout: float) -> float:
         """Return the reading [m] of the true `payout` [m] at `time` [s]; NaN under a nan fault."""
         self._position = min(max(self._position, payout - self._play), payout + self._play)
         value = float(self._faulty_values.apply(time, np.array([self._position]))[0])
+        self.error = value - self._position if math.isfinite(value) else self.error
         return value if self._resolution == 0.0 else float(quantised(np.array(value), self._resolution))
 
 
@@ -280,7 +287,8 @@ class VirtualWinch:
             return 0, 0.0  # before the cable is known the brake holds the drum
         if self._drive is None:
             self._drive = make_drive(self._parameters, self._tension)
-        order = DriveCommand(self._command.payout_rate, self._command.payout, brake=self._mode is not _Mode.FOLLOW)
+        place = self._command.payout - self.encoder.error
+        order = DriveCommand(self._command.payout_rate, place, brake=self._mode is not _Mode.FOLLOW)
         time = self._now * self._tick_period
         driven = self._drive.step(self._drum.ordered(order, time, self._payout), duration, self._tension)
         if self._mode is _Mode.STOP and driven.payout_rate == 0.0:

@@ -39,7 +39,12 @@ def pose_to_wire(pose: CranePose) -> WireReading:
 
 def pose_of(reading: WireReading) -> CranePose:
     """Return the pose that a `reading` of POSE_FIELDS carried."""
-    return CranePose(reading.time, reading.numbers[: len(JOINTS)], reading.numbers[len(JOINTS) :])
+    return pose_of_numbers(reading.time, reading.numbers)
+
+
+def pose_of_numbers(time: float, numbers: Sequence[float]) -> CranePose:
+    """Return the pose of a `time` [s] whose POSE_FIELDS are the `numbers`."""
+    return CranePose(time, tuple(numbers[: len(JOINTS)]), tuple(numbers[len(JOINTS) :]))
 
 
 def moved(joints: Sequence[float], rates: Sequence[float], elapsed: float) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""The simulated crane: a programme of moves of its joints, the boom tip that moves with them, and the pose as measured.
+"""The simulated crane: a programme of moves of its joints, the boom tip that moves with them, and what measures them.
 
 Each move is a quintic ramp, at rest before and after, acceleration continuous, whose largest rate is the parameter's.
 """
@@ -7,14 +7,17 @@ from __future__ import annotations
 
 import numpy as np
 from heave_node.crane.kinematics import JOINTS, Crane, TipPlace
-from heave_node.crane.pose import CranePose
+from heave_node.crane.pose import POSE_FIELDS, CranePose, pose_of_numbers
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import PointMotion
-from heave_node.numerics.quantisation import quantised
 from heave_node.numerics.ramp import PEAK_OF_RAMP, smooth_ramp
+from heave_node.sensing.sensor import Sensor
 
-from wave_vessel_node.crane_parameters import CraneMotionParameters
+from wave_vessel_node.crane_parameters import CraneMotionParameters, PoseSensorParameters
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
+
+_OF_JOINTS = np.array([1.0] * len(JOINTS) + [0.0] * len(JOINTS))
+"""A spike or jump is an error of the joints, not of their rates."""
 
 
 class CraneMotion:
@@ -56,13 +59,6 @@ class CraneMotion:
         """Return where the boom tip is in the ship's frame at a `time` [s]."""
         return self._crane.tip(*self.joints(time).tolist())
 
-    def pose(self, time: float) -> CranePose:
-        """Return the pose as measured at a `time` [s]: joints in steps of the resolution, and their rates."""
-        joints, rates, _ = self.joints(time)
-        angle = self._parameters.angle_resolution
-        steps = np.array([angle, angle, angle, 0.0])
-        return CranePose(time, tuple(quantised(joints, steps).tolist()), tuple(rates.tolist()))
-
     def point(self, motion: VesselMotion) -> PointMotion:
         """Return the boom tip's motion in frame world at the time of the vessel's `motion`.
 
@@ -78,3 +74,37 @@ class CraneMotion:
         own[2] = acceleration
         lever = lever_arm_matrix(self._arm + np.array(place.arm))
         return point_motion(motion, lever, self._mean_height, own)
+
+
+class PoseSensor:
+    """What measures the pose of a crane: a sensor like all others, whose reading holds all joints and their rates.
+
+    Parameters
+    ----------
+    crane : that moves
+    parameters : of the sensor
+    seed, tick_period : of the run; tick_period in [s]
+
+    Attributes
+    ----------
+    faults : faults may be injected during the run
+    """
+
+    def __init__(self, crane: CraneMotion, parameters: PoseSensorParameters, *, seed: int, tick_period: float) -> None:
+        self._crane, self._dt = crane, tick_period
+        self._sensor = Sensor(
+            parameters,
+            name="crane",
+            node="wave_vessel",
+            width=len(POSE_FIELDS),
+            seed=seed,
+            tick_period=tick_period,
+            axes=_OF_JOINTS,
+        )
+        self.faults = self._sensor.faults
+
+    def step(self, tick: int) -> tuple[CranePose, ...]:
+        """Return the poses delivered at `tick`; ticks come in order."""
+        truth = self._crane.joints(tick * self._dt)[:2].ravel()
+        delivered = self._sensor.step(tick, truth)
+        return tuple([pose_of_numbers(reading.time, reading.value.tolist()) for reading in delivered])

@@ -2,7 +2,8 @@
 
 A pose that is not finite, has a bad stamp, or has moved faster than the crane can is rejected. Without a usable one the
 joints go on at their last rates until the pose is stale, and are then held: a crane that stands still is where it was,
-while the reference pose may be tens of metres away.
+while the reference pose may be tens of metres away. A stated rate is held against how far its joint moves: one that
+is frozen says the rate that it had, and rates of another sign or unit would have the winch follow a lift that is not.
 """
 
 from __future__ import annotations
@@ -28,6 +29,9 @@ CONFIRMED_AFTER = 5.0
 
 WELL_AFTER = 1.0
 """Time of usable readings after which the pose is good again after a fault [s]."""
+
+RATE_MEMORY = 5.0
+"""Time in which a joint's lag behind its stated rate fades from memory [s]: some samples of a slow encoder."""
 
 RATE_SPAN = 0.5
 """Time over which rates that are not measured are taken [s]."""
@@ -60,6 +64,8 @@ class PoseWatch:
         self._candidate: tuple[float, Joints] | None = None
         self._candidate_since = 0.0
         self._rates: Joints = STILL
+        self._stated: Joints = STILL
+        self._behind: Joints = STILL
         self._held: Joints | None = None
         self.breaks = 0
         self._well_since = math.inf
@@ -120,23 +126,50 @@ class PoseWatch:
         """Return which joint has jumped furthest for its rate, and by how much [rad], [m]."""
         changes = [abs(b - a) for a, b in zip(self._recent[-1][1], joints, strict=True)]
         worst = max(range(len(JOINTS)), key=lambda joint: changes[joint] / self._largest[joint])
-        return {"joint": JOINTS[worst], "jump": changes[worst], "unit": "m" if JOINTS[worst] == "extension" else "rad"}
+        return {"joint": JOINTS[worst], "jump": changes[worst], "unit": _unit(worst)}
 
     def _accept(self, now: float, time: float, joints: Joints, rates: Joints) -> None:
         is_elsewhere = self.has_come and (self._held is not None or not self._recent)
+        self._compare(time, joints, rates, goes_on=bool(self._recent) and not is_elsewhere)
         self._recent.append((time, joints))
         while len(self._recent) > 2 and self._recent[1][0] < time - RATE_SPAN:
             self._recent.popleft()
-        self._rates = self._rates_now(rates)
+        worst = max(range(len(JOINTS)), key=lambda joint: abs(self._behind[joint]) / TOLERANCE[joint])
+        disagrees = abs(self._behind[worst]) > TOLERANCE[worst]
+        self._rates = self._rates_now((math.nan,) * len(JOINTS) if disagrees else rates)
         if not self.has_come:
             self.has_come = True
             self._news.append(ALARMS.alarm("CRANE_POSE_USED"))
         self.breaks += is_elsewhere
         self._held = None
         self._well_since = min(self._well_since, now)
+        if disagrees:
+            self._refuse("CRANE_RATES_DISAGREE", joint=JOINTS[worst], error=abs(self._behind[worst]), unit=_unit(worst))
         if self.fault and now - self._well_since >= WELL_AFTER:
             self.fault = ""
             self._news.append(ALARMS.alarm("CRANE_POSE_RESTORED"))
+
+    def _compare(self, time: float, joints: Joints, stated: Joints, *, goes_on: bool) -> None:
+        """Hold how far the `joints` have moved against their `stated` rates, where they go on from the last pose.
+
+        `time` is that of the pose [s].
+        """
+        before, self._stated = self._stated, stated
+        if not goes_on:
+            self._behind = STILL
+            return
+        since, start = self._recent[-1]
+        step = time - since
+        kept = max(1.0 - step / RATE_MEMORY, 0.0)
+        by_rate = [0.5 * step * (a + b) for a, b in zip(before, stated, strict=True)]
+        lags = zip(self._behind, by_rate, start, joints, self._measured, TOLERANCE, strict=True)
+        self._behind = tuple(
+            # what is kept of it is bounded, so that a rate that is right again is soon taken for right
+            min(max(kept * behind + expected - (b - a), -2.0 * tolerance), 2.0 * tolerance)
+            if is_measured and math.isfinite(expected)
+            else 0.0
+            for behind, expected, a, b, is_measured, tolerance in lags
+        )
 
     def _rates_now(self, stated: Joints) -> Joints:
         """Return the rates of the newest pose: those `stated`, or where they are not, of the readings before."""
@@ -184,3 +217,8 @@ class PoseWatch:
         slew, luff, knuckle = (math.degrees(angle) for angle in joints[:3])
         held = f"{self.fault}: " if self.fault else ""
         return f"{held}slew {slew:.1f}, luff {luff:.1f}, knuckle {knuckle:.1f} deg, extension {joints[3]:.2f} m"
+
+
+def _unit(joint: int) -> str:
+    """Return the unit of a `joint` by its number."""
+    return "m" if JOINTS[joint] == "extension" else "rad"

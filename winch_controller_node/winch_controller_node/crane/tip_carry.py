@@ -29,6 +29,7 @@ from heave_node.crane.pose import CranePose
 from heave_node.devices.live.recent_motion import RecentMotion
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.sensors import MruReading
+from heave_node.numerics.high_pass import HighPass
 from heave_node.numerics.kinematics import height_of, height_rate_of
 
 from winch_controller_node.crane.lift import LiftOrders
@@ -44,43 +45,6 @@ from winch_controller_node.parameters.model import WinchModelParameters
 
 APPROACH = 10.0
 """Time in which a pose that has come back elsewhere is approached [s]."""
-
-LONGEST_STEP = 1.0
-"""Longest gap between readings [s]: after a longer one the high-pass starts again."""
-
-
-class AddedHighPass:
-    """What the MRU's high-pass takes off a motion: e'' + 2 zeta w e' + w^2 e = 2 zeta w x' + w^2 x, by trapezoids.
-
-    Parameters
-    ----------
-    period : 2 pi / w [s]; 0: there is none
-    damping : zeta
-    """
-
-    def __init__(self, period: float, damping: float) -> None:
-        frequency = 2.0 * math.pi / period if period > 0.0 else 0.0
-        self._stiffness, self._damping = frequency**2, 2.0 * damping * frequency
-        self._last = -math.inf
-        self._off = self._off_rate = self._left = self._left_rate = 0.0
-
-    def passed(self, time: float, value: float, rate: float) -> tuple[float, float]:
-        """Return a motion `value` [m] and its `rate` [m/s] at a `time` [s] as the high-pass lets them through."""
-        if self._stiffness == 0.0:
-            return value, rate
-        step = time - self._last
-        if not 0.0 < step <= LONGEST_STEP:
-            self._off, self._off_rate = 0.0, 0.0
-        else:
-            # with z = x - e the right side less the left is e'' = d z' + k z, implicit in the new e and e'
-            half, d, k = 0.5 * step, self._damping, self._stiffness
-            before = d * self._left_rate + k * self._left
-            known = self._off_rate + half * (before + d * rate + k * (value - self._off - half * self._off_rate))
-            off_rate = known / (1.0 + half * d + half * half * k)
-            self._off += half * (self._off_rate + off_rate)
-            self._off_rate = off_rate
-        self._last, self._left, self._left_rate = time, value - self._off, rate - self._off_rate
-        return self._left, self._left_rate
 
 
 class Approach(NamedTuple):
@@ -132,7 +96,8 @@ class TipCarry:
         self._crane = Crane(parameters)
         self.pose = PoseWatch(parameters)
         self.place: TipPlace | None = None
-        self._high_pass = AddedHighPass(mru.high_pass_period, mru.high_pass_damping)
+        period = mru.high_pass_period
+        self._high_pass = HighPass(period, mru.high_pass_damping, starts_whole=True) if period > 0.0 else None
         self._roll, self._pitch = RecentMotion(), RecentMotion()
         self._level = self._now = 0.0
         self._lift = LiftOrders(winch, tick_period)
@@ -242,7 +207,9 @@ class TipCarry:
         turning = tuple([0.0 if motion is None else motion[1] for motion in motions])
         height = height_of(arm, roll, pitch) - arm[2]
         rate = height_rate_of(arm, roll, pitch, turning) + height_of(velocity, roll, pitch) - velocity[2]
-        added, added_rate = self._high_pass.passed(time, height, rate)
+        if self._high_pass is not None:
+            height = self._high_pass.add(time, height)
+            rate -= self._high_pass.rate_taken_off
         return reading._replace(
-            heave=reading.heave + added, heave_rate=reading.heave_rate + added_rate, heave_acceleration=math.nan
+            heave=reading.heave + height, heave_rate=reading.heave_rate + rate, heave_acceleration=math.nan
         )

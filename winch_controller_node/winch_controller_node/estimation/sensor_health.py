@@ -370,13 +370,14 @@ class EncoderGate:
     jump : the last one [m]
     play : that its gear seems to have [m]
     as_read : payout as the encoder reads it, jumps taken off, whatever its assumed scale [m]
+    jumped_at : time of the last jump [s]
     """
 
     def __init__(self, timing: SensorTiming, parameters: HealthParameters, *, tick_period: float) -> None:
         self.gate = SensorGate("encoder", timing, parameters, checks_frozen=False)
         self.scale = 1.0
         self.offset = 0.0
-        self.jump = 0.0
+        self.jump, self.jumped_at = 0.0, -math.inf
         self.as_read, self._last_payout = 0.0, math.nan
         self.play = 0.0
         self._parameters = parameters
@@ -398,6 +399,10 @@ class EncoderGate:
     def payout_at(self, as_read: float) -> float:
         """Return the payout at which it has read `as_read`, as its scale is now [m]."""
         return self._last_payout + (as_read - self.as_read) / self.scale
+
+    def count_at(self, payout: float) -> float:
+        """Return what the encoder reads at a `payout` [m], its jumps included: a drive's position loop counts by it."""
+        return self.scale * (payout + self.offset)
 
     def pass_tick(self, now: float, expected_rate: float) -> None:
         """Note how the drum should have turned since the last tick, whether a reading comes or not.
@@ -426,6 +431,7 @@ class EncoderGate:
         status = self._status(reading, expected_rate, is_driven)
         if not self.gate.judge(now, reading.time, (reading.value,), status):
             if status == "jump":
+                self.jumped_at = now
                 self.gate.show_for(round(JUMP_SHOWN / self._dt))
             return None
         payout = reading.value - self.offset

@@ -353,6 +353,14 @@ CRANE = (
         "The last pose is held; a pose that continues without a further jump is used after 5 s, approached over 10 s",
         "Stop the crane; check the encoder",
     ),
+    AlarmRow(
+        "CRANE_RATES_DISAGREE",
+        HIGH,
+        "crane",
+        "{joint} is off by {error:.3f} {unit} from what its stated rate makes: it is frozen, or the rate is wrong",
+        "Rates are taken from the poses; a frozen pose is where the crane was: its motion since then moves the unit",
+        "Stop the crane; check the encoder, and sign, unit and scale of the rate",
+    ),
     AlarmRow("CRANE_POSE_RESTORED", EVENT, "crane", "usable poses of the crane come again"),
     AlarmRow(
         "CRANE_TOO_FAST",

@@ -165,7 +165,7 @@ READINGS = (
         LOW,
         "encoder",
         "the reading jumped by {jump:+.3f} m",
-        "The jump is subtracted, compensation continues",
+        "The jump is subtracted, compensation continues; a payout set-point follows the new count",
         "Check the encoder if it repeats",
     ),
     AlarmRow(

@@ -7,12 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from cable_sim_node.sensors.instruments import DepthSensorParameters, SensorParameters, SensorTruth, View
-from cable_sim_node.sensors.sensor import Sensor
+from cable_sim_node.sensors.instruments import DepthSensorParameters, SensorTruth
 from heave_bags.signals import RunSignals, Signal
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import STANDARD_GRAVITY
 from heave_node.numerics.randomness import random_stream
+from heave_node.sensing.sensor import Sensor
+from heave_node.sensing.view import SensorParameters, View
 
 from heave_bringup.benchmark.interface import Controller, Measurement, MruReading, Reading, SensorFacts
 from heave_bringup.benchmark.outcome import Outcome
@@ -154,10 +155,10 @@ class _Sensors:
         self._mru = self._depth = None
         if any(noise):
             unit = _TipSensor(rate=rate, latency=0.0, sigma=noise)
-            self._mru = Sensor(unit, name="mru", width=3, seed=seed, tick_period=sample_time)
+            self._mru = Sensor(unit, name="mru", node="cable_sim", width=3, seed=seed, tick_period=sample_time)
         if facts.depth_noise or facts.depth_latency:
             gauge = DepthSensorParameters(rate=DEPTH_RATE, latency=facts.depth_latency, noise=facts.depth_noise)
-            self._depth = Sensor(gauge, name="depth", width=1, seed=seed, tick_period=sample_time)
+            self._depth = Sensor(gauge, name="depth", node="cable_sim", width=1, seed=seed, tick_period=sample_time)
 
     def measure(self, tick: int, tip: Array, unit: float, tension: float) -> Readings:
         """Return what MRU, depth sensor and load cell deliver at `tick`."""

@@ -36,6 +36,10 @@ LONGEST, MEMORY = 900.0, 180.0
 INDEPENDENT = 0.6
 """Independent values a frequency under a Hann taper."""
 
+LEAKS, FINER = 2, 16
+"""Bins on either side into which a Hann taper leaks, and parts of a bin that are looked at. A part is also the least
+half width of a resonance: what rings longer than 2.5 records has not yet risen in one."""
+
 LEAST_CELL = 100
 """Readings of a load cell below which it is not asked."""
 
@@ -152,10 +156,14 @@ class Evidence:
         values : of cable, unit and MRU, about which it is linear
         noise : power of what else is in each of the readings (m,)
         """
-        H = gains_over_top(self.line(values), self.nominal.length, self.omegas, self._speeds)
-        g = (H * np.array([[1.0], [values[STIFFNESS]]]))[: len(noise)]
-        shared = np.einsum("k,ik,jk->kij", self.tip_noise, g, np.conj(g))
-        return np.asarray(shared + np.diag(noise))
+        # power spectrum of the Hann taper, x bins from its middle: (sinc(x)/(1 - x^2))^2
+        x = (np.arange(2 * LEAKS * FINER) + 0.5) / FINER - LEAKS
+        leak = (np.sinc(x) / (1.0 - x**2)) ** 2
+        omegas = self.omegas[:, None] + (x - 1j / FINER) * (self.omegas[1] - self.omegas[0])
+        H = gains_over_top(self.line(values), self.nominal.length, omegas.ravel(), self._speeds)
+        g = (H * np.array([[1.0], [values[STIFFNESS]]]))[: len(noise)].reshape(len(noise), *omegas.shape)
+        shared = np.einsum("x,ikx,jkx->kij", leak / np.sum(leak), g, np.conj(g))
+        return np.asarray(self.tip_noise[:, None, None] * shared + np.diag(noise))
 
     @cached_property
     def _speeds(self) -> Speeds:

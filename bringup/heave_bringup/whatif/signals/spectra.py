@@ -9,8 +9,12 @@ import numpy as np
 from cable_sim_node.vertical.axial_line import AxialLine
 from heave_node.numerics.arrays import Array, ComplexArray
 
-QUIET_BAND = (5.0, 12.0)
-"""Angular frequencies at which nothing moves and what is read is noise [rad/s]."""
+QUIET, HIGHEST = 5.0, 0.9
+"""Angular frequency above which what is read is noise, but for narrow resonances [rad/s]; and share of the highest that
+the readings can show, up to which it is looked at."""
+
+QUIET_COUNT, LEAST_QUIET = 400, 1.2
+"""Number of quiet frequencies that are looked at; and least ratio of the highest to the lowest of them."""
 
 RANDOM_DRAG = math.sqrt(8.0 / math.pi)
 """Linear damping over quadratic drag and the standard deviation of a Gaussian speed (Borgman, The spectral density for
@@ -66,12 +70,13 @@ def noise_power(times: Array, values: Array, start: float, end: float, stated: f
     stated : standard deviation of the noise, taken where the readings are too seldom to show it
     """
     spacing = float(np.median(np.diff(times)))
-    low, high = QUIET_BAND
-    high = min(high, 0.8 * math.pi / spacing)
-    if high < 1.2 * low:
+    highest = HIGHEST * math.pi / spacing
+    if highest < LEAST_QUIET * QUIET:
         return stated**2 * spacing
-    omegas = np.linspace(low, high, 120)
-    return float(np.mean(np.abs(tapered_transform(times, values, omegas, start, end)) ** 2))
+    omegas = np.linspace(QUIET, highest, QUIET_COUNT)
+    power = np.abs(tapered_transform(times, values, omegas, start, end)) ** 2
+    # the median of an exponential distribution is log 2 of its mean, and no resonance of the cable moves it
+    return float(np.median(power)) / math.log(2.0)
 
 
 class Speeds(NamedTuple):

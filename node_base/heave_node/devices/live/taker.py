@@ -9,13 +9,16 @@ from typing import Any
 import numpy as np
 
 from heave_node.devices.formats.sample import Sample
-from heave_node.devices.live.high_pass import DEFAULT_PERIOD, HighPass
 from heave_node.devices.maps.channel import Channel
 from heave_node.devices.maps.device_map import DeviceMap
 from heave_node.devices.maps.field_path import FieldPath
 from heave_node.devices.maps.quantities import QUANTITIES
 from heave_node.interface.codes import MruStatus
+from heave_node.numerics.high_pass import HighPass
 from heave_node.numerics.kinematics import euler_part
+
+DEFAULT_PERIOD = 300.0
+"""Period of the high-pass of a height or velocity, where a map says none [s]: a swell of 12 s leads by 3 degrees."""
 
 
 @dataclass

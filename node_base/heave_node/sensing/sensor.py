@@ -9,15 +9,16 @@ from __future__ import annotations
 
 import math
 from operator import itemgetter
+from typing import Any
 
 import numpy as np
+
 from heave_node.interface.faults import TIME_TOLERANCE, FaultSchedule, FaultyValues
 from heave_node.interface.sensors import Reading
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.quantisation import quantised
 from heave_node.numerics.randomness import random_stream
-
-from cable_sim_node.sensors.instruments import SensorParameters, SensorTruth, View
+from heave_node.sensing.view import SensorParameters, View
 
 _DRAWN_AT_ONCE = 256
 """Ticks for which a sensor draws its noise in one go: a call costs as much as a hundred numbers."""
@@ -29,30 +30,42 @@ class Sensor:
     Parameters
     ----------
     parameters : rate, latency, scale error, scheduled faults, and its view of the truth
-    name : for messages and for the random stream "cable_sim/NAME"
+    name : for messages
+    node : that it is of; its random stream is "NODE/NAME"
     width : number of values of a reading
     seed, tick_period : of the run; tick_period in [s]
+    axes : what share of a spike or jump each value gets, shape (n,) or a number
 
     Attributes
     ----------
     faults : faults may be injected during the run
     """
 
-    def __init__(self, parameters: SensorParameters, *, name: str, width: int, seed: int, tick_period: float) -> None:
+    def __init__(
+        self,
+        parameters: SensorParameters,
+        *,
+        name: str,
+        node: str,
+        width: int,
+        seed: int,
+        tick_period: float,
+        axes: Array | float = 1.0,
+    ) -> None:
         self.name = name
         self.faults = FaultSchedule(parameters.faults, name=name, device="sensor")
         self._parameters = parameters
         self._ones = np.ones(width)
         self._tick_period = tick_period
-        self._random = random_stream(seed, f"cable_sim/{name}")
+        self._random = random_stream(seed, f"{node}/{name}")
         self._noise: list[Array] = []
         self._gain = 1.0 + parameters.scale_error
         self._next_sample = 1.0 / parameters.rate
         self._rate = parameters.rate
-        self._faulty_values = FaultyValues(self.faults)
+        self._faulty_values = FaultyValues(self.faults, axes)
         self._under_way: list[tuple[float, Reading]] = []
 
-    def step(self, tick: int, truth: SensorTruth) -> tuple[Reading, ...]:
+    def step(self, tick: int, truth: Any) -> tuple[Reading, ...]:
         """Look at the `truth` of t_k and return the readings delivered at `tick`, oldest delivery first."""
         time = tick * self._tick_period
         noise = self._draw()
@@ -86,7 +99,9 @@ class Sensor:
         sigma = view.sigma * self._ones
         right = view.value * self._gain + view.bias + sigma * noise
         read = self._faulty_values.apply(time, right)
-        reading = Reading(time, quantised(read, view.resolution) if view.resolution > 0.0 else read, sigma)
+        if np.any(view.resolution):
+            read = quantised(read, np.asarray(view.resolution))
+        reading = Reading(time, read, sigma)
         delay = self._parameters.latency + view.extra_latency + self.faults.total("delay", time)
         self._under_way.append((time + delay, reading))
 
