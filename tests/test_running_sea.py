@@ -9,8 +9,10 @@ from cable_sim_node.line import layout as at
 from cable_sim_node.line.forces.waves import add_waves, surface_at
 from cable_sim_node.line.grid import build_line, with_waves
 from cable_sim_node.parameters import CableSimParameters
+from heave_bags.analyse import kpi_set
 from heave_bringup.cli import main
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import load_scenario
 from heave_msgs.msg import WaveComponents
 from heave_node.numerics.compiled import kernel
@@ -141,3 +143,14 @@ def test_components_that_are_no_numbers_or_differ_in_length_are_refused_on_recei
     for columns in ({"frequency": [1.0]}, {name: [math.nan] for name in ("frequency", *OTHERS)}):
         with pytest.raises(ValueError, match="wave components"):
             plant_messages.waves_of(WaveComponents(**columns))
+
+
+@pytest.mark.slow
+def test_the_lift_of_b11_gets_through_the_surface_within_its_criteria():
+    scenario = load_scenario("b11_splash_zone", settings=["all.duration=200"])
+    parameters = loop_parameters(scenario)
+    record = ClosedLoop(parameters).run()
+    figures = kpi_set.evaluate(run_signals(record, parameters), scenario.run.transient, scenario.run.duration)
+    assert [criterion.kpi for criterion in scenario.wanted if not criterion.is_met(figures[criterion.kpi])] == []
+    assert record.column("unit")[0] > 7.9
+    assert record.column("unit")[-1] < -10.0
