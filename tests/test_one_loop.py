@@ -15,7 +15,7 @@ from heave_bringup.run.baseline import add_baseline
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import load_scenario
 
-from tests.loop_runs import run_scenario
+from tests.loop_runs import recorded_messages, run_scenario
 
 NOT_OF_ONE_PROCESS = {"nis_in_band_percent", "real_time_factor", "missed_deadlines", "compensation_losses"}
 """The last counts what nobody had requested, which the reason of a mode shows: a campaign says it in words."""
@@ -36,6 +36,15 @@ PREVIEW = {
     "winch_controller.mpc.preview_time": "2.0",
     "winch_controller.modes.settling_time": "5",
     "winch_controller.modes.fade_in_time": "5",
+}
+
+WAVES = {
+    "system.length": "20.0",
+    "cable_sim.segments": "2",
+    "cable_sim.wave.source": "sea",
+    "wave_vessel.components": "60",
+    "wave_vessel.ramp": "5.0",
+    "winch_controller.modes.settling_time": "2",
 }
 
 
@@ -71,6 +80,17 @@ def test_a_run_over_ros_is_the_run_in_one_process(calm_bag):
 def test_so_it_is_in_water_and_gravity_other_than_believed_and_at_the_limits_of_the_winch(tmp_path):
     options = [part for name, value in OTHER_WATER.items() for part in ("--set", f"{name}={value}")]
     compare(run_scenario(tmp_path / "run", duration=25.0, options=options))
+
+
+def test_so_it_is_with_the_sea_on_cable_and_unit_and_with_that_sea_from_its_bag(tmp_path):
+    """First with all nodes in one process, then in a process each with the bag in the place of the vessel."""
+    options = [part for name, value in WAVES.items() for part in ("--set", f"{name}={value}")]
+    bag = run_scenario(tmp_path / "run", duration=8.0, options=[*options, "--composed"])
+    compare(bag)
+    again = run_scenario(tmp_path / "again", duration=8.0, options=[*options, "--from-bag", f"wave_vessel={bag}"])
+    assert recorded_messages(again) == recorded_messages(bag)
+    waves = [message for _, message in Bag(bag).decoded(["wave_components"])]
+    assert [len(message.amplitude) for message in waves] == [60]
 
 
 @pytest.mark.slow

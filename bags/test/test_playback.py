@@ -187,6 +187,14 @@ def test_a_substitute_that_starts_later_moves_the_stamps(bag):
     assert run.tick == 0.05
 
 
+def test_a_substitute_that_starts_later_plays_what_holds_from_before_with_its_first_tick(bag):
+    """The sea is published once: a run that begins 10 s into the bag gets it 10 s old."""
+    player = TickPlayer(bag, "wave_vessel", PERIOD, shift=10_000_000_000)
+    first = dict(player.take(1))
+    assert int.from_bytes(first["/sea_state"][4:8], "little", signed=True) == -10
+    assert [topic for topic, _ in player.take(2)] == ["/boom_tip"]
+
+
 def test_a_substitute_knows_its_topics_in_any_namespace_and_refuses_several(bag, tmp_path):
     east = write_foreign(bag.path, tmp_path / "east", by_host_clock, namespace="/fleet/east")
     player = TickPlayer(Bag(east), "wave_vessel", PERIOD)

@@ -154,6 +154,8 @@ class ClosedLoop:
         tick = self.tick
         state, readings = self.plant.readings(tick)
         vessel = self.sea.step(tick)
+        if tick == 1:
+            self.plant.set_waves(self.sea.waves())
         delivered = self._deliver(readings, vessel)
         outputs = self.controller.step(tick, delivered)
         if outputs.observations is not None:

@@ -29,6 +29,7 @@ NAMES = (
     "b8_faults",
     "b9_model_error",
     "b10_real_mru_swell",
+    "b11_splash_zone",
     "s300_driven",
     "s900_driven",
 )
@@ -149,7 +150,7 @@ def test_parameter_sets_are_frozen() -> None:
 
 
 def test_depth_programmes_stay_in_the_range_of_the_winch() -> None:
-    for name in ("b6_resonance_payout", "b7_landing"):
+    for name in ("b6_resonance_payout", "b7_landing", "b11_splash_zone"):
         checked = scenario(name)
         programme, winch = checked.parameters["winch_controller"].programme, checked.parameters["virtual_winch"]
         assert programme.move_times, name
@@ -171,6 +172,16 @@ def test_b7_reaches_the_seabed_at_600_metres() -> None:
     plant = parameters["cable_sim"]
     assert plant.seabed.depth == 600.0
     assert plant.length < plant.seabed.depth < plant.length + max(parameters["winch_controller"].programme.move_payouts)
+
+
+def test_b11_hangs_above_the_crests_and_ends_below_the_troughs_of_the_sea_that_moves_the_vessel() -> None:
+    parameters = scenario("b11_splash_zone").parameters
+    plant, sea = parameters["cable_sim"], parameters["wave_vessel"]
+    assert plant.wave.source == "sea"
+    underside = plant.boom_tip_height - plant.length
+    end = underside - parameters["winch_controller"].programme.move_payouts[0]
+    assert underside > 3.0 * sea.significant_wave_height
+    assert end + plant.unit.box.height < -3.0 * sea.significant_wave_height
 
 
 @pytest.mark.parametrize("name", sorted(shipped_scenarios()))
@@ -209,6 +220,7 @@ def test_the_benchmarks_want_what_their_table_says() -> None:
         },
         "b8_faults": {"slack_percent <= 0.0"},
         "b10_real_mru_swell": {"unit_efficiency >= 0.97"},
+        "b11_splash_zone": {"tension_ratio_min >= 0.1", "dynamic_amplification <= 1.3", "snaps <= 0.0"},
     }
     for name in NAMES:
         assert {f"{c.kpi} {c.text}" for c in scenario(name).wanted} == expected.get(name, set()), name

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 from heave_node.interface.sensors import Water
+from heave_node.interface.waves import Waves
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import PointMotion
 from heave_node.sensing.sensor import Sensor
@@ -32,6 +33,12 @@ LARGEST_START_GAP = 20.0
 """Largest distance between the first boom tip or payout and where the plant rests at the start [m]."""
 IMPLAUSIBLE_SPEED = 20.0
 """An input that moves faster [m/s] is a false number, not a motion."""
+
+NO_COMPONENTS = (
+    "wave.source = sea, but this sea has no components, or none that last: take boom_tip_source = spectrum or regular "
+    "without a later sea, a turn or change of speed, or another wave.source"
+)
+"""Why such a sea is refused."""
 
 
 class PlantState(NamedTuple):
@@ -86,6 +93,7 @@ class CableSim:
     boom_tip, payout : the inputs as used, and how many values were missing
     water : that the unit is in
     largest_strain : of a segment of the cable so far [-]
+    awaits_waves : the sea of the vessel is to act, and has not been set yet
     """
 
     def __init__(self, parameters: CableSimNodeParameters, *, seed: int, tick_period: float) -> None:
@@ -95,12 +103,13 @@ class CableSim:
         self.tick = 1
         self.boom_tip = BridgedInput("boom_tip", start, tick_period=tick_period)
         self.payout = BridgedInput("payout", np.zeros(1), tick_period=tick_period)
-        self._plant = _at_rest(parameters, start)
+        self._plant = _at_rest(parameters, start, time=tick_period)
         self._shadow = copy.deepcopy(self._plant)
         self._shadow_payout = ShadowPayout(tick_period=tick_period)
         self.water = Water(parameters.water_density, parameters.gravity)
         self._static_top_tension = self._plant.top_tension
         self.largest_strain = self._plant.largest_strain
+        self.awaits_waves = parameters.wave.source == "sea"
         self._seabed = Seabed(parameters.seabed)
         self._suite = SensorSuite(parameters.sensors, seed=seed, tick_period=tick_period)
 
@@ -148,6 +157,21 @@ class CableSim:
             gravity=self._parameters.gravity,
         )
         return state, self._suite.step(tick, truth)
+
+    def set_waves(self, waves: Waves) -> None:
+        """Let the sea of the vessel, its `waves`, act on cable and unit where `wave.source` is sea; else leave it out.
+
+        Call it before the first `advance`: until then the water is still. Raises PlantError for a sea without
+        components.
+        """
+        if self._parameters.wave.source != "sea":
+            return
+        if not len(waves.frequency):
+            raise PlantError(f"cable_sim: {NO_COMPONENTS}")
+        for dynamics in (self._plant, self._shadow):
+            if isinstance(dynamics, CableDynamics):
+                dynamics.set_waves(waves)
+        self.awaits_waves = False
 
     def advance(
         self,
@@ -222,15 +246,15 @@ class CableSim:
         return self._seabed.clearance(position) if has_seabed else float("inf")
 
 
-def _at_rest(parameters: CableSimNodeParameters, boom_tip: Array) -> Dynamics:
-    """Return the plant in equilibrium below the boom tip."""
+def _at_rest(parameters: CableSimNodeParameters, boom_tip: Array, time: float) -> Dynamics:
+    """Return the plant in equilibrium below the boom tip, at a `time` [s]."""
     dynamics: Dynamics
     if parameters.model == "linear":
         linear = parameters.linear
         dynamics = LinearPlant(parameters, inertia=linear.inertia, damping=linear.damping)
     else:
         dynamics = CableDynamics(parameters)
-    dynamics.start_at_equilibrium(boom_tip, 0.0)
+    dynamics.start_at_equilibrium(boom_tip, 0.0, time=time)
     return dynamics
 
 

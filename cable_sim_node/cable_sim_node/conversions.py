@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import math
 from operator import attrgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from heave_node.cdr.packer import Packer
 from heave_node.interface import topics
 from heave_node.interface.sensors import WireReading
+from heave_node.interface.waves import Waves
 from heave_node.numerics.kinematics import PointMotion
+from heave_node.tick.tick import seconds_of
 
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import WinchState
@@ -72,6 +74,19 @@ def point_motion_of(reading: WireReading) -> PointMotion:
     """Return the motion in a `reading` of the fields POINT_MOTION."""
     numbers = np.array(reading.numbers)
     return PointMotion(reading.time, numbers[0:3], numbers[3:6], numbers[6:9])
+
+
+def waves_of(message: Any) -> Waves:
+    """Return the components in a heave_msgs/WaveComponents, the `message`. Raises ValueError where they are none."""
+    return Waves(
+        np.array(message.frequency, dtype=float),
+        np.array(message.encounter_frequency, dtype=float),
+        np.array(message.amplitude, dtype=float),
+        np.array(message.phase, dtype=float),
+        np.array(message.direction, dtype=float),
+        start=seconds_of(message.header.stamp),
+        ramp=message.ramp,
+    )
 
 
 def unit_odometry_message(motion: PointMotion, stamp: int) -> bytes:

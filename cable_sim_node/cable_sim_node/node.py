@@ -51,6 +51,9 @@ class CableSimNode(ClockMasterNode):
         self.markers = self.add_output(topics.MARKERS)
         self.boom_tip = self.add_input(topics.BOOM_TIP, conversions.POINT_MOTION)
         self.winch_state = self.add_input(topics.WINCH_STATE, conversions.DRUM_MOTION)
+        # in a bag that is played from later on, the sea began before the run
+        has_sea = self.parameters.wave.source == "sea"
+        self.waves = self.add_input(topics.WAVE_COMPONENTS, check_stamps=False) if has_sea else None
         # only a shadow that is lowered needs it
         follows = self.parameters.shadow_follows_programme
         self.programme = self.add_input(topics.CONTROLLER_STATE, ("depth_set_point",)) if follows else None
@@ -93,6 +96,7 @@ class CableSimNode(ClockMasterNode):
             self.newest_tip.put(conversions.point_motion_of(reading))
         for reading in self.take(self.winch_state):
             self.newest_payout.put(conversions.drum_motion_of(reading))
+        self._take_waves()
         end = tick.end_nanoseconds * 1e-9
         drum = self.newest_payout.at(end)
         try:
@@ -104,6 +108,23 @@ class CableSimNode(ClockMasterNode):
             )
         except PlantError as error:
             raise NodeError(str(error)) from error
+
+    def _take_waves(self) -> None:
+        """Let the sea act that has come; in lockstep it must have come with the first tick."""
+        if self.waves is None:
+            return
+        try:
+            for message in self.take(self.waves):
+                self.plant.set_waves(conversions.waves_of(message))
+        except ValueError as error:
+            raise NodeError(f"wave_components of wave_vessel: {error}") from error
+        except PlantError as error:
+            raise NodeError(str(error)) from error
+        if self.plant.awaits_waves and self.run.is_lockstep:
+            raise NodeError(
+                "wave.source = sea, but no wave_components came with the first tick: wave_vessel must publish them, "
+                "and a bag that is played in its place must hold them; else take another wave.source"
+            )
 
     def _programme(self) -> float | None:
         """Return the payout of the controller's depth programme [m]; None where it is not needed."""
@@ -120,6 +141,9 @@ class CableSimNode(ClockMasterNode):
             part, values = f"input {signal.name}", {"missing": str(signal.missing)}
             late = ALARMS.alarm("PLANT_INPUT_MISSING", name=signal.name, count=signal.missing_in_a_row)
             parts.append(alarm_health(part, late, values) if signal.missing_in_a_row else Health(part, values=values))
+        if self.plant.awaits_waves:
+            late = ALARMS.alarm("PLANT_INPUT_MISSING", name="wave_components", count=self.plant.tick - 1)
+            parts.append(alarm_health("input wave_components", late))
         return [*parts, self._cable_health()]
 
     def has_urgent_news(self) -> bool:

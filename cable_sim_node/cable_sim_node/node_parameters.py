@@ -46,3 +46,8 @@ class CableSimNodeParameters(CableSimParameters):
         2.0, unit="Hz", minimum=0.0, maximum=1000.0, description="Rate of the markers; 0 publishes none."
     )
     sensors: SensorsParameters = group(SensorsParameters)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.model == "linear" and self.wave.source != "none":
+            raise ValueError(f"model = linear has no water: it needs wave.source = none, not {self.wave.source}")

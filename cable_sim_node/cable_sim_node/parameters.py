@@ -210,14 +210,25 @@ class CurrentProfileParameters:
 
 @dataclass(frozen=True)
 class WaveKinematicsParameters:
-    """Water motion of one regular deep-water wave, and the surface that it makes."""
+    """The waves that act on cable and unit: motion of the water and the surface, linear in deep water."""
 
-    amplitude: float = parameter(0.0, unit="m", minimum=0.0, description="Wave amplitude; 0 means still water.")
-    period: float = parameter(10.0, unit="s", minimum=0.5, description="Wave period.")
-    direction: float = parameter(0.0, unit="rad", description="Direction the wave travels to, from x towards y.")
+    source: str = parameter(
+        "none",
+        unit="",
+        choices=("none", "regular", "sea"),
+        description="none: still water; regular: one wave of this amplitude and period, whatever moves the vessel; "
+        "sea: the sea that moves the vessel, where it has components (boom_tip_source spectrum or regular).",
+    )
+    amplitude: float = parameter(0.0, unit="m", minimum=0.0, description="Source regular: wave amplitude.")
+    period: float = parameter(10.0, unit="s", minimum=0.5, description="Source regular: wave period.")
+    direction: float = parameter(
+        0.0, unit="rad", description="Source regular: direction the wave travels to, from x towards y."
+    )
 
     def __post_init__(self) -> None:
         check_ranges(self)
+        if self.amplitude > 0.0 and self.source != "regular":
+            raise ValueError(f"wave.amplitude needs wave.source = regular; it is {self.source}")
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,7 @@ def test_a_current_pushes_only_what_is_below_the_surface():
 def test_current_and_wave_leave_a_dry_line_alone():
     """All of the cable in air, below it a unit that water does not act on: the line stays at rest."""
     current = CurrentProfileParameters(depth=(0.0, 10.0), velocity_x=(1.0, 0.0), velocity_y=(0.0, 0.0))
-    wave = WaveKinematicsParameters(amplitude=1.0, period=8.0)
+    wave = WaveKinematicsParameters("regular", amplitude=1.0, period=8.0)
     bare = UnitParameters(mass=5e3, volume=0.0, added_mass=(0.0,) * 3, drag_coefficient=(0.0,) * 3)
     plant = hung(LENGTH + 50.0, unit=bare, current_profile=current, wave=wave)
     rests, weight = PointMotion(0.0, np.array([0.0, 0.0, LENGTH + 50.0])), 5e3 * STANDARD_GRAVITY + IN_AIR * LENGTH

@@ -279,7 +279,7 @@ def test_a_current_that_grows_in_time_drags_the_unit_along():
 
 def test_a_wave_moves_only_what_is_near_the_surface():
     """The unit at 300 m feels exp(-k z) of an 8 s wave: nothing; near the surface the line follows the orbit."""
-    plant = started(dataclasses.replace(s300(60), wave=WaveKinematicsParameters(amplitude=2.0, period=8.0)))
+    plant = started(dataclasses.replace(s300(60), wave=WaveKinematicsParameters("regular", amplitude=2.0, period=8.0)))
     swing = []
     for _ in range(800):
         plant.advance(0.05, STILL, STILL, 0.0, 0.0, 0.0, 0.0)

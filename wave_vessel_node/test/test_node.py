@@ -62,6 +62,7 @@ def test_the_node_publishes_every_topic_that_is_its_own():
     assert own == {
         "sea_state",
         "sea_state_estimate",
+        "wave_components",
         "wave_elevation",
         "vessel/odometry",
         "boom_tip",

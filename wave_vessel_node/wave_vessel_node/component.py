@@ -9,6 +9,7 @@ import numpy as np
 from heave_node.crane.pose import CranePose
 from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MruReading
+from heave_node.interface.waves import Waves
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import PointMotion
 
@@ -100,6 +101,10 @@ class WaveVessel:
     def sea_state(self) -> SeaState:
         """Return the sea as it is published."""
         return self._sea_state
+
+    def waves(self) -> Waves:
+        """Return the components of the sea, with its ramp; none where it has none, or none that last."""
+        return self._source.waves()
 
     def initial_boom_tip(self) -> PointMotion:
         """Return the motion of the boom tip at the first tick, from which the plant starts.

@@ -12,6 +12,7 @@ from operator import attrgetter
 from heave_node.cdr.packer import Packer
 from heave_node.interface import topics
 from heave_node.interface.preview import HeavePreview
+from heave_node.interface.waves import Waves
 from heave_node.numerics import kinematics
 
 from wave_vessel_node.mru import sea_state_estimate
@@ -36,6 +37,12 @@ _SEA_FIELDS = (
 )
 _sea_values = attrgetter(*_SEA_FIELDS)
 _SEA_STATE = Packer(topics.SEA_STATE.type, (_STAMP, *_SEA_FIELDS), _IN_WORLD)
+
+_WAVE_COMPONENTS = Packer(
+    topics.WAVE_COMPONENTS.type,
+    (_STAMP, "ramp", "frequency", "encounter_frequency", "amplitude", "phase", "direction"),
+    _IN_WORLD,
+)
 
 _ESTIMATE_FIELDS = (
     *("record_length", "significant_wave_height", "significant_wave_height_interval", "peak_period"),
@@ -73,6 +80,11 @@ def odometry_message(motion: VesselMotion, stamp: int) -> bytes:
 def sea_state_message(state: sea.SeaState, stamp: int) -> bytes:
     """Return `state`, the sea that the vessel is in, from `stamp` on [ns]."""
     return _SEA_STATE.pack(stamp, *_sea_values(state))
+
+
+def waves_message(waves: Waves) -> bytes:
+    """Return the components of a sea, its `waves`, stamped with the start of their ramp."""
+    return _WAVE_COMPONENTS.pack(round(waves.start * 1e9), waves.ramp, *waves.columns)
 
 
 def estimate_message(estimate: sea_state_estimate.SeaStateEstimate, stamp: int) -> bytes:

@@ -41,6 +41,7 @@ class WaveVesselNode(ParticipantNode):
         self.component = self._new_component()
         self._prepared: WaveVesselOutputs | None = None
         self.sea_state = self.add_output(topics.SEA_STATE)
+        self.waves = self.add_output(topics.WAVE_COMPONENTS)
         self.estimate = self.add_output(topics.SEA_STATE_ESTIMATE)
         self.elevation = self.add_output(topics.WAVE_ELEVATION)
         self.odometry = self.add_output(topics.VESSEL_ODOMETRY)
@@ -66,6 +67,7 @@ class WaveVesselNode(ParticipantNode):
         """See HeaveNode."""
         if tick.number == 1:
             self.sea_state.publish(messages.sea_state_message(self.component.sea_state(), tick.start_nanoseconds))
+            self.waves.publish(messages.waves_message(self.component.waves()))
         outputs = self._outputs_of(tick)
         reading = outputs.mru
         if reading is not None:

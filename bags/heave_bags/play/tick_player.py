@@ -14,6 +14,7 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from heave_node.cdr.unpacker import header_stamp
 from heave_node.interface import topics
+from heave_node.interface.topic import Role
 from heave_node.numerics.arrays import Array
 from rclpy.serialization import deserialize_message
 
@@ -35,6 +36,9 @@ UNDELAYED = (
     *(topics.CONTROLLER_STATE.name, topics.WINCH_COMMAND.name),
 )
 """Topics that are published in every tick without delay: by their arrival that of others is judged."""
+
+_LATCHED = frozenset(topic.name for topic in topics.ALL_TOPICS if topic.role is Role.LATCHED)
+"""Topics whose last message holds until the next one: one from before the start of the run is played with it."""
 
 _STAMP = struct.Struct("<iI")
 _STAMP_END = 12
@@ -112,7 +116,10 @@ class TickPlayer:
         first = self._shift // self._period
         own = filter(self._is_own, self._bag.messages(self._wanted))
         ticks = ((self._tick_of(message) - first, message) for message in own)
-        self._messages = in_order_of((tick, message) for tick, message in ticks if tick >= 0)
+        played = (
+            (tick, message) for tick, message in ticks if tick >= 0 or self.name_in_run(message.topic) in _LATCHED
+        )
+        self._messages = in_order_of(played)
         self._next = next(self._messages, None)
 
     def take(self, tick: int) -> list[tuple[str, bytes]]:

@@ -130,6 +130,13 @@ BOOM_TIP = Port(
     "motion of the boom tip, for the simulated cable",
     (("position.z", 1e3), ("velocity.z", 30.0), ("acceleration.z", 100.0)),
 )
+WAVE_COMPONENTS = Port(
+    topics.WAVE_COMPONENTS,
+    0.0,
+    False,
+    "optional, once: components of the sea, for the water at cable and unit; `cable_sim.wave.source: sea` needs them",
+    (("ramp", 1e4),),
+)
 OBSERVATIONS = Port(
     topics.CONTROLLER_OBSERVATIONS,
     0.0,
@@ -214,7 +221,7 @@ CONTRACTS: tuple[Contract, ...] = (
     Contract(
         "wave_vessel",
         "a motion reference unit, or a vessel with one",
-        publishes=(MRU, BOOM_TIP, HEAVE_PREVIEW, CRANE_POSE),
+        publishes=(MRU, BOOM_TIP, WAVE_COMPONENTS, HEAVE_PREVIEW, CRANE_POSE),
         hears=(CLOCK,),
         when_late=f"The controller runs on prediction for {COAST:g} s, then damps the unit by the depth sensor and "
         "goes on compensating 1 s after readings are good again; on a short stiff cable, and without a depth sensor, "

@@ -26,6 +26,8 @@ class LineArrays(NamedTuple):
     """Unit, boom tip, counters, what is seen, and settings."""
     water: Array
     """Rows of the current's profile (depth, u_x, u_y, u_z), then those of its schedule (time, factor)."""
+    waves: Array
+    """Components of the waves, a column each, see `layout`."""
     band: Array
     """The wide system of a line with bending; three rows more are scratch for a hinge. One row without bending."""
 
@@ -84,6 +86,7 @@ def allocate(
         tiles=tiles,
         numbers=numbers,
         water=water,
+        waves=np.zeros((at.WAVE_ROWS, 0)),
         band=np.zeros((3 * rows + 3 if bending else 1, at.BAND_COLUMNS)),
     )
     line.write(at.PART, grid)

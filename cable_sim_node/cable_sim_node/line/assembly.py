@@ -25,7 +25,6 @@ from cable_sim_node.line.forces.flow import set_flow_at
 from cable_sim_node.line.forces.segment import rank_one, tension_of
 from cable_sim_node.line.forces.surface import (
     dry_part,
-    level_above,
     put_all_back,
     put_back,
     take_from_water,
@@ -248,21 +247,22 @@ def take_present_place(tile: Array, j: int) -> None:
 def assemble_present(line: LineArrays, n: int, i: int) -> None:
     """Set what segment `i` alone gives to the equations of its ends in the present state, see `assemble_segments`.
 
-    Boom tip and length where the equations hold must be the present ones (`take_present_tip`).
+    Boom tip and length where the equations hold must be the present ones (`take_present_tip`), and so the surface
+    below the boom tip (`set_level`).
     """
     tile, j, numbers = line.tiles[i >> at.SHIFT], i & at.LANES, line.numbers
     take_present_place(tile, j)
     take_present_place(tile, j + 1)
     if numbers[at.FLOW_VARIES] > 0.0:
         set_flow_at(line, i >> at.SHIFT, j, j + 1, numbers[at.NOW + at.TIME])
-    dry = dry_part(tile, j, level_above(line, n)) if numbers[at.SURFACE_ON] > 0.0 else 0.0
+    dry = dry_part(tile, j, numbers[at.LEVEL]) if numbers[at.SURFACE_ON] > 0.0 else 0.0
     if dry > 0.0:
         take_from_water(tile, j, dry, numbers[at.GRAVITY])
     sheave = motion_of(tile, j + 1)
     if i == n - 1:
         swap_sheave(line, n)
     assemble_segments(tile[j:], at.ONE, 0.0, 0.0)
-    if numbers[at.WAVE_AMPLITUDE] > 0.0:
+    if numbers[at.WAVES] > 0.0:
         add_wave_force(tile[j:], at.ONE)
     restore_sheave(tile, j + 1, sheave)
     if dry > 0.0:
@@ -284,7 +284,7 @@ def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tupl
     for t in range(((n - 1) >> at.SHIFT) + 1):
         tile, count = tiles[t], min(at.TILE, n - (t << at.SHIFT))
         assemble_segments(tile, count, c_mass, c_velocity)
-        if numbers[at.WAVE_AMPLITUDE] > 0.0:
+        if numbers[at.WAVES] > 0.0:
             add_wave_force(tile, count)
         most = max(most, largest_of(tile, count))
     put_all_back(line, n, dry)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.interface.waves import NO_WAVES, Waves
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import PointMotion
 from heave_node.parameters import ParameterError
@@ -25,7 +26,7 @@ from cable_sim_node.errors import (
 )
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.feed import set_top_segment
-from cable_sim_node.line.grid import build_line, settings_of
+from cable_sim_node.line.grid import build_line, settings_of, with_waves
 from cable_sim_node.line.observation import observe, snapshot
 from cable_sim_node.line.rest.hanging import hang
 from cable_sim_node.line.rest.settling import hold_here, settle
@@ -33,6 +34,7 @@ from cable_sim_node.line.step import advance
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import unit_properties
 from cable_sim_node.physics.seabed import Seabed
+from cable_sim_node.physics.waves import regular_waves
 from cable_sim_node.statics.suspended import refuse_floating
 
 
@@ -56,6 +58,7 @@ class CableDynamics:
         _check_seabed(parameters)
         self._seabed = Seabed(parameters.seabed)
         self._line = build_line(parameters, 2.0 * parameters.length)
+        self._waves = regular_waves(parameters.wave)
         self._fresh = False
 
     def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float = 0.0, *, time: float = 0.0) -> None:
@@ -104,8 +107,9 @@ class CableDynamics:
             n -= 1
         numbers[at.SEGMENTS] = n
         set_top_segment(n, total, line.tiles)
+        self._line = with_waves(line, NO_WAVES)
         self._rest(boom_tip)
-        self._fresh = False
+        self.set_waves(self._waves)
         self._start_compensator()
 
     def advance(
@@ -137,10 +141,10 @@ class CableDynamics:
         base = self.parameters.length
         ends = (base + payout_start, 0.0 + payout_rate_start, base + payout_end, 0.0 + payout_rate_end)
         motion = (tip_start.position, tip_start.velocity, tip_end.position, tip_end.velocity)
-        outcome = advance(*self._line, 0.0 + duration, *motion, ends)
+        outcome = advance(*self._line, *motion, (0.0 + duration, *ends))
         if outcome == at.GRID_TOO_SHORT:
             self._grow(max(ends[0], ends[2]) + duration * max(abs(ends[1]), abs(ends[3])))
-            outcome = advance(*self._line, 0.0 + duration, *motion, ends)
+            outcome = advance(*self._line, *motion, (0.0 + duration, *ends))
         self._fresh = outcome == at.DONE or (self._fresh and outcome == at.BAD_MOTION)
         if outcome == at.DONE:
             return
@@ -289,6 +293,14 @@ class CableDynamics:
             self._line.numbers[first : first + 3] = thrust + rest
         self._fresh = False
 
+    def set_waves(self, waves: Waves) -> None:
+        """Let `waves` act on cable and unit from now on, in place of those before.
+
+        The rest at a start is that of still water. Where their ramp has not begun, nothing jumps.
+        """
+        self._waves, self._line = waves, with_waves(self._line, waves)
+        self._fresh = False
+
     # --- inside
 
     def _seen(self, first: int, count: int) -> Array:
@@ -307,7 +319,7 @@ class CableDynamics:
     def _grow(self, total: float) -> None:
         """Let the grid reach beyond `total` [m]; rare, and the only allocation."""
         old, n = self._line, self.segments
-        self._line = new = build_line(self.parameters, 2.0 * total)
+        self._line = new = build_line(self.parameters, 2.0 * total)._replace(waves=old.waves)
         new.numbers[: at.GRID_END], new.numbers[at.NOW :] = old.numbers[: at.GRID_END], old.numbers[at.NOW :]
         new.write(at.X, old.read(at.X, at.NODE_COLUMNS, n + 1))
         new.write(at.PART, old.read(at.PART, at.PART_COLUMNS, n))

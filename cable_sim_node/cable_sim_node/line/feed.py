@@ -18,6 +18,7 @@ from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import add_lump, assemble_present, take_present_tip
 from cable_sim_node.line.forces.contact import add_contact
 from cable_sim_node.line.forces.segment import adjugate, times
+from cable_sim_node.line.forces.surface import set_level
 from cable_sim_node.line.tiles import copy_borders
 
 _PARTS_END = at.PART + at.PART_COLUMNS * at.STRIDE
@@ -205,5 +206,6 @@ def feed(line: LineArrays, n: int) -> int:
         n = split_top(line, n)
         set_top_segment(n, total, tiles)
         take_present_tip(numbers)
+        set_level(line)
         settle_node(line, n - 1, n)
     return n

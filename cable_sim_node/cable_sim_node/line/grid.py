@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.interface.waves import Waves
 from heave_node.numerics.arrays import Array
 
 from cable_sim_node.line import layout as at
@@ -27,10 +28,7 @@ def build_line(parameters: CableSimParameters, total: float) -> LineArrays:
     profile, schedule = profile_of(parameters), schedule_of(parameters)
     bending = parameters.cable.bending_stiffness > 0.0
     line = allocate(grid, points, numbers_of(parameters), profile, schedule, bending=bending)
-    # steady water is the same everywhere and always, and is never set again
-    for axis in range(3):
-        flow = at.FLOW_X + axis * at.STRIDE
-        line.tiles[:, flow : flow + at.STRIDE] = schedule[0, 1] * profile[0, FLOW + axis]
+    _set_steady_flow(line)
     line.numbers[at.GRID_END] = line.grid_points[-5]
     return line
 
@@ -96,7 +94,7 @@ def settings_of(parameters: CableSimParameters) -> Array:
     """
     seabed = Seabed(parameters.seabed)
     numbers = np.concatenate((np.zeros(at.NUMBERS), seabed.profile.ravel(), *map(np.ravel, unit_tables(parameters))))
-    solver, bed, wave, spring = parameters.solver, parameters.seabed, parameters.wave, parameters.compensator
+    solver, bed, spring = parameters.solver, parameters.seabed, parameters.compensator
     radius = solver.spectral_radius
     alpha_m, alpha_f = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
     numbers[at.ALPHA_M], numbers[at.ALPHA_F] = alpha_m, alpha_f
@@ -117,14 +115,10 @@ def settings_of(parameters: CableSimParameters) -> Array:
         bed.friction,
     )
     numbers[at.BED_UNIT_STIFFNESS], numbers[at.BED_UNIT_DAMPING] = bed.unit_stiffness, bed.unit_damping
-    omega = 2.0 * math.pi / wave.period
-    numbers[at.WAVE_AMPLITUDE], numbers[at.WAVE_FREQUENCY] = wave.amplitude, omega
-    numbers[at.WAVE_NUMBER] = omega**2 / parameters.gravity if parameters.gravity > 0.0 else 0.0
-    numbers[at.WAVE_X], numbers[at.WAVE_Y] = math.cos(wave.direction), math.sin(wave.direction)
     rows = len(profile_of(parameters))
     is_steady = rows == len(schedule_of(parameters)) == 1
     numbers[at.CURRENT_ROWS] = rows
-    numbers[at.FLOW_VARIES] = float(wave.amplitude > 0.0 or not is_steady)
+    numbers[at.FLOW_VARIES] = float(not is_steady)
     numbers[at.SPRING_ON] = float(spring.stiffness > 0.0)
     numbers[at.SPRING_STIFFNESS], numbers[at.SPRING_DAMPING] = spring.stiffness, spring.damping
     numbers[at.SPRING_MASS], numbers[at.SPRING_HALF_STROKE] = spring.moving_mass, 0.5 * spring.stroke
@@ -136,6 +130,37 @@ def settings_of(parameters: CableSimParameters) -> Array:
     numbers[at.GRAVITY] = parameters.gravity
     _set_unit(parameters, numbers)
     return numbers[at.SETTINGS :]
+
+
+def with_waves(line: LineArrays, waves: Waves) -> LineArrays:
+    """Return the arrays of a `line` on which these `waves` act, in place of those before."""
+    numbers = line.numbers
+    line = line._replace(waves=_wave_table(waves, float(numbers[at.GRAVITY])))
+    count, rows = line.waves.shape[1], int(numbers[at.CURRENT_ROWS])
+    numbers[at.WAVES], numbers[at.WAVE_START], numbers[at.WAVE_RAMP] = count, waves.start, waves.ramp
+    numbers[at.LEVEL] = 0.0
+    numbers[at.FLOW_VARIES] = float(count > 0 or not rows == len(line.water) - rows == 1)
+    _set_steady_flow(line)
+    return line
+
+
+def _set_steady_flow(line: LineArrays) -> None:
+    """Set the flow of steady water, which is the same everywhere and always; a flow that varies is set in each step."""
+    rows = int(line.numbers[at.CURRENT_ROWS])
+    for axis in range(3):
+        flow = at.FLOW_X + axis * at.STRIDE
+        line.tiles[:, flow : flow + at.STRIDE] = line.water[rows, 1] * line.water[0, FLOW + axis]
+    line.tiles[:, at.FLOW_AX : at.FLOW_AX + 3 * at.STRIDE] = 0.0
+
+
+def _wave_table(waves: Waves, gravity: float) -> Array:
+    """Return the components of `waves` under `gravity` [m/s^2] as the kernels take them, shape (WAVE_ROWS, n)."""
+    order = np.argsort(waves.frequency, kind="stable")
+    omega, encounter, amplitude, phase, direction = (column[order] for column in waves.columns)
+    cosine, sine = np.cos(direction), np.sin(direction)
+    number = omega**2 / gravity if gravity > 0.0 else np.zeros_like(omega)
+    rows = (encounter, omega, number, number * cosine, number * sine, phase, amplitude, amplitude * omega, cosine, sine)
+    return np.array(rows)
 
 
 def unit_tables(parameters: CableSimParameters) -> tuple[Array, Array, Array]:

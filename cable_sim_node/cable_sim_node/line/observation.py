@@ -28,6 +28,7 @@ from cable_sim_node.line.forces.body import set_unit
 from cable_sim_node.line.forces.contact import add_contact, seabed_force_on_unit
 from cable_sim_node.line.forces.direction import direction_of
 from cable_sim_node.line.forces.flow import set_flow, set_flow_at
+from cable_sim_node.line.forces.surface import set_level
 from cable_sim_node.line.tiles import copy_borders, larger, largest_of, take_present
 
 
@@ -55,6 +56,7 @@ def evaluate_top(line: LineArrays, n: int) -> None:
     """Set the residual of the sheave in the present state, as `evaluate` does."""
     tiles = line.tiles
     take_present_tip(line.numbers)
+    set_level(line)
     assemble_present(line, n, n - 1)
     below, i = tiles[(n - 1) >> at.SHIFT], ((n - 1) & at.LANES) + 1
     top, j = tiles[n >> at.SHIFT], n & at.LANES
@@ -166,12 +168,14 @@ def observe_unit(line: LineArrays) -> None:
 
 
 @kernel
-def snapshot(tiles: Array, numbers: Array, water: Array, band: Array, positions: Array, tensions: Array) -> None:
+def snapshot(
+    tiles: Array, numbers: Array, water: Array, waves: Array, band: Array, positions: Array, tensions: Array
+) -> None:
     """Write the present positions [m] of all nodes to `positions` and the tensions [N] of all segments to `tensions`.
 
-    The line's arrays `tiles`, `numbers`, `water` and `band` are taken one by one, see `step.advance`.
+    The line's arrays `tiles`, `numbers`, `water`, `waves` and `band` are taken one by one, see `step.advance`.
     """
-    line = LineArrays(tiles, numbers, water, band)
+    line = LineArrays(tiles, numbers, water, waves, band)
     n = int(numbers[at.SEGMENTS])
     take_present_tip(numbers)
     take_present(tiles, n)

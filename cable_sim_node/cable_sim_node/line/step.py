@@ -44,6 +44,8 @@ _FAILED, _TAUT, _SLACK, _SLACK_REFUSED = range(4)
 """Result of a step, by number."""
 Motion = tuple[float, float, float, float]
 """Value and rate at the start of an interval, value and rate at its end."""
+Interval = tuple[float, float, float, float, float]
+"""Duration of an interval [s], and the motion of a value in it."""
 
 
 @inlined_kernel
@@ -290,15 +292,15 @@ def advance(
     tiles: Array,
     numbers: Array,
     water: Array,
+    waves: Array,
     band: Array,
-    duration: float,
     start: Array,
     start_velocity: Array,
     end: Array,
     end_velocity: Array,
-    lengths: Motion,
+    interval: Interval,
 ) -> int:
-    """Integrate a line over `duration` [s], and `observe` it; return the outcome.
+    """Integrate a line over an interval, and `observe` it; return the outcome.
 
     Boom tip and length run as cubics through the values and rates at both ends. BAD_MOTION for a number that is not
     finite, a duration that is not positive and a length that jumps, GRID_TOO_SHORT where the length may exceed
@@ -306,14 +308,14 @@ def advance(
 
     Parameters
     ----------
-    tiles, numbers, water, band : the line's arrays, one by one: a tuple of them takes Python twice as long
-    duration : [s]
+    tiles, numbers, water, waves, band : the line's arrays, one by one: a tuple of them takes Python twice as long
     start, start_velocity, end, end_velocity : of the boom tip at both ends [m], [m/s], shape (3,)
-    lengths : unstretched length and its rate at the start, the same at the end [m], [m/s]
+    interval : duration [s]; unstretched length and its rate at the start, the same at the end [m], [m/s]
     """
+    duration, lengths = interval[0], interval[1:]
     outcome = take_motion(numbers, duration, start, start_velocity, end, end_velocity, lengths)
     if outcome == at.DONE:
-        line = LineArrays(tiles, numbers, water, band)
+        line = LineArrays(tiles, numbers, water, waves, band)
         outcome = integrate(line, duration)
         if outcome == at.DONE:
             observe(line)

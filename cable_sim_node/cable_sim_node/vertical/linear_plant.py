@@ -46,8 +46,9 @@ class LinearPlant:
         self._duration = 0.0
         self.start_at_equilibrium(np.zeros(3), 0.0)
 
-    def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float) -> None:
-        """Hang the unit at rest below `boom_tip_position` [m], shape (3,), with `payout` [m] let out."""
+    def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float, *, time: float = 0.0) -> None:
+        """Hang the unit at rest below `boom_tip_position` [m], shape (3,), with `payout` [m] let out, at any `time`."""
+        del time  # nothing changes with it
         self._tip = np.array(boom_tip_position, dtype=float)
         self._tip_velocity = np.zeros(3)
         self._tip_acceleration = np.zeros(3)

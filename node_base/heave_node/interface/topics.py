@@ -12,6 +12,7 @@ from heave_node.interface.topic import Role, Topic
 CLOCK = Topic("clock", "rosgraph_msgs/msg/Clock", "cable_sim")
 SEA_STATE = Topic("sea_state", "heave_msgs/msg/SeaState", "wave_vessel", Role.LATCHED)
 SEA_STATE_ESTIMATE = Topic("sea_state_estimate", "heave_msgs/msg/SeaStateEstimate", "wave_vessel")
+WAVE_COMPONENTS = Topic("wave_components", "heave_msgs/msg/WaveComponents", "wave_vessel", Role.LATCHED)
 WAVE_ELEVATION = Topic("wave_elevation", "heave_msgs/msg/WaveElevation", "wave_vessel")
 VESSEL_ODOMETRY = Topic("vessel/odometry", "nav_msgs/msg/Odometry", "wave_vessel")
 BOOM_TIP = Topic("boom_tip", "heave_msgs/msg/PointMotion", "wave_vessel", is_needed=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from heave_node.interface.waves import Waves
 
 from wave_vessel_node.sea.realisation import HarmonicSum, WaveComponents
 from wave_vessel_node.sources.motion_source import MotionSource
@@ -33,6 +34,7 @@ class SecondOrderSource(MotionSource):
     def __init__(
         self, components: WaveComponents, vessel: SecondOrderVessel | None, pitch_gain: float, tick_period: float
     ) -> None:
+        self._components = components
         omega = components.frequency
         phasor = components.amplitude * np.exp(1j * components.phase)
         response = np.ones(omega.size, dtype=complex) if vessel is None else vessel.response(omega)
@@ -54,3 +56,8 @@ class SecondOrderSource(MotionSource):
         if self._has_pitch:
             motion.displacement[PITCH], motion.velocity[PITCH], motion.acceleration[PITCH] = values[:, 2]
         return motion
+
+    def waves(self) -> Waves:
+        """See MotionSource."""
+        sea = self._components
+        return Waves(sea.frequency, sea.frequency, sea.amplitude, sea.phase, sea.direction)

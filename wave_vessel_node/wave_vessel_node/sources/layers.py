@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.interface.waves import Waves, from_start
 from heave_node.numerics.arrays import Array
+from heave_node.numerics.ramp import smooth_ramp
 from heave_node.numerics.randomness import random_stream
 
-from wave_vessel_node.ramp import apply_ramp, smooth_ramp
 from wave_vessel_node.sea.realisation import HarmonicSum, draw_components
 from wave_vessel_node.sea.spectra import TabulatedSpectrum
 from wave_vessel_node.sources.motion_source import MotionSource
@@ -17,6 +18,21 @@ from wave_vessel_node.vessel.motion import VesselMotion
 from wave_vessel_node.vessel_parameters import DriftParameters
 
 _DRIFT_COMPONENTS = 120
+
+
+def apply_ramp(motion: Array, time: float, duration: float) -> Array:
+    """Return r q, (r q)', (r q)'', where r is the ramp.
+
+    Parameters
+    ----------
+    motion : q, q', q'', shape (3, ...)
+    time : since the start of the ramp [s]
+    duration : of the ramp [s]
+    """
+    r, r1, r2 = smooth_ramp(time, duration)
+    return np.stack(
+        (r * motion[0], r * motion[1] + r1 * motion[0], r * motion[2] + 2.0 * r1 * motion[1] + r2 * motion[0])
+    )
 
 
 class RampedSource(MotionSource):
@@ -43,6 +59,10 @@ class RampedSource(MotionSource):
             motion.displacement, motion.velocity, motion.acceleration = apply_ramp(six, since_start, self._ramp)
             motion.elevation *= float(apply_ramp(np.array([1.0, 0.0, 0.0]), since_start, self._ramp)[0])
         return motion
+
+    def waves(self) -> Waves:
+        """See MotionSource: with the ramp."""
+        return from_start(self._source.waves(), self._tick_period, self._ramp)
 
 
 class ChangingSource(MotionSource):
@@ -107,6 +127,10 @@ class CourseSource(MotionSource):
         motion.speed = self._course.speed(motion.time)
         return motion
 
+    def waves(self) -> Waves:
+        """See MotionSource."""
+        return self._source.waves()
+
 
 class DriftingSource(MotionSource):
     """Another source with slow drift in surge and sway: narrow-band noise about the natural period of position keeping.
@@ -141,3 +165,7 @@ class DriftingSource(MotionSource):
             motion.velocity[axis] += rate
             motion.acceleration[axis] += acceleration
         return motion
+
+    def waves(self) -> Waves:
+        """See MotionSource."""
+        return self._source.waves()

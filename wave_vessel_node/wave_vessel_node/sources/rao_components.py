@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from heave_node.interface.waves import NO_WAVES, Waves
 from heave_node.numerics.arrays import Array, ComplexArray
 from heave_node.numerics.compiled import kernel
 from heave_node.numerics.constants import STANDARD_GRAVITY
@@ -57,24 +58,38 @@ class RaoSource(MotionSource):
             elevation=float(values[0, 6]),
         )
 
+    def waves(self) -> Waves:
+        """See MotionSource: as met at the boom tip, while heading and speed hold for the whole run."""
+        if len(self._course.legs) > 1:
+            return NO_WAVES
+        sea, leg = self._components, self._course.legs[0]
+        encounter, phase = self._met_on(leg)
+        phase = phase - self._arm_lag(self._course.heading(leg.start))
+        return Waves(sea.frequency, encounter, sea.amplitude, phase, sea.direction)
+
     def _leg_sum(self, leg: Leg) -> HarmonicSum:
-        """Return the sum that holds on a leg: phases omega t - k . X(t) with X linear in time."""
-        sea = self._components
-        heading, velocity = self._course.heading(leg.start), self._course.velocity(leg.start)
-        if np.isinf(leg.end):
-            at = leg.start
-        else:
-            at = 0.5 * (leg.start + leg.end)
-            heading, velocity = self._course.heading(at), self._course.velocity(at)
+        """Return the sum that holds on a leg."""
+        sea, at = self._components, _moment_of(leg)
+        encounter, phase = self._met_on(leg)
+        phasor = sea.amplitude * np.exp(1j * phase)
+        heading = self._course.heading(at)
+        response = self._response.at(sea.direction - heading, self._course.speed(at))
+        rows = np.vstack((response, np.exp(-1j * self._arm_lag(heading))))
+        return HarmonicSum(encounter, phasor * rows, self._tick_period)
+
+    def _met_on(self, leg: Leg) -> tuple[Array, Array]:
+        """Return the encounter frequencies [rad/s] and phases [rad] on a leg: omega t - k . X(t), X linear in time."""
+        sea, at = self._components, _moment_of(leg)
+        velocity = self._course.velocity(at)
         along = np.column_stack((np.cos(sea.direction), np.sin(sea.direction)))
         start = self._course.place(at) - velocity * at
         encounter = sea.frequency - sea.wave_number * (along @ velocity)
-        phasor = sea.amplitude * np.exp(1j * (sea.phase - sea.wave_number * (along @ start)))
-        relative = sea.direction - heading
-        response = self._response.at(relative, self._course.speed(at))
-        arm_phase = sea.wave_number * (self._arm[0] * np.cos(relative) + self._arm[1] * np.sin(relative))
-        rows = np.vstack((response, np.exp(-1j * arm_phase)))
-        return HarmonicSum(encounter, phasor * rows, self._tick_period)
+        return encounter, sea.phase - sea.wave_number * (along @ start)
+
+    def _arm_lag(self, heading: float) -> Array:
+        """Return by how much the components reach the boom tip later than the reference point, on a `heading` [rad]."""
+        sea, relative = self._components, self._components.direction - heading
+        return np.asarray(sea.wave_number * (self._arm[0] * np.cos(relative) + self._arm[1] * np.sin(relative)))
 
     def _in_manoeuvre(self, time: float) -> Array:
         before, here, after = (self._sum_at(time + step) for step in (-_DIFFERENCE, 0.0, _DIFFERENCE))
@@ -92,6 +107,11 @@ class RaoSource(MotionSource):
         response = self._response
         _sum(waves, response.knots, response.coefficients, weights, time, pose, (self._arm[0], self._arm[1]), out)
         return out
+
+
+def _moment_of(leg: Leg) -> float:
+    """Return a time [s] on a `leg` at which its heading and speed hold."""
+    return leg.start if np.isinf(leg.end) else 0.5 * (leg.start + leg.end)
 
 
 @kernel

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.interface.waves import Waves
 
 from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.sources.scene import Scene
@@ -13,7 +14,9 @@ from wave_vessel_node.vessel.motion import HEAVE, VesselMotion
 
 def build(scene: Scene) -> MotionSource:
     """Return the source `regular` of a scene."""
-    return RegularSource(scene.parameters.amplitude, scene.parameters.period, scene.tick_period)
+    return RegularSource(
+        scene.parameters.amplitude, scene.parameters.period, scene.parameters.direction, scene.tick_period
+    )
 
 
 class RegularSource(MotionSource):
@@ -23,12 +26,14 @@ class RegularSource(MotionSource):
     ----------
     amplitude : a [m], three numbers
     period : of the sine [s]
+    direction : that the wave on the surface travels to, from world x towards y [rad]
     tick_period : [s]
     """
 
-    def __init__(self, amplitude: tuple[float, ...], period: float, tick_period: float) -> None:
+    def __init__(self, amplitude: tuple[float, ...], period: float, direction: float, tick_period: float) -> None:
         self._amplitude = np.array(amplitude)
         self._period = period
+        self._direction = direction
         self._omega = 2.0 * math.pi / period
         self._tick_period = tick_period
 
@@ -46,3 +51,8 @@ class RegularSource(MotionSource):
     def nominal_sea(self) -> tuple[float, float]:
         """See MotionSource: the height of a sea with the variance of the sine, and its period."""
         return 2.0 * math.sqrt(2.0) * abs(float(self._amplitude[2])), self._period
+
+    def waves(self) -> Waves:
+        """See MotionSource: the one whose surface follows z, a sin(omega t) = a cos(omega t - pi/2)."""
+        omega, height = np.array([self._omega]), self._amplitude[HEAVE : HEAVE + 1]
+        return Waves(omega, omega, height, np.array([-0.5 * math.pi]), np.array([self._direction]))

@@ -175,6 +175,7 @@ def _check(options: argparse.Namespace, scenario: Scenario, substitutes: Collect
     from heave_bringup.output import warn
     from heave_bringup.run.checks.files import check_files
     from heave_bringup.run.checks.rest import check_rest
+    from heave_bringup.run.checks.waves import check_waves
     from heave_bringup.run.criteria import refuse_unknown
 
     for criterion in scenario.wanted:
@@ -186,6 +187,8 @@ def _check(options: argparse.Namespace, scenario: Scenario, substitutes: Collect
         warn(check_files(scenario))
     if "cable_sim" not in replaced:
         check_rest(scenario)
+    if not {"wave_vessel", "cable_sim"} & set(replaced):
+        check_waves(scenario)
 
 
 def _write(

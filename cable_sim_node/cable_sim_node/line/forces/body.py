@@ -24,7 +24,7 @@ from heave_node.numerics.compiled import inner_kernel
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.forces.contact import bottom_under
-from cable_sim_node.line.forces.surface import surface_at
+from cable_sim_node.line.forces.waves import surface_at
 from cable_sim_node.physics.current import between, locate
 
 
@@ -86,7 +86,7 @@ def vertical_coefficients(line: LineArrays, depth: float) -> tuple[float, float]
 def set_unit(line: LineArrays, time: float) -> None:
     """Set the inertia, drag and force of a unit that varies, and what moving water accelerates of it."""
     numbers, tile = line.numbers, line.tiles[0]
-    level, rise = surface_at(tile[at.MIDDLE + at.X], tile[at.MIDDLE + at.Y], time, numbers)
+    level, rise = surface_at(line, tile[at.MIDDLE + at.X], tile[at.MIDDLE + at.Y], time)
     depth = level - tile[at.MIDDLE + at.Z]
     added, drag = vertical_coefficients(line, depth)
     height, slamming, wet, slam = numbers[at.BOX_HEIGHT], numbers[at.SLAMMING], 1.0, 0.0

@@ -1,17 +1,16 @@
-"""Motion of the water along the line: current profile with a factor in time, and one regular deep-water wave (Airy).
+"""Motion of the water along the line: current profile with a factor in time, and waves.
 
 Arguments: `line` the arrays, `time` [s].
 """
 
 from __future__ import annotations
 
-import math
-
-from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
 
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
+from cable_sim_node.line.forces.surface import dry_part, set_level
+from cable_sim_node.line.forces.waves import add_waves
 from cable_sim_node.physics.current import FLOW, between, locate
 
 
@@ -20,6 +19,7 @@ def set_flow(line: LineArrays, n: int, time: float) -> None:
     """Set the motion of the water along the middle state of `line`, with `n` segments, at `time` [s]."""
     if line.numbers[at.FLOW_VARIES] == 0.0:
         return
+    set_level(line)
     set_flow_at(line, at.NONE, at.NONE, at.NONE, time)
     for i in range(n):
         j = i & at.LANES
@@ -42,26 +42,11 @@ def set_flow_at(line: LineArrays, t: int, low: int, high: int, time: float) -> N
     tile[at.FLOW_X + high] = factor * between(current, first, last, share, FLOW)
     tile[at.FLOW_Y + high] = factor * between(current, first, last, share, FLOW + 1)
     tile[at.FLOW_Z + high] = 0.0
-    if numbers[at.WAVE_AMPLITUDE] > 0.0:
+    if numbers[at.WAVES] > 0.0:
         x = 0.5 * (tile[at.MIDDLE + at.X + low] + tile[at.MIDDLE + at.X + high])
         y = 0.5 * (tile[at.MIDDLE + at.Y + low] + tile[at.MIDDLE + at.Y + high])
-        add_wave(time, x, y, z, numbers, tile, high)
-
-
-@inner_kernel
-def add_wave(time: float, x: float, y: float, z: float, numbers: Array, tile: Array, place: int) -> None:
-    """Add the wave's velocity at (x, y, z) to the flow at a `place` of `tile`, and set its acceleration.
-
-    Crests pass the origin at `time` 0 and travel in the direction that `numbers` say.
-    """
-    omega, number = numbers[at.WAVE_FREQUENCY], numbers[at.WAVE_NUMBER]
-    dx, dy = numbers[at.WAVE_X], numbers[at.WAVE_Y]
-    phase = number * (dx * x + dy * y) - omega * time
-    speed = numbers[at.WAVE_AMPLITUDE] * omega * math.exp(number * min(z, 0.0))
-    cosine, sine = speed * math.cos(phase), speed * math.sin(phase)
-    tile[at.FLOW_X + place] += cosine * dx
-    tile[at.FLOW_Y + place] += cosine * dy
-    tile[at.FLOW_Z + place] += sine
-    tile[at.FLOW_AX + place] = omega * sine * dx
-    tile[at.FLOW_AY + place] = omega * sine * dy
-    tile[at.FLOW_AZ + place] = -omega * cosine
+        is_dry = numbers[at.SURFACE_ON] > 0.0 and low < high and dry_part(tile, low, numbers[at.LEVEL]) == 1.0
+        if is_dry:
+            tile[at.FLOW_AX + high] = tile[at.FLOW_AY + high] = tile[at.FLOW_AZ + high] = 0.0
+        else:
+            add_waves(line, x, y, z, time, tile, high)

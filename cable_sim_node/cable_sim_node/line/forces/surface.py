@@ -1,33 +1,20 @@
-"""The water's surface, and the cable above it. It is that of still water, z = 0, and of the waves of `forces.flow`.
+"""The water's surface, and the cable above it. It is that of still water, z = 0, and of the waves.
 
 Cable above the surface has its weight in air, and neither drag nor added mass: while its equations are assembled, a
 segment has what it has with its dry share in air. Cable is dry from the boom tip down to the first segment that is all
 wet; the surface is taken below the boom tip.
 
-Arguments: `tile`, `j` and `numbers` as in `line.assembly`; `x`, `y` [m] where the surface is asked for, `time` [s].
+Arguments: `tile` and `j` as in `line.assembly`.
 """
 
 from __future__ import annotations
-
-import math
 
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
 
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
-
-
-@inner_kernel
-def surface_at(x: float, y: float, time: float, numbers: Array) -> tuple[float, float]:
-    """Return the height of the surface [m] and its rate [m/s]."""
-    if numbers[at.WAVE_AMPLITUDE] == 0.0:
-        return 0.0, 0.0
-    phase = (
-        numbers[at.WAVE_NUMBER] * (numbers[at.WAVE_X] * x + numbers[at.WAVE_Y] * y) - numbers[at.WAVE_FREQUENCY] * time
-    )
-    amplitude = numbers[at.WAVE_AMPLITUDE]
-    return amplitude * math.cos(phase), amplitude * numbers[at.WAVE_FREQUENCY] * math.sin(phase)
+from cable_sim_node.line.forces.waves import surface_at
 
 
 @inner_kernel
@@ -68,18 +55,18 @@ def put_back(tile: Array, j: int) -> None:
 
 
 @inner_kernel
-def level_above(line: LineArrays, n: int) -> float:
-    """Return the height of the surface [m] below the boom tip, the upper end of `n` segments of `line`."""
-    tile, j = line.tiles[n >> at.SHIFT], n & at.LANES
-    return surface_at(
-        tile[at.MIDDLE + at.X + j], tile[at.MIDDLE + at.Y + j], line.numbers[at.MIDWAY + at.TIME], line.numbers
-    )[0]
+def set_level(line: LineArrays) -> None:
+    """Set the height of the surface below the boom tip, where the equations hold."""
+    numbers = line.numbers
+    if numbers[at.WAVES] > 0.0:
+        x, y, time = numbers[at.MIDWAY], numbers[at.MIDWAY + 1], numbers[at.MIDWAY + at.TIME]
+        numbers[at.LEVEL] = surface_at(line, x, y, time)[0]
 
 
 @inner_kernel
 def take_out_of_water(line: LineArrays, n: int) -> int:
     """Take the cable above the surface from the water, of the `n` segments of `line`; return how many segments."""
-    level = level_above(line, n)
+    level = line.numbers[at.LEVEL]
     for i in range(n - 1, -1, -1):
         tile, j = line.tiles[i >> at.SHIFT], i & at.LANES
         dry = dry_part(tile, j, level)

@@ -216,7 +216,7 @@ def _cause(line: LineArrays, n: int, scratch: Array) -> str:
 
 
 def hang(line: LineArrays, boom_tip: Array) -> None:
-    """Put the line at rest under the boom tip, in the current of the present time; a wave is taken to be still.
+    """Put the line at rest under the boom tip, in the current of the present time, without waves.
 
     Parameters
     ----------
@@ -230,9 +230,6 @@ def hang(line: LineArrays, boom_tip: Array) -> None:
     """
     n = line.segments
     total = float(np.sum(line.column(at.LENGTH, n)))
-    wave = line.numbers[at.WAVE_AMPLITUDE]
-    line.numbers[at.WAVE_AMPLITUDE] = 0.0
-    line.tiles[:, at.FLOW_AX : at.FLOW_AX + 3 * at.STRIDE] = 0.0
     unit_position = boom_tip - np.array([0.0, 0.0, total])
     positions = np.linspace(unit_position, boom_tip, n + 1)
     line.write(at.X, positions)
@@ -259,4 +256,3 @@ def hang(line: LineArrays, boom_tip: Array) -> None:
         raise NoEquilibriumError(
             "the bent line has no equilibrium: cable.bending_stiffness is too large for its tension"
         )
-    line.numbers[at.WAVE_AMPLITUDE] = wave

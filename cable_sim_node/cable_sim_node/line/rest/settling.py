@@ -71,7 +71,7 @@ def settle(line: LineArrays, parameters: CableSimParameters, boom_tip: Array) ->
     settings = numbers[at.SETTINGS :].copy()
     solver = dataclasses.replace(parameters.solver, spectral_radius=0.0, time_step=_INTERVAL)
     numbers[at.SETTINGS :] = settings_of(dataclasses.replace(parameters, solver=solver))
-    numbers[at.WAVE_AMPLITUDE] = numbers[at.SPRING_ON] = 0.0
+    numbers[at.SPRING_ON] = 0.0
     evaluate(line)  # sets the flow, by which it is laid out
     _lay_out(line, n, boom_tip, Seabed(parameters.seabed))
     hold_here(line)
@@ -124,7 +124,7 @@ def _let_go(line: LineArrays, n: int, boom_tip: Array) -> bool:
     mass[0] += numbers[at.UNIT_INERTIA]
     energy, quiet = 0.0, _QUIET
     for _ in range(round(_LONGEST / _INTERVAL)):
-        outcome = advance(*line, _INTERVAL, boom_tip, still, boom_tip, still, ends)
+        outcome = advance(*line, boom_tip, still, boom_tip, still, (_INTERVAL, *ends))
         if outcome != at.DONE:
             return False
         numbers[at.NOW + at.TIME] = start_time

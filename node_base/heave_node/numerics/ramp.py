@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-from heave_node.numerics.arrays import Array
+from heave_node.numerics.compiled import inner_kernel
 
 PEAK_OF_RAMP = 1.875
 """Largest rate of the ramp over its mean rate."""
@@ -28,16 +27,5 @@ def smooth_ramp(time: float, duration: float) -> tuple[float, float, float]:
     return value, rate, acceleration
 
 
-def apply_ramp(motion: Array, time: float, duration: float) -> Array:
-    """Return r q, (r q)', (r q)'', where r is the ramp.
-
-    Parameters
-    ----------
-    motion : q, q', q'', shape (3, ...)
-    time : since the start of the ramp [s]
-    duration : of the ramp [s]
-    """
-    r, r1, r2 = smooth_ramp(time, duration)
-    return np.stack(
-        (r * motion[0], r * motion[1] + r1 * motion[0], r * motion[2] + 2.0 * r1 * motion[1] + r2 * motion[0])
-    )
+smooth_ramp_kernel = inner_kernel(smooth_ramp)
+"""The same for kernels."""
