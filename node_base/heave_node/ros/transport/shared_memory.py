@@ -7,7 +7,7 @@ guards, and while it is held here nothing can begin to. A file without a lock fi
 
 The queues of ports, `fastdds_port<N>`, are left as well: their names are used again, by all domains, and a process that
 has opened one and not yet locked it would listen to a queue that nobody finds. They are small, of a bounded number, and
-Fast DDS makes a dead one anew.
+Fast DDS replaces a dead one.
 """
 
 from __future__ import annotations
