@@ -46,7 +46,7 @@ from typing import NamedTuple
 import numpy as np
 from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.interface.faults import FaultSchedule, FaultyValues
-from heave_node.numerics.quantisation import quantised
+from heave_node.sensing.quantisation import quantised
 from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
 
 from cable_sim_node.winch.choice import make_drive

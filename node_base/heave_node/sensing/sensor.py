@@ -16,8 +16,8 @@ import numpy as np
 from heave_node.interface.faults import TIME_TOLERANCE, FaultSchedule, FaultyValues
 from heave_node.interface.sensors import Reading
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.quantisation import quantised
 from heave_node.numerics.randomness import random_stream
+from heave_node.sensing.quantisation import quantised
 from heave_node.sensing.view import SensorParameters, View
 
 _DRAWN_AT_ONCE = 256

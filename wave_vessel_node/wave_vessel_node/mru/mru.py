@@ -18,8 +18,8 @@ from heave_node.interface.codes import MruStatus
 from heave_node.interface.faults import LARGEST_DELAY, FaultSchedule, FaultyValues
 from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.quantisation import quantised
 from heave_node.numerics.randomness import random_stream
+from heave_node.sensing.quantisation import quantised
 from numpy.typing import NDArray
 
 from wave_vessel_node.mru.oscillator import DrivenOscillator
