@@ -13,5 +13,9 @@ class BagError(Exception):
         super().__init__(one_line(message))
 
 
+class NoBagError(BagError):
+    """There is no bag where one should be read: nothing, or a file of another kind."""
+
+
 class StorageError(BagError):
     """A write to the disk failed: it is full, too slow, or gone."""

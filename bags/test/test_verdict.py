@@ -48,7 +48,8 @@ def test_a_missed_criterion_comes_first_and_shouts():
     assert verdict.state == FAILED
     assert [judged.is_met for judged in verdict.criteria] == [True, False]
     assert "0.5 cm" in verdict.lines()[1]
-    assert len(verdict.lines()) == 3
+    assert len(verdict.lines()) == 4
+    assert verdict.lines()[-1] == "  Rope strength not stated: not judged (system.cable.breaking_force)"
 
 
 def test_a_criterion_of_scenario_and_command_line_is_told_once():
@@ -167,3 +168,4 @@ def test_a_load_that_is_not_known_and_a_strength_that_is_not_stated_break_nothin
     verdict = judge(run, moves_winch=True)
     assert verdict.is_good
     assert [check.state for check in verdict.loads] == ["unknown"]
+    assert verdict.remarks == []

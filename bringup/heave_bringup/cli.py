@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from heave_bags.errors import BagError
+from heave_bags.errors import BagError, NoBagError
 from heave_node.parameters import ParameterError
 from heave_node.ros.transport.parents_death import exit_at_once
 from heave_node.ros.transport.start_watchdog import check_memory
@@ -73,7 +73,7 @@ def _execute(options: argparse.Namespace) -> None:
 def _status_of(error: Exception) -> ExitStatus:
     if isinstance(error, CommandError):
         return error.status
-    return ExitStatus.REFUSED if isinstance(error, ParameterError) else ExitStatus.FAILED
+    return ExitStatus.REFUSED if isinstance(error, ParameterError | NoBagError) else ExitStatus.FAILED
 
 
 def _exit_with(error: object, status: ExitStatus) -> ExitStatus:

@@ -13,7 +13,10 @@ class ExitStatus(IntEnum):
 
     DONE = 0, "done; a verdict that was given is not FAILED"
     FAILED = 1, "failed: the command could not do what it says"
-    REFUSED = 2, "refused before anything was done: command line, scenario, or no run to operate"
+    REFUSED = (
+        2,
+        "refused before anything was done: command line, scenario, a file of another kind, or no run",
+    )
     VERDICT_FAILED = 3, "done, and the verdict is FAILED: results, bag and report are complete"
     INTERRUPTED = 130, "interrupted by Ctrl-C or SIGTERM"
 

@@ -57,6 +57,14 @@ class OneLineParser(argparse.ArgumentParser):
         hint = f"; did you mean {near[0]}?" if near else ""
         return f"unrecognized arguments: {' '.join(unknown)}{hint}"
 
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Refuse what is no choice, and name the one that is near: the list of all commands is in the help."""
+        if action.choices is not None and value not in action.choices:
+            near = difflib.get_close_matches(str(value), list(map(str, action.choices)), n=1)
+            if near:
+                raise argparse.ArgumentError(action, f"invalid choice: {value!r}; did you mean {near[0]}?")
+        super()._check_value(action, value)
+
     def error(self, message: str) -> NoReturn:
         """Say in `message` what is wrong, and where help is; exit as refused."""
         self.exit(ExitStatus.REFUSED, f"{self.prog}: {message}; see {self.prog} --help\n")

@@ -26,21 +26,21 @@ def test_the_shipped_maps_are_listed_and_shown(capsys, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("arguments", "status", "words"),
     [
-        ([], "name a map file, or a shipped map"),
-        (["psxm"], "psxm: there is no such file, and no map is shipped by that name"),
-        (["--show", "psxm"], "is no shipped map; known: crane_joint_states, em3000"),
-        (["psxn", "phoct"], "mru is published by more than one of the maps"),
-        (["--duration", "0", "psxn"], "must be above 0"),
-        (["sbg_ship_motion"], "the message type sbg_driver/msg/SbgShipMotion is not installed: build its package"),
-        (["tss1"], "serial /dev/ttyUSB0 at 9600: cannot be opened: No such file or directory"),
+        ([], 2, "name a map file, or a shipped map"),
+        (["psxm"], 2, "psxm: there is no such file, and no map is shipped by that name"),
+        (["--show", "psxm"], 2, "is no shipped map; known: crane_joint_states, em3000"),
+        (["psxn", "phoct"], 2, "mru is published by more than one of the maps"),
+        (["--duration", "0", "psxn"], 2, "must be above 0"),
+        (["sbg_ship_motion"], 1, "the message type sbg_driver/msg/SbgShipMotion is not installed: build its package"),
+        (["tss1"], 1, "serial /dev/ttyUSB0 at 9600: cannot be opened: No such file or directory"),
     ],
 )
-def test_what_cannot_be_is_refused_in_one_line(arguments, words, capsys, monkeypatch):
+def test_what_cannot_be_is_refused_in_one_line(arguments, status, words, capsys, monkeypatch):
     with domain_id() as domain:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-        assert main(["adapt", *arguments]) == 1
+        assert main(["adapt", *arguments]) == status
     (line,) = capsys.readouterr().err.strip().splitlines()
     assert line.startswith("heave: ")
     assert words in line
@@ -53,5 +53,5 @@ def test_a_map_without_a_source_reads_records_alone(tmp_path, capsys, monkeypatc
     assert "a record" in capsys.readouterr().out
     with domain_id() as domain:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-        assert main(["adapt", str(path)]) == 1
+        assert main(["adapt", str(path)]) == 2
     assert "log: says no source: add source: {udp: PORT}" in capsys.readouterr().err

@@ -14,6 +14,7 @@ from heave_bringup.adapt.shipped import find_map
 from heave_bringup.errors import CommandError
 from heave_msgs.msg import MruSample, WinchCommand
 from heave_node.devices.maps.device_map import device_map_of
+from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Level
 from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
@@ -111,7 +112,7 @@ def wait_until(condition):
 def test_a_field_that_the_command_does_not_have_is_refused_at_the_start():
     command = {"topic": "/c", "type": "std_msgs/msg/Float64", "set": {"datum": "payout_rate"}}
     payout = {"topic": "/j", "type": "sensor_msgs/msg/JointState", "field": "position[0]"}
-    with pytest.raises(CommandError, match="there is no field datum"):
+    with pytest.raises(ParameterError, match="there is no field datum"):
         LiveDevice(device_map_of("m", {"payout": payout, "command": command}), Node())
 
 

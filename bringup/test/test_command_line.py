@@ -25,6 +25,13 @@ from heave_bringup.cli import main
         (["run", "b2_calm_300", "--seed", "one"], "heave run: argument --seed: invalid int value: 'one'"),
         (["repair", "bag"], "heave repair: one of the arguments --output --reindex is required"),
         (["sail"], "heave: argument COMMAND: invalid choice: 'sail'"),
+        (["rnu"], "heave: argument COMMAND: invalid choice: 'rnu'; did you mean run?"),
+        (["adapt", "--show", "no_map"], "heave: --show no_map: is no shipped map"),
+        (["adapt", "no_map"], "heave: no_map: there is no such file"),
+        (["adapt", "--check", __file__], f"heave: {__file__}: "),
+        (["accept", "--show", "no_such"], "heave: --show no_such: is no shipped procedure"),
+        (["export", __file__, "--csv", "x.csv"], f"heave: {__file__}: not an MCAP file"),
+        (["run", "b2_calm_300", "--bag", str(Path(__file__).parent)], f"heave: {Path(__file__).parent}: is not empty"),
         (["run", "no_such_scenario"], "heave: no_such_scenario"),
         (
             ["run", "b2_calm_300", "--set", "cable_sim.length=-1"],
@@ -116,5 +123,12 @@ def test_the_folder_of_a_run_is_repaired_though_its_bag_lost_the_index(tmp_path)
 
 @pytest.mark.parametrize("command", [["replay"], ["import", "--topic", "/heave", "--output", "sea.csv"], ["kpi"]])
 def test_a_bag_that_does_not_exist_is_told_as_such(command, tmp_path, capsys):
-    assert main([*command, str(tmp_path / "nothing")]) == 1
+    assert main([*command, str(tmp_path / "nothing")]) == 2
     assert capsys.readouterr().err.endswith("nothing: no such bag\n")
+
+
+def test_a_text_is_no_map(tmp_path, capsys):
+    text = tmp_path / "text.txt"
+    text.write_text("hello")
+    assert main(["adapt", "--check", str(text)]) == 2
+    assert "text.txt: is no map" in capsys.readouterr().err

@@ -51,7 +51,7 @@ def test_a_rope_that_does_not_carry_the_unit_at_rest_is_a_verdict_that_failed(he
     assert len(line) < 100, "the table has the figures"
 
 
-def test_strengths_that_suffice_pass_and_a_part_that_is_not_there_is_not_judged(here):
+def test_strengths_that_suffice_pass_and_a_part_that_is_not_there_is_not_judged(here, capsys):
     strong = ("--set", "system.cable.breaking_force=1e6", "--set", "system.unit.attachment_breaking_force=1e6")
     assert main(["static", "s300_driven", *strong, "--json", "static.json"]) == 0
     verdict = json.loads((here / "static.json").read_text())["verdict"]
@@ -61,6 +61,7 @@ def test_strengths_that_suffice_pass_and_a_part_that_is_not_there_is_not_judged(
     assert len(json.loads((here / "moored.json").read_text())["verdict"]["loads"]) == 1
     assert main(["static", "s300_driven", "--json", "none.json"]) == 0
     assert json.loads((here / "none.json").read_text())["verdict"]["state"] == "none"
+    assert capsys.readouterr().out.count("Rope strength not stated: not judged") == 1
 
 
 def made_up_design(static_tension: float, unit_weight: float) -> SimpleNamespace:

@@ -45,7 +45,9 @@ def test_a_file_with_names_of_the_catalogue_runs(here):
 def test_a_lift_of_ones_own_is_stated_on_the_command_line(here, capsys):
     lift = ["--mass", "6000", "--volume", "1.2", "--depth", "2000", "--hs", "2.2", "--tp", "9"]
     assert main(["new", "mine", *lift, "--title", 'Tree "A"']) == 0
-    assert "6000 kg in air, 4770 kg submerged; cable: 2000 m" in capsys.readouterr().out, "6000 - 1025 x 1.2"
+    said = capsys.readouterr().out
+    assert "6000 kg in air, 4770 kg submerged; cable: 2000 m" in said, "6000 - 1025 x 1.2"
+    assert "criteria (wanted) are those of b3_deep_900: check them" in said
     scenario, model = load_scenario("mine.yaml"), load_scenario("b3_deep_900")
     plant, controller = scenario.parameters["cable_sim"], scenario.parameters["winch_controller"]
     assert (plant.unit.mass, plant.unit.volume, plant.length) == (6000.0, 1.2, 2000.0 + plant.boom_tip_height)
@@ -128,8 +130,8 @@ def test_the_strength_of_a_wire_is_that_of_plant_and_belief_and_goes_with_the_wi
         (["new", "x", "--like", "b3_deep_90"], "did you mean b3_deep_900?"),
         (["new", "x", "--length", "-3"], "length"),
         (["new", "x", "--mass", "600", "--volume", "3"], "heavier than the 3075 kg of water that it displaces"),
-        (["new", "x", "--mass", "-1"], "--mass -1 --volume"),
-        (["new", "x", "--volume", "nan"], "both must be above 0"),
+        (["new", "x", "--mass", "-1"], "--mass -1: must be above 0"),
+        (["new", "x", "--volume", "nan"], "--volume nan: must be above 0"),
         (["new", "x", "--hs", "-2"], "significant_wave_height"),
         (["new", "x", "--depth", "300", "--length", "300"], "either the depth of the unit or the --length"),
         (["new", "x", "--hs", "2", "--like", "s900_driven"], "s900_driven has no sea to change"),

@@ -129,7 +129,7 @@ def test_fewer_than_three_seeds_show_no_confidence_and_say_how_many_would(seeds)
     assert math.isnan(row["lower"])
     assert math.isnan(row["upper"])
     line = too_few_seeds([curve])
-    assert line.startswith(f"confidence: - with {len(seeds)} seed")
+    assert line.startswith(f"confidence: not stated with {len(seeds)} seed")
     assert "at least 3 seeds" in line
     assert too_few_seeds([limit_curve(cases(seeds=(1, 2, 3)), [RESIDUAL])]) == ""
 
@@ -185,8 +185,8 @@ def test_the_command_writes_page_and_tables_and_makes_them_again_without_running
     page = (tmp_path / "b2_calm_300_operability.html").read_text()
     assert "workable seas of seas.csv" in said
     assert re.search(r"\d to \d", said) is None, "of two seeds no confidence is printed"
-    assert said.count("confidence: - with 2 seeds") == 1
-    assert page.count("confidence: - with 2 seeds") == 1
+    assert said.count("confidence: not stated with 2 seeds") == 1
+    assert page.count("confidence: not stated with 2 seeds") == 1
     assert "heave run b2_calm_300_operability.parquet:CASE" in page
     assert page.count('class="figure"') > 5
     assert len(pandas.read_csv("own.csv")) == 4

@@ -5,6 +5,8 @@ from __future__ import annotations
 from heave_node.interface.alarm import AlarmRow, Severity, alarm_table
 from heave_node.interface.codes import WinchFault
 
+from cable_sim_node.inputs import CLOSING_TIME, LONGEST_EXTRAPOLATION
+
 DRIVE_CODES = {
     WinchFault.COMMAND_TIMEOUT: "WINCH_COMMAND_TIMEOUT",
     WinchFault.INVALID_COMMAND: "WINCH_INVALID_COMMAND",
@@ -53,7 +55,8 @@ ALARMS = alarm_table(
         Severity.MEDIUM,
         "network",
         "{name} missing for {count} ticks",
-        "The last motion is continued",
+        f"Its last speed dies away with a time constant of {CLOSING_TIME:g} s, and it rests; in real time a value "
+        f"that is up to {LONGEST_EXTRAPOLATION:g} s old is still used",
         "Check the node that publishes it",
     ),
 )

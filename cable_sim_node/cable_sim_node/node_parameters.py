@@ -34,8 +34,7 @@ class CableSimNodeParameters(CableSimParameters):
         unit="m",
         minimum=-100.0,
         maximum=200.0,
-        description="Height of the mean boom tip above still water, where the run starts; must equal that of "
-        "wave_vessel.",
+        description="Height of the mean boom tip above still water, where the run starts; wave_vessel has the same.",
     )
     shadow_follows_programme: bool = parameter(
         False,

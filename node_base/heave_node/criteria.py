@@ -101,7 +101,7 @@ def parse_criterion(given: Given) -> Criterion:
         takes = (
             f"it takes {', '.join(UNITS_OF_KEYS[end])}"
             if end
-            else "a figure without a unit at its end takes m, cm, kN, t, m/s, s, kW, deg, %"
+            else "a figure without a unit at its end takes m, cm, mm, kN, t, m/s, m/min, s, kW, deg, %"
         )
         raise ParameterError(f"{given.where}: {given.name} = {given.value!r}: {unit} is no unit of {key}; {takes}")
     return Criterion(key, relation, float(f"{float(number) * UNITS_OF_KEYS[end][unit]:.12g}"))

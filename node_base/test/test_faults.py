@@ -148,8 +148,14 @@ def test_after_a_clear_nothing_that_began_before_is_active(drawn):
 def test_the_readme_has_the_vocabulary(kind):
     fault = FAULTS[kind]
     known = " | ".join("x" if device in fault.devices else "" for device in DEVICES)
-    row = f"| `{kind}` | {fault.meaning} | {fault.magnitude or '-'} | {known} |"
+    row = f"| `{kind}` | {fault.words} | {fault.magnitude or '-'} | {known} |"
     assert re.sub(r" +", " ", row) in re.sub(r" +", " ", README), f"wanted: {row}"
+
+
+def test_what_a_fault_does_to_a_device_says_nothing_of_others():
+    assert FAULTS["gap"].of("mru") == "no samples"
+    assert FAULTS["gap"].of("winch") == "commands are lost"
+    assert not any(other in FAULTS[kind].of("sensor") for kind in FAULTS for other in ("mru", "winch"))
 
 
 def test_every_delay_that_is_bounded_says_so():

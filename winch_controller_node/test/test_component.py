@@ -72,6 +72,7 @@ def test_no_move_of_the_programme_begins_while_the_mru_is_lost_and_one_under_way
     assert record.modes[-1] == "compensating"
     (ended,) = [alarm for _, alarm in record.alarms if alarm.code == "MOVE_ENDED"]
     assert ended.values["target"] == 6.0
+    assert "mru stale" in str(ended.values["cause"]).lower()
     (rejected,) = [alarm for _, alarm in record.alarms if alarm.code == "PROGRAMME_REJECTED"]
     assert rejected.values["time"] == 45.0
 

@@ -506,7 +506,9 @@ class WinchController:
             # the winch made the tension until now, or does so from now on
             self._estimation.mean_tension.restart()
         if self.mean.has_target and mode.mode not in OPERATED:
-            self._alarms.append(ALARMS.alarm("MOVE_ENDED", target=self.mean.target, payout=self.mean.point.payout))
+            cause = f": {mode.reason}" if mode.reason else ""
+            ended = ALARMS.alarm("MOVE_ENDED", target=self.mean.target, payout=self.mean.point.payout, cause=cause)
+            self._alarms.append(ended)
         if mode.mode in BRAKED:
             self._estimation.motion.stand()
         elif mode.mode is not Mode.COMPENSATING:

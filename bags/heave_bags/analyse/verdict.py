@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from heave_node.criteria import Criterion
 from heave_node.interface.codes import RESTS_REQUESTED
-from heave_node.loads.strength import LoadCheck
+from heave_node.loads.strength import ROPE, LoadCheck
 from heave_node.numerics.constants import LARGEST_STRAIN
 
 from heave_bags.analyse.kpi_set import DEFINITION_OF
@@ -24,6 +24,9 @@ LEAST_SHARE = 0.9
 
 FAILED, PASSED, NO_VERDICT = "FAILED", "passed", "none"
 """Verdicts."""
+
+NO_ROPE = "Rope strength not stated: not judged (system.cable.breaking_force)"
+"""Remark on a lift whose rope has no safety factor."""
 
 RELATIONS = {"<=": "at most", "<": "below", ">=": "at least", ">": "above"}
 """The relations of criteria in words."""
@@ -100,6 +103,7 @@ class Verdict:
     is_judged : the run is longer than its transient
     strain : largest of the cable in the whole run [-]; NaN: unknown
     loads : how the parts whose strength is stated stood under their largest load of the whole run
+    has_rope : the strength of the rope is stated
     """
 
     judged: tuple[Judged, ...]
@@ -110,6 +114,7 @@ class Verdict:
     is_judged: bool = True
     strain: float = math.nan
     loads: tuple[LoadCheck, ...] = ()
+    has_rope: bool = True
 
     @property
     def criteria(self) -> list[Judged]:
@@ -169,7 +174,12 @@ class Verdict:
             head += f"; {self.alarms} {'error' if self.alarms == 1 else 'errors'} reported"
         met = [str(judged) for judged in self.criteria if judged.is_met]
         loads = [str(check) for check in self.loads if not check.is_overloaded]
-        return [head, *(f"  {line}" for line in (*self.failures, *met, *loads))]
+        return [head, *(f"  {line}" for line in (*self.failures, *met, *loads, *self.remarks))]
+
+    @property
+    def remarks(self) -> list[str]:
+        """Return in words what could not be judged."""
+        return [] if self.has_rope else [NO_ROPE]
 
     def to_json(self) -> dict[str, object]:
         """Return the verdict as plain data."""
@@ -217,13 +227,15 @@ def judge(
         record.is_past_transient,
         record.largest_strain,
         record.signals.load_checks(),
+        any(one.key == ROPE for one in record.signals.strengths),
     )
 
 
 def judge_loads(loads: Sequence[LoadCheck]) -> Verdict:
     """Return the verdict on parts under their largest `loads` alone, of a lift at rest or a design."""
     known = tuple(check for check in loads if not math.isnan(check.load))
-    return Verdict((), (), {}, math.nan, loads=known)
+    has_rope = any(check.strength.key == ROPE for check in loads)
+    return Verdict((), (), {}, math.nan, loads=known, has_rope=has_rope)
 
 
 def share_in_force(record: RunRecord, values: Mapping[str, float]) -> float:

@@ -15,6 +15,7 @@ from heave_node.devices.maps.device_map import DeviceMap
 from heave_node.interface import topics
 from heave_node.interface.messages import SensorMessages, message_type
 from heave_node.interface.sensors import SENSORS
+from heave_node.parameters import ParameterError
 from heave_node.ros.transport.qos import qos_of
 from heave_node.tick.tick import nanoseconds_of
 from rclpy.node import Node
@@ -26,7 +27,6 @@ from heave_bringup.adapt.messages import boom_tip, installed_type, winch_state
 from heave_bringup.adapt.orders import Orders, follow_commands
 from heave_bringup.adapt.plc.polled import PolledLink
 from heave_bringup.adapt.plc.protocols import exchange_of
-from heave_bringup.errors import CommandError
 
 _SENSOR_OF = {sensor.topic.name: sensor for sensor in SENSORS.values()}
 
@@ -72,12 +72,12 @@ class LiveDevice:
             self.link = PolledLink(device.link, exchange_of(device), self._on_sample)
             return
         if device.link is not None and not device.format:
-            raise CommandError(f"{device.name}: has a source, but no format of its lines")
+            raise ParameterError(f"{device.name}: has a source, but no format of its lines")
         if device.link is not None:
             self._decoder = device.decoder()
             self.link = LinkReader(device.link, self._on_bytes)
         elif not device.topics:
-            raise CommandError(
+            raise ParameterError(
                 f"{device.name}: says no source: add source: {{udp: PORT}}, {{tcp: HOST:PORT}} or "
                 "{serial: PORT, baud: N}"
             )

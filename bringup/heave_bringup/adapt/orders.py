@@ -16,6 +16,7 @@ from heave_node.devices.maps.field_path import FieldPath
 from heave_node.interface import topics
 from heave_node.interface.codes import WinchFault
 from heave_node.interface.messages import message_type
+from heave_node.parameters import ParameterError
 from heave_node.ros.transport.qos import qos_of
 from heave_node.tick.tick import stamp_of
 from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
@@ -24,7 +25,6 @@ from rclpy.node import Node
 from heave_bringup.adapt.links import LinkReader, Sender
 from heave_bringup.adapt.messages import installed_type
 from heave_bringup.adapt.plc.polled import PolledLink
-from heave_bringup.errors import CommandError
 
 _DEFAULT_TIMEOUT = 0.5
 Values = dict[str, float]
@@ -159,7 +159,7 @@ class Orders:
 
             return lambda values: link.put(command.numbers_of(values, kind_of, has_bits=is_modbus))
         if command.link is None and link is None:
-            raise CommandError(f"{self._adapter.device.name}: command: say where it goes: to: {{udp: HOST:PORT}}")
+            raise ParameterError(f"{self._adapter.device.name}: command: say where it goes: to: {{udp: HOST:PORT}}")
         self._out = Sender(command.link) if command.link is not None else None
         out = self._out or link
         assert out is not None
@@ -171,7 +171,7 @@ class Orders:
 def _message_sender(command: CommandMap, node: Node, name: str) -> Callable[[Values], None]:
     """Return what publishes the values of an order as a message.
 
-    Raises CommandError where the message has no such field.
+    Raises ParameterError where the message has no such field.
     """
     kind = installed_type(command.type, f"{name}: command: {command.topic}")
     publisher = node.create_publisher(kind, command.topic, 10)
@@ -188,7 +188,7 @@ def _message_sender(command: CommandMap, node: Node, name: str) -> Callable[[Val
     try:
         message_of(dict.fromkeys(("payout", "payout_rate", "brake", "enable", "reset", "sequence", "watchdog"), 0.0))
     except (LookupError, TypeError, AssertionError) as error:
-        raise CommandError(f"{name}: command: set: {error}") from None
+        raise ParameterError(f"{name}: command: set: {error}") from None
     return lambda values: publisher.publish(message_of(values))
 
 

@@ -7,8 +7,7 @@ from pathlib import Path
 
 from heave_node.devices.maps.channel import MapError
 from heave_node.devices.maps.device_map import DeviceMap, read_device_map
-
-from heave_bringup.errors import CommandError
+from heave_node.parameters import ParameterError
 
 
 def shipped_maps() -> dict[str, Path]:
@@ -24,13 +23,15 @@ def title_of(path: Path) -> str:
 
 
 def find_map(name: str) -> DeviceMap:
-    """Return the map that is a file, or the shipped one, called `name`. Raises CommandError where there is none."""
+    """Return the map that is a file, or the shipped one, called `name`. Raises ParameterError where there is none."""
     path = Path(name)
     if not path.exists() and name in shipped_maps():
         path = shipped_maps()[name]
     if not path.exists():
-        raise CommandError(f"{name}: there is no such file, and no map is shipped by that name: see heave adapt --list")
+        raise ParameterError(
+            f"{name}: there is no such file, and no map is shipped by that name: see heave adapt --list"
+        )
     try:
         return read_device_map(path)
     except MapError as error:
-        raise CommandError(str(error)) from None
+        raise ParameterError(str(error)) from None

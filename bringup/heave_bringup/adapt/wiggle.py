@@ -10,6 +10,7 @@ from heave_node.devices.live.adapter import WINCH_STATE
 from heave_node.devices.live.wiggle import DURATION, LARGEST, LEAST, Reading, Verdict, is_too_far, judge, move_at
 from heave_node.devices.live.winch_handshake import WinchOrder
 from heave_node.devices.maps.device_map import DeviceMap
+from heave_node.parameters import ParameterError
 
 from heave_bringup.adapt.device import LiveDevice
 from heave_bringup.adapt.report import stale_words
@@ -23,9 +24,9 @@ _READY_TIME = 8.0
 def check_wiggle(maps: list[DeviceMap], distance: float) -> None:
     """Raise CommandError where `maps` are not one winch, or the `distance` [m] is none of a wiggle."""
     if len(maps) != 1 or WINCH_STATE not in maps[0].outputs or maps[0].command is None:
-        raise CommandError("--wiggle: name the map of one winch, with payout and command")
+        raise ParameterError("--wiggle: name the map of one winch, with payout and command")
     if not LEAST <= distance <= LARGEST:
-        raise CommandError(f"--wiggle {1e3 * distance:g}: must be from {1e3 * LEAST:g} to {1e3 * LARGEST:g} mm")
+        raise ParameterError(f"--wiggle {1e3 * distance:g}: must be from {1e3 * LEAST:g} to {1e3 * LARGEST:g} mm")
 
 
 class Wiggle:

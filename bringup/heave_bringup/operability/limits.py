@@ -138,7 +138,7 @@ def too_few_seeds(curves: Sequence[pandas.DataFrame]) -> str:
         return ""
     seeds = f"{count} seed{'s' if count > 1 else ''}"
     return (
-        f"confidence: - with {seeds}: it takes at least {FEWEST_SEEDS} seeds, and {USEFUL_SEEDS} (--seeds "
+        f"confidence: not stated with {seeds}: it takes at least {FEWEST_SEEDS} seeds, and {USEFUL_SEEDS} (--seeds "
         f"{USEFUL_SEEDS}) to be within one standard deviation of a seed's limit"
     )
 

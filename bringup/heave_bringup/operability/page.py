@@ -162,13 +162,15 @@ def _limits(situation: Situation) -> str:
     for row in situation.limit.to_dict("records"):
         other = locked.loc[row["period"]].to_dict()
         governs = title_of(str(row["governs"])) if row["governs"] else "-"
-        rows.append([f"{row['period']:g}", governs, _limit(row), interval(row), _limit(other), interval(other)])
-    head = ["Tp [s]", "ended by", "Hs, compensated [m]", "confidence [m]", "Hs, uncompensated [m]", "confidence [m]"]
+        rows.append([f"{row['period']:g}", governs, _limit(row), _limit(other)])
+    head = ["Tp [s]", "ended by", "Hs, compensated [m]", "Hs, winch locked [m]"]
     return table(head, rows, texts=2)
 
 
 def _limit(row: Mapping[Hashable, object]) -> str:
-    return f"{'at least ' if row['is_open'] else ''}{row['limit']:.2f}"
+    """Return a limit, with its confidence interval in brackets where there is one."""
+    spread = interval(row)
+    return f"{'at least ' if row['is_open'] else ''}{row['limit']:.2f}" + (f" ({spread})" if spread != "-" else "")
 
 
 def interval(row: Mapping[Hashable, object]) -> str:

@@ -19,7 +19,7 @@ from winch_controller_node.parameters.laws import GuardParameters, ModeParameter
 from winch_controller_node.supervision.command_timeouts import MOST, PERIOD, WAIT
 from winch_controller_node.supervision.guard_hold import CAUSE_TIME, HOLD_GROWTH, KNOWN_HOLD
 from winch_controller_node.supervision.modes import BACK_TIME
-from winch_controller_node.supervision.supervisor import TRANSPORT_HOLD
+from winch_controller_node.supervision.supervisor import BLIND_LIMIT, TRANSPORT_HOLD
 
 TABLES: dict[str, AlarmTable] = {
     "Controller and adviser": CONTROLLER,
@@ -121,7 +121,15 @@ stands in the guide, "My winch differs from its data sheet".
 ## Does compensation come back?
 
 `COMPENSATION_LOST` gives the reason. Authority falls to zero over `modes.fade_out_time`
-({TIMES.fade_out_time:g} s), then the winch stops and the brake goes on. After that:
+({TIMES.fade_out_time:g} s). What then holds the unit:
+
+- The MRU is lost or excluded, and the depth sensor reads: the depth sensor damps the unit and holds it near its mean
+  until the MRU is good or the operator requests rest, for at most {BLIND_LIMIT / 60.0:g} minutes; then the winch stops.
+- The MRU is lost or excluded, and there is no depth sensor, or the cable is short and stiff: the winch stops and the
+  brake goes on.
+- Any other reason: the winch stops and the brake goes on.
+
+After that:
 
 {_lines(RETURNS)}
 

@@ -11,9 +11,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from cable_sim_node.winch.parameters import WinchParameters
+from winch_controller_node.parameters.laws import ModeParameters
 from winch_controller_node.supervision.modes import Event
+from winch_controller_node.supervision.supervisor import BLIND_LIMIT
 
-WINCH = WinchParameters()
+WINCH, MODES = WinchParameters(), ModeParameters()
 
 
 @dataclass(frozen=True)
@@ -139,7 +141,7 @@ HAZARDS: tuple[Hazard, ...] = (
         events=(Event.WINCH_FAULT, Event.WINCH_SILENT),
     ),
     Hazard(
-        "An order is no number",
+        "A command is not a finite number",
         {},
         ("WINCH_INVALID_COMMAND",),
         f"the winch {_STOP}, brakes and latches",
@@ -154,9 +156,11 @@ HAZARDS: tuple[Hazard, ...] = (
         {"mru": ("gap", "nan", "freeze", "restart", "rate")},
         ("MRU_STALE", "MRU_NOT_A_NUMBER", "MRU_BAD_STAMP", "MRU_OUT_OF_ORDER", "MRU_FROZEN", "MRU_FAULT",
          "MRU_OUTPUT_STOPPED"),
-        "the last motion is predicted for a second at most, compensation fades out, the unit is damped by its depth",
+        f"the last motion is predicted for at most {MODES.coast_time:g} s, then compensation fades out; with a depth "
+        f"sensor the unit is damped by it, for at most {BLIND_LIMIT / 60.0:g} minutes; without one, or on a short "
+        "stiff cable, the winch stops",
         "3 samples to the alarm (test)",
-        "the unit moves with the ship until the MRU is back",
+        "until the MRU is back the unit swings more with the depth sensor alone, and moves with the ship without one",
         (f"{_C}test_sensor_health.py::test_a_fault_raises_the_alarm_within_three_samples_and_is_named",
          f"{_C}test_component.py::"
          "test_a_frozen_mru_is_named_within_three_samples_and_the_unit_is_damped_without_it_and_without_a_jerk",
@@ -306,7 +310,8 @@ HAZARDS: tuple[Hazard, ...] = (
         "What happened is not recorded",
         {},
         ("RECORDING_FAILED",),
-        "the run goes on; the loss is named in seconds and messages",
+        "lockstep: the run ends; real time: the run continues without a recording. The bag reads to its last whole "
+        "chunk, and the loss is named in seconds and messages",
         "the first message that is not written",
         "the time that is lost",
         ("bags/test/test_recorded_losses.py::"

@@ -36,7 +36,7 @@ def page() -> str:
 
 
 def _section(number: int, one: Hazard) -> str:
-    kinds = [f"{device}: `{kind}`, {FAULTS[kind].meaning}" for device, kinds in one.causes.items() for kind in kinds]
+    kinds = [f"{device}: `{kind}`, {FAULTS[kind].of(device)}" for device, kinds in one.causes.items() for kind in kinds]
     modes = [
         f"{_event_words(event)}: {', '.join(row.sources_words)} to {row.target}"
         for event in one.events

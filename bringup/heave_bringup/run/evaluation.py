@@ -11,6 +11,7 @@ from pathlib import Path
 
 from heave_bags.analyse import analysis, run_warnings, run_words
 from heave_bags.analyse.verdict import Verdict, judge
+from heave_bags.errors import NoBagError
 from heave_bags.mcap.reader import Bag
 from heave_bags.report import headline
 from heave_bags.report.report import save_report
@@ -80,7 +81,10 @@ def evaluate(
     alarms : number of errors that the nodes reported
     has_baseline : the scenario is run again under the baseline law, in this process, and that kept beside the bag
     """
-    records = read_records([bag], has_baseline=has_baseline)
+    try:
+        records = read_records([bag], has_baseline=has_baseline)
+    except NoBagError as error:  # of a run that was made: nothing was refused
+        raise CommandError(str(error)) from error
     (record,) = records
     verdict = judge(record, scenario.wanted, required=required, moves_winch=scenario.moves_winch, alarms=alarms)
     if report is not None:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from heave_msgs.msg import TickStatus
+from heave_node.parameters import ParameterError
 from heave_node.ros.master import STOP_RECORDING_TIME
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.shared_memory import remove_dead_segments
@@ -29,6 +30,8 @@ from heave_bringup.run.monitor import Monitor
 from heave_bringup.scenarios import Scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
 
+RUNS = "runs"
+"""Folder of all runs, unless the user names another."""
 ANOTHER_RUN = "another run is in progress in this ROS domain: end it, or set another ROS_DOMAIN_ID"
 
 LOOK_PERIOD = 0.1
@@ -75,15 +78,15 @@ def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
 
     It is made at once: of two runs that begin together only one can have it.
 
-    Raises CommandError where the chosen folder is not empty.
+    Raises ParameterError where the chosen folder is not empty.
     """
     if chosen is not None:
         if chosen.exists() and any(chosen.iterdir()):
-            raise CommandError(f"{chosen}: is not empty; choose another folder or remove it")
+            raise ParameterError(f"{chosen}: is not empty; choose another folder or remove it")
         chosen.mkdir(parents=True, exist_ok=True)
         return RunFolder(chosen.resolve())
     for number in itertools.count(1):
-        path = Path("runs") / f"{name}-{number:03d}"
+        path = Path(RUNS) / f"{name}-{number:03d}"
         with suppress(FileExistsError):
             path.mkdir(parents=True)
             break
@@ -210,9 +213,11 @@ def _until_started(watchdog: StartWatchdog, was_interrupted: threading.Event, on
 
 
 def _remove_unused(folder: RunFolder) -> None:
-    """Remove the folder of a run that never began."""
+    """Remove the folder of a run that never began, and that of all runs where it has no other."""
     with suppress(OSError):  # not empty: it was there before
         folder.path.rmdir()
+        if folder.path.parent == Path(RUNS).resolve():
+            folder.path.parent.rmdir()
 
 
 @contextmanager

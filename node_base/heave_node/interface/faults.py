@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from heave_node.parameters import parameter
@@ -29,11 +29,22 @@ class FaultKind:
     meaning : what happens from the start for the duration
     devices : kinds of device that know it
     magnitude : what the magnitude is, with its unit; empty: not used
+    own : what happens instead, by kind of device
     """
 
     meaning: str
     devices: tuple[str, ...]
     magnitude: str = ""
+    own: Mapping[str, str] = field(default_factory=dict)
+
+    def of(self, device: str) -> str:
+        """Return what happens to a kind of `device`."""
+        return self.own.get(device, self.meaning)
+
+    @property
+    def words(self) -> str:
+        """What happens, of all kinds of device."""
+        return "; ".join([self.meaning, *(f"{device}: {words}" for device, words in self.own.items())])
 
 
 _SENSORS = ("sensor", "mru")
@@ -42,26 +53,32 @@ _PAYS_OUT = "speed at which the load pays out, at least 0 [m/s]"
 
 FAULTS: dict[str, FaultKind] = {
     "freeze": FaultKind("repeats the values of the last sample, with fresh stamps", (*_SENSORS, "encoder")),
-    "gap": FaultKind("no samples; winch: commands are lost", (*_SENSORS, "winch")),
+    "gap": FaultKind("no samples", (*_SENSORS, "winch"), own={"winch": "commands are lost"}),
     "spike": FaultKind(
-        "only the first sample is offset, on all axes (mru: heave only)",
+        "only the first sample is offset, on all axes",
         (*_SENSORS, "encoder"),
         "error, in the sensor's unit",
+        {"mru": "only the first sample is offset, in heave alone"},
     ),
     "jump": FaultKind(
-        "every sample is offset, on all axes (mru: heave only)", (*_SENSORS, "encoder"), "error, in the sensor's unit"
+        "every sample is offset, on all axes",
+        (*_SENSORS, "encoder"),
+        "error, in the sensor's unit",
+        {"mru": "every sample is offset, in heave alone"},
     ),
     "scale": FaultKind(
-        "every sample is multiplied, on all axes (mru: heave, its rate and acceleration)",
+        "every sample is multiplied, on all axes",
         (*_SENSORS, "encoder"),
         "factor, not 0: -1 for a reversed sensor",
+        {"mru": "heave, its rate and acceleration are multiplied"},
     ),
     "nan": FaultKind("every sample is NaN", (*_SENSORS, "encoder")),
     "rate": FaultKind("samples are taken at a different rate", _SENSORS, "rate, above 0 [Hz]"),
     "delay": FaultKind(
-        "samples or commands arrive later, samples with their true stamp",
+        "samples arrive later, with their true stamp",
         (*_SENSORS, "winch"),
         "additional delay, at least 0 and for the mru at most 10 [s]",
+        {"winch": "commands arrive later"},
     ),
     "restart": FaultKind(
         "silent (0: for `restart_duration`), then settling: its high-pass filter starts again", ("mru",)

@@ -25,7 +25,7 @@ NODE_ALARMS = alarm_table(
         "CLOCK_VIOLATION",
         Severity.HIGH,
         "clock",
-        "{topic}: {violation}",
+        "stamps of {topic} do not fit its clock: {violation}",
         "Its messages may be used late or not at all",
         "Set the clock of the external node",
     ),

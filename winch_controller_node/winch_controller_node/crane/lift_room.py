@@ -74,4 +74,6 @@ class LiftRoom:
         elif bound == "range" and self._reported != bound:
             self._reported = bound
             end = bounds.highest if left > 0.0 else bounds.lowest
-            self._news.append(ALARMS.alarm("CRANE_BEYOND_RANGE", payout=mean + end + left, limit=mean + end))
+            remedy = "raise" if left > 0.0 else "lower"
+            values = {"payout": mean + end + left, "limit": mean + end}
+            self._news.append(ALARMS.alarm("CRANE_BEYOND_RANGE", **values, remedy=remedy))

@@ -78,7 +78,7 @@ LOAD = (
         "cable",
         "compensation needs {needed:.2f} times the static tension in this sea, and more in a higher one; the limit is "
         "{limit:.4g} times",
-        "Compensation does not keep the limit",
+        "Compensation that is active continues and does not keep the limit; otherwise it does not begin",
         "Wait for a lower sea, or raise limits.maximum_tension_ratio where cable and winch bear more",
     ),
     AlarmRow(
@@ -269,7 +269,7 @@ MODES = (
         "sea",
         "peaks of the boom tip need {percent:.0f} % of the winch's limits, limit {limit:.0f} %",
         "Compensation begins with an authority of {authority:.0f} %{rest}",
-        "Wait for a lower sea where the unit must move less",
+        "Wait for a lower sea if the unit must move less",
     ),
     AlarmRow("TOUCHDOWN", EVENT, "unit", "the unit has landed", "Constant tension is held"),
     AlarmRow(
@@ -292,7 +292,7 @@ MODES = (
         "MOVE_ENDED",
         LOW,
         "mode",
-        "the move to a payout of {target:.1f} m ended early near {payout:.1f} m",
+        "the move to a payout of {target:.1f} m ended early near {payout:.1f} m{cause}",
         "The winch does not continue the move",
         "Request it again once the winch compensates",
     ),
@@ -377,7 +377,7 @@ CRANE = (
         "crane",
         "the crane's motion takes the payout to {payout:.1f} m, limit for compensation {limit:.1f} m",
         "From there the unit moves with the boom; compensation continues",
-        "Move the boom back, or move the unit so that the range suffices",
+        "Move the boom back, or {remedy} the unit until the range suffices",
     ),
     AlarmRow(
         "CRANE_LENGTHS_MISSING",

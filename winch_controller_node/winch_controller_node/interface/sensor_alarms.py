@@ -17,7 +17,11 @@ class Loss(NamedTuple):
 
 
 LOSSES = {
-    "mru": Loss(HIGH, "Compensation fades out until readings are good again"),
+    "mru": Loss(
+        HIGH,
+        "Compensation fades out until readings are good again. Meanwhile the depth sensor damps the unit; without one, "
+        "or on a short stiff cable, the winch stops",
+    ),
     "encoder": Loss(HIGH, "Compensation fades out and the winch stops, until readings are good again"),
     "depth": Loss(MEDIUM, "Compensation continues without it; touchdown is recognised later"),
     "load_cell": Loss(
@@ -29,7 +33,8 @@ LOSSES = {
 """The loss of each sensor, by name."""
 
 EXCLUSIONS = {
-    "mru": "Compensation fades out until they agree again",
+    "mru": "Compensation fades out until they agree again. Meanwhile the depth sensor damps the unit; without one, or "
+    "on a short stiff cable, the winch stops",
     "encoder": "Compensation continues by the commanded payout while the sensors are compared, and ends if that takes "
     "longer than 20 s",
 }
@@ -72,7 +77,11 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
     ]
     if sensor != "encoder":
         found.append(
-            lost("SPIKES", "readings are far from the estimate", "Check mounting, sign and unit of measurement")
+            lost(
+                "SPIKES",
+                "readings are far from the estimate",
+                "Check connector, cable and supply; if they last, sign and unit of measurement",
+            )
         )
     if sensor in JUMPING:
         again = "; a request for a mode has it read again from where it is" if sensor == "mru" else ""
@@ -135,7 +144,9 @@ def _others_of(sensor: str) -> list[AlarmRow]:
 
 def _noise_of(sensor: str) -> list[AlarmRow]:
     """Return the alarms of a `sensor` whose noise differs from the nominal one."""
-    prefix = sensor.upper()
+    prefix, name = sensor.upper(), f"winch_controller.sensors.{sensor}.noise"
+    if sensor == "mru":
+        name += ", of heave rate winch_controller.sensors.mru.rate_noise"
     return [
         AlarmRow(
             f"{prefix}_NOISE_HIGH",
@@ -143,7 +154,7 @@ def _noise_of(sensor: str) -> list[AlarmRow]:
             sensor,
             "noise of {measurement} is {sigma:.3g} {unit}, {factor:.1f} times nominal",
             "The controller gives it less weight",
-            "Check the sensor, or enter its noise (winch_controller.sensors)",
+            f"Check the sensor, or enter its noise ({name})",
         ),
         AlarmRow(
             f"{prefix}_NOISE_LOW",
@@ -152,7 +163,7 @@ def _noise_of(sensor: str) -> list[AlarmRow]:
             "noise of {measurement} is below nominal: readings are {ratio:.2f} times as far from the estimate as "
             "expected (noise {sigma:.2g} {unit} nominal, {seen} measured)",
             "Compensation continues, with less benefit from this sensor than possible",
-            "Enter its noise (winch_controller.sensors), or check its scale",
+            f"Enter its noise ({name}), or check its scale",
         ),
     ]
 
@@ -244,7 +255,7 @@ IDENTIFIED = (
         "MRU_DELAYED",
         MEDIUM,
         "mru",
-        "time stamps are {value:+.2f} s late",
+        "each time stamp is {value:+.2f} s later than its measurement",
         CORRECTED,
         "Check the clock and the latency of the MRU",
     ),
@@ -252,7 +263,7 @@ IDENTIFIED = (
         "MRU_HIGH_PASS",
         LOW,
         "mru",
-        "heave has a high-pass of {value:.0f} s (nominal {nominal:.0f} s, 0 is none)",
+        "heave is high-passed with a period of {value:.0f} s (nominal {nominal:.0f} s, 0 is none)",
         CORRECTED,
         "Enter it as winch_controller.sensors.mru.high_pass_period",
     ),
@@ -301,7 +312,7 @@ IDENTIFIED = (
             f"{part.upper()}_NOT_DESIGNABLE",
             MEDIUM,
             part,
-            "the identified values differ from nominal, and no controller can be designed for them",
+            "identified values differ from nominal; no controller can be designed with them",
             "They are not used: the present design stays active",
             "Check the parameters of that part in the scenario",
         )
@@ -327,7 +338,7 @@ IDENTIFIED = (
         "adviser",
         "no answer for {time:.1f} s",
         "The controller keeps {active}",
-        "Check that winch_adviser runs",
+        "Check that winch_adviser runs; see logs/winch_adviser.log",
     ),
     AlarmRow(
         "ADVISER_REJECTED",
@@ -343,8 +354,8 @@ IDENTIFIED = (
         HIGH,
         "adviser",
         "no more answers: {fault}",
-        "The controller keeps what was identified so far",
-        "Restart winch_adviser",
+        "The controller keeps the values identified until now",
+        "See logs/winch_adviser.log, then restart winch_adviser",
     ),
     AlarmRow(
         "SOLVER_FAILED",

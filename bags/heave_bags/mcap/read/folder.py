@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from heave_bags.errors import BagError
+from heave_bags.errors import NoBagError
 from heave_bags.mcap.files import METADATA_NAME, ListedFile
 from heave_bags.mcap.loss import Loss
 from heave_bags.mcap.packed import SUFFIX, first_bytes
@@ -56,12 +56,12 @@ def bag_of(path: Path) -> Path:
 def find_files(path: Path, listed: Sequence[ListedFile]) -> BagFiles:
     """Return the files of the bag `path`, a folder or a file, whose description has `listed` some.
 
-    Raises BagError if there is none.
+    Raises NoBagError if there is none.
     """
     if path.is_file():
         return BagFiles([path])
     if not path.is_dir():
-        raise BagError(f"{path}: no such bag")
+        raise NoBagError(f"{path}: no such bag")
     by_name = {part.name: part for part in listed}
     found = BagFiles([])
     for file in _candidates(path, set(by_name)):
@@ -74,7 +74,7 @@ def find_files(path: Path, listed: Sequence[ListedFile]) -> BagFiles:
             part = by_name.get(file.name, ListedFile(file.name))
             found.losses.append(Loss(file, None, problem, part.start, part.end, part.messages))
     if not found.files:
-        raise BagError(f"{path}: {_none(path, found)}")
+        raise NoBagError(f"{path}: {_none(path, found)}")
     return found
 
 

@@ -17,7 +17,7 @@ import zstandard
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Metadata, Schema
 
-from heave_bags.errors import BagError
+from heave_bags.errors import NoBagError
 from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, unpack, unpack_part
 from heave_bags.mcap.files import count_in_record
 from heave_bags.mcap.loss import NO_FOOTER, LossAccount
@@ -93,7 +93,7 @@ class McapScan:
         with RecordFile(self.path) as file:
             begins = file.read(0, len(MAGIC))
             if not is_like_magic(begins):
-                raise BagError(f"{self.path}: not an MCAP file")
+                raise NoBagError(f"{self.path}: not an MCAP file")
             if begins != MAGIC:
                 self._lose(0, "the bytes that every MCAP file begins with are damaged", 0)
             self._take_summary(read_summary(file))

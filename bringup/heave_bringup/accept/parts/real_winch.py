@@ -13,6 +13,7 @@ import rclpy
 from heave_node.devices.live.adapter import WINCH_STATE
 from heave_node.devices.live.winch_handshake import WinchOrder
 from heave_node.devices.maps.device_map import DeviceMap
+from heave_node.parameters import ParameterError
 from heave_node.ros.process import node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
@@ -88,7 +89,7 @@ def ask(event: Event) -> None:
 def check_map(device: DeviceMap) -> None:
     """Raise CommandError where a `device` is not a winch that takes orders."""
     if WINCH_STATE not in device.outputs or device.command is None:
-        raise CommandError(f"{device.name}: is not the map of a winch, with payout and command")
+        raise ParameterError(f"{device.name}: is not the map of a winch, with payout and command")
 
 
 @contextmanager

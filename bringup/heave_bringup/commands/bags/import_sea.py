@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from heave_bags.play.ship_time import DATE_ORDERS
 from heave_bags.play.stretches import DEFAULT_BRIDGE, LONGEST_BRIDGE, Window
+from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.command import Command, add_model
 from heave_bringup.errors import CommandError
@@ -91,9 +92,9 @@ def execute(options: argparse.Namespace) -> None:
     for option in ("output", "scenario"):
         target: Path | None = getattr(options, option)
         if target is not None and target.resolve() == source.resolve():
-            raise CommandError(f"--{option} {target}: is the record itself, which is never written over; name another")
+            raise ParameterError(f"--{option} {target}: is the record itself, never written over; name another")
         if target is not None and target.exists() and not options.force:
-            raise CommandError(f"--{option} {target}: exists already; --force overwrites it")
+            raise ParameterError(f"--{option} {target}: exists already; --force overwrites it")
     sea = import_sea(source, _mapping_of(options), window, accept_implausible=options.accept_implausible)
     write_sea(sea, options.output, source)
     heave = sea.position[:, 2]
@@ -133,10 +134,10 @@ def _mapping_of(options: argparse.Namespace) -> SeaMapping | str:
         if (value := getattr(options, name)) is not None
     }
     if options.scale is not None and not options.column:
-        raise CommandError("--scale: belongs to --column; in a mapping file, write scale with each motion")
+        raise ParameterError("--scale: belongs to --column; in a mapping file, write scale with each motion")
     if options.topic:
         if of_log:
-            raise CommandError(f"--{next(iter(of_log)).replace('_', '-')}: belongs to a log, not to --topic of a bag")
+            raise ParameterError(f"--{next(iter(of_log)).replace('_', '-')}: belongs to a log, not to --topic of a bag")
         return str(options.topic)
     if options.mapping:
         path = options.mapping

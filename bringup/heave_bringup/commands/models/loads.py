@@ -21,8 +21,8 @@ def strengths_in(scenario: Scenario) -> tuple[Strength, ...]:
 
 
 def load_lines(verdict: Verdict) -> list[str]:
-    """Return the lines of a `verdict` on loads below a table; none where no strength is stated."""
-    return ["", *verdict.lines()] if verdict.loads else []
+    """Return the lines of a `verdict` on loads below a table, and what it could not judge."""
+    return ["", *(verdict.lines() if verdict.loads else verdict.remarks)]
 
 
 def refuse_failed(verdict: Verdict) -> None:

@@ -10,7 +10,7 @@ from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_external, add_network, add_settings
 from heave_bringup.commands.command import Command
-from heave_bringup.errors import CommandError, VerdictError
+from heave_bringup.errors import VerdictError
 
 if TYPE_CHECKING:
     from heave_bringup.accept.session import Parts
@@ -58,12 +58,12 @@ def execute(options: argparse.Namespace) -> None:
         write_result(options, make_table(("procedure", "title"), rows, texts=("title",)), dict(rows))
     elif options.show is not None:
         if options.show not in known:
-            raise CommandError(f"--show {options.show}: is no shipped procedure; known: {', '.join(known)}")
+            raise ParameterError(f"--show {options.show}: is no shipped procedure; known: {', '.join(known)}")
         write_result(options, known[options.show].read_text(encoding="utf-8"), {"procedure": options.show})
     elif options.figures:
         _figures(options)
     elif options.procedure is None:
-        raise CommandError("name a procedure file, or a shipped procedure: heave accept --list")
+        raise ParameterError("name a procedure file, or a shipped procedure: heave accept --list")
     else:
         set_up_transport(network=options.network)
         session = Session(read_head(find_procedure(options.procedure)), _parts(options), options.set, options.scenario)

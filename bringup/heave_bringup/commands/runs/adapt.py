@@ -8,6 +8,8 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
+from heave_node.parameters import ParameterError
+
 from heave_bringup.commands.arguments import add_namespace, add_network
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
@@ -47,16 +49,16 @@ def execute(options: argparse.Namespace) -> None:
         return
     if options.show is not None:
         if options.show not in known:
-            raise CommandError(f"--show {options.show}: is no shipped map; known: {', '.join(known)}")
+            raise ParameterError(f"--show {options.show}: is no shipped map; known: {', '.join(known)}")
         write_result(options, known[options.show].read_text(encoding="utf-8"), {"map": options.show})
         return
     if not options.maps:
-        raise CommandError("name a map file, or a shipped map: heave adapt --list")
+        raise ParameterError("name a map file, or a shipped map: heave adapt --list")
     maps = [find_map(name) for name in options.maps]
     published = [topic for device in maps for topic in device.outputs]
     twice = next((topic for topic in published if published.count(topic) > 1), None)
     if twice is not None:
-        raise CommandError(f"{twice} is published by more than one of the maps: a topic has one publisher")
+        raise ParameterError(f"{twice} is published by more than one of the maps: a topic has one publisher")
     if options.check:
         rows = [[device.name, _from(device), ", ".join(device.outputs), ", ".join(device.channels)] for device in maps]
         titles = ("map", "from", "publishes", "quantities")
@@ -76,7 +78,7 @@ def _serve(options: argparse.Namespace, maps: list[DeviceMap]) -> None:
     from heave_bringup.output import write_result
 
     if not options.duration > 0.0:
-        raise CommandError(f"--duration {options.duration:g}: must be above 0")
+        raise ParameterError(f"--duration {options.duration:g}: must be above 0")
     set_up_transport(network=options.network)
     if options.wiggle is not None:
         check_wiggle(maps, 1e-3 * options.wiggle)
@@ -114,7 +116,7 @@ def _from(device: DeviceMap) -> str:
 
 COMMAND = Command(
     name="adapt",
-    summary="Put a sensor or a winch of others into a run by a map file: serial, UDP, TCP, or any ROS message.",
+    summary="Put a sensor or a winch of others into a run by a map file: serial, UDP, TCP, Modbus/TCP, OPC UA, ROS.",
     examples=(
         "heave adapt --list",
         "heave adapt --show psxn > my_mru.yaml",

@@ -140,7 +140,7 @@ def _kinds_of_faults() -> str:
     devices = (("mru", "mru"), ("encoder", "encoder"), ("winch", "winch"), (on_unit, "sensor"))
     of_device = [f"  {name:10} {', '.join(_kinds(device))}" for name, device in devices]
     kinds = [
-        f"  {kind:15} {fault.meaning}" + (f"; magnitude: {fault.magnitude}" if fault.magnitude else "")
+        f"  {kind:15} {fault.words}" + (f"; magnitude: {fault.magnitude}" if fault.magnitude else "")
         for kind, fault in FAULTS.items()
         if kind != "clear"
     ]

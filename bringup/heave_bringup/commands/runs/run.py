@@ -108,9 +108,9 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--composed",
         action="store_true",
-        help="all nodes in one process, which hand each other their messages in memory: several times as fast, the "
-        "same bag. Services and parameters are there as ever; of most topics other processes get a glance a few times "
-        "a second",
+        help="all nodes in one process, which hand each other their messages in memory: about half the processor "
+        "time, the same bag. Services and parameters are there as ever; of most topics other processes get a glance a "
+        "few times a second",
     )
     parser.add_argument(
         "--publish", action="store_true", help="with --composed: other processes get every message of every topic"

@@ -13,7 +13,6 @@ from heave_node.catalogue import FROM, KINDS
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.command import Command, add_model
-from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
     from heave_node.scenario import Sections
@@ -38,7 +37,7 @@ LIFT = {
     "hs": Quantity("Hs", "m", "significant wave height"),
     "tp": Quantity("Tp", "s", "peak period"),
     "length": Quantity("length", "m", "deployed length of the cable"),
-    "depth": Quantity("depth", "m", "depth of the unit: the length of the cable less the height of the boom tip"),
+    "depth": Quantity("depth", "m", "of the unit before the cable stretches: its length less the boom tip's height"),
 }
 SEA = {"hs": "system.sea.significant_wave_height", "tp": "system.sea.peak_period"}
 
@@ -64,7 +63,7 @@ def execute(options: argparse.Namespace) -> None:
     path = Path(options.file)
     path = path if path.suffix in (".yaml", ".yml") else path.with_name(f"{path.name}.yaml")
     if path.exists() and not options.force:
-        raise CommandError(f"{path}: exists already; --force overwrites it")
+        raise ParameterError(f"{path}: exists already; --force overwrites it")
     model = find_scenario(options.like)
     known = load_scenario(options.like, needs_files=False)  # an error in it is reported of it, not of what follows
     sections = _with_lift(_changed(sections_for(model, path.parent), options), options, known)
@@ -81,6 +80,8 @@ def execute(options: argparse.Namespace) -> None:
         density = plant.unit.mass / plant.unit.volume
         volume = f"{plant.unit.volume:.3g} m^3, by the density of {model.stem} ({density:.0f} kg/m^3)"
         unit += f"\nnote: the unit displaces {volume}; --volume states it"
+    if known.wanted:
+        unit += f"\nnote: the criteria (wanted) are those of {model.stem}: check them"
     words = f"{path}: {sum(map(len, sections.values()))} values, each with its meaning\n{unit}\n{how}"
     write_result(options, words, {"file": str(path.resolve()), "like": model.stem})
 
@@ -149,13 +150,17 @@ def _unit(options: argparse.Namespace, model: Scenario) -> dict[str, object]:
     unit = model.parameters["cable_sim"].unit
     own: Mapping[str, Any] = find("unit", options.unit, "--unit").values if options.unit else {}
     mass, volume = own.get("mass", unit.mass), own.get("volume", unit.volume)
+    for name in ("mass", "volume"):
+        stated = getattr(options, name)
+        if stated is not None and not 0.0 < stated < math.inf:
+            raise ParameterError(f"--{name} {stated:g}: must be above 0")
     new = options.volume if options.volume is not None else volume * options.mass / mass
     heavy = options.mass if options.mass is not None else mass
     ratio, density = new / volume if volume > 0.0 else 1.0, model.parameters["cable_sim"].water_density
-    if not 0.0 < new < math.inf or not density * new < heavy < math.inf:
+    if not density * new < heavy:
         raise ParameterError(
-            f"--mass {heavy:g} --volume {new:g}: both must be above 0, and the unit heavier than the "
-            f"{density * max(new, 0.0):.4g} kg of water that it displaces"
+            f"--mass {heavy:g} --volume {new:g}: the unit must be heavier than the "
+            f"{density * new:.4g} kg of water that it displaces"
         )
     added, areas = own.get("added_mass", unit.added_mass), own.get("drag_area", unit.drag_area)
     return {

@@ -150,7 +150,7 @@ def read_device_map(path: Path) -> DeviceMap:
 def device_map_of(name: str, content: Any) -> DeviceMap:
     """Return the map called `name` with the `content` of a file. Raises MapError for what cannot be."""
     if not isinstance(content, dict):
-        raise MapError("a mapping must name heave and where it is found")
+        raise MapError("is no map: its lines are QUANTITY: where it is found, as in heave: {column: heave}")
     own = [known.name for known in fields(DeviceMap) if known.name not in ("name", "channels", "link", "record")]
     of_record = [known.name for known in fields(RecordForm)]
     refuse_unknown("", content, [*QUANTITIES, "source", "frame", "byte_order", *own, *of_record])
