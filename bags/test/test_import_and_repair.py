@@ -134,7 +134,7 @@ def test_the_result_is_read_by_the_node_that_plays_it(ship, tmp_path):
         ("heave: {topic: /a}\nleverarm: [1, 2, 3]", "unknown entry leverarm"),
         ("heave: {topic: /a}\nlever_arm: [1, 2]", "three numbers"),
         ("heave: {topic: /a, part: rool}", "roll, pitch, yaw"),
-        ("just a text", "must name heave"),
+        ("just a text", "is no map"),
         ("a: [", "cannot be read"),
     ],
 )

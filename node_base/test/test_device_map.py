@@ -39,7 +39,7 @@ def test_units_signs_and_the_frame_make_one_factor():
 LINE = {"format": "line", "source": {"udp": 1}, "pattern": "(?P<x>.)"}
 TOPIC = {"topic": "/t", "type": "a/msg/B", "field": "x"}
 REFUSED = [
-    ([], "must name heave"),
+    ([], "is no map"),
     ({}, "heave is missing"),
     ({"heav": "PSXN23.heave"}, "unknown entry heav; did you mean heave?"),
     ({**PSXN, "heave": "PSXN23.heve"}, "heave: unknown entry PSXN23.heve; did you mean PSXN23.heave?"),
