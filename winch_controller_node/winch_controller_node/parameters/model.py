@@ -253,8 +253,8 @@ class WeightParameters:
     command: float = parameter(
         20.0,
         unit="m/s",
-        minimum=1e-6,
-        description="The same cost: scale of the command (m for a first-order winch).",
+        minimum=0.0,
+        description="The same cost: scale of the command (m for a first-order winch); must not be 0.",
     )
 
 
