@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from heave_node.numerics.arrays import Array
 
-from heave_bringup.whatif.signals.tip import QUIET, smooth_spectrum, smoothed_count
+from heave_bringup.whatif.signals.spectra import QUIET, noise_level
+from heave_bringup.whatif.signals.tip import smooth_spectrum, smoothed_count
 
 WAVES = (0.2, 4.0)
 """Angular frequencies of the motion that waves, and the unit on its cable, bring about [rad/s]."""
@@ -61,7 +62,7 @@ def disturbance(readings: Array, time: Array, twin: Array, stated_noise: float) 
     transform = np.fft.rfft(gap)
     power = np.abs(transform) ** 2
     quiet = power[omega > QUIET]
-    reported = float(np.median(quiet)) / math.log(2.0) if quiet.size >= LEAST_QUIET else count * stated_noise**2
+    reported = noise_level(quiet) if quiet.size >= LEAST_QUIET else count * stated_noise**2
     smooth = smooth_spectrum(power, omega)
     # what chance alone may raise over the noise is none
     chance = reported * (1.0 + CHANCE / math.sqrt(smoothed_count(omega)))

@@ -13,7 +13,7 @@ QUIET, HIGHEST = 5.0, 0.9
 """Angular frequency above which what is read is noise, but for narrow resonances [rad/s]; and share of the highest that
 the readings can show, up to which it is looked at."""
 
-QUIET_COUNT, LEAST_QUIET = 400, 1.2
+QUIET_COUNT, LEAST_BAND = 400, 1.2
 """Number of quiet frequencies that are looked at; and least ratio of the highest to the lowest of them."""
 
 RANDOM_DRAG = math.sqrt(8.0 / math.pi)
@@ -71,11 +71,17 @@ def noise_power(times: Array, values: Array, start: float, end: float, stated: f
     """
     spacing = float(np.median(np.diff(times)))
     highest = HIGHEST * math.pi / spacing
-    if highest < LEAST_QUIET * QUIET:
+    if highest < LEAST_BAND * QUIET:
         return stated**2 * spacing
     omegas = np.linspace(QUIET, highest, QUIET_COUNT)
-    power = np.abs(tapered_transform(times, values, omegas, start, end)) ** 2
-    # the median of an exponential distribution is log 2 of its mean, and no resonance of the cable moves it
+    return noise_level(np.abs(tapered_transform(times, values, omegas, start, end)) ** 2)
+
+
+def noise_level(power: Array) -> float:
+    """Return the power of white noise in a periodogram, `power` at quiet frequencies: no narrow resonance moves it.
+
+    The median of an exponential distribution is log 2 of its mean.
+    """
     return float(np.median(power)) / math.log(2.0)
 
 

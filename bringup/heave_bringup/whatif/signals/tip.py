@@ -14,9 +14,7 @@ from heave_node.numerics.arrays import Array, ComplexArray
 from winch_controller_node.beliefs.corrections import Correction
 
 from heave_bringup.whatif.signals.record import SensorRecord, at_ticks
-
-QUIET = 5.0
-"""Angular frequency above which no vessel moves a boom tip: what is read there is noise [rad/s]."""
+from heave_bringup.whatif.signals.spectra import QUIET, noise_level
 
 SMOOTHED = 0.01
 """Half the width over which a spectrum is smoothed [Hz]."""
@@ -109,9 +107,9 @@ def smoothed_count(omega: Array) -> int:
 
 
 def _noise(transform: ComplexArray, omega: Array) -> float:
-    """Return the power of the white noise in a `transform`: the median of what is quiet, over log 2 for its mean."""
+    """Return the power of the white noise in a `transform`, by what is quiet."""
     quiet = np.abs(transform[omega > QUIET]) ** 2
-    return max(float(np.median(quiet)) / math.log(2.0), 1e-18) if quiet.size else 1e-18
+    return max(noise_level(quiet), 1e-18) if quiet.size else 1e-18
 
 
 def _fade(omega: Array) -> Array:
