@@ -18,7 +18,9 @@ def test_a_required_figure_that_is_missed_sets_the_exit_status(tmp_path):
     result = heave("run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options, *require)
     assert result.returncode == ExitStatus.VERDICT_FAILED
     assert result.stderr.strip().splitlines()[-1].startswith("heave: verdict FAILED: ")
-    assert result.stdout.strip().splitlines()[-1].endswith(": met"), "the table ends with the verdict"
+    met, rope = result.stdout.strip().splitlines()[-2:]
+    assert met.endswith(": met"), "the table ends with the verdict"
+    assert rope.startswith("  Rope strength not stated: not judged"), "and with what it leaves out"
     assert f"all figures: heave kpi {tmp_path / 'run'}" in result.stdout
     assert "loop age" not in result.stdout, "of more than eight figures --full or heave kpi tells"
     verdict = json.loads((tmp_path / "kpi.json").read_text())["verdict"]
