@@ -80,7 +80,10 @@ def test_a_stale_sensor_is_reported_with_its_age_and_what_is_allowed():
     feed(gate, [7.0, 7.1, *[None] * 8])
     assert gate.alarm.code == "DEPTH_STALE"
     limit = HealthParameters().stale_samples * DT
-    assert gate.alarm.values == {"age": pytest.approx(0.5 - 0.1), "limit": pytest.approx(limit)}
+    stale = {"age": pytest.approx(0.5 - 0.1), "limit": pytest.approx(limit)}
+    assert gate.alarm.values == stale
+    feed(gate, [7.2], start=11)
+    assert (gate.level, gate.alarm.values) == (LOST, stale), "the gap is shown until the sensor is used again"
 
 
 def feed_every(gate, ticks, times, start):

@@ -136,7 +136,7 @@ class SensorGate:
         self._newest_stamp = -math.inf
         self._newest_accepted: float | None = None
         self._started: float | None = None
-        self._age = 0.0
+        self._silence = 0.0  # age of the newest accepted reading when it was last found stale [s]
         self.interval = OwnInterval(timing.period)
 
     @property
@@ -150,7 +150,7 @@ class SensorGate:
         if not self.is_lost:
             reason = REJECTED_WORDS.get(self.reason, self.reason)
             return ALARMS.alarm(f"{self.sensor.upper()}_READING_REJECTED", reason=reason)
-        return lost_alarm(self.sensor, self.reason, age=self._age, limit=self._largest_age)
+        return lost_alarm(self.sensor, self.reason, age=self._silence, limit=self._largest_age)
 
     @property
     def _largest_age(self) -> float:
@@ -219,9 +219,9 @@ class SensorGate:
         if self._started is None:
             self._started = now
         newest = self._started if self._newest_accepted is None else self._newest_accepted
-        self._age = now - newest
-        if self._age > self._largest_age + 1e-6 and self._bad_in_a_row == 0:
-            self.level, self.reason = SensorLevel.LOST, "stale"
+        age = now - newest
+        if age > self._largest_age + 1e-6 and self._bad_in_a_row == 0:
+            self.level, self.reason, self._silence = SensorLevel.LOST, "stale", age
             self._good_in_a_row = 0
 
     def _fault(self, now: float, time: float, values: Sequence[float], status: str) -> str:
