@@ -629,7 +629,8 @@ class WinchController:
         moves = self.mode in (Mode.COMPENSATING, Mode.FADE_OUT)
         if not moves or not identifies_winch(self.parameters) or observer.excluded not in ("", "encoder"):
             return
-        ordered, is_aside = self._winch.drum.ordered(), observer.excluded == "encoder"
+        ordered = self._winch.drum.ordered() if self._encoder.is_due(tick) else None
+        is_aside = observer.excluded == "encoder"
         act = self._encoder.look(tick, ordered, is_aside=is_aside)
         if act is Act.USE_AGAIN:
             observer.exclude("")

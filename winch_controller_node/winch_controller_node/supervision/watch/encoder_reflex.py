@@ -78,20 +78,24 @@ class EncoderReflex:
         self.is_unresolved = False
         self._looks, self._aside_time = 0, 0.0
 
+    def is_due(self, tick: int) -> bool:
+        """Return whether a look is due before a `tick`."""
+        return tick % max(1, round(LOOKED_EVERY / self._dt)) == 0
+
     def look(self, tick: int, ordered: Ordered | None, *, is_aside: bool) -> Act:
         """Return what is to be done before a `tick` in which the winch moves.
 
         Parameters
         ----------
         tick : number
-        ordered : what the encoder reads of what was ordered; None: unknown
+        ordered : what the encoder reads of what was ordered; None: unknown, or no look is due
         is_aside : it has been set aside
         """
         self._moving_time = self._moving_time + self._dt if tick == self._last + 1 else 0.0
         self._last = tick
         self._aside_time = self._aside_time + self._dt if is_aside else 0.0
         self.is_unresolved |= self._aside_time > LONGEST_ASIDE
-        if ordered is None or tick % max(1, round(LOOKED_EVERY / self._dt)) != 0:
+        if ordered is None or not self.is_due(tick):
             return Act.NOTHING
         self._was_right |= ordered.is_right_way
         self._true_share += LOOKED_EVERY / KNOWN_TIME * (ordered.is_true - self._true_share)
