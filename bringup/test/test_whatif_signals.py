@@ -1,21 +1,26 @@
 """What a record of sensors shows: the boom tip, the unexplained motion, the cable's transfer function."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.vertical.axial_line import axial_line
 from cable_sim_node.vertical.linear import heave_transfer_function
+from cable_sim_node.winch.command_line import WinchCommand
+from cable_sim_node.winch.component import VirtualWinch
+from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from heave_bringup.whatif.signals.disturbance import disturbance
 from heave_bringup.whatif.signals.record import SensorRecord, bridged
 from heave_bringup.whatif.signals.spectra import Speeds, gains_over_top, noise_power, tapered_transform
 from heave_bringup.whatif.signals.tip import HighPass, smoothed_tip
 from heave_bringup.whatif.signals.tip_source import tip_source
 from heave_bringup.whatif.twin.plant import PlantFactors, scaled_line
+from heave_bringup.whatif.twin.winch import past_winch
 from heave_node.interface.sensors import MruReading
 from winch_controller_node.beliefs.corrections import AS_READ, Correction
-from winch_controller_node.interface.readings import Measurements, ScalarReading
+from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
 
 TICK, NOISE = 0.05, 0.01
 TIME = TICK * np.arange(1, 4001)
@@ -145,6 +150,26 @@ def test_a_boom_tip_takes_scale_delay_and_lever_arm_of_its_mru_back():
     tip = source.under(scale=1.1, delay=0.2, lever_arm=0.3)
     assert source.turns
     assert np.std((tip.heave - MOTION)[800:-800]) < 0.25 * NOISE
+
+
+@pytest.mark.parametrize("time_constant", [0.2, 0.26])
+def test_what_the_drum_did_is_known_to_less_than_the_noise_of_its_encoder_though_the_winch_is_another(time_constant):
+    """The encoder counts in millimetres; a drum slower by 0.06 s is 4 cm off its model."""
+    assumed = WinchParameters(encoder=EncoderParameters(resolution=0.0))
+    winch = VirtualWinch(replace(assumed, time_constant=time_constant), tick_period=TICK)
+    count, given = len(TIME), []
+    orders = tuple(WinchOrder(n, 0.0, float(rate), False) for n, rate in enumerate(RATE, start=1))
+    payout = np.zeros(count)
+    for index, order in enumerate(orders):
+        payout[index], read = winch.state.payout, 1e-3 * round(1e3 * winch.state.encoder_payout)
+        given.append(Measurements(winch=WinchReading(float(TIME[index]), read, 0.0, False)))
+        winch.step(index + 1, WinchCommand(*order), math.nan)
+    record = SensorRecord(TICK, 1, tuple(given), orders, np.full(count, math.nan), ("",) * count)
+    past = past_winch(record, replace(assumed, time_constant=0.2))
+    error = past.payout - payout
+    assert np.std(error) < 0.3e-3
+    assert np.std(past.rate[2:] - np.gradient(payout, TICK)[2:]) < 2e-3
+    assert past.error == pytest.approx(np.std(past.modelled - payout), abs=1e-3)
 
 
 def test_gaps_are_bridged_in_a_straight_line():

@@ -35,8 +35,8 @@ WIDE = 0.05
 SAME_PAYOUT = 1e-3
 """Error of payout up to which the same law gives the record again [m]."""
 
-LARGEST_WINCH_ERROR = 0.03
-"""Payout that the model of the winch leaves, above which it is another winch [m]."""
+LARGEST_WINCH_ERROR = 0.15
+"""Payout that the model of the winch misses, over what the drum moves, above which it is another winch."""
 
 
 def check_record(record: SensorRecord, start: float, where: str) -> None:
@@ -86,10 +86,11 @@ def check_known(known: Known, where: str) -> None:
             f"{where}: the twin misses the depth by {100.0 * known.left:.1f} cm of {100.0 * off:.1f} cm (sigma){snap}: "
             "cable and unit are not as assumed; check length, unit and cable, or give --know"
         )
-    if known.past.winch.error > LARGEST_WINCH_ERROR:
+    missed, moved = known.past.winch.error, float(np.std(known.past.winch.payout - known.set_point))
+    if winch_moved(known) and missed > LARGEST_WINCH_ERROR * moved:
         raise CommandError(
-            f"{where}: the winch as identified misses the encoder by {100.0 * known.past.winch.error:.1f} cm: it is "
-            "another winch"
+            f"{where}: the winch as identified misses the encoder by {100.0 * missed:.1f} cm of {100.0 * moved:.1f} cm "
+            "(sigma): it is another winch; check its time constant, delay and limits"
         )
     if known.past.plant.tension[known.window].min() <= 0.0:
         raise CommandError(f"{where}: the cable was slack: what came before a snap does not tell what comes after")

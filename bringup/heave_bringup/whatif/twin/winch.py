@@ -10,6 +10,7 @@ from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch, WinchState
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from heave_node.numerics.arrays import Array
+from scipy.fft import dct, idct
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.beliefs.drum import drum_of
 from winch_controller_node.interface.readings import WinchOrder
@@ -17,9 +18,8 @@ from winch_controller_node.model.drum_kernel import NO_POWER_LIMIT
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.whatif.signals.record import SensorRecord
-
-SLOW = 1.0
-"""Time over which the encoder's difference from the model of the winch is averaged [s]."""
+from heave_bringup.whatif.signals.spectra import QUIET
+from heave_bringup.whatif.signals.tip import SLOWEST, smooth_spectrum
 
 
 def winch_under(beliefs: Beliefs, nominal: WinchControllerParameters) -> WinchParameters:
@@ -80,7 +80,7 @@ class PastWinch:
     payout, rate : of the cable at each tick, (n,) [m], [m/s]
     modelled : payout of the model of the winch under the orders of the record, (n,) [m]
     modelled_rate : and its rate (n,) [m/s]
-    error : standard deviation of payout about the model's, slow drift taken out [m]
+    error : standard deviation of payout about the model's where waves are and above [m]
     """
 
     payout: Array
@@ -91,7 +91,7 @@ class PastWinch:
 
 
 def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale: float = 1.0) -> PastWinch:
-    """Return what the drum did in a `record`: the model of the winch for what is fast, the encoder for what is slow.
+    """Return what the drum did in a `record`: the model of the winch, and what the encoder shows beside it.
 
     Parameters
     ----------
@@ -99,18 +99,31 @@ def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale:
     parameters : of the winch
     encoder_scale : reading over payout [-]
     """
-    dt, read = record.tick_period, record.encoder / encoder_scale
+    dt = record.tick_period
     twin = TwinWinch(parameters, tick_period=dt)
     tension = tension_at_ticks(record)
-    modelled, rate = np.zeros(record.ticks), np.zeros(record.ticks)
+    states = np.zeros((record.ticks, 3))
     for index in range(record.ticks - 1):
         state = twin.step(record.first + index, record.orders[index], tension[index])
-        modelled[index + 1], rate[index + 1] = state.payout, state.payout_rate
-    half = max(1, round(0.5 * SLOW / dt))
-    about = np.ones(2 * half + 1)
-    gap = read - modelled
-    slow = np.convolve(gap, about, "same") / np.convolve(np.ones_like(gap), about, "same")
-    return PastWinch(modelled + slow, rate + np.gradient(slow, dt), modelled, rate, float(np.std(gap - slow)))
+        states[index + 1] = state.payout, state.payout_rate, state.encoder_payout
+    modelled, rate, as_read = states.T.copy()
+    missed, error = _missed(record.encoder / encoder_scale - as_read, dt)
+    return PastWinch(modelled + missed, rate + np.gradient(missed, dt), modelled, rate, error)
+
+
+def _missed(gap: Array, tick_period: float) -> tuple[Array, float]:
+    """Return what the model of the winch misses [m], and the standard deviation of it where waves are and above [m].
+
+    Wiener's smoother, mirrored at both ends, of the `gap` from model to encoder at each tick [m]: what stands above
+    the encoder's noise.
+    """
+    omega = np.asarray(math.pi / (len(gap) * tick_period) * np.arange(len(gap)), dtype=np.float64)
+    values = dct(gap, norm="ortho")
+    power = smooth_spectrum(values**2, omega)
+    quiet = power[omega > QUIET]
+    noise = float(np.median(quiet)) if quiet.size else 0.0
+    kept = values * np.maximum(1.0 - noise / np.maximum(power, 1e-18), 0.0)
+    return np.asarray(idct(kept, norm="ortho")), math.sqrt(float(np.sum(kept[omega > SLOWEST] ** 2)) / len(gap))
 
 
 def tension_at_ticks(record: SensorRecord) -> Array:
