@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
+from heave_node.interface.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.adviser.drum_fit import FACTOR, LIMITS, PRICES, _improbability, begun, fit_drum, identify
@@ -301,6 +302,41 @@ def test_a_limit_that_waves_do_not_reach_any_more_stays_for_a_minute(excerpt_of)
             assumed = {n: b for n, b in assumed.items() if n not in answer.nominal} | dict(answer.changed)
         held.append(assumed["winch.speed_out"].value if "winch.speed_out" in assumed else 2.0)
     assert held[20:] == pytest.approx(len(held[20:]) * [0.6], rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("lasting", "least", "most"), [(25.0, 1.2, 2.0), (1000.0, 0.57, 0.72)], ids=["back", "not back"]
+)
+def test_a_limit_that_is_gone_is_found_to_be_though_no_order_goes_beyond_the_assumed_one(
+    excerpt_of, lasting, least, most
+):
+    """The pressure falls at 5 s, to 0.6 m/s, and orders of up to 1.5 m/s keep below 97 % of what is assumed, as the
+    controller's do. Two minutes after the pressure is back no more is held than what few of the waves need.
+    """
+    faults = FaultParameters(kind=("low_pressure",), start=(5.0,), duration=(lasting,), magnitude=(0.3,))
+    virtual = VirtualWinch(WinchParameters(faults=faults), tick_period=DT)
+    identifier, assumed, held = WinchIdentifier(BELIEF, DT), {}, []
+    wanted = waves(150.0, 1.0)
+    columns = {name: np.zeros(len(wanted)) for name in ("order_rate", "sequence", "taken", "encoder")}
+    virtual.step(0, WinchCommand(1))
+    for k, rate in enumerate(wanted):
+        out, hauling = (
+            assumed[f"winch.speed_{way}"].value if f"winch.speed_{way}" in assumed else 2.0 for way in ("out", "in")
+        )
+        order = float(np.clip(rate, -0.97 * hauling, 0.97 * out))
+        state = virtual.step(k + 1, WinchCommand(k + 2, 0.0, order))
+        for name, value in zip(columns, (order, k + 2.0, state.command_sequence, state.encoder_payout), strict=True):
+            columns[name][k] = value
+        if k % 20 == 19 and k > 100:
+            begin = max(0, k + 1 - round(identifier.length / DT))
+            excerpt = excerpt_of(k + 1 - begin, first=begin, **{n: c[begin : k + 1] for n, c in columns.items()})
+            answer = identifier.look(excerpt, SensorHistory(), {n: b.value for n, b in assumed.items()})
+            if answer is not None:
+                assumed = {n: b for n, b in assumed.items() if n not in answer.nominal} | dict(answer.changed)
+        held.append(out)
+    assert min(held) == pytest.approx(0.6, rel=0.03), "it is found first"
+    assert least <= min(held[-100:]) <= max(held[-100:]) <= most
 
 
 @pytest.mark.parametrize(("still", "is_answered"), [(1.5, True), (2.1, False)])

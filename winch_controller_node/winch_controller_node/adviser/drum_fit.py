@@ -397,3 +397,15 @@ def _without_held(prior: DrumPrior, best: DrumFit, held: set[int]) -> DrumFit:
         if other.loss + HELD < best.loss:
             best = other
     return best
+
+
+def needs(prior: DrumPrior, found: DrumFit, limit: int) -> bool:
+    """Return whether the record of what was `found` is explained worse without a `limit` that is known already.
+
+    `prior` is what can be, `limit` one of LIMITS.
+    """
+    if limit in found.free:
+        return True
+    start = found.theta.copy()
+    start[limit] = prior.nominal[limit]
+    return fit_drum(found.record, prior, start, found.free).loss > found.loss + HELD

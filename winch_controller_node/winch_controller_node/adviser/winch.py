@@ -24,6 +24,7 @@ from winch_controller_node.adviser.drum_fit import (
     begun,
     fit_drum,
     identify,
+    needs,
     price_of,
     shown_limits,
 )
@@ -59,7 +60,7 @@ STEPS = {
 """Least changes that are worth it; of gains and limits relative."""
 
 LIMIT_STEP = 0.03
-"""Least change of a limit that is worth it, and step by which one not reached for long is relaxed, relative."""
+"""Least change of a limit that is worth it, and first step by which one that no record needs is raised, relative."""
 
 OTHER_DIRECTION = {
     SPEED_OUT: SPEED_IN,
@@ -73,7 +74,10 @@ ASSUMED = 0.0
 """Nats of what no record says: it is not reported."""
 
 PATIENCE = 60.0
-"""Time for which a limit that is not reached stands before it is relaxed [s]."""
+"""Time for which a limit that is not reached and that no record needs stands before it is raised [s]."""
+
+LONGEST_WAIT = 16
+"""Most by which that time grows: it doubles each time when the limit is found again."""
 
 OFF = 2e-3
 """Residual under the present beliefs [m]; a record that leaves less is evaluated every CHECKED seconds only."""
@@ -105,6 +109,47 @@ class WinchAnswer:
     residual: float = 0.0
 
 
+@dataclass
+class LimitProbe:
+    """When a limit that no record needs is raised, and by how much: false and past ones heal so.
+
+    The controller keeps below the limit that it assumes, and so never learns that it is gone. Where the drum has been
+    at it and the record does as well without, each step is twice the last one.
+
+    Attributes
+    ----------
+    step : by which it is raised next, relative
+    wait : times the usual time for which it stands first
+    """
+
+    step: float = LIMIT_STEP
+    wait: int = 1
+    _stood: float = 0.0
+    _is_raised: bool = False
+
+    def factor(self, elapsed: float, patience: float, *, is_needed: bool, is_reached: bool) -> float:
+        """Return the factor on the limit after a record; 1: it stands.
+
+        Parameters
+        ----------
+        elapsed : since the last record [s]
+        patience : usual time for which it stands [s]
+        is_needed : the record is explained worse without it
+        is_reached : the drum has been at it
+        """
+        if is_needed:
+            self.wait = min(2 * self.wait, LONGEST_WAIT) if self._is_raised else self.wait
+            self.step, self._stood, self._is_raised = LIMIT_STEP, 0.0, False
+            return 1.0
+        self._stood += elapsed
+        if self._stood < self.wait * patience:
+            return 1.0
+        raised = 1.0 + (self.step if is_reached else LIMIT_STEP)
+        self.step = 2.0 * self.step if is_reached else self.step
+        self._stood, self._is_raised = 0.0, True
+        return raised
+
+
 class WinchIdentifier:
     """Identifies the winch.
 
@@ -120,7 +165,8 @@ class WinchIdentifier:
         self._prior = prior_of(parameters.winch, parameters.lag.largest)
         self._ahead = math.ceil((parameters.winch.command_delay + parameters.lag.largest) / tick_period) + 3
         self._looks = 0
-        self._unreached = dict.fromkeys(LIMITS, 0.0)
+        self._probes = {index: LimitProbe() for index in LIMITS}
+        self._last_look = 0
 
     @property
     def length(self) -> float:
@@ -177,7 +223,7 @@ class WinchIdentifier:
         new = {i for i in found.free if held[i] == self._prior.nominal[i]}
         nats = present.loss - found.loss - price_of(new)
         values = self._worth_it(held, found, is_explained=found.residual <= EXPLAINED)
-        values |= self._relaxed(found, held)
+        values |= self._raised(found, held, excerpt.last)
         is_better = nats >= WORTH and is_explained
         values = values if is_better else {i: value for i, value in values.items() if i in self._let_up}
         alike = self._alike(values, held, found)
@@ -232,16 +278,23 @@ class WinchIdentifier:
                 assumed[other] = min(value, float(self._prior.nominal[other]))
         return assumed
 
-    def _relaxed(self, found: DrumFit, held: Array) -> dict[int, float]:
-        """Return limits that have stood unreached for long, a little higher: false ones heal so."""
+    def _raised(self, found: DrumFit, held: Array, tick: int) -> dict[int, float]:
+        """Return limits that no record has needed for long, a little higher."""
         self._let_up: set[int] = set()
         shown, values = shown_limits(found.record), {}
+        elapsed, self._last_look = min((tick - self._last_look) * self._dt, float(CHECKED)), tick
         for index in LIMITS:
-            is_held = held[index] < self._prior.nominal[index]
+            if held[index] >= self._prior.nominal[index]:
+                self._probes[index] = LimitProbe()
+                continue
             is_reached = shown[index] > (1.0 - 2.0 * LIMIT_STEP) * held[index]
-            self._unreached[index] = self._unreached[index] + 1.0 if is_held and not is_reached else 0.0
-            if self._unreached[index] >= PATIENCE:
-                self._unreached[index] = 0.0
+            factor = self._probes[index].factor(
+                elapsed,
+                self._lag.window if is_reached else PATIENCE,
+                is_needed=needs(self._prior, found, index),
+                is_reached=is_reached,
+            )
+            if factor > 1.0:
                 self._let_up.add(index)
-                values[index] = min((1.0 + LIMIT_STEP) * float(held[index]), float(self._prior.nominal[index]))
+                values[index] = min(factor * float(held[index]), float(self._prior.nominal[index]))
         return values
