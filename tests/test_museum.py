@@ -4,6 +4,7 @@ What is not reached is stated as well: bounds are those of the table of docs/gui
 """
 
 import math
+from pathlib import Path
 
 import pytest
 from heave_bringup.scenarios import shipped_scenarios
@@ -11,6 +12,7 @@ from heave_node.interface.alarm import Severity
 
 from tests.campaigns.museum import AS_BUILT, INCIDENTS, judge
 
+PAGE = Path(__file__).parents[1] / "docs" / "guide" / "validation" / "museum.md"
 INCIDENT = {one.scenario.removeprefix("museum_"): one for one in INCIDENTS}
 ASKED, SOON = 0.1, 3.0
 """What is asked of this suite: motion unasked [m], and time to an alarm that names the cause [s]."""
@@ -79,6 +81,8 @@ def test_over_a_unit_that_stands_compensation_does_not_begin_and_nothing_moves()
     assert judged.named == (pytest.approx(math.nan, nan_ok=True), None)
 
 
-def test_the_museum_is_shipped_as_built_and_ours():
+def test_the_museum_is_shipped_as_built_and_ours_and_its_page_has_a_row_of_each():
     shipped = {name for name in shipped_scenarios() if name.startswith("museum_")}
     assert shipped == {one.scenario + suffix for one in INCIDENTS for suffix in ("", AS_BUILT)}
+    page = PAGE.read_text(encoding="utf-8")
+    assert [one.scenario for one in INCIDENTS if f"| `{one.scenario}` |" not in page] == []
