@@ -70,7 +70,7 @@ class Scenario:
 def shipped_scenarios() -> dict[str, Path]:
     """Return the scenarios that come with the suite, by name."""
     folder = Path(str(resources.files("heave_bringup"))) / SCENARIO_FOLDER
-    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+    return {path.stem: path for path in sorted(folder.rglob("*.yaml"))}
 
 
 def description_of(path: Path) -> str:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from heave_node.interface.alarm import AlarmRow, Severity, alarm_table
-from heave_node.interface.codes import WinchFault
+from heave_node.interface.alarm import Alarm, AlarmRow, Severity, alarm_table
+from heave_node.interface.codes import RELEASE_WORDS, WinchFault, WinchRelease
 
 from cable_sim_node.inputs import CLOSING_TIME, LONGEST_EXTRAPOLATION
 
@@ -22,6 +22,9 @@ _ACTIONS = {
     WinchFault.EMERGENCY_STOP: "Clear the cause, then request a mode",
 }
 
+BRAKE_WORDS = {True: "on", False: "open"}
+"""The brake as its switch says."""
+
 ALARMS = alarm_table(
     *(
         AlarmRow(
@@ -29,7 +32,7 @@ ALARMS = alarm_table(
             Severity.HIGH,
             "winch",
             f"the winch has stopped ({fault.name.lower().replace('_', ' ')}{{cause}})",
-            "The brake is on, {waits}",
+            "The brake is {brake}, {waits}",
             _ACTIONS[fault],
         )
         for fault, code in DRIVE_CODES.items()
@@ -60,3 +63,17 @@ ALARMS = alarm_table(
         "Check the node that publishes it",
     ),
 )
+
+
+def fault_alarm(fault: WinchFault, release: WinchRelease, *, brake: bool, cause: str) -> Alarm:
+    """Return the alarm of a `fault` for which the winch has stopped by itself.
+
+    Parameters
+    ----------
+    fault : other than NONE
+    release : what it waits for
+    brake : its switch says that it is on
+    cause : in words; empty: not known
+    """
+    told = f": {cause}" if cause else ""
+    return ALARMS.alarm(DRIVE_CODES[fault], cause=told, brake=BRAKE_WORDS[brake], waits=RELEASE_WORDS[release])

@@ -5,14 +5,14 @@ from __future__ import annotations
 import sys
 
 from heave_node.interface import topics
-from heave_node.interface.codes import RELEASE_WORDS, WinchFault
+from heave_node.interface.codes import WinchFault
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.process import run_node
 from heave_node.tick.tick import Tick
 
-from cable_sim_node.alarms import ALARMS, DRIVE_CODES
+from cable_sim_node.alarms import fault_alarm
 from cable_sim_node.conversions import WINCH_COMMAND, winch_command_of, winch_state_message
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
@@ -71,11 +71,11 @@ class VirtualWinchNode(ParticipantNode):
     def _note_cause(self, tick: Tick) -> None:
         """Note who was silent when the drum has just been stopped by its watchdog: the cause, not what follows."""
         if self.winch.state.fault is WinchFault.DRIVE and self.winch.supervised:
-            self._cause = f": {self.winch.supervised}"
+            self._cause = self.winch.supervised
         elif self.winch.state.fault is not WinchFault.COMMAND_TIMEOUT:
             self._cause = ""
         elif not self._cause:
-            self._cause = f": {self._who_was_silent(tick)}"
+            self._cause = self._who_was_silent(tick)
 
     def _who_was_silent(self, tick: Tick) -> str:
         """Return in words why no command came in time."""
@@ -102,8 +102,8 @@ class VirtualWinchNode(ParticipantNode):
         values |= {name: f"{value:.6g}" for name, value in self.winch.instruments().items()}
         if state.fault is WinchFault.NONE:
             return [Health("drive", Level.OK, "ok", values)]
-        code, given = DRIVE_CODES[state.fault], {"cause": self._cause, "waits": RELEASE_WORDS[state.release]}
-        return [alarm_health("drive", ALARMS.alarm(code, **given), values)]
+        alarm = fault_alarm(state.fault, state.release, brake=state.brake, cause=self._cause)
+        return [alarm_health("drive", alarm, values)]
 
     def _make_winch(self) -> VirtualWinch:
         return VirtualWinch(self.parameters, tick_period=self.run.tick_period, seed=self.run.seed)

@@ -3,6 +3,7 @@ stops the drum. Expected speeds are those ordered; times are the supervision's, 
 """
 
 import pytest
+from cable_sim_node.alarms import fault_alarm
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.drives.interface import DriveCommand, DriveState
 from cable_sim_node.winch.faulty_drum import FaultyDrum
@@ -207,3 +208,14 @@ def test_a_controller_that_is_started_again_takes_the_winch_over():
     bench.run(2.0, rate=0.3)
     assert bench.state.fault is WinchFault.NONE
     assert bench.state.payout_rate == pytest.approx(0.3, rel=1e-3)
+
+
+def test_the_alarm_of_a_drive_that_its_open_brake_has_tripped_does_not_say_that_the_brake_is_on():
+    bench = Bench(supervision_time=SUPERVISED)
+    bench.run(1.0, brake=True)
+    bench.inject("brake_open", 0.1)
+    assert bench.run(5.0, brake=True) < SUPERVISED
+    state = bench.state
+    alarm = str(fault_alarm(state.fault, state.release, brake=state.brake, cause=bench.winch.supervised))
+    assert alarm.startswith("WINCH_DRIVE_FAULT (high): the winch has stopped (drive: the brake does not engage")
+    assert "The brake is open, " in alarm

@@ -35,7 +35,7 @@ def test_a_sound_drum_of_half_a_second_of_delay_and_lag_is_let_be():
         (lambda now: DrumReading(wave(now), False, 0.0, 0.0, 0.0), "the drum stands against the command", TIME),
         (lambda now: DrumReading(0.0, False, 0.0, 0.0, 1.0), "the brake does not open", TIME),
         (lambda now: DrumReading(0.0, True, 0.0, 0.0, 0.0), "the brake does not engage", TIME),
-        (lambda now: DrumReading(0.0, True, 0.5 * now**2, now, 0.0), "the drum does not stop", TIME),
+        (lambda now: DrumReading(0.0, True, 0.5 * now**2, 0.2 + now, 0.0), "the drum does not stop", TIME),
         (lambda now: DrumReading(0.0, True, 0.05 * now, 0.05, 1.0), "the brake does not hold", SLIPPED / 0.05),
         (lambda now: DrumReading(0.0, True, 0.02 * now, 0.02, math.nan), "the brake does not hold", SLIPPED / 0.02),
     ],
@@ -101,3 +101,17 @@ def test_a_drum_is_held_as_its_brake_says_and_not_as_its_speed_looks(brake, spee
         supervision.look(now, DrumReading(0.0, True, speed * now, speed, brake)) for now in np.arange(0.0, 60.0, STEP)
     ]
     assert any("does not hold" in words for words in told) is is_held
+
+
+@pytest.mark.parametrize("speed", [0.08, 0.1, 0.12, 0.3])
+def test_a_drum_that_has_stood_and_sinks_past_a_brake_that_says_open_is_found_by_its_way(speed):
+    """At 0.1 m/s it is too fast to be held and too slow not to stop, by an encoder that reads in steps of 2 cm/s."""
+
+    def drum_at(now):
+        payout = round(speed * max(now - 2.0, 0.0), 3)
+        rate = (payout - round(speed * max(now - STEP - 2.0, 0.0), 3)) / STEP
+        return DrumReading(0.0, True, payout, rate, 0.0 if now > 2.0 else 1.0)
+
+    now, words = found(drum_at)
+    assert words.startswith("the brake does not engage: the drum has moved by +0.0")
+    assert now - 2.0 <= (SLIPPED + 1e-3) / speed + 2.0 * STEP

@@ -68,9 +68,11 @@ HAZARDS: tuple[Hazard, ...] = (
         {"winch": ("brake_slip", "brake_open")},
         ("WINCH_DRIVE_FAULT",),
         "the drive trips; the controller stops and reports it. No second brake is commanded",
-        "2 s from the standstill (test)",
+        "0.05 m of motion from the standstill (test)",
         "the load goes on to pay out at the speed of the slip: a second brake, or a person, has to hold it",
-        ("tests/test_winch_faults.py::test_a_brake_that_does_not_hold_is_reported_within_two_seconds_of_the_standstill",),
+        ("tests/test_winch_faults.py::test_a_brake_that_does_not_hold_is_reported_within_two_seconds_of_the_standstill",
+         "node_base/test/test_motion_supervision.py::"
+         "test_a_drum_that_has_stood_and_sinks_past_a_brake_that_says_open_is_found_by_its_way"),
         events=(Event.WINCH_FAULT,),
     ),
     Hazard(

@@ -199,7 +199,7 @@ class WinchParameters:
         minimum=0.0,
         maximum=60.0,
         description="Supervision of the drive: it trips where drum or brake do not follow their orders for so long, or "
-        "the drum has moved by 0.05 m with its brake engaged; 0 means none.",
+        "the drum has moved by 0.05 m with its brake engaged or since it stood; 0 means none.",
     )
     electric: ElectricParameters = group(ElectricParameters)
     pump_controlled: PumpControlledParameters = group(PumpControlledParameters)

@@ -7,7 +7,7 @@ Rules, each for longer than the supervision's time, so that delay and lag of a s
 - it does not slow down while it is ordered to brake;
 - its brake does not open, or does not engage, as the brake's switch says.
 
-One more holds at once: it has moved by 0.05 m with its brake engaged.
+One more holds at once: it has moved by 0.05 m with its brake engaged, or since it stood while it is ordered to brake.
 """
 
 from __future__ import annotations
@@ -92,7 +92,8 @@ class MotionSupervision:
         return [words for words, is_broken in rules.items() if is_broken]
 
     def _slip(self, drum: DrumReading) -> str:
-        is_held = drum.is_braked and (drum.brake != 0.0 if math.isfinite(drum.brake) else abs(drum.payout_rate) < SLOW)
+        is_engaged = drum.brake != 0.0 if math.isfinite(drum.brake) else abs(drum.payout_rate) < SLOW
+        is_held = drum.is_braked and (is_engaged or self._slowest < STANDING)
         if not is_held or not math.isfinite(drum.payout):
             self._held_at = math.nan
             return ""
@@ -104,4 +105,5 @@ class MotionSupervision:
         self._held_at = drum.payout
         if abs(moved) > UNSEEN:
             return f"the drum reads {moved:+.2f} m from where it was held: it moved unseen, or its count was lost"
-        return f"the brake does not hold: the drum has moved by {moved:+.2f} m"
+        failed = "engage" if drum.brake == 0.0 else "hold"
+        return f"the brake does not {failed}: the drum has moved by {moved:+.2f} m"

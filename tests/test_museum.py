@@ -1,0 +1,88 @@
+"""Public accidents with heave compensation and winches: as built they repeat their accounts, and what this suite does.
+
+What is not reached is stated as well: bounds are those of the table of docs/guide/validation/museum.md, rounded up.
+"""
+
+import math
+from pathlib import Path
+
+import pytest
+from heave_bringup.scenarios import shipped_scenarios
+from heave_node.interface.alarm import Severity
+
+from tests.campaigns.museum import AS_BUILT, INCIDENTS, judge
+
+PAGE = Path(__file__).parents[1] / "docs" / "guide" / "validation" / "museum.md"
+INCIDENT = {one.scenario.removeprefix("museum_"): one for one in INCIDENTS}
+ASKED, SOON = 0.1, 3.0
+"""What is asked of this suite: motion unasked [m], and time to an alarm that names the cause [s]."""
+
+AT_THE_TRIP = 0.2
+"""A drum that trips under compensation stops where the wave has it, in this sea up to so far from its mean [m]."""
+
+
+@pytest.mark.parametrize(
+    ("name", "least", "warned"),
+    [
+        ("brake_energised", 1.5, False),
+        ("pressure_returns", 2.0, True),  # of the loss of pressure, not of what its return does
+        ("rope_off_sheave", 1.5, False),
+        ("payout_zero", 5.0, False),
+        ("locked_and_creeping", 2.0, False),
+        ("slack_taken_up", 0.1, False),
+    ],
+)
+def test_as_built_the_load_moves_as_in_the_account_and_nothing_names_the_cause(name, least, warned):
+    judged = judge(INCIDENT[name], AS_BUILT)
+    assert judged.moved > least
+    assert math.isfinite(judged.named[0]) is warned
+
+
+@pytest.mark.parametrize(
+    ("name", "by_the_alarm", "most"),
+    [
+        ("pressure_returns", ASKED, AT_THE_TRIP),
+        ("rope_off_sheave", ASKED, ASKED),
+        ("locked_and_creeping", ASKED, AT_THE_TRIP),
+    ],
+)
+def test_with_this_suite_the_cause_is_named_in_time_with_an_action_and_the_load_stays(name, by_the_alarm, most):
+    judged = judge(INCIDENT[name])
+    after, alarm = judged.named
+    assert after < SOON
+    assert alarm.row.action
+    assert judged.at_alarm < by_the_alarm
+    assert judged.moved < most
+
+
+def test_a_load_that_sinks_past_an_energised_brake_is_named_before_a_decimetre_and_held_by_who_takes_the_drive():
+    """Nobody else holds it: there is one brake, and it is open."""
+    judged = judge(INCIDENT["brake_energised"], act="manual")
+    after, alarm = judged.named
+    assert after < SOON
+    assert "the brake does not engage" in str(alarm)
+    assert "The brake is open" in str(alarm)
+    assert judged.at_alarm < ASKED
+    # 0.1 m/s for the 5 s that the operator takes and the half second until the drive has it, and the swing of it
+    assert judged.moved < 0.75
+
+
+def test_a_landing_that_nobody_expected_ends_the_lowering_in_time_and_is_an_event_that_does_not_name_the_zero():
+    judged = judge(INCIDENT["payout_zero"])
+    after, alarm = judged.named
+    assert after < SOON
+    assert alarm.severity is Severity.EVENT
+    assert judged.moved < 0.35  # of rope on a unit that stands
+
+
+def test_over_a_unit_that_stands_compensation_does_not_begin_and_nothing_moves():
+    judged = judge(INCIDENT["slack_taken_up"])
+    assert judged.moved < 0.01
+    assert judged.named == (pytest.approx(math.nan, nan_ok=True), None)
+
+
+def test_the_museum_is_shipped_as_built_and_ours_and_its_page_has_a_row_of_each():
+    shipped = {name for name in shipped_scenarios() if name.startswith("museum_")}
+    assert shipped == {one.scenario + suffix for one in INCIDENTS for suffix in ("", AS_BUILT)}
+    page = PAGE.read_text(encoding="utf-8")
+    assert [one.scenario for one in INCIDENTS if f"| `{one.scenario}` |" not in page] == []
