@@ -1,4 +1,4 @@
-"""Parameters of the plant: cable, unit, water, seabed, passive compensator and solver.
+"""Parameters of the plant: cable, unit, water, seabed, passive compensator, rope path and solver.
 
 `CableSimParameters` is the root; its groups have dotted names (`cable.diameter`, `unit.mass`). Defaults are the 300 m
 system of the thesis, section 5.7.
@@ -257,6 +257,32 @@ class CompensatorParameters:
 
 
 @dataclass(frozen=True)
+class RopePathParameters:
+    """The rope's way from the drum over its sheaves to the boom tip: friction between load cell and cable."""
+
+    friction: float = parameter(
+        0.0,
+        unit="",
+        minimum=0.0,
+        maximum=2.0,
+        description="ln of the ratio of the tensions on both sides of the sheaves while the rope runs: mu theta (Euler, "
+        "Eytelwein), or -n ln e for n sheaves of efficiency e. The load cell is on the drum's side; 0 means none.",
+    )
+    stiffness: float = parameter(
+        0.0,
+        unit="N/m",
+        minimum=0.0,
+        description="Of boom, sheaves and the rope between drum and boom tip, in series: the friction turns over while "
+        "they give. 0 means rigid, which friction cannot be.",
+    )
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        if self.friction > 0.0 and self.stiffness == 0.0:
+            raise ValueError("rope_path.friction needs rope_path.stiffness: a rope sticks by what gives beside it")
+
+
+@dataclass(frozen=True)
 class SolverParameters:
     """Settings of the time integration (generalised-alpha)."""
 
@@ -331,6 +357,7 @@ class CableSimParameters:
     current_profile: CurrentProfileParameters = group(CurrentProfileParameters)
     wave: WaveKinematicsParameters = group(WaveKinematicsParameters)
     compensator: CompensatorParameters = group(CompensatorParameters)
+    rope_path: RopePathParameters = group(RopePathParameters)
     solver: SolverParameters = group(SolverParameters)
 
     def __post_init__(self) -> None:
