@@ -258,22 +258,23 @@ class CompensatorParameters:
 
 @dataclass(frozen=True)
 class RopePathParameters:
-    """The rope's way from the drum over its sheaves to the boom tip: friction between load cell and cable."""
+    """The rope's way from the drum over its sheaves to the boom tip: friction before the load cell, and what gives."""
 
     friction: float = parameter(
         0.0,
         unit="",
         minimum=0.0,
         maximum=2.0,
-        description="ln of the ratio of the tensions on both sides of the sheaves while the rope runs: mu theta (Euler, "
-        "Eytelwein), or -n ln e for n sheaves of efficiency e. The load cell is on the drum's side; 0 means none.",
+        description="ln of the ratio of the tensions on both sides of the sheaves while the rope runs: mu theta of "
+        "Euler and Eytelwein, or -n ln e for n sheaves of efficiency e. The load cell is on the drum's side; 0 means "
+        "none.",
     )
     stiffness: float = parameter(
         0.0,
         unit="N/m",
         minimum=0.0,
-        description="Of boom, sheaves and the rope between drum and boom tip, in series: the friction turns over while "
-        "they give. 0 means rigid, which friction cannot be.",
+        description="Of boom, sheaves and the rope between drum and boom tip, in series: a vertical spring above the "
+        "cable, at rest at the start, and what gives while friction turns over. 0 means rigid: then without friction.",
     )
 
     def __post_init__(self) -> None:
@@ -362,3 +363,15 @@ class CableSimParameters:
 
     def __post_init__(self) -> None:
         check_ranges(self)
+        if self.compensator.stiffness > 0.0 and self.rope_path.stiffness > 0.0:
+            raise ValueError(
+                "compensator.stiffness and rope_path.stiffness are both a spring under the boom tip: give one of them "
+                "(1/k = 1/k1 + 1/k2)"
+            )
+
+    @property
+    def top_spring(self) -> CompensatorParameters:
+        """What carries the sheave: the compensator, or boom and rope path, without stops, of the least mass."""
+        if self.rope_path.stiffness == 0.0:
+            return self.compensator
+        return CompensatorParameters(stiffness=self.rope_path.stiffness, moving_mass=1.0, stroke=1e9)

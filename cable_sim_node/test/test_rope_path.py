@@ -78,9 +78,7 @@ def test_a_drum_that_trembles_changes_the_reading_by_no_more_than_it_stretches()
     assert np.all(np.abs(np.diff(read)) <= STIFFNESS * np.abs(np.diff(tremble)) + 1e-6)
 
 
-@given(
-    st.lists(st.tuples(st.floats(0.0, 1e6), st.floats(-100.0, 100.0)), min_size=1, max_size=50), st.floats(0.0, 1.0)
-)
+@given(st.lists(st.tuples(st.floats(0.0, 1e6), st.floats(-100.0, 100.0)), min_size=1, max_size=50), st.floats(0.0, 1.0))
 def test_the_reading_is_always_within_the_friction(path, friction):
     tensions, payouts = zip(*path, strict=True)
     read = readings(friction, tensions, payouts)
