@@ -33,8 +33,8 @@ def test_a_landing_on_a_soft_wire_is_known_and_held_at_constant_tension(one):
 
 @pytest.mark.slow
 def test_a_landing_is_known_through_friction_of_the_sheaves_and_the_tension_held_swings_by_it():
-    """5 % between load cell and cable: touchdown as early as without; held is the reading, so the cable's tension may be
-    off by e^f either way, beside the 5 kN by which it swings without friction.
+    """5 % between load cell and cable: touchdown as early as without. Held is the reading, so the cable's tension may
+    be off by e^f either way, beside the 4.6 kN by which it swings without friction.
     """
     friction = 0.05
     parameters = loop_parameters(scenario(SOFT))

@@ -106,7 +106,7 @@ def bar(length):
 
 
 def test_the_sway_while_lowering_is_that_of_a_string_of_the_same_length(gallery):
-    """Figs 4.13 to 4.19, Q alone: drag on the cable leaves 3 to 5 % of the top's metre, less the longer the cable is."""
+    """Figs 4.13 to 4.19, Q alone: drag leaves 3 to 5 % of the top's metre, less the longer the cable is."""
     record = lowered(0.25, 0.0, 1.0)
     places = (240.0, 320.0, 400.0)
     found = np.array([harmonic_near(length, record, 0) for length in places])

@@ -108,7 +108,8 @@ def test_the_chain_in_one_direction_carries_the_solitary_wave_of_the_mkdv_equati
         axes.set_ylabel("slope")
         axes.legend()
 
-    gallery(f"solitary_wave_{factor:.2f}", "A transverse pulse on a chain that moves in x alone (thesis 5.20).", draw)
+    name = "chain_solitary_wave" if is_right else "chain_wave_of_the_printed_term"
+    gallery(name, "A transverse pulse on a chain that moves in x alone (thesis Eq. 5.20).", draw)
     if not is_right:
         assert abs(slope.max() / start - 1.0) > 0.1
         return

@@ -3,7 +3,7 @@
 The thesis states it and prints no equation. With k = EA/L a unit of effective mass M on a cable of mass m a metre has
 a = (M + m L/3)/k by Rayleigh, and b = (C + c L/4)/k of Eq. 6.3, with rho C_D S/2 of the unit and (pi/2) rho C_tau d a
 metre of cable: a share of the cable's drag of (s/L)^2, that works on s/L. Two numbers give two particulars, the other
-ones given; none of them tells a system from one of twice all masses, drags and stiffness. Only a tension does.
+ones given; none distinguishes a system from one of twice all masses, drags and stiffness. Only a tension does.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def test_the_identified_coefficients_give_the_particulars_back():
     assert area == pytest.approx(SEA.unit.drag_coefficient[2] * SEA.unit.drag_area[2], rel=0.05)
 
 
-def test_only_a_tension_tells_a_system_from_one_of_twice_everything():
+def test_only_a_tension_distinguishes_a_system_from_one_of_twice_everything():
     """Masses, drags, weights and EA twice as large: the same motion, twice the tension."""
     unit, cable = SEA.unit, SEA.cable
     double = math.sqrt(2.0)

@@ -1,6 +1,7 @@
 """Compliance of boom and sheaves: a spring k2 above a cable of stiffness k1, against the closed forms of two in series.
 
-The sources print none of it. Vacuum; the cable is light except where the elastic bar is the reference.
+The sources print none of it. Vacuum; the cable is light except where the elastic bar is the reference. Last, the loop
+that friction of the sheaves gives the load cell in the plant.
 """
 
 from __future__ import annotations
@@ -10,7 +11,9 @@ import math
 
 import numpy as np
 import pytest
+from cable_sim_node.component import CableSim
 from cable_sim_node.line.dynamics import CableDynamics
+from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.parameters import (
     CableParameters,
     CableSimParameters,
@@ -21,6 +24,7 @@ from cable_sim_node.parameters import (
 )
 from cable_sim_node.peers.driven_run import run_driven
 from cable_sim_node.peers.reference_systems import s900
+from cable_sim_node.sensors.instruments import LoadCellParameters, SensorsParameters
 from heave_node.numerics.kinematics import PointMotion
 from heave_node.parameters import ParameterError
 
@@ -117,3 +121,41 @@ def test_a_snap_under_a_soft_boom_has_the_energy_of_both_springs():
 def test_a_compensator_and_a_rope_path_that_gives_are_not_both_the_spring():
     with pytest.raises((ValueError, ParameterError), match="both a spring under the boom tip"):
         dataclasses.replace(light_line(), compensator=CompensatorParameters(stiffness=1e3))
+
+
+@pytest.mark.parametrize("amplitude", [0.02, 0.2])
+def test_the_load_cell_has_the_loop_of_the_friction_over_payout(gallery, amplitude):
+    """A slow drum, 300 m system: H (2 a - H/k) a cycle, H = 2 T sinh f; 0.2 m of cable weighs 7 N of 36.5 kN."""
+    friction, stiffness, period, tick = 0.05, 2e6, 120.0, 0.05
+    sensors = dataclasses.replace(SensorsParameters(), load_cell=LoadCellParameters(relative_noise=0.0))
+    path = RopePathParameters(friction=friction, stiffness=stiffness)
+    plant = CableSim(CableSimNodeParameters(segments=10, rope_path=path, sensors=sensors), seed=1, tick_period=tick)
+    payouts, read, pulls, omega = [], [], [], 2.0 * math.pi / period
+    for k in range(1, round(2.5 * period / tick) + 1):
+        state, delivered = plant.readings(k)
+        payouts.append(plant.payout.position[0])
+        read.append(delivered["load_cell"][-1].value[0])
+        pulls.append(state.top_tension)
+        t = k * tick
+        rise = min(t / (0.25 * period), 1.0)
+        angle = omega * t
+        payout = (amplitude * rise * math.sin(angle), amplitude * rise * omega * math.cos(angle))
+        if rise < 1.0:
+            payout = (payout[0], payout[1] + amplitude / (0.25 * period) * math.sin(angle))
+        plant.advance(k, PointMotion((k + 1) * tick), payout)
+    last = slice(-round(period / tick) - 1, None)
+
+    def draw(figure):
+        axes = figure.subplots()
+        axes.plot(np.array(payouts[last]), np.array(pulls[last]) / 1e3, label="top tension")
+        axes.plot(np.array(payouts[last]), np.array(read[last]) / 1e3, label="load cell, f = 0.05")
+        axes.set_xlabel("payout [m]")
+        axes.set_ylabel("tension [kN]")
+        axes.legend()
+
+    gallery(
+        f"load_cell_loop_{round(1e3 * amplitude)}_mm", "Load cell behind sheaves while the drum goes to and fro.", draw
+    )
+    height = 2.0 * float(np.mean(pulls[last])) * math.sinh(friction)
+    area = -float(np.trapezoid(read[last], payouts[last]))
+    assert area == pytest.approx(height * (2.0 * amplitude - height / stiffness), rel=0.01)
