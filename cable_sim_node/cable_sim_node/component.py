@@ -23,6 +23,7 @@ from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.sensors.instruments import SensorTruth
+from cable_sim_node.sensors.rope_path import RopePath
 from cable_sim_node.sensors.suite import SensorReadings, SensorSuite
 from cable_sim_node.shadow import ShadowPayout
 from cable_sim_node.vertical.linear_plant import LinearPlant
@@ -108,6 +109,7 @@ class CableSim:
         self._shadow_payout = ShadowPayout(tick_period=tick_period)
         self.water = Water(parameters.water_density, parameters.gravity)
         self._static_top_tension = self._plant.top_tension
+        self._rope_path = RopePath(parameters.rope_path, tension=self._static_top_tension)
         self.largest_strain = self._plant.largest_strain
         self.awaits_waves = parameters.wave.source == "sea"
         self._seabed = Seabed(parameters.seabed)
@@ -151,7 +153,7 @@ class CableSim:
             position=state.unit.position,
             velocity=state.unit.velocity,
             acceleration=state.unit.acceleration,
-            top_tension=state.top_tension,
+            drum_tension=self._rope_path.drum_tension,
             static_top_tension=self._static_top_tension,
             height_above_seabed=self._height_above_seabed(state.unit.position),
             gravity=self._parameters.gravity,
@@ -209,6 +211,7 @@ class CableSim:
             (self._shadow, shadow_start, (shadow.payout, shadow.rate)),
         ):
             dynamics.advance(self._tick_period, tip_start, tip_end, *start, *end)
+        self._rope_path.advance(self._plant.top_tension, float(self.payout.position[0]))
         self.largest_strain = max(self.largest_strain, self._plant.largest_strain)
 
     def _tip(self) -> PointMotion:

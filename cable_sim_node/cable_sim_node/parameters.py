@@ -1,4 +1,4 @@
-"""Parameters of the plant: cable, unit, water, seabed, passive compensator and solver.
+"""Parameters of the plant: cable, unit, water, seabed, passive compensator, rope path and solver.
 
 `CableSimParameters` is the root; its groups have dotted names (`cable.diameter`, `unit.mass`). Defaults are the 300 m
 system of the thesis, section 5.7.
@@ -257,6 +257,33 @@ class CompensatorParameters:
 
 
 @dataclass(frozen=True)
+class RopePathParameters:
+    """The rope's way from the drum over its sheaves to the boom tip: friction before the load cell, and what gives."""
+
+    friction: float = parameter(
+        0.0,
+        unit="",
+        minimum=0.0,
+        maximum=2.0,
+        description="ln of the ratio of the tensions on both sides of the sheaves while the rope runs: mu theta of "
+        "Euler and Eytelwein, or -n ln e for n sheaves of efficiency e. The load cell is on the drum's side; 0 means "
+        "none.",
+    )
+    stiffness: float = parameter(
+        0.0,
+        unit="N/m",
+        minimum=0.0,
+        description="Of boom, sheaves and the rope between drum and boom tip, in series: a vertical spring above the "
+        "cable, at rest at the start, and what gives while friction turns over. 0 means rigid: then without friction.",
+    )
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        if self.friction > 0.0 and self.stiffness == 0.0:
+            raise ValueError("rope_path.friction needs rope_path.stiffness: a rope sticks by what gives beside it")
+
+
+@dataclass(frozen=True)
 class SolverParameters:
     """Settings of the time integration (generalised-alpha)."""
 
@@ -331,7 +358,20 @@ class CableSimParameters:
     current_profile: CurrentProfileParameters = group(CurrentProfileParameters)
     wave: WaveKinematicsParameters = group(WaveKinematicsParameters)
     compensator: CompensatorParameters = group(CompensatorParameters)
+    rope_path: RopePathParameters = group(RopePathParameters)
     solver: SolverParameters = group(SolverParameters)
 
     def __post_init__(self) -> None:
         check_ranges(self)
+        if self.compensator.stiffness > 0.0 and self.rope_path.stiffness > 0.0:
+            raise ValueError(
+                "compensator.stiffness and rope_path.stiffness are both a spring under the boom tip: give one of them "
+                "(1/k = 1/k1 + 1/k2)"
+            )
+
+    @property
+    def top_spring(self) -> CompensatorParameters:
+        """What carries the sheave: the compensator, or boom and rope path, without stops, of the least mass."""
+        if self.rope_path.stiffness == 0.0:
+            return self.compensator
+        return CompensatorParameters(stiffness=self.rope_path.stiffness, moving_mass=1.0, stroke=1e9)

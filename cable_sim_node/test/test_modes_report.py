@@ -4,7 +4,7 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.errors import LinearisationError
-from cable_sim_node.parameters import CableParameters, SeabedParameters
+from cable_sim_node.parameters import CableParameters, RopePathParameters, SeabedParameters
 from cable_sim_node.peers.reference_systems import s900
 from cable_sim_node.reports.modes import modes_report
 from scipy.optimize import brentq
@@ -73,11 +73,12 @@ def test_the_line_answers_in_heave_as_the_bar_does(deep):
     assert np.all(np.abs(deep.response.unit[:, 0, 0]) < 0.2)
 
 
-def test_seabed_and_bending_have_no_part_in_it(deep):
+def test_seabed_bending_and_rope_path_have_no_part_in_it(deep):
     stiff = dataclasses.replace(
         s900(40),
         seabed=SeabedParameters(depth=1000.0),
         cable=dataclasses.replace(s900().cable, bending_stiffness=1e4),
+        rope_path=RopePathParameters(stiffness=1e5),
     )
     assert modes_report(stiff, sea_period=10.0).line[0].period == pytest.approx(deep.line[0].period)
 

@@ -35,7 +35,7 @@ TRUTH = SensorTruth(
     position=np.array([3.0, 4.0, -300.0]),
     velocity=np.array([0.1, 0.2, -0.3]),
     acceleration=np.array([0.5, 0.0, -1.0]),
-    top_tension=36_500.0,
+    drum_tension=36_500.0,
     static_top_tension=36_500.0,
     height_above_seabed=20.0,
     gravity=9.83,
@@ -49,7 +49,7 @@ class Probe(SensorParameters):
     sigma: float = 0.0
 
     def view(self, truth: SensorTruth) -> View:
-        return View(np.array([truth.top_tension]), self.sigma)
+        return View(np.array([truth.drum_tension]), self.sigma)
 
 
 def probe(parameters: Probe, seed: int = 1) -> Sensor:
@@ -59,7 +59,7 @@ def probe(parameters: Probe, seed: int = 1) -> Sensor:
 def run(parameters: Probe, ticks: int, *, seed: int = 1) -> list[tuple[int, Reading]]:
     """Let a probe see the time in place of the tension; return the delivered readings and the ticks of delivery."""
     sensor = probe(parameters, seed)
-    truths = ((k, TRUTH._replace(top_tension=k * TICK)) for k in range(1, ticks + 1))
+    truths = ((k, TRUTH._replace(drum_tension=k * TICK)) for k in range(1, ticks + 1))
     return [(k, reading) for k, truth in truths for reading in sensor.step(k, truth)]
 
 
@@ -174,7 +174,7 @@ def test_fault_injected_during_the_run_acts_and_can_be_cleared() -> None:
             sensor.faults.inject("jump", start=k * TICK, magnitude=2.0)
         if k == 40:
             sensor.faults.inject("clear", start=k * TICK)
-        values += [r.value[0] - TRUTH.top_tension for r in sensor.step(k, TRUTH)]
+        values += [r.value[0] - TRUTH.drum_tension for r in sensor.step(k, TRUTH)]
     assert values == pytest.approx([0.0] * 19 + [2.0] * 20 + [0.0] * 21)
 
 

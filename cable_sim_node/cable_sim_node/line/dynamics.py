@@ -42,8 +42,9 @@ class CableDynamics:
     """A cable with a unit at its lower end, in frame `world` (z up, origin at still water), SI units.
 
     The lumped-mass model of thesis chapter 5 (Eq. 5.1-5.6, with the right projection I - e e'): node 0 is the unit,
-    node N the top end, which is the boom tip (or the sheave that a passive compensator carries). Cable that is paid
-    out or hauled in passes the top end; everything below is material that stays itself, so N changes with the length.
+    node N the top end, which is the boom tip (or the sheave that a passive compensator or a soft boom carries). Cable
+    that is paid out or hauled in passes the top end; everything below is material that stays itself, so N changes with
+    the length.
     Water ends at its surface, z = 0 and the wave on it, unless the parameters let it surround everything: cable above
     it is in air, and a unit with a box gets wet on its way through.
 
@@ -279,6 +280,8 @@ class CableDynamics:
     @property
     def compensator_stroke(self) -> float:
         """How far the compensator's sheave is below its mid-stroke at the boom tip [m]; 0 without a compensator."""
+        if self.parameters.compensator.stiffness == 0.0:
+            return 0.0
         n = self.segments
         sheave = self._line.tiles[n >> at.SHIFT, at.Z + (n & at.LANES)]
         return float(self._line.numbers[at.NOW + at.TIP_Z] - sheave)
@@ -338,7 +341,7 @@ class CableDynamics:
             settle(line, self.parameters, boom_tip)
 
     def _start_compensator(self) -> None:
-        spring = self.parameters.compensator
+        spring = self.parameters.top_spring
         if spring.stiffness == 0.0:
             return
         self._line.numbers[at.SPRING_ON] = 1.0

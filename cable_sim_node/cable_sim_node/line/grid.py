@@ -94,7 +94,7 @@ def settings_of(parameters: CableSimParameters) -> Array:
     """
     seabed = Seabed(parameters.seabed)
     numbers = np.concatenate((np.zeros(at.NUMBERS), seabed.profile.ravel(), *map(np.ravel, unit_tables(parameters))))
-    solver, bed, spring = parameters.solver, parameters.seabed, parameters.compensator
+    solver, bed, spring = parameters.solver, parameters.seabed, parameters.top_spring
     radius = solver.spectral_radius
     alpha_m, alpha_f = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
     numbers[at.ALPHA_M], numbers[at.ALPHA_F] = alpha_m, alpha_f

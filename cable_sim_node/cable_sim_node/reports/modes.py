@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from cable_sim_node.errors import LinearisationError
 from cable_sim_node.line.linearised import LinearLine, LineResponse, linearise
-from cable_sim_node.parameters import CableSimParameters, CompensatorParameters, SeabedParameters
+from cable_sim_node.parameters import CableSimParameters, CompensatorParameters, RopePathParameters, SeabedParameters
 from cable_sim_node.reports.hanging import hanging_report
 from cable_sim_node.reports.report import columns, labelled_rows
 from cable_sim_node.vertical.axial_line import AxialLine, axial_line
@@ -220,8 +220,8 @@ def modes_report(
 
     Parameters
     ----------
-    parameters : of the plant; the seabed, which must be below the unit, bending stiffness, waves and the compensator
-        have no part in it
+    parameters : of the plant; the seabed, which must be below the unit, bending stiffness, waves, compensator
+        and rope path have no part in it
     sea_period : whose resonant length is sought [s]
     amplitude : of the boom tip, at `sea_period` for the line and at every period for the map, for which drag is made
         linear [m]
@@ -246,6 +246,7 @@ def modes_report(
         segments=min(parameters.segments, MOST_SEGMENTS),
         seabed=SeabedParameters(),
         compensator=CompensatorParameters(),
+        rope_path=RopePathParameters(),
         cable=replace(parameters.cable, bending_stiffness=0.0),
     )
     line = linearise(free, boom_tip, speed_amplitude=speed)

@@ -23,7 +23,8 @@ class SensorTruth(NamedTuple):
     Attributes
     ----------
     position, velocity, acceleration : of the unit, shape (3,), frame `world` [m], [m/s], [m/s^2]
-    top_tension, static_top_tension : now, and at rest at the start [N]
+    drum_tension : of the rope on the drum's side of its sheaves; the top tension where they have no friction [N]
+    static_top_tension : at rest at the start [N]
     height_above_seabed : of the unit [m]; infinite without a seabed
     gravity : [m/s^2]
     """
@@ -31,7 +32,7 @@ class SensorTruth(NamedTuple):
     position: Array
     velocity: Array
     acceleration: Array
-    top_tension: float
+    drum_tension: float
     static_top_tension: float
     height_above_seabed: float
     gravity: float
@@ -141,7 +142,7 @@ class UsblParameters(SensorParameters):
 
 @dataclass(frozen=True)
 class LoadCellParameters(SensorParameters):
-    """Load cell at the boom tip: top tension."""
+    """Load cell between drum and boom tip: top tension, less or more what `rope_path.friction` takes."""
 
     rate: float = parameter(20.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
     relative_noise: float = parameter(
@@ -154,8 +155,8 @@ class LoadCellParameters(SensorParameters):
     bias: float = parameter(0.0, unit="N", minimum=-1e9, maximum=1e9, description="Constant error.")
 
     def view(self, truth: SensorTruth) -> View:
-        """See the top tension [N]."""
-        return View(np.array([truth.top_tension]), self.relative_noise * truth.static_top_tension, self.bias)
+        """See the tension on the drum's side [N]."""
+        return View(np.array([truth.drum_tension]), self.relative_noise * truth.static_top_tension, self.bias)
 
 
 @dataclass(frozen=True)

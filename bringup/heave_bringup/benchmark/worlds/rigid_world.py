@@ -183,7 +183,7 @@ def _truth(position: float, speed: float = 0.0, acceleration: float = 0.0) -> Se
         position=np.array([0.0, 0.0, position]),
         velocity=np.array([0.0, 0.0, speed]),
         acceleration=np.array([0.0, 0.0, acceleration]),
-        top_tension=0.0,
+        drum_tension=0.0,
         static_top_tension=0.0,
         height_above_seabed=math.inf,
         gravity=STANDARD_GRAVITY,
