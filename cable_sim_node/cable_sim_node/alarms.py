@@ -29,7 +29,7 @@ ALARMS = alarm_table(
             Severity.HIGH,
             "winch",
             f"the winch has stopped ({fault.name.lower().replace('_', ' ')}{{cause}})",
-            "The brake is on, {waits}",
+            "The brake is on until {condition}",
             _ACTIONS[fault],
         )
         for fault, code in DRIVE_CODES.items()

@@ -102,7 +102,7 @@ class VirtualWinchNode(ParticipantNode):
         values |= {name: f"{value:.6g}" for name, value in self.winch.instruments().items()}
         if state.fault is WinchFault.NONE:
             return [Health("drive", Level.OK, "ok", values)]
-        code, given = DRIVE_CODES[state.fault], {"cause": self._cause, "waits": RELEASE_WORDS[state.release]}
+        code, given = DRIVE_CODES[state.fault], {"cause": self._cause, "condition": RELEASE_WORDS[state.release]}
         return [alarm_health("drive", ALARMS.alarm(code, **given), values)]
 
     def _make_winch(self) -> VirtualWinch:
