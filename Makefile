@@ -89,7 +89,7 @@ $(VENV)/bin/uv:
 	@$(BIN)/python -m pip install --quiet uv
 
 $(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
-	@echo "setup: ROS 2 from wheels, then the messages are compiled: two to four minutes"
+	@echo "setup: ROS 2 from wheels, then the messages are compiled: two to five minutes"
 	@echo "setup: $(if $(PINS),the versions of $(PINS); the newest: make LATEST=1,the newest versions)"
 	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
 		$(PINNED) $(BIN)/python -m pip install --quiet --editable .
