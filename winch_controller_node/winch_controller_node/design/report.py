@@ -239,9 +239,9 @@ def _point(design: ControllerDesign, value: float, command_size: float, errors: 
 def weight_curve(
     design: ControllerDesign, errors: ErrorCovariances, sizes: Sequence[float] = COMMAND_SIZES
 ) -> tuple[TradeOff, ...]:
-    """Return predicted unit motion against winch use for growing scales of the command (thesis figs 6.18, 6.19).
+    """Return predicted unit motion against winch use for growing command scales (thesis figs 6.18, 6.19).
 
-    `errors` are `error_covariances(design)`.
+    `sizes` are the scales [m/s], `errors` are `error_covariances(design)`.
     """
     return tuple(_point(design, size, size, errors) for size in sizes)
 
