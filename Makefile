@@ -20,6 +20,8 @@ export UV_NATIVE_TLS ?= 1
 # The versions that were tested with the Python of .venv, where there is a file of them; LATEST=1 takes the newest instead.
 PINS = $(if $(LATEST),,$(wildcard constraints/$(shell $(BIN)/python -c 'import sys; print("python%d.%d" % sys.version_info[:2])').txt))
 PINNED = $(if $(PINS),UV_CONSTRAINT=$(CURDIR)/$(PINS) UV_BUILD_CONSTRAINT=$(CURDIR)/$(PINS) PIP_CONSTRAINT=$(CURDIR)/$(PINS))
+# What takes a minute says every 15 s that it goes on.
+TELLING := sh tools/patiently.sh
 
 .PHONY: help run test validate mutants style lint docs gallery coverage install constraints clean
 .DELETE_ON_ERROR:
@@ -89,18 +91,18 @@ $(VENV)/bin/uv:
 	@$(BIN)/python -m pip install --quiet uv
 
 $(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
-	@echo "setup: ROS 2 from wheels, then the messages are compiled: two to four minutes"
+	@echo "setup: ROS 2 from wheels, then the messages are compiled: two to five minutes"
 	@echo "setup: $(if $(PINS),the versions of $(PINS); the newest: make LATEST=1,the newest versions)"
-	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
-		$(PINNED) $(BIN)/python -m pip install --quiet --editable .
+	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(TELLING) "ROS 2 and the messages" $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
+		$(PINNED) $(TELLING) "ROS 2 and the messages, by pip" $(BIN)/python -m pip install --quiet --editable .
 	@echo "setup: compiling the models, once"
-	@rm -rf $(VENV)/first-run && $(BIN)/heave run b2_calm_300 --duration 1 --no-report --namespace set_up --bag $(VENV)/first-run > $(VENV)/first-run.log 2>&1 || \
+	@rm -rf $(VENV)/first-run && $(TELLING) "compiling the models" sh -c '$(BIN)/heave run b2_calm_300 --duration 1 --no-report --namespace set_up --bag $(VENV)/first-run > $(VENV)/first-run.log 2>&1' || \
 		echo "setup: left to the first run, which will start slowly; $(VENV)/first-run.log says why"
 	@touch $@
 
 $(VENV)/.test-installed: $(VENV)/.installed
-	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra test || \
-		$(PINNED) $(BIN)/python -m pip install --quiet --editable '.[test]'
+	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(TELLING) "what the tests need" $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra test || \
+		$(PINNED) $(TELLING) "what the tests need, by pip" $(BIN)/python -m pip install --quiet --editable '.[test]'
 	@touch $@
 
 clean:  ## remove the environment and what was built; runs/ stays

@@ -1,7 +1,9 @@
 """One tree, two builds: what pip and colcon know of each package must agree."""
 
 import ast
+import os
 import re
+import subprocess
 import sys
 from importlib.metadata import packages_distributions
 from pathlib import Path
@@ -201,3 +203,9 @@ def test_setting_up_takes_the_tested_versions():
     installing = [line for line in make.splitlines() if " install --quiet" in line and "install --quiet uv" not in line]
     assert len(installing) >= 6
     assert all("$(PINNED)" in line for line in installing)
+
+
+def test_a_long_step_of_the_setup_says_that_it_goes_on_and_ends_as_its_command_does():
+    step = ["sh", str(REPOSITORY / "tools/patiently.sh"), "compiling", "sh", "-c", "sleep 1.5; exit 3"]
+    done = subprocess.run(step, capture_output=True, text=True, env={**os.environ, "EVERY": "1"}, check=False)
+    assert (done.returncode, done.stdout) == (3, "setup: compiling, 1 s so far\n")

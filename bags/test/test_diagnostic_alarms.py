@@ -31,6 +31,15 @@ def test_what_the_controller_has_told_is_not_joined_where_its_figures_differ():
     assert [alarm.name.split(": ")[-1] for alarm in found] == ["speed limit 1.2 m/s", "speed limit 1.1 m/s"]
 
 
+def test_an_event_is_no_warning():
+    """The part `alarms` of the controller is a warning whatever it reports."""
+    messages = ["t = 1.00 s: AUTHORITY_RESTORED (event): authority is 100 % again.; t = 1.50 s: MRU_SLOW (low): 2 Hz."]
+    found = diagnostic_alarms(fields("winch_controller: alarms", messages))
+    assert [alarm.level for alarm in found] == [0, 1]
+    (alone,) = diagnostic_alarms(fields("adviser: alarms", ["AUTHORITY_RESTORED (event): authority is 100 % again."]))
+    assert alone.level == 0
+
+
 def test_an_alarm_that_lasts_is_shown_from_when_it_was_raised_on():
     """Diagnostics come once a second: the sensor is reported lost at 2 s, and its alarm says since when."""
     lost = "MRU_STALE (high): no data for 0.20 s, limit 0.15 s. Compensation fades out."

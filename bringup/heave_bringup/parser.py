@@ -35,6 +35,11 @@ COMMANDS: tuple[Command, ...] = (
 """All subcommands, in the order of the help."""
 
 
+_NUMBERS = {float: "a number", int: "a whole number"}
+_UNITS = {"S": " of seconds", "M": " of metres", "H": " of hours", "DEG": " of degrees"}
+"""What a number is of, by the name of an option's value in its help."""
+
+
 class OneLineParser(argparse.ArgumentParser):
     """Complains in one line, each subcommand of its own arguments."""
 
@@ -64,6 +69,16 @@ class OneLineParser(argparse.ArgumentParser):
             if near:
                 raise argparse.ArgumentError(action, f"invalid choice: {value!r}; did you mean {near[0]}?")
         super()._check_value(action, value)
+
+    def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
+        """Refuse what is no number in the user's words, not in Python's."""
+        try:
+            return super()._get_value(action, arg_string)
+        except argparse.ArgumentError as error:
+            if action.type not in _NUMBERS:
+                raise
+            unit = _UNITS.get(str(action.metavar), "")
+            raise argparse.ArgumentError(action, f"must be {_NUMBERS[action.type]}{unit}: {arg_string!r}") from error
 
     def error(self, message: str) -> NoReturn:
         """Say in `message` what is wrong, and where help is; exit as refused."""

@@ -22,7 +22,7 @@ from heave_bringup.cli import main
             ["run", "b2_calm_300", "--composed", "--foreign", "wave_vessel"],
             "heave: --composed: all nodes must be the suite's own, but wave_vessel is replaced",
         ),
-        (["run", "b2_calm_300", "--seed", "one"], "heave run: argument --seed: invalid int value: 'one'"),
+        (["run", "b2_calm_300", "--seed", "one"], "heave run: argument --seed: must be a whole number: 'one'"),
         (["repair", "bag"], "heave repair: one of the arguments --output --reindex is required"),
         (["sail"], "heave: argument COMMAND: invalid choice: 'sail'"),
         (["rnu"], "heave: argument COMMAND: invalid choice: 'rnu'; did you mean run?"),
@@ -47,7 +47,12 @@ from heave_bringup.cli import main
         (["operate", "sail"], "heave operate: argument VERB: invalid choice: 'sail'"),
         (["operate", "factor", "2"], "heave operate factor: argument F: 2: must be a number from 0 to 1"),
         (["operate", "depth", "nan"], "heave operate depth: argument D: nan: must be a number from "),
-        (["operate", "depth", "deep"], "heave operate depth: argument D: invalid number value: 'deep'"),
+        (["run", "b2_calm_300", "--seed", "1.5"], "heave run: argument --seed: must be a whole number: '1.5'"),
+        (
+            ["run", "b2_calm_300", "--duration", "5min"],
+            "heave run: argument --duration: must be a number of seconds: '5min'",
+        ),
+        (["operate", "depth", "deep"], "heave operate depth: argument D: deep: must be a number from "),
         (["operate", "step", "0"], "heave operate step: argument N: 0: must be a whole number of at least 1"),
         (["operate", "fault", "inject", "mru", "clear"], "heave operate fault inject: argument kind: invalid choice"),
         (["panel", "--port", "0"], "heave panel: argument --port: 0: must be a whole number from 1 to 65535"),
@@ -71,6 +76,11 @@ def test_a_wrong_command_line_is_one_line_and_status_2(arguments, words, capsys)
     assert status == 2
     assert said.startswith(words)
     assert said.count("\n") == 1
+
+
+def test_a_kind_of_fault_is_answered_with_those_of_its_device(capsys):
+    assert main(["run", "b2_calm_300", "--set", "wave_vessel.mru.faults.kind=[frezze]"]) == 2
+    assert "one of freeze, gap, spike, jump, scale, nan, rate, delay, restart, clear\n" in capsys.readouterr().err
 
 
 def test_the_version_is_that_of_the_project_with_its_commit_where_it_is_known(capsys):

@@ -42,6 +42,11 @@ def test_a_wrong_requirement_is_refused_before_anything_starts(capsys):
     assert "no_such_figure is not a figure of merit; known: unit_sigma_m" in capsys.readouterr().err
 
 
+def test_a_bound_in_the_unit_of_another_quantity_is_answered_with_those_that_fit():
+    with pytest.raises(ParameterError, match=r"significant_residual: the bound has .*; it takes m, dm, cm, mm, ft"):
+        parse_requirement("significant_residual<5kN")
+
+
 def test_a_figure_that_is_nearly_one_is_answered_with_those_that_are_meant():
     with pytest.raises(ParameterError, match="not a figure of merit; did you mean unit_sigma_m"):
         parse_requirement("unit_sigma<0.01")

@@ -64,15 +64,54 @@ def test_where_a_recorded_motion_stood_still_is_known_before_the_run(tmp_path):
     [
         ("system.cable.axial_stiffness=1000", "it would part; check cable.axial_stiffness (1000 N"),
         ("system.cable.stiffness_quadratic=-1e4", "stiffness_quadratic = -10000"),
+        ("system.unit.volume=20", "the line does not hang: the unit's buoyancy lifts it above the boom tip"),
     ],
 )
-def test_a_cable_that_parts_at_rest_is_refused_before_a_run_by_its_cause(setting, says, tmp_path, capsys):
+def test_a_line_that_has_no_rest_is_refused_before_a_run_by_its_cause(setting, says, tmp_path, capsys):
     with pytest.raises(ParameterError) as refused:
         check_rest(load_scenario("b2_calm_300", settings=[setting]))
     assert says in str(refused.value)
-    assert main(["run", "b2_calm_300", "--bag", str(tmp_path / "out"), "--set", setting]) != 0
+    assert main(["run", "b2_calm_300", "--bag", str(tmp_path / "out"), "--set", setting]) == 2
     assert says in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+STEEP = ["system.sea.significant_wave_height=5", "system.sea.peak_period=3"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", "b2_calm_300", "--set", STEEP[0], "--set", STEEP[1]],
+        ["design", "b2_calm_300", "--set", STEEP[0], "--set", STEEP[1]],
+        ["new", "steep", "--hs", "5", "--tp", "3"],
+    ],
+)
+def test_a_sea_whose_waves_break_is_refused_wherever_it_is_stated(arguments, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    assert "waves this steep break: a height of 5 m needs a peak period of 4.8 s or more" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("settings", "says"),
+    [
+        (["spectrum=ochi_hubble", "swell.significant_wave_height=6", "swell.peak_period=5"], "swell: waves this steep"),
+        (
+            ["later_sea.duration=60", "later_sea.significant_wave_height=6", "later_sea.peak_period=5"],
+            "later_sea: wave",
+        ),
+    ],
+)
+def test_swell_and_later_sea_are_seas_too(settings, says):
+    with pytest.raises(ParameterError, match=says):
+        load_scenario("b2_calm_300", settings=[f"wave_vessel.{one}" for one in settings])
+
+
+def test_a_spectrum_that_derives_its_period_takes_any_height():
+    settings = ["spectrum=pierson_moskowitz", "significant_wave_height=20", "peak_period=3"]
+    load_scenario("b2_calm_300", settings=[f"wave_vessel.{one}" for one in settings])
 
 
 def test_fill_values_in_a_record_of_seas_are_not_measured(tmp_path):

@@ -10,6 +10,7 @@ import pytest
 from heave_bringup.errors import CommandError
 from heave_bringup.output import make_table, write_result
 from heave_bringup.progress import ProgressLine
+from heave_bringup.run import records
 
 
 class Terminal(io.StringIO):
@@ -107,3 +108,13 @@ def test_progress_in_a_terminal_shows_text_and_share_and_leaves_only_what_was_to
     assert said.index("25 % done") < said.index("running")
     assert "an alarm [of a node]\n" in said
     assert said.rstrip().endswith("\x1b[2K") or said.endswith("\x1b[?25h") or "\x1b[2K" in said
+
+
+def test_the_analysis_of_a_bag_shows_no_share_where_none_is_known(monkeypatch, capsys):
+    def analyse(bags, *, progress, **_):
+        progress(0.0)
+        return []
+
+    monkeypatch.setattr(records.analysis, "analyse", analyse)
+    records.read_records([])
+    assert capsys.readouterr().err == "analysing the bag\n"

@@ -42,6 +42,12 @@ def test_the_cause_that_is_told_is_the_first_one_and_not_what_followed(nodes, re
     assert run._cause(nodes, monitor) == cause
 
 
+def test_before_the_nodes_have_answered_the_progress_says_what_is_waited_for(capsys):
+    monitor = SimpleNamespace(status=TickStatus(state=TickStatus.WAITING), kpi=None)
+    run._show_progress(None, monitor, run.ProgressLine())
+    assert capsys.readouterr().err == "waiting for the nodes to answer\n"
+
+
 @pytest.mark.parametrize("has_bag", [True, False])
 def test_a_node_that_does_not_end_fails_a_run_only_where_the_bag_is_not_closed(monkeypatch, tmp_path, capsys, has_bag):
     monkeypatch.setattr(run, "_show_progress", lambda *_: None)

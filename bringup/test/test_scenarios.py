@@ -208,7 +208,7 @@ def test_the_stored_scenario_has_every_value_in_force_once_and_runs_again(name, 
     st.fixed_dictionaries(
         {},
         optional={
-            "wave_vessel.peak_period": st.floats(1.0, 40.0),
+            "wave_vessel.peak_period": st.floats(3.0, 40.0),
             "winch_controller.sea.peak_period": st.floats(1.0, 40.0),
             "system.winch.speed_limit": st.floats(0.001, 100.0),
             "virtual_winch.speed_limit": st.floats(0.001, 100.0),

@@ -32,7 +32,7 @@ ALARMS = alarm_table(
             Severity.HIGH,
             "winch",
             f"the winch has stopped ({fault.name.lower().replace('_', ' ')}{{cause}})",
-            "The brake is {brake}, {waits}",
+            "The brake is {brake}; the fault stays latched until {condition}",
             _ACTIONS[fault],
         )
         for fault, code in DRIVE_CODES.items()
@@ -76,4 +76,4 @@ def fault_alarm(fault: WinchFault, release: WinchRelease, *, brake: bool, cause:
     cause : in words; empty: not known
     """
     told = f": {cause}" if cause else ""
-    return ALARMS.alarm(DRIVE_CODES[fault], cause=told, brake=BRAKE_WORDS[brake], waits=RELEASE_WORDS[release])
+    return ALARMS.alarm(DRIVE_CODES[fault], cause=told, brake=BRAKE_WORDS[brake], condition=RELEASE_WORDS[release])

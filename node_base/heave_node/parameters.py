@@ -205,9 +205,8 @@ def _infos(parameters_type: type, prefix: str, defaults: object) -> Iterator[Par
     for field in dataclasses.fields(parameters_type):
         default = getattr(defaults, field.name)
         hint = hints[field.name]
-        if dataclasses.is_dataclass(hint):
-            assert isinstance(hint, type)
-            yield from _infos(hint, f"{prefix}{field.name}.", default)
+        if dataclasses.is_dataclass(hint):  # the group that is there may be narrower than its hint
+            yield from _infos(type(default), f"{prefix}{field.name}.", default)
             continue
         yield _info(field, hint, prefix + field.name, default)
 

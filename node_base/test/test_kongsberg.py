@@ -56,7 +56,7 @@ def test_km_binary_that_is_cut_off_is_not_read():
     assert [sample.values["heave"] for sample in samples] == [-0.5, -0.25]
     assert decoder.counters.malformed == 1
     decoder.end()
-    assert decoder.counters.half_lines == 1
+    assert decoder.counters.incomplete_lines == 1
 
 
 def em3000(heave=50, *, status=0x90, roll=-300, pitch=120, heading=9000):

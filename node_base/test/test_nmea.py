@@ -138,7 +138,7 @@ def test_what_is_wrong_is_counted_by_its_kind():
     )
     assert len(samples) == 1
     counters = decoder.counters
-    assert (counters.checksum_errors, counters.half_lines, counters.malformed) == (2, 1, 2)
+    assert (counters.checksum_errors, counters.incomplete_lines, counters.malformed) == (2, 1, 2)
     assert counters.unknown == {"GPGGA": 1}
 
 
@@ -153,7 +153,7 @@ def test_a_datagram_may_end_without_an_end_of_line_but_not_within_a_sentence():
     assert len(decoder.end()) == 1
     decoder.feed(b"$PSXN,23,0.30,-0.9")
     assert not decoder.end()
-    assert decoder.counters.half_lines == 1
+    assert decoder.counters.incomplete_lines == 1
 
 
 STREAM = (

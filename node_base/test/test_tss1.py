@@ -50,7 +50,7 @@ def test_what_is_wrong_is_counted():
     decoder = Tss1Decoder()
     assert not decoder.feed(b":053C22  0000f-00\r\n:053C2G  0000f-0046 -0563\r\nhello\r\n")
     assert decoder.feed(b":053C22  0000f:053C22  0000f-0046 -0563\r\n")
-    assert (decoder.counters.half_lines, decoder.counters.malformed) == (2, 2)
+    assert (decoder.counters.incomplete_lines, decoder.counters.malformed) == (2, 2)
 
 
 STREAM = b":053C22  0000f-0046 -0563\r\nx:043C86  0000f-0048 -0563\n:053D1C 00\r:073D89  0000F 0052  0562"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.interface.faults import FaultParameters
+from heave_node.interface.faults import FaultParameters, MruFaultParameters
 from heave_node.parameters import group, parameter
 
 
@@ -109,7 +109,7 @@ class MruParameters:
     restart_duration: float = parameter(
         2.0, unit="s", minimum=0.0, maximum=600.0, description="Time for which the unit is silent while it restarts."
     )
-    faults: FaultParameters = group(FaultParameters)
+    faults: FaultParameters = group(MruFaultParameters)
 
     def __post_init__(self) -> None:
         """Refuse faults that the unit cannot have."""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from heave_node.files.plausible import breaking_words
 from heave_node.parameters import group, parameter
 from heave_node.registry import describe_choices
 
 from wave_vessel_node.crane_parameters import CraneMotionParameters
 from wave_vessel_node.mru_parameters import MruParameters, SeaStateEstimateParameters
-from wave_vessel_node.sea_registry import AUTO, FILTER_FORMS, SPECTRA, SPECTRUM_FILE
+from wave_vessel_node.sea_registry import AUTO, FILTER_FORMS, NEED_NO_PERIOD, SPECTRA, SPECTRUM_FILE
 from wave_vessel_node.source_registry import SOURCES
 from wave_vessel_node.vessel_parameters import CourseParameters, DriftParameters, VesselParameters
 
@@ -232,5 +233,19 @@ class WaveVesselParameters(SeaParameters):
                 "boom_tip_source = "
                 f"{self.boom_tip_source}"
             )
+        if source.has_sea and self.spectrum not in (SPECTRUM_FILE, *NEED_NO_PERIOD):
+            self._refuse_breaking()
         if self.filter.states % 2:
             raise ValueError(f"filter.states must be even, got {self.filter.states}")
+
+    def _refuse_breaking(self) -> None:
+        """Raise ValueError for a sea, swell or later sea that cannot be: its waves would break."""
+        seas: list[tuple[str, SeaParameters | SwellParameters | LaterSeaParameters]] = [("", self)]
+        if self.spectrum == "ochi_hubble":
+            seas.append(("swell: ", self.swell))
+        if self.later_sea.duration > 0.0:
+            seas.append(("later_sea: ", self.later_sea))
+        for name, sea in seas:
+            words = breaking_words(sea.significant_wave_height, sea.peak_period)
+            if words:
+                raise ValueError(f"{name}{words}")

@@ -17,6 +17,9 @@ SPECTRA: dict[str, Entry] = {
     "ochi_hubble": Entry("wave_vessel_node.sea.spectra:OchiHubble", "wind sea of given shape, and swell"),
 }
 
+NEED_NO_PERIOD = frozenset({"pierson_moskowitz"})
+"""Spectra whose height determines their peak period."""
+
 SPECTRUM_FILE = "file"
 """Value of `spectrum` that takes a measured spectrum from a file."""
 

@@ -45,7 +45,7 @@ def test_an_adviser_that_answers_in_time_is_well_and_nothing_is_said():
         assert alarms_of(watch, 20 * second, 20 * second + 20) == []
         watch.took(number=1)
     assert watch.is_well
-    assert watch.words == "in time; the identified values, set 1 active"
+    assert watch.words == "in time; values active: identified, set 1"
     assert watch.values == {"answered": "9", "late": "0", "malformed": "0"}
 
 
@@ -55,7 +55,7 @@ def test_silence_is_said_once_and_so_is_its_end():
     alarms = alarms_of(watch, 21, 400)
     (alarm,) = alarms
     assert alarm.code == "ADVISER_SILENT"
-    assert alarm.values == {"time": pytest.approx(3.05), "active": "the nominal values"}
+    assert alarm.values == {"time": pytest.approx(3.05), "which": "nominal"}
     assert not watch.is_well
     watch.took(number=2)
     assert [alarm.code for alarm in watch.step(400)] == ["ADVISER_RESTORED"]

@@ -96,7 +96,10 @@ def test_an_alarm_is_given_once_until_the_winch_has_caught_up():
         room.watch(bound, left, 0.7, bounds, 10.0)
     first, second = room.news()
     assert (first.code, first.values) == ("CRANE_TOO_FAST", {"rate": 0.7, "limit": 0.5})
-    assert (second.code, second.values) == ("CRANE_BEYOND_RANGE", {"payout": 13.5, "limit": 13.0, "remedy": "raise"})
+    assert (second.code, second.values) == (
+        "CRANE_BEYOND_RANGE",
+        {"payout": 13.5, "limit": 13.0, "raise_or_lower": "raise"},
+    )
     room.watch("", 0.0, 0.0, bounds, 10.0)
     room.watch("speed", -0.2, -0.7, bounds, 10.0)
     assert [alarm.code for alarm in room.news()] == ["CRANE_TOO_FAST"]

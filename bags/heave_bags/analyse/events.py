@@ -195,16 +195,25 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
                 continue
             time, level = float(diagnostics.time[row]), min(int(levels[row]), 2)
             if name == ALARMS_PART and (reported := timed_words("" if messages is None else str(messages[row]))):
-                found += [Interval(raised, raised + REPEATED, f"{name}: {text}", level) for raised, text in reported]
+                found += [
+                    Interval(raised, raised + REPEATED, f"{name}: {text}", _level(text, level))
+                    for raised, text in reported
+                ]
                 continue
             is_reported_once = name.endswith(f": {ALARMS}")
             kind = label if is_reported_once else without_figures(label)
-            _, times = alarms.setdefault((kind, level), (label, []))
+            _, times = alarms.setdefault((kind, _level(label, level)), (label, []))
             times.append(time)
     raised = [(alarm.code, one.start) for one in found for alarm in alarms_in(one.name)]
     for (_, level), (label, times) in alarms.items():
         found += [_since(one, raised) for one in _joined(times, label, level)]
     return found
+
+
+def _level(text: str, level: int) -> int:
+    """Return the `level` of what a part of /diagnostics reports in a `text`; 0 where that is events alone."""
+    reported = alarms_in(text)
+    return 0 if reported and all(alarm.severity is Severity.EVENT for alarm in reported) else level
 
 
 def _since(lasting: Interval, raised: Sequence[tuple[str, float]]) -> Interval:

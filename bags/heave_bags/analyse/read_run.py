@@ -181,7 +181,7 @@ def _set_window(record: RunRecord, transient: float) -> None:
     if record.start > record.end - SHORTEST_WINDOW:
         record.notes.append(
             f"the run ended within its transient of {transient:g} s: the figures cover the whole run "
-            "(a longer --duration, or --set all.transient=60)"
+            "(a longer --duration, or --set all.transient to less than the run lasts)"
         )
         record.start, record.is_past_transient = first, False
 

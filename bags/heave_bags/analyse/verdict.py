@@ -164,7 +164,8 @@ class Verdict:
         elif not self.is_judged:
             what = "on what --require asks alone" if self.criteria else "none"
             head = (
-                f"verdict: {what}, the run ended within its transient: a longer --duration, or --set all.transient=60"
+                f"verdict: {what}, the run ended within its transient: a longer --duration, or --set all.transient "
+                "to less than the run lasts"
             )
         elif self.state == PASSED:
             head = f"verdict: {PASSED}"

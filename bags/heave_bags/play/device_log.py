@@ -149,7 +149,7 @@ def _note_counters(counters: Counters, findings: Findings) -> None:
     """Say what of a log is not used."""
     counts = {
         "checksums do not fit": counters.checksum_errors,
-        "half lines": counters.half_lines,
+        "incomplete lines": counters.incomplete_lines,
         "malformed": counters.malformed,
     }
     wrong = ", ".join(f"{count} {words}" for words, count in counts.items() if count)

@@ -33,7 +33,7 @@ def figures_of(device: LiveDevice) -> dict[str, float]:
         figures |= {
             "bytes": counters.bytes,
             "checksum_errors": counters.checksum_errors,
-            "half_lines": counters.half_lines,
+            "incomplete_lines": counters.incomplete_lines,
             "malformed": counters.malformed,
             "unknown": sum(counters.unknown.values()),
         }
@@ -47,7 +47,17 @@ def figures_of(device: LiveDevice) -> dict[str, float]:
     return figures
 
 
-_WRONG = ("gaps", "bursts", "timeouts", "invalid", "checksum_errors", "half_lines", "malformed", "lost", "refusals")
+_WRONG = (
+    "gaps",
+    "bursts",
+    "timeouts",
+    "invalid",
+    "checksum_errors",
+    "incomplete_lines",
+    "malformed",
+    "lost",
+    "refusals",
+)
 
 
 def health_of(device: LiveDevice, before: Mapping[str, float]) -> Health:

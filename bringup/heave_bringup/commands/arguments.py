@@ -57,8 +57,8 @@ def add_baseline(parser: argparse.ArgumentParser) -> None:
         "--baseline",
         action=argparse.BooleanOptionalAction,
         default=True,
-        help=f"show beside the efficiency {SAME_SEA} (default): the scenario is run again, without ROS, once, and that "
-        "kept beside the bag; --no-baseline saves the time",
+        help=f"show beside the efficiency {SAME_SEA} (default): the scenario is run again, without ROS, once, and the "
+        "result is kept beside the bag; --no-baseline saves the time",
     )
 
 

@@ -32,4 +32,4 @@ class Command:
 
 def add_model(parser: argparse.ArgumentParser, words: str) -> None:
     """Add to a `parser` the option that names the scenario which a new one begins with; its help in `words`."""
-    parser.add_argument("--like", metavar="SCENARIO", default=DEFAULT_MODEL, help=f"{words} ({DEFAULT_MODEL})")
+    parser.add_argument("--like", metavar="SCENARIO", default=DEFAULT_MODEL, help=f"{words} (default: {DEFAULT_MODEL})")

@@ -159,9 +159,13 @@ def _grouped(rows: Iterable[AlarmRow]) -> list[list[AlarmRow]]:
     return list(groups.values())
 
 
+def _italic(found: re.Match[str]) -> str:
+    return f"*{found[1].replace('_', ' ')}*"
+
+
 def _cells(rows: list[AlarmRow]) -> tuple[str, ...]:
     first = rows[0]
-    words = (re.sub(r"\{(\w+)[^}]*\}", r"*\1*", text) for text in (first.state, first.consequence, first.action))
+    words = (re.sub(r"\{(\w+)[^}]*\}", _italic, text) for text in (first.state, first.consequence, first.action))
     return (", ".join(f"`{row.code}`" for row in rows), first.severity.word, *words)
 
 

@@ -237,7 +237,7 @@ HAZARDS: tuple[Hazard, ...] = (
         {},
         ("UNIT_SWING_HIGH", "UNIT_HEAVE_HIGH", "WORSE_THAN_OFF", "DRUM_SPEED_OFF", "COMPENSATION_LOST"),
         "compensation fades out, and is tried again after a growing wait",
-        "a swing above the sea: seconds; one below it: a minute",
+        "a swing of a higher frequency than the sea: seconds; of a lower one: a minute",
         "up to 1.05 times the motion without compensation over a minute, where nothing else is at fault",
         (f"{_C}test_guard.py::test_a_swing_above_the_sea_is_noticed_within_seconds_and_one_below_never",
          "tests/test_promise.py::test_a_draw_that_was_lost_before_its_winch_or_mru_was_known_is_kept"),

@@ -6,7 +6,7 @@ import difflib
 import re
 
 from heave_bags.analyse.kpi_set import DEFINITION_OF
-from heave_node.criteria import Criterion, end_of, parse_criterion
+from heave_node.criteria import UNITS_OF_KEYS, Criterion, end_of, parse_criterion
 from heave_node.parameters import Given, ParameterError
 
 _REQUIREMENT = re.compile(r"\s*(\w+)\s*([<>]=?.*)")
@@ -34,6 +34,10 @@ def refuse_unknown(criterion: Criterion, where: str) -> None:
         ratio = criterion.kpi.removesuffix(end_of(criterion.kpi))
         if ratio in DEFINITION_OF:
             raise ParameterError(f"{where}: {ratio} is a ratio or a count, its bound takes no unit but %")
+        siblings = [end_of(key) for key in DEFINITION_OF if key.removesuffix(end_of(key)) == ratio]
+        if siblings and end_of(criterion.kpi):
+            takes = " or ".join(", ".join(UNITS_OF_KEYS[end]) for end in siblings)
+            raise ParameterError(f"{where}: {ratio}: the bound has the unit of another quantity; it takes {takes}")
         near = difflib.get_close_matches(criterion.kpi, DEFINITION_OF)
         helps = f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(DEFINITION_OF)}"
         raise ParameterError(f"{where}: {criterion.kpi} is not a figure of merit; {helps}")

@@ -79,7 +79,7 @@ def evaluate(
     report : file of the HTML report; None writes none
     required : criteria of the command line
     alarms : number of errors that the nodes reported
-    has_baseline : the scenario is run again under the baseline law, in this process, and that kept beside the bag
+    has_baseline : the scenario is run again under the baseline law, in this process; the result is kept beside the bag
     """
     try:
         records = read_records([bag], has_baseline=has_baseline)

@@ -41,7 +41,7 @@ def read_records(
             bags,
             transient=transient,
             parameters=parameters,
-            progress=lambda share: progress.show("reading", share),
+            progress=lambda share: progress.show("analysing the bag", share if 0.0 < share < 1.0 else None),
         )
         for record, bag in zip(records, bags, strict=True):
             progress.show("bounds of kappa")

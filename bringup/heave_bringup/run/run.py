@@ -408,7 +408,7 @@ def _show_progress(scenario: Scenario, monitor: Monitor, progress: ProgressLine)
         progress.show("starting the nodes")
         return
     if status.state == TickStatus.WAITING:
-        progress.show(f"waiting for {status.reason}")
+        progress.show(f"waiting for {status.reason or 'the nodes to answer'}")
         return
     duration = scenario.run.duration
     pace = "paused" if status.state == TickStatus.PAUSED else f"{status.real_time_factor:5.1f} x real time"

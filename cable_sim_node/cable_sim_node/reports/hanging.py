@@ -112,7 +112,7 @@ class HangingReport:
             ("force of the cable on the unit [kN]", vector(self.unit_pull / 1e3)),
             ("unstretched length [m]", f"{self.shape.cable.length:12.3f}"),
             ("stretch [m]", f"{stretch:12.4f}"),
-            ("shorter by the water's pressure at most [m]", f"{self.pressure_shortening:12.4f}"),
+            ("shortening by water pressure, at most [m]", f"{self.pressure_shortening:12.4f}"),
             ("horizontal offset of the unit [m]", f"{offset:12.3f}"),
             ("weight of the unit in water [kN]", f"{self.unit_weight / 1e3:12.3f}"),
             ("top tension [kN]", f"{self.top_tension / 1e3:12.3f}"),

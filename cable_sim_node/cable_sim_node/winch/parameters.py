@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.interface.faults import FaultParameters
+from heave_node.interface.faults import EncoderFaultParameters, FaultParameters, WinchFaultParameters
 from heave_node.parameters import check_ranges, group, parameter
 from heave_node.winch.position_loop import check_position_gain
 
@@ -24,7 +24,7 @@ class EncoderParameters:
         maximum=1.0,
         description="Resolution of the encoder in payout; 0 means no quantisation.",
     )
-    faults: FaultParameters = group(FaultParameters)
+    faults: FaultParameters = group(EncoderFaultParameters)
     backlash: float = parameter(
         0.0, unit="m", minimum=0.0, maximum=1.0, description="Backlash of its gear: the reading lags by half of it."
     )
@@ -207,7 +207,7 @@ class WinchParameters:
     encoder: EncoderParameters = group(EncoderParameters)
     drift: WinchDriftParameters = group(WinchDriftParameters)
     """Speed servo only."""
-    faults: FaultParameters = group(FaultParameters)
+    faults: FaultParameters = group(WinchFaultParameters)
     """Faults of the command line (`gap`, `delay`), of the drive (`drive`), and the `emergency_stop`."""
 
     def __post_init__(self) -> None:

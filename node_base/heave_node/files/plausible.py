@@ -116,6 +116,30 @@ def sea_question(significant_wave_height: float, zero_crossing_period: float, pe
     )
 
 
+HIGHEST_OF_LENGTH = 0.142
+"""Largest height of a wave in deep water as a share of its length, Michell's limit (DNV-RP-C205, 3.4.6)."""
+
+
+def breaking_words(significant_wave_height: float, peak_period: float) -> str:
+    """Return in words that a sea cannot be, as a single wave of its peak would break; "" where it can.
+
+    Many waves of a sea are higher than its significant wave height, so the limit is generous.
+
+    Parameters
+    ----------
+    significant_wave_height : [m]
+    peak_period : [s], above 0
+    """
+    least = math.sqrt(2.0 * math.pi * significant_wave_height / (STANDARD_GRAVITY * HIGHEST_OF_LENGTH))
+    if peak_period >= least:
+        return ""
+    least = math.ceil(10.0 * least) / 10.0
+    return (
+        f"waves this steep break: a height of {significant_wave_height:g} m needs a peak period of {least:.1f} s or "
+        f"more, got {peak_period:g} s"
+    )
+
+
 def refusal(questions: Sequence[str], option: str) -> str:
     """Return the one line with which a reader refuses implausible figures.
 

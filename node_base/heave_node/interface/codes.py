@@ -58,11 +58,11 @@ class SensorLevel(enum.IntEnum):
 
 RELEASE_WORDS = {
     WinchRelease.NONE: "nothing is latched",
-    WinchRelease.BRAKE_REQUEST: "waiting for a command with brake on",
-    WinchRelease.STANDSTILL: "waiting for the drum to stop, then for a command with brake off",
-    WinchRelease.COMMAND: "waiting for a command with brake off",
+    WinchRelease.BRAKE_REQUEST: "the controller commands brake on, then brake off",
+    WinchRelease.STANDSTILL: "the drum stands still, then the controller commands brake off",
+    WinchRelease.COMMAND: "the controller commands brake off",
 }
-"""Action that a latched fault waits for, in words."""
+"""What has to be for a latched fault to be released, in words: it stays until ..."""
 
 COMMANDS, LATE = "commands", "late"
 """Part of the controller's diagnostics about its commands, and the value in it that counts those that came late."""

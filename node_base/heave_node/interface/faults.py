@@ -108,11 +108,14 @@ def faults_of(device: str) -> tuple[str, ...]:
     return tuple(kind for kind, fault in FAULTS.items() if device in fault.devices)
 
 
+_KINDS = "Kinds of the scheduled faults."
+
+
 @dataclass(frozen=True)
 class FaultParameters:
     """The scheduled faults of a device, one per position of four lists: parameter files have no lists of records."""
 
-    kind: tuple[str, ...] = parameter((), unit="", choices=tuple(FAULTS), description="Kinds of the scheduled faults.")
+    kind: tuple[str, ...] = parameter((), unit="", choices=tuple(FAULTS), description=_KINDS)
     start: tuple[float, ...] = parameter((), unit="s", minimum=0.0, description="Start of each fault, simulated time.")
     duration: tuple[float, ...] = parameter(
         (), unit="s", minimum=0.0, description="Duration of each fault; 0 means until cleared or to the end of the run."
@@ -126,6 +129,34 @@ class FaultParameters:
     def check(self, name: str, device: str) -> None:
         """Raise ValueError, opened by `name`, where these are not faults that a kind of `device` can have."""
         FaultSchedule(self, name=name, device=device)
+
+
+@dataclass(frozen=True)
+class SensorFaultParameters(FaultParameters):
+    """The scheduled faults of a sensor."""
+
+    kind: tuple[str, ...] = parameter((), unit="", choices=faults_of("sensor"), description=_KINDS)
+
+
+@dataclass(frozen=True)
+class MruFaultParameters(FaultParameters):
+    """The scheduled faults of the motion reference unit."""
+
+    kind: tuple[str, ...] = parameter((), unit="", choices=faults_of("mru"), description=_KINDS)
+
+
+@dataclass(frozen=True)
+class EncoderFaultParameters(FaultParameters):
+    """The scheduled faults of the drum's encoder."""
+
+    kind: tuple[str, ...] = parameter((), unit="", choices=faults_of("encoder"), description=_KINDS)
+
+
+@dataclass(frozen=True)
+class WinchFaultParameters(FaultParameters):
+    """The scheduled faults of the winch."""
+
+    kind: tuple[str, ...] = parameter((), unit="", choices=faults_of("winch"), description=_KINDS)
 
 
 @dataclass

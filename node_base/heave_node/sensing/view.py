@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from heave_node.interface.faults import FaultParameters
+from heave_node.interface.faults import FaultParameters, SensorFaultParameters
 from heave_node.parameters import group, parameter
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class SensorParameters(abc.ABC):
     scale_error: float = parameter(
         0.0, unit="", minimum=-1.0, maximum=1.0, description="Relative scale error: 0.05 reads 5 % high."
     )
-    faults: FaultParameters = group(FaultParameters)
+    faults: FaultParameters = group(SensorFaultParameters)
 
     @abc.abstractmethod
     def view(self, truth: Any) -> View:

@@ -69,7 +69,7 @@ class AdviserWatch:
         """Note an answer that came too late."""
         self.late += 1
         if self._in_a_row >= STEADY:
-            late = ALARMS.alarm("ADVISER_LATE", latency=self._latency * self._dt, active=self._active)
+            late = ALARMS.alarm("ADVISER_LATE", latency=self._latency * self._dt, which=self._which)
             self._alarms.append(late)
         self._in_a_row = 0
         self._heard()
@@ -77,7 +77,7 @@ class AdviserWatch:
     def refused(self, fault: str) -> None:
         """Note an answer that made no sense, and why (`fault`)."""
         if not self.malformed:
-            self._alarms.append(ALARMS.alarm("ADVISER_REJECTED", fault=fault, active=self._active))
+            self._alarms.append(ALARMS.alarm("ADVISER_REJECTED", fault=fault, which=self._which))
         self.malformed += 1
         self._heard()
 
@@ -87,7 +87,7 @@ class AdviserWatch:
         self._silence = waited * self._dt
         if not self._is_silent and waited > round(SILENT / self._dt):
             self._is_silent = True
-            self._alarms.append(ALARMS.alarm("ADVISER_SILENT", time=self._silence, active=self._active))
+            self._alarms.append(ALARMS.alarm("ADVISER_SILENT", time=self._silence, which=self._which))
         alarms, self._alarms = self._alarms, []
         return alarms
 
@@ -100,10 +100,10 @@ class AdviserWatch:
     def words(self) -> str:
         """Say how it is."""
         if self._is_silent:
-            return f"silent: no answer for {self._silence:.1f} s; {self._active} active"
+            return f"silent: no answer for {self._silence:.1f} s; values active: {self._which}"
         if self._in_a_row < STEADY:
-            return f"late: {self.late} answers rejected; {self._active} active"
-        return f"{self.malformed} answers rejected" if self.malformed else f"in time; {self._active} active"
+            return f"late: {self.late} answers rejected; values active: {self._which}"
+        return f"{self.malformed} answers rejected" if self.malformed else f"in time; values active: {self._which}"
 
     @property
     def values(self) -> dict[str, str]:
@@ -111,8 +111,8 @@ class AdviserWatch:
         return {"answered": str(self.answered), "late": str(self.late), "malformed": str(self.malformed)}
 
     @property
-    def _active(self) -> str:
-        return f"the identified values, set {self._number}" if self._number else "the nominal values"
+    def _which(self) -> str:
+        return f"identified, set {self._number}" if self._number else "nominal"
 
     def _heard(self) -> None:
         self._unanswered = None

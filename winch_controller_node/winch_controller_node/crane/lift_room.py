@@ -76,4 +76,4 @@ class LiftRoom:
             end = bounds.highest if left > 0.0 else bounds.lowest
             remedy = "raise" if left > 0.0 else "lower"
             values = {"payout": mean + end + left, "limit": mean + end}
-            self._news.append(ALARMS.alarm("CRANE_BEYOND_RANGE", **values, remedy=remedy))
+            self._news.append(ALARMS.alarm("CRANE_BEYOND_RANGE", **values, raise_or_lower=remedy))

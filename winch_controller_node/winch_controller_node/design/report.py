@@ -38,7 +38,7 @@ from winch_controller_node.model.regulator import full_gain, weighted_cost
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 COMMAND_SIZES = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 20.0, 100.0)
-"""Sizes of the command weight along the trade-off curve; a smaller size is a larger weight."""
+"""Scales of the command along the trade-off curve [m/s]; a smaller scale is a larger weight."""
 
 WINCH_LAGS = (0.05, 0.1, 0.15, 0.25, 0.4, 0.6, 1.0, 1.6, 2.5)
 """Lags of the winch along the bandwidth curve [s]."""
@@ -69,7 +69,7 @@ class TradeOff:
 
     Attributes
     ----------
-    parameter : size of the command weight [m/s], or lag of the winch [s]
+    parameter : scale of the command [m/s], or lag of the winch [s]
     unit_sigma, rate_sigma, acceleration_sigma : predicted [m], [m/s], [m/s^2]
     command_sigma : of the set-point [m/s], the effort asked of the drive
     gain_norm : square root of the sum of squared gains, the thesis's index (Eq. 6.18; it mixes units)
@@ -97,7 +97,7 @@ class DesignReport:
     uncompensated_sigma : of the unit with the winch locked, drag linearised at that motion [m]
     s_est, s_act, kappa : bounds [m] and how far the LQG prediction is from them
     power_mean, power_significant : mean of abs(T v) and 4 sigma of T v at static tension [W]
-    weight_curve, winch_curve : trade-off against command weight (thesis figs 6.18, 6.19) and winch lag (fig 6.25)
+    weight_curve, winch_curve : trade-off against command scale (thesis figs 6.18, 6.19) and winch lag (fig 6.25)
     feasibility : demand on the winch for seas around the design sea
     """
 
@@ -239,9 +239,9 @@ def _point(design: ControllerDesign, value: float, command_size: float, errors: 
 def weight_curve(
     design: ControllerDesign, errors: ErrorCovariances, sizes: Sequence[float] = COMMAND_SIZES
 ) -> tuple[TradeOff, ...]:
-    """Return predicted unit motion against winch use for growing sizes of the command weight (thesis figs 6.18, 6.19).
+    """Return predicted unit motion against winch use for growing command scales (thesis figs 6.18, 6.19).
 
-    `errors` are `error_covariances(design)`.
+    `sizes` are the scales [m/s], `errors` are `error_covariances(design)`.
     """
     return tuple(_point(design, size, size, errors) for size in sizes)
 
@@ -251,7 +251,7 @@ def winch_curve(
 ) -> tuple[TradeOff, ...]:
     """Return what a prescribed `unit_sigma` [m] costs with a slower and slower winch (thesis fig 6.25, 6.3.5).
 
-    For each lag [s] of `lags` the command weight is found with which `design` gives the prescribed sigma; lags at which
+    For each lag [s] of `lags` the command scale is found with which `design` gives the prescribed sigma; lags at which
     none does are left out.
     """
     points = []
@@ -324,7 +324,7 @@ def _of_two_states(design: ControllerDesign) -> str:
         return "a and b are as given"
     error = error_of_two_states(design.parameters, design.length)
     limit = "" if error < POOR else ": too much, as the cable swings in more than one mode; compensation may do harm"
-    return f"the unit's motion by a and b is off by {100 * error:.0f} % of that by the cable's own waves{limit}"
+    return f"the two-state model of the cable differs by {100 * error:.0f} % from the full cable{limit}"
 
 
 def _gains(report: DesignReport) -> str:
@@ -368,7 +368,7 @@ def _predictions(report: DesignReport) -> str:
 
 def _curves(report: DesignReport) -> str:
     columns = "unit cm   rate m/s   accel. m/s2  command   gain index"
-    lines = [f"command weight     {columns}"]
+    lines = [f"command scale m/s  {columns}"]
     lines += [_curve_row(point) for point in report.weight_curve]
     lines += ["", f"lag of winch s             {columns}"]
     lines += [_curve_row(point) for point in report.winch_curve]

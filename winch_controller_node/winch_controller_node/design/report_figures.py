@@ -33,7 +33,7 @@ def report_figures(report: DesignReport) -> dict[str, Figure]:
         "loop": _loop(report),
         "weight": _trade_off(
             report.weight_curve,
-            "Trade-off against the command weight (thesis figs 6.18, 6.19)",
+            "Trade-off against the command scale (thesis figs 6.18, 6.19)",
             "predicted payout acceleration, 1 sigma [m/s²]",
             lambda point: point.acceleration_sigma,
         ),

@@ -54,7 +54,7 @@ LOAD = (
         "winch",
         "at its limits for {percent:.0f} % of the last {time:g} s",
         "The unit moves more than it would with a stronger winch",
-        "Reduce the factor of compensation, or wait for a lower sea",
+        "Reduce the factor of compensation (`heave operate factor 0.8`), or wait for a lower sea",
     ),
     AlarmRow(
         "TENSION_TRAVEL_HALF",
@@ -86,7 +86,7 @@ LOAD = (
         HIGH,
         "depth",
         "lowering without depth readings",
-        "Touchdown is recognised {how}",
+        "Touchdown is recognised by the load cell alone, and without it not at all: {now}",
         "Lower slowly, or stop",
     ),
 )
@@ -377,7 +377,7 @@ CRANE = (
         "crane",
         "the crane's motion takes the payout to {payout:.1f} m, limit for compensation {limit:.1f} m",
         "From there the unit moves with the boom; compensation continues",
-        "Move the boom back, or {remedy} the unit until the range suffices",
+        "Move the boom back, or {raise_or_lower} the unit until the range suffices",
     ),
     AlarmRow(
         "CRANE_LENGTHS_MISSING",

@@ -40,7 +40,7 @@ EXCLUSIONS = {
 }
 """Consequence of a sensor that contradicts all others. Compensation continues without any that is not listed."""
 
-SLOW_ACTIONS = {"encoder": "Have the drive report at the rate of the controller, or check the link"}
+SLOW_ACTIONS = {"encoder": "Set the drive to report once per tick (all.tick_period), or check the link"}
 """What to do about a sensor that is slower than nominal and has no rate of its own to enter."""
 
 JUMPING, STATED_NOISE = ("mru", "encoder", "depth"), ("mru", "depth", "velocity", "imu")
@@ -55,18 +55,13 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
         return AlarmRow(f"{prefix}_{state}", severity, sensor, words, follows, action)
 
     frozen: tuple[str, ...] = ("readings do not change", "Restart the sensor or its driver")
-    jumps = (
-        "heave disagrees with its heave rate, measured or of the readings before"
-        if sensor == "mru"
-        else "readings jump repeatedly"
-    )
     if sensor == "encoder":
         frozen = (
             "readings do not change while the winch is commanded to turn",
             "Check that the drum turns (brake, dead zone of the drive); restart the encoder or its driver, then "
             "request compensation",
-            "Compensation fades out and the winch stops. It resumes automatically once the reading changes, which it "
-            "may not do while the drum rests",
+            "Compensation fades out and the winch stops. It resumes automatically once the reading changes; "
+            "while the drum rests, the reading may stay the same",
         )
     found = [
         lost("STALE", "no data for {age:.2f} s, limit {limit:.2f} s", "Check power, cable, driver, clock"),
@@ -84,8 +79,9 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
             )
         )
     if sensor in JUMPING:
-        again = "; a request for a mode has it read again from where it is" if sensor == "mru" else ""
-        found.append(lost("JUMPS", jumps, f"Check mounting, scale and sign, and the driver{again}"))
+        jumps = "heave steps away from the integral of its own rate" if sensor == "mru" else "readings jump repeatedly"
+        again = ". A request for any mode accepts the present heave as the new zero" if sensor == "mru" else ""
+        found.append(lost("JUMPS", jumps, f"Check mounting, scale, sign and driver{again}"))
     if sensor == "mru":
         found += _reported_by_mru(severity, consequence)
     return found
@@ -119,7 +115,7 @@ def _others_of(sensor: str) -> list[AlarmRow]:
             sensor,
             "one reading rejected: {reason}",
             "Compensation continues. The sensor counts as lost after three such readings in a row",
-            "Nothing for a single reading; check the sensor if it repeats",
+            "A single rejection needs no action; check the sensor if it repeats",
         ),
         AlarmRow(
             f"{prefix}_EXCLUDED",
@@ -163,7 +159,6 @@ def _noise_of(sensor: str) -> list[AlarmRow]:
             "noise of {measurement} is below nominal: readings are {ratio:.2f} times as far from the estimate as "
             "expected (noise {sigma:.2g} {unit} nominal, {seen} measured)",
             "Compensation continues, with less benefit from this sensor than possible",
-            f"Enter its noise ({name}), or check its scale",
         ),
     ]
 
@@ -329,7 +324,7 @@ IDENTIFIED = (
         LOW,
         "adviser",
         "an answer came more than {latency:g} s after its observations and was rejected",
-        "The controller keeps {active}",
+        "The controller keeps its last values ({which})",
         "Check the load of the machine that runs winch_adviser",
     ),
     AlarmRow(
@@ -337,7 +332,7 @@ IDENTIFIED = (
         MEDIUM,
         "adviser",
         "no answer for {time:.1f} s",
-        "The controller keeps {active}",
+        "The controller keeps its last values ({which})",
         "Check that winch_adviser runs; see logs/winch_adviser.log",
     ),
     AlarmRow(
@@ -345,7 +340,7 @@ IDENTIFIED = (
         MEDIUM,
         "adviser",
         "an answer was rejected ({fault})",
-        "The controller keeps {active}",
+        "The controller keeps its last values ({which})",
         "Install the winch_adviser of the controller's version",
     ),
     AlarmRow("ADVISER_RESTORED", EVENT, "adviser", "answers again"),

@@ -58,7 +58,7 @@ class MpcParameters:
         unit="m/s^2",
         minimum=0.0,
         maximum=1e3,
-        description="The same cost: scale of payout acceleration; 0 leaves it out.",
+        description="The same cost: scale of payout acceleration; smaller is more frugal, 0 leaves it out.",
     )
     payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="The same cost: scale of payout.")
     command: float = parameter(
@@ -73,14 +73,16 @@ class MpcParameters:
         unit="m/s^2",
         minimum=0.0,
         maximum=1e3,
-        description="Cost away from the winch limits: scale of payout acceleration; 0 leaves it out.",
+        description="Cost away from the winch limits: scale of payout acceleration; smaller is more frugal, 0 "
+        "leaves it out.",
     )
     free_command: float = parameter(
         2.0,
         unit="m/s",
         minimum=1e-3,
         maximum=1e3,
-        description="Cost away from the winch limits: scale of the command; smaller is more frugal.",
+        description="Cost away from the winch limits: scale of the command; hardly any effect beside the term of "
+        "payout acceleration.",
     )
     release_time: float = parameter(
         60.0,

@@ -250,7 +250,7 @@ NO_FAULT = Guard(
 )
 NEW_FAULT = Guard("a new fault", lambda view: view.situation.winch_fault != view.known_fault)
 NOT_FOR_WANT_OF_COMMANDS = Guard(
-    "not for want of commands", lambda view: view.situation.winch_fault != WinchFault.COMMAND_TIMEOUT
+    "the fault is not a command timeout", lambda view: view.situation.winch_fault != WinchFault.COMMAND_TIMEOUT
 )
 SENSORS_WELL = Guard("sensors good", lambda view: view.lost_time == 0.0, lambda view: view.situation.lost)
 GATES_OPEN = Guard(

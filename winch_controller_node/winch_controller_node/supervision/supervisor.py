@@ -401,12 +401,12 @@ class Supervisor:
             return ()
         is_weighed = math.isfinite(tick.sensed.filtered_tension) and "load_cell" not in tick.sensed.lost
         ratio = self._parameters.tension.touchdown_ratio
-        how = (
-            f"by tension alone, below {100.0 * ratio:.0f} % of the weight on average over {self._load.swing_time:.0f} s"
+        now = (
+            f"below {100.0 * ratio:.0f} % of the weight on average over {self._load.swing_time:.0f} s"
             if is_weighed
-            else "by nothing: the load cell is missing too"
+            else "it is missing too"
         )
-        return (ALARMS.alarm("LOWERING_BLIND", how=how),)
+        return (ALARMS.alarm("LOWERING_BLIND", now=now),)
 
     def _watch_landing(self, time: float, tick: LoopTick, mode: ModeOutput) -> LandingEvent | None:
         """Notice touchdown while lowering, and that the unit hangs again after lift-off."""

@@ -153,7 +153,10 @@ def _kinds(device: str) -> list[str]:
 
 def _number(least: float = -MOST, most: float = MOST) -> Callable[[str], float]:
     def number(text: str) -> float:
-        value = float(text)
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
         if not (math.isfinite(value) and least <= value <= most):
             raise argparse.ArgumentTypeError(f"{text}: must be a number from {least:g} to {most:g}")
         return value
@@ -162,7 +165,7 @@ def _number(least: float = -MOST, most: float = MOST) -> Callable[[str], float]:
 
 
 def _count(text: str) -> int:
-    value = int(text)
+    value = int(text) if text.isascii() and text.isdigit() else 0
     if not 1 <= value <= MOST:
         raise argparse.ArgumentTypeError(f"{text}: must be a whole number of at least 1")
     return value

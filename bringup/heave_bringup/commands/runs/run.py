@@ -109,8 +109,8 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
         "--composed",
         action="store_true",
         help="all nodes in one process, which hand each other their messages in memory: about half the processor "
-        "time, the same bag. Services and parameters are there as ever; of most topics other processes get a glance a "
-        "few times a second",
+        "time, the same bag. Services and parameters are there as ever; of most topics other processes get ten "
+        "messages a second",
     )
     parser.add_argument(
         "--publish", action="store_true", help="with --composed: other processes get every message of every topic"

@@ -122,9 +122,8 @@ def _listing(cases: Mapping[str, Case], folder: Path | None) -> str:
     lines = ["cases"]
     for case in cases.values():
         missing = "" if _is_at_hand(case.name, folder) else "  *"
-        lines.append(
-            f"  {case.name.ljust(width)}  {len(case.seeds)} seeds of {case.duration:g} s: {case.title}{missing}"
-        )
+        seeds = "1 seed" if len(case.seeds) == 1 else f"{len(case.seeds)} seeds"
+        lines.append(f"  {case.name.ljust(width)}  {seeds} of {case.duration:g} s: {case.title}{missing}")
     if any(line.endswith("*") for line in lines):
         lines.append(f"* its record of a ship's motion is not shipped: {HOW}")
     lines += ["entrants", *(f"  {name.ljust(width)}  {words}" for name, (_, words) in SHIPPED.items())]

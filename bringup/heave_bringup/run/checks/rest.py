@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
 from cable_sim_node.errors import PlantError
+from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.tension_law import overstrained_words
 from cable_sim_node.vertical.axial_line import axial_line
@@ -12,13 +14,17 @@ from heave_bringup.scenarios import Scenario
 
 
 def check_rest(scenario: Scenario) -> None:
-    """Refuse a cable that would part under its own load in a `scenario`, or whose tension law does not carry it.
+    """Refuse a cable that would part under its own load in a `scenario`, or whose tension law does not carry it, and a
+    unit that floats up.
 
     Raises ParameterError with the cause.
     """
     plant: CableSimParameters = scenario.parameters["cable_sim"]
     try:
         strain = axial_line(plant).static_strain(plant.length)
+        if plant.unit.weight_in_fluid(plant.water_density, plant.gravity) < 0.0:  # only a solver knows where it rests
+            height = scenario.parameters["wave_vessel"].boom_tip_height
+            CableDynamics(plant).start_at_equilibrium(np.array([0.0, 0.0, height]))
     except PlantError as error:
         raise ParameterError(f"{scenario.path}: cable_sim: {error}") from error
     words = overstrained_words(strain, plant.cable.axial_stiffness)

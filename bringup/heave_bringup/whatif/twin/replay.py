@@ -1,6 +1,6 @@
 """The loop closed over a record: the controller reads what was read, and by how much the twins differ.
 
-reading now = reading of the record + twin(boom tip, payout asked now) - twin(boom tip, payout that was)
+reading now = reading of the record + twin(boom tip, payout asked now) - twin(boom tip, recorded payout)
 
 Errors of boom tip, disturbance and noise are in both twins and cancel to first order; the same orders as in the record
 give its readings back to the last bit.

@@ -84,7 +84,7 @@ class KmBinaryDecoder:
 
     def end(self) -> list[Sample]:
         """See Decoder."""
-        self.counters.half_lines += self._rest.startswith(b"#KMB")
+        self.counters.incomplete_lines += self._rest.startswith(b"#KMB")
         self._rest = b""
         return []
 
@@ -149,7 +149,7 @@ class EmAttitudeDecoder:
         rest, self._rest, self._is_in_step = self._rest, b"", False
         if len(rest) == _EM.size and _is_frame(rest):
             return [self._sample(rest)]
-        self.counters.half_lines += bool(rest)
+        self.counters.incomplete_lines += bool(rest)
         return []
 
     def _sample(self, frame: bytes) -> Sample:

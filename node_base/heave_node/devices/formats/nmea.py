@@ -31,7 +31,7 @@ class NmeaDecoder(LineDecoder):
         """See Decoder."""
         line = self._lines.end()
         if line and "*" not in line[-3:] and self.needs_checksum:
-            self.counters.half_lines += 1
+            self.counters.incomplete_lines += 1
             return []
         return self._last(line)
 
@@ -41,7 +41,7 @@ class NmeaDecoder(LineDecoder):
         if not before:
             self.counters.malformed += 1
             return None
-        self.counters.half_lines += sum("*" not in part for part in before[1:])
+        self.counters.incomplete_lines += sum("*" not in part for part in before[1:])
         name, _, rest = sentence.partition(",")
         found = _NAME.match(name)
         reader = SENTENCES.get(found[2] or found[1]) if found else None

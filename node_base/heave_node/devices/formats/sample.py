@@ -67,7 +67,7 @@ class Counters:
     samples : sentences or frames that were read
     checksum_errors : whose checksum does not fit, or is missing
     malformed : whose content is not as the format has it
-    half_lines : that were begun and not ended
+    incomplete_lines : that were begun and not ended
     unknown : sentences that no table knows, by name
     lost, repeated, late : numbered datagrams that never came, came twice, or came after a newer one
     """
@@ -76,7 +76,7 @@ class Counters:
     samples: int = 0
     checksum_errors: int = 0
     malformed: int = 0
-    half_lines: int = 0
+    incomplete_lines: int = 0
     unknown: dict[str, int] = field(default_factory=dict)
     lost: int = 0
     repeated: int = 0

@@ -35,10 +35,10 @@ class Tss1Decoder(LineDecoder):
         found = _LINE.fullmatch(text)
         if found is None:
             is_cut = ":" in line and len(text) < 24
-            self.counters.half_lines += is_cut
+            self.counters.incomplete_lines += is_cut
             self.counters.malformed += not is_cut
             return None
-        self.counters.half_lines += _BEGUN.search(begun) is not None
+        self.counters.incomplete_lines += _BEGUN.search(begun) is not None
         self.counters.samples += 1
         up = int(found["up"], 16)
         angle = math.radians(_CENTI)
