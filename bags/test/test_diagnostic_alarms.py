@@ -31,6 +31,14 @@ def test_what_the_controller_has_told_is_not_joined_where_its_figures_differ():
     assert [alarm.name.split(": ")[-1] for alarm in found] == ["speed limit 1.2 m/s", "speed limit 1.1 m/s"]
 
 
+def test_a_report_of_events_alone_is_no_warning():
+    restored, limited = "AUTHORITY_RESTORED (event): authority is 100 % again.", "COMMANDS_CUT (medium): for 2 s."
+    found = diagnostic_alarms(
+        fields("winch_controller: alarms", [f"t = 1.00 s: {restored}", f"t = 2.00 s: {restored}; {limited}"])
+    )
+    assert [alarm.level for alarm in found] == [0, 1]
+
+
 def test_an_alarm_that_lasts_is_shown_from_when_it_was_raised_on():
     """Diagnostics come once a second: the sensor is reported lost at 2 s, and its alarm says since when."""
     lost = "MRU_STALE (high): no data for 0.20 s, limit 0.15 s. Compensation fades out."

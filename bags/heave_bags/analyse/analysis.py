@@ -174,10 +174,14 @@ def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
 def table(records: Sequence[RunRecord]) -> str:
     """Return the KPIs of the runs `records` side by side as text, and below them what a reader of them must know."""
     sources = {record.name: record.sources for record in records}
-    lines = [kpi_table.table({record.name: record.kpis() for record in records}, sources)]
+    lines = [kpi_table.table({record.name: _as_seen(record) for record in records}, sources)]
     for record in records:
         lines += [f"{record.name}: {text}" for text in record.remarks()]
     return "\n".join(lines)
+
+
+def _as_seen(record: RunRecord) -> dict[str, float]:
+    return kpi_table.as_seen(record.kpis(), record.run.get("pacing", ""))
 
 
 def window_table(record: RunRecord, length: float) -> str:

@@ -195,7 +195,7 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
                 continue
             time, level = float(diagnostics.time[row]), min(int(levels[row]), 2)
             if name == ALARMS_PART and (reported := timed_words("" if messages is None else str(messages[row]))):
-                found += [Interval(raised, raised + REPEATED, f"{name}: {text}", level) for raised, text in reported]
+                found += [Interval(at, at + REPEATED, f"{name}: {text}", _level(text, level)) for at, text in reported]
                 continue
             is_reported_once = name.endswith(f": {ALARMS}")
             kind = label if is_reported_once else without_figures(label)
@@ -205,6 +205,12 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
     for (_, level), (label, times) in alarms.items():
         found += [_since(one, raised) for one in _joined(times, label, level)]
     return found
+
+
+def _level(text: str, level: int) -> int:
+    """Return 0 for a `text` that reports events alone, which need nothing; else the `level` of its part."""
+    severities = {alarm.severity for alarm in alarms_in(text)}
+    return 0 if severities == {Severity.EVENT} else level
 
 
 def _since(lasting: Interval, raised: Sequence[tuple[str, float]]) -> Interval:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from heave_node.criteria import Criterion
 from heave_node.numerics.arrays import Array
 
 from heave_bringup.campaign.table import FAILURE, LOST
-from heave_bringup.operability.limits import LOST_LIMIT, figure, title_of, utilisation
+from heave_bringup.operability.limits import LOST_LIMIT, figure, limit_words, title_of, utilisation
 from heave_bringup.operability.record import HS, TP, SeaRecord
 from heave_bringup.operability.seas import HEIGHT, PERIOD
 from heave_bringup.operability.study import Situation
@@ -44,8 +44,8 @@ def limit_figure(situation: Situation, record: SeaRecord | None) -> Figure:
         traces += _curve(name, curve, colour)
     return Figure(
         "Largest workable sea",
-        "Mean over the seeds, with the confidence interval of the mean (90 %). An open circle: nothing limits a seed "
-        "up to the largest height of the study, so that the limit is at least this.",
+        "Mean over the seeds, with the confidence interval of the mean (90 %). An open triangle: the limit lies above "
+        "(pointing up) or below (pointing down) this height; the study ran no sea there.",
         traces,
         {"xaxis": PERIOD_AXIS, "yaxis": HEIGHT_AXIS, "hovermode": "closest"},
         is_over_time=False,
@@ -68,7 +68,7 @@ def _cloud(record: SeaRecord) -> dict[str, Any]:
 
 def _curve(name: str, curve: pandas.DataFrame, colour: str) -> list[dict[str, Any]]:
     periods = curve["period"].tolist()
-    band = curve.dropna(subset=["lower"])
+    band = curve[~curve["is_below"]].dropna(subset=["lower"])
     traces = []
     if not band.empty:
         traces.append(
@@ -84,20 +84,28 @@ def _curve(name: str, curve: pandas.DataFrame, colour: str) -> list[dict[str, An
                 "showlegend": False,
             }
         )
-    symbols = ["circle-open" if is_open else "circle" for is_open in curve["is_open"]]
+    rows = curve.to_dict("records")
+    symbols = [_symbol(row) for row in rows]
     return [
         *traces,
         {
             "name": name,
             "x": periods,
-            "y": curve["limit"].tolist(),
-            "text": [title_of(name) if name else "nothing" for name in curve["governs"]],
-            "hovertemplate": "Tp %{x} s: Hs %{y:.2f} m, ended by %{text}<extra></extra>",
+            "y": curve["limit"].where(~curve["is_below"], curve["at_most"]).tolist(),
+            "text": [f"{limit_words(row)} m, ended by {title_of(row['governs'] or 'nothing')}" for row in rows],
+            "hovertemplate": "Tp %{x} s: Hs %{text}<extra></extra>",
             "mode": "lines+markers",
             "line": {"color": colour, "width": 2.5},
             "marker": {"symbol": symbols, "size": 9, "color": colour},
         },
     ]
+
+
+def _symbol(row: Mapping[Hashable, Any]) -> str:
+    """Return the mark of a `row` of a limit curve: open where the limit lies outside the heights that were run."""
+    if row["is_below"]:
+        return "triangle-down-open"
+    return "triangle-up-open" if row["is_open"] else "circle"
 
 
 def governing_figure(situation: Situation, criteria: Sequence[Criterion]) -> Figure:
