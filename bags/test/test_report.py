@@ -395,6 +395,19 @@ def test_even_times_travel_as_three_numbers_and_others_as_they_are():
 
 
 @browser.NEEDED
+def test_a_comparison_fits_a_telephone_with_its_column_of_units(shared_bag, tmp_path):
+    records = analysis.analyse([shared_bag, shared_bag])
+    records[0].name, records[1].name = "rep_fault2", "rep_c1"
+    report.save_report(records, tmp_path / "report.html")
+    with browser.Browser(tmp_path / "browser") as chromium:
+        tab = chromium.tab()
+        tab.size(420, 900)
+        tab.open((tmp_path / "report.html").as_uri())
+        tab.wait("document.body && document.body.dataset.ready === 'true'")
+        assert tab.get("(e => e.scrollWidth - e.clientWidth)(document.querySelector('#kpis'))") == 0
+
+
+@browser.NEEDED
 def test_the_report_fits_a_wide_screen_a_telephone_the_dark_and_paper(made_up_bag, tmp_path):
     report.save_report(analysis.analyse([made_up_bag()]), tmp_path / "report.html")
     width = "document.documentElement.scrollWidth"

@@ -15,7 +15,7 @@ from heave_bringup.campaign.runs import CaseResult, Task
 from heave_bringup.cli import main
 from heave_bringup.commands.studies.operability import _left_out
 from heave_bringup.commands.studies.sea_options import with_strengths
-from heave_bringup.operability.figures import limit_figure
+from heave_bringup.operability.figures import SCALE, contrast, limit_figure, map_figure
 from heave_bringup.operability.limits import (
     LOST_LIMIT,
     crossing,
@@ -37,6 +37,10 @@ from scipy import stats
 RESIDUAL = Criterion("significant_residual_m", "<=", 0.5)
 AMPLIFICATION = Criterion("dynamic_amplification", "<=", 1.3)
 SPEED = Criterion("winch_speed_max_mps", "<=", 2.0)
+
+
+STOPS = [(at, [int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5)]) for at, colour in SCALE]
+"""Colours of the maps, red, green and blue."""
 
 
 def cases(heights=(1.0, 2.0, 3.0), periods=(8.0,), seeds=(1,), residual=0.2, lost_from=math.inf) -> pandas.DataFrame:
@@ -117,6 +121,20 @@ def test_a_limit_outside_the_heights_that_were_run_is_reported_as_below_or_above
     assert drawn["compensated"]["marker"]["symbol"] == ["circle", "circle"]
     assert drawn["uncompensated"]["marker"]["symbol"] == ["triangle-down-open"] * 2
     assert drawn["uncompensated"]["y"] == [1.0, 1.0], "nothing is drawn where no sea was run"
+
+
+def test_the_digits_of_a_map_can_be_read_on_every_colour_of_it():
+    """WCAG 2 asks for a contrast of 4.5; black on white has 21."""
+    assert contrast(np.zeros(3), np.ones(3)) == pytest.approx(21.0)
+    (found,) = study_situations(cases(heights=(0.1, 1.0, 2.0, 2.5, 3.0, 6.0), periods=(8.0, 9.0)), [RESIDUAL], None)
+    drawn = map_figure(found, RESIDUAL, locked=False)
+    assert drawn is not None
+    assert "Green is within the bound, orange beyond it." in drawn.caption
+    cells, digits = drawn.traces
+    assert len(digits["textfont"]["color"]) == 12
+    for value, colour in zip(np.ravel(cells["z"]), digits["textfont"]["color"], strict=True):
+        behind = [np.interp(0.5 * value, *zip(*((at, c[k]) for at, c in STOPS), strict=True)) for k in range(3)]
+        assert contrast(np.array(behind), np.full(3, 1.0 if colour == "#ffffff" else 0.0)) >= 4.5
 
 
 def test_a_lost_case_ends_the_limit_at_the_height_before():

@@ -168,9 +168,7 @@ def _alarms(alarms: Sequence[Interval]) -> list[Happening]:
             found += [Happening(one.start, one.end, _alarm_words(one.name), level) for one in same]
         else:
             words = f"{len(same)} times, first: {_alarm_words(same[0].name)}"
-            found.append(
-                Happening(same[0].start, end, f"{len(same)} times, first: {_alarm_words(same[0].name)}", level)
-            )
+            found.append(Happening(same[0].start, max(one.end for one in same), words, level))
     return found
 
 

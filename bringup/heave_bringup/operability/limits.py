@@ -155,7 +155,7 @@ def too_few_seeds(curves: Sequence[pandas.DataFrame]) -> str:
     if count >= FEWEST_SEEDS:
         return ""
     seeds = f"{count} seed{'s' if count > 1 else ''}"
-    return f"Confidence is not stated with {seeds}; use at least {FEWEST_SEEDS}, better {USEFUL_SEEDS} (--seeds {USEFUL_SEEDS})."
+    return f"Confidence is not stated with {seeds}; use at least {FEWEST_SEEDS}, better {USEFUL_SEEDS}."
 
 
 def seed_limit(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locked: bool = False) -> SeedLimit:

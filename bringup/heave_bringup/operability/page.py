@@ -21,8 +21,8 @@ from heave_bringup.operability.study import Exposure, Place, Situation
 from heave_bringup.operability.windows import ALL
 
 FOOTER = """SI units. The limit of each seed is where a figure of merit, linear between the heights that were run,
-reaches its bound. Workable seas below the smallest height are counted with a figure that is linear from a calm sea on. Waiting times count from every moment of the record to the next start of a window. For a PDF, print
-this page."""
+reaches its bound. Workable seas below the smallest height are counted with a figure that is linear from a calm sea on.
+Waiting times count from every moment of the record to the next start of a window. For a PDF, print this page."""
 
 
 @dataclass(frozen=True)
