@@ -88,7 +88,7 @@ def test_an_export_is_one_table_of_signals_in_each_form(runs, tmp_path, capsys):
     result = json.loads(capsys.readouterr().out)
     text, table = pandas.read_csv(tmp_path / "x.csv"), pandas.read_parquet(tmp_path / "x.parquet")
     assert len(text) == len(table) == result["rows"]
-    assert [*result["columns"]] == list(table.columns) == list(text.columns[1:])
+    assert ["time_s", *result["columns"]] == list(table.columns) == list(text.columns)
     assert not text.iloc[[0, -1]].isna().any(axis=None), "begins and ends with a whole row"
     named = pandas.read_csv(tmp_path / "x_columns.csv").set_index("column")
     assert list(named.index) == list(text.columns)

@@ -6,7 +6,7 @@ import subprocess
 from dataclasses import replace
 
 import pytest
-from heave_bags.analyse import analysis, kpi_set, run_words
+from heave_bags.analyse import analysis, differences, kpi_set, run_words
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.reading.innovations import Innovation
 from heave_bags.errors import BagError
@@ -76,6 +76,7 @@ def test_a_browser_runs_nothing_that_a_bag_brings_into_the_page(shared_bag, tmp_
 
 def test_the_figures_of_merit_stand_in_groups_and_those_nobody_knows_are_left_out(shared_bag):
     (record,) = analysis.analyse([shared_bag])
+    record.run = {"pacing": "realtime"}
     page = report.render([record])
     shown = re.findall(r'class="group"[^>]*>([^<]+)<', page)
     assert shown == [group for group in kpi_set.GROUPS if group in shown]
@@ -84,6 +85,27 @@ def test_the_figures_of_merit_stand_in_groups_and_those_nobody_knows_are_left_ou
     table = page[page.index('id="kpis"') : page.index("What happened")]
     hidden = {"landings", "landings_held", "compensation_losses", "mode_changes"}  # nothing of that happened
     assert table.count("<tr><td>") == len([row for row in rows if row.key not in hidden and not row.is_seldom])
+
+
+def test_wall_time_is_left_out_of_what_people_see_of_a_run_in_lockstep(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    for pacing, is_shown in (("lockstep", False), ("realtime", True)):
+        record.run = {"pacing": pacing}
+        for text in (report.render([record]), analysis.table([record])):
+            assert ("loop age, largest" in text) is is_shown
+            assert ("missed deadlines" in text) is is_shown
+        assert analysis.to_json(record)["missed_deadlines"] == 0.0
+
+
+def test_an_event_is_shown_as_one_by_its_code(shared_bag):
+    (record,) = analysis.analyse([shared_bag])
+    part = "winch_controller: alarms: "
+    limited = "AUTHORITY_LIMITED_BY_WINCH (medium): authority limited to 30 %."
+    record.alarms = [Interval(20.0, 21.0, f"{part}AUTHORITY_RESTORED (event): authority is 100 % again.")]
+    record.alarms += [Interval(30.0, 31.0, f"{part}{limited}", level=1)]
+    page = report.render([record])
+    assert "<td>event: AUTHORITY_RESTORED: authority is 100 % again.</td>" in page
+    assert f"<td>warning: {limited}</td>" in page
 
 
 def test_the_report_begins_with_what_was_run_the_verdict_and_eight_figures(shared_bag):
@@ -220,13 +242,13 @@ def test_a_comparison_is_called_by_what_differs(shared_bag):
     one, other = analysis.analyse([shared_bag, shared_bag])
     one.parameters = {"winch_controller": {"law": "off"}}
     other.parameters = {"winch_controller": {"law": "mpc"}}
-    assert run_words.title([one, other]) == "made_up: law: off / mpc"
-    assert run_words.labels([one, other]) == ["off", "mpc"]
+    assert differences.title([one, other]) == "made_up: law: off / mpc"
+    assert differences.labels([one, other]) == ["off", "mpc"]
     page = report.page_content([one, other], figures := [])
     assert [trace["name"] for trace in figures[0].traces] == ["off", "mpc"]
     assert len({run["colour"] for run in page["runs"]}) == 2
     other.parameters = {"winch_controller": {"law": "off", "sea.peak_period": 8.0}, "wave_vessel": {"peak_period": 8.0}}
-    assert run_words.labels([one, other]) == ["peak period - s", "peak period 8 s"], "the ship and the belief: once"
+    assert differences.labels([one, other]) == ["peak period - s", "peak period 8 s"], "the ship and the belief: once"
 
 
 def test_what_happened_is_told_in_words_and_in_order(shared_bag):
@@ -259,7 +281,7 @@ def test_a_list_that_is_empty_or_not_stated_is_no_difference(shared_bag):
     one, other = analysis.analyse([shared_bag, shared_bag])
     one.parameters = {"winch_controller": {"programme.modes": [], "law": "off"}}
     other.parameters = {"winch_controller": {"law": "mpc"}}
-    assert [found.name for found in run_words.differences([one, other])] == ["law"]
+    assert [found.name for found in differences.differences([one, other])] == ["law"]
 
 
 def test_scheduled_faults_are_one_difference_in_words(shared_bag):
@@ -270,15 +292,47 @@ def test_scheduled_faults_are_one_difference_in_words(shared_bag):
     other.parameters = {
         "wave_vessel": {f"mru.faults.{name}": values for name, values in zip(names, lists, strict=True)}
     }
-    assert [str(found) for found in run_words.differences([one, other])] == [
+    assert [str(found) for found in differences.differences([one, other])] == [
         "mru faults: - / freeze from 180 s for 20 s, scale -1 from 320 s"
     ]
-    assert run_words.labels([one, other]) == [
+    assert differences.labels([one, other]) == [
         "no mru faults",
         "mru faults freeze from 180 s for 20 s, scale -1 from 320 s",
     ]
     other.parameters = {"wave_vessel": {"mru.faults.kind": 3, "mru.faults.start": ["never"]}}
-    assert run_words.differences([one, other]) == [], "a bag may state anything"
+    assert differences.differences([one, other]) == [], "a bag may state anything"
+
+
+def test_the_report_of_one_run_shows_its_changes_and_faults_as_the_comparison_does(shared_bag):
+    other, record = analysis.analyse([shared_bag, shared_bag])
+    names = ("kind", "start", "duration", "magnitude")
+    lists = (["low_pressure", "gap", "creep"], [15.0, 30.0, 900.0], [10.0, 0.0, 0.0], [0.15, 0.0, 0.1])
+    faults = {f"faults.{name}": values for name, values in zip(names, lists, strict=True)}
+    other.parameters = {"virtual_winch": {**{name: [] for name in faults}, "speed_limit": 2.0, "drive": "servo"}}
+    record.parameters = {"virtual_winch": {**faults, "speed_limit": 0.5, "drive": "servo"}}
+    record.run = {"changed": "virtual_winch.faults.kind, system.winch.speed_limit"}
+    other.run = {}
+    of_comparison = [one.of(1) for one in differences.differences([other, record])]
+    facts = run_words.facts(record)
+    assert facts["changed"] == "speed limit 0.5"
+    assert facts["faults"] == "low_pressure 0.15 from 15 s for 10 s, gap from 30 s, creep 0.1 from 900 s"
+    assert of_comparison == [f"faults {facts['faults']}", facts["changed"]]
+    assert "changed" not in run_words.facts(other)
+    assert [(one.when, one.text) for one in run_words.happenings(record) if "fault" in one.text] == [
+        ("15.0 s to 25.0 s", "injected fault of the winch: low pressure, 0.15"),
+        (f"30.0 s to {record.end:.1f} s", "injected fault of the winch: gap"),
+    ]
+    page = report.render([record])
+    assert "<dt>changed</dt>" in page
+    assert "<dt>faults</dt>" in page
+
+
+def test_a_bag_names_the_parameters_that_were_changed_for_its_run(tmp_path):
+    stored = b"# What it is.\n# All values.\n# changed: system.winch.speed_limit, wave_vessel.period\n"
+    write_run(tmp_path / "changed", scenario=stored + SCENARIO.lstrip())
+    (record,) = analysis.analyse([tmp_path / "changed"])
+    assert run_words.facts(record)["changed"] == "period 8; speed limit 2"
+    assert record.description == "What it is."
 
 
 def test_a_recorded_sea_is_named_by_its_file(shared_bag):
@@ -338,6 +392,19 @@ def test_thinning_keeps_every_peak():
 def test_even_times_travel_as_three_numbers_and_others_as_they_are():
     assert set(pack(0.05 * arange(1, 1000))) == {"start", "step", "count"}
     assert "float32" in pack(sin(arange(100.0)))
+
+
+@browser.NEEDED
+def test_a_comparison_fits_a_telephone_with_its_column_of_units(shared_bag, tmp_path):
+    records = analysis.analyse([shared_bag, shared_bag])
+    records[0].name, records[1].name = "rep_fault2", "rep_c1"
+    report.save_report(records, tmp_path / "report.html")
+    with browser.Browser(tmp_path / "browser") as chromium:
+        tab = chromium.tab()
+        tab.size(420, 900)
+        tab.open((tmp_path / "report.html").as_uri())
+        tab.wait("document.body && document.body.dataset.ready === 'true'")
+        assert tab.get("(e => e.scrollWidth - e.clientWidth)(document.querySelector('#kpis'))") == 0
 
 
 @browser.NEEDED

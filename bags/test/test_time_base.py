@@ -1,6 +1,8 @@
 """Signals on one time base, and the files that take them."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pandas
@@ -85,6 +87,13 @@ def test_every_number_of_a_topic_is_a_column(shared_bag):
         time_base.topic_samples(Bag(shared_bag), ["nothing"])
 
 
+def test_the_page_of_the_package_names_the_columns_of_the_table_and_no_other():
+    page = (Path(__file__).parents[1] / "README.md").read_text()
+    rows = page[page.index("| column | unit") :].split("\n\n", 1)[0].splitlines()[2:]
+    named = [name for row in rows for name in re.findall(r"`(\w+)`", row.split("|")[1])]
+    assert named == ["time_s", *time_base.COLUMNS, "mode"]
+
+
 @pytest.mark.parametrize("ending", ["csv", "parquet", "xlsx"])
 def test_a_file_gives_back_what_it_took_and_no_text_becomes_a_formula(tmp_path, ending):
     frame = pandas.DataFrame({"=cmd": [1.25, math.nan, 3.5], "mode": ["=1+1", "@x", "off"]}, index=[0.0, 0.05, 0.1])
@@ -99,7 +108,7 @@ def test_a_file_gives_back_what_it_took_and_no_text_becomes_a_formula(tmp_path, 
     else:
         assert pandas.read_csv(tmp_path / "table_columns.csv")["meaning"].tolist() == ["'=1+1"]
     if ending == "parquet":
-        assert pandas.read_parquet(path).equals(frame)
+        assert pandas.read_parquet(path).equals(frame.reset_index()), "time is a column for every reader of Parquet"
         return
     read = pandas.read_csv(path) if ending == "csv" else pandas.read_excel(path)
     assert list(read.columns) == ["time_s", "'=cmd", "mode"]

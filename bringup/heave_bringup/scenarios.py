@@ -51,6 +51,7 @@ class Scenario:
     wanted : criteria that a run should meet
     quality_of_service : what a node's section changes of it, `qos_overrides.`, by node and dotted name
     remade : a line on each file that was made again from the table that the scenario is a case of
+    changed : places of the parameters that were changed on top of the file
     """
 
     name: str
@@ -60,6 +61,7 @@ class Scenario:
     wanted: tuple[Criterion, ...] = ()
     quality_of_service: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
     remade: tuple[str, ...] = ()
+    changed: tuple[str, ...] = ()
 
     @property
     def moves_winch(self) -> bool:
@@ -271,7 +273,8 @@ def _checked(name: str, path: Path, in_file: Values, settings: Iterable[Setting 
         built[node.name] = build_node_parameters(node.name, node.parameters_type(), {**shared, **own}, where=where)
     of_all = built[MASTER]
     own_sets = {node: of.own for node, of in built.items()}
-    return Scenario(name, path, of_all.run, own_sets, of_all.wanted, quality_of_service)
+    places = tuple(dict.fromkeys(change.place for change in changes))
+    return Scenario(name, path, of_all.run, own_sets, of_all.wanted, quality_of_service, changed=places)
 
 
 def _of_catalogue(change: Setting) -> list[Setting]:

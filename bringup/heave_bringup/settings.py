@@ -45,6 +45,11 @@ class Setting:
     value: object
     source: str
 
+    @property
+    def place(self) -> str:
+        """Where the parameter is: with its node before it, unless all nodes share it."""
+        return self.name if self.target == WILDCARD else f"{self.target}.{self.name}"
+
 
 def make_setting(place: str, value: object, source: str) -> Setting:
     """Return a change of a parameter.

@@ -6,7 +6,7 @@ from typing import Any
 
 from heave_node.criteria import WANTED
 from heave_node.parameters import ParameterError, Value, describe, flatten
-from heave_node.scenario import WILDCARD, Sections
+from heave_node.scenario import CHANGED, WILDCARD, Sections
 from heave_node.system_parameters import owned_names, system_names
 
 from heave_bringup.nodes import NODES
@@ -40,8 +40,9 @@ def stored_sections(scenario: Scenario) -> Sections:
 
 
 def stored_title(scenario: Scenario) -> str:
-    """Return the comment at the top of a stored scenario."""
-    return f"{description_of(scenario.path) or scenario.name}\nAll values active in one run, including defaults."
+    """Return the comment at the top of a stored scenario: what it is, and what was changed in it for the run."""
+    title = f"{description_of(scenario.path) or scenario.name}\nAll values active in one run, including defaults."
+    return title + (f"\n{CHANGED}: {', '.join(scenario.changed)}" if scenario.changed else "")
 
 
 def _refuse_lost_lists(scenario: Scenario) -> None:

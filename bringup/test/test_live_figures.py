@@ -72,7 +72,7 @@ def diagnosed(mode: str, time: float, changes: dict[str, str], level: bytes = Di
 
 
 def listener() -> SimpleNamespace:
-    return SimpleNamespace(live=LiveFigures(), _news=[], _errors={}, alarms=[], strangers={})
+    return SimpleNamespace(live=LiveFigures(), _news=[], _errors={}, _taken={}, alarms=[], strangers={})
 
 
 def test_a_loss_is_told_with_the_time_of_the_change_and_the_stop_that_follows_is_no_other():
@@ -117,6 +117,16 @@ def test_a_lost_sensor_is_told_once_by_the_controllers_alarms():
     Monitor._on_diagnostics(monitor, DiagnosticArray(header=header, status=[sensor, alarms]))
     assert monitor._news == [f"t = 9.80 s: {lost}"]
     assert monitor.alarms == [f"t = 9.80 s: winch_controller: sensor mru: {lost}"], "an error of the run, at one time"
+
+
+def test_an_alarm_is_printed_once_where_a_slow_tick_was_sent_and_answered_again():
+    limited, monitor = "AUTHORITY_LIMITED_BY_WINCH (medium): authority limited to 30 %.", listener()
+    values = [KeyValue(key="t = 9.80 s", value=limited)]
+    alarms = DiagnosticStatus(level=DiagnosticStatus.WARN, name=ALARMS_PART, message=limited, values=values)
+    other = DiagnosticStatus(name="winch_adviser: node", message="ok")
+    for status in (alarms, other, alarms):
+        Monitor._on_diagnostics(monitor, DiagnosticArray(header=Header(stamp=Time(sec=10)), status=[status]))
+    assert monitor._news == [f"t = 9.80 s: {limited}"]
 
 
 def test_a_loss_is_told_once_and_a_request_is_none():

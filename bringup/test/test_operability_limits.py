@@ -15,16 +15,20 @@ from heave_bringup.campaign.runs import CaseResult, Task
 from heave_bringup.cli import main
 from heave_bringup.commands.studies.operability import _left_out
 from heave_bringup.commands.studies.sea_options import with_strengths
+from heave_bringup.operability.figures import SCALE, contrast, limit_figure, map_figure
 from heave_bringup.operability.limits import (
     LOST_LIMIT,
     crossing,
+    interval,
     limit_curve,
+    limit_words,
     seed_limit,
     situations,
     too_few_seeds,
     utilisation,
 )
 from heave_bringup.operability.seas import HEADING, HEIGHT, PERIOD, SeaGrid
+from heave_bringup.operability.study import study_situations
 from heave_bringup.scenarios import load_scenario
 from heave_bringup.tables.baseline_law import LAW
 from heave_node.criteria import Criterion
@@ -33,6 +37,10 @@ from scipy import stats
 RESIDUAL = Criterion("significant_residual_m", "<=", 0.5)
 AMPLIFICATION = Criterion("dynamic_amplification", "<=", 1.3)
 SPEED = Criterion("winch_speed_max_mps", "<=", 2.0)
+
+
+STOPS = [(at, [int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5)]) for at, colour in SCALE]
+"""Colours of the maps, red, green and blue."""
 
 
 def cases(heights=(1.0, 2.0, 3.0), periods=(8.0,), seeds=(1,), residual=0.2, lost_from=math.inf) -> pandas.DataFrame:
@@ -94,6 +102,41 @@ def test_nothing_limits_where_every_criterion_holds():
     assert (row["limit"], row["is_open"]) == (3.0, True)
 
 
+def test_a_limit_outside_the_heights_that_were_run_is_reported_as_below_or_above_them():
+    """Locked, the residual reaches its bound at 0.5 m, below the 1 m that was run; compensated above the 3 m."""
+    (low,) = limit_curve(cases(), [RESIDUAL], locked=True).to_dict("records")
+    assert low["is_below"]
+    assert low["limit"] == pytest.approx(0.5), "by which workable seas are counted"
+    assert limit_words(low) == "below 1.00"
+    (high,) = limit_curve(cases(residual=0.01), [RESIDUAL]).to_dict("records")
+    assert limit_words(high) == "above 3.00"
+    (within,) = limit_curve(cases(), [RESIDUAL]).to_dict("records")
+    assert limit_words(within) == "2.50"
+    (mixed,) = limit_curve(cases(seeds=(1, 2, 5)), [RESIDUAL]).to_dict("records")  # 2.5, 1.25 and 0.5 m
+    assert limit_words(mixed) == "below 1.58"
+    assert interval(mixed) == "-"
+    frame = cases(periods=(8.0, 9.0))
+    (found,) = study_situations(frame, [RESIDUAL], None)
+    drawn = {trace["name"]: trace for trace in limit_figure(found, None).traces}
+    assert drawn["compensated"]["marker"]["symbol"] == ["circle", "circle"]
+    assert drawn["uncompensated"]["marker"]["symbol"] == ["triangle-down-open"] * 2
+    assert drawn["uncompensated"]["y"] == [1.0, 1.0], "nothing is drawn where no sea was run"
+
+
+def test_the_digits_of_a_map_can_be_read_on_every_colour_of_it():
+    """WCAG 2 asks for a contrast of 4.5; black on white has 21."""
+    assert contrast(np.zeros(3), np.ones(3)) == pytest.approx(21.0)
+    (found,) = study_situations(cases(heights=(0.1, 1.0, 2.0, 2.5, 3.0, 6.0), periods=(8.0, 9.0)), [RESIDUAL], None)
+    drawn = map_figure(found, RESIDUAL, locked=False)
+    assert drawn is not None
+    assert "Green is within the bound, orange beyond it." in drawn.caption
+    cells, digits = drawn.traces
+    assert len(digits["textfont"]["color"]) == 12
+    for value, colour in zip(np.ravel(cells["z"]), digits["textfont"]["color"], strict=True):
+        behind = [np.interp(0.5 * value, *zip(*((at, c[k]) for at, c in STOPS), strict=True)) for k in range(3)]
+        assert contrast(np.array(behind), np.full(3, 1.0 if colour == "#ffffff" else 0.0)) >= 4.5
+
+
 def test_a_lost_case_ends_the_limit_at_the_height_before():
     found = seed_limit(cases(lost_from=2.0), [RESIDUAL])
     assert (found.height, found.governs) == (1.0, LOST_LIMIT)
@@ -129,8 +172,8 @@ def test_fewer_than_three_seeds_show_no_confidence_and_say_how_many_would(seeds)
     assert math.isnan(row["lower"])
     assert math.isnan(row["upper"])
     line = too_few_seeds([curve])
-    assert line.startswith(f"confidence: not stated with {len(seeds)} seed")
-    assert "at least 3 seeds" in line
+    assert line.startswith(f"Confidence is not stated with {len(seeds)} seed")
+    assert "at least 3, better 5" in line
     assert too_few_seeds([limit_curve(cases(seeds=(1, 2, 3)), [RESIDUAL])]) == ""
 
 
@@ -185,8 +228,8 @@ def test_the_command_writes_page_and_tables_and_makes_them_again_without_running
     page = (tmp_path / "b2_calm_300_operability.html").read_text()
     assert "workable seas of seas.csv" in said
     assert re.search(r"\d to \d", said) is None, "of two seeds no confidence is printed"
-    assert said.count("confidence: not stated with 2 seeds") == 1
-    assert page.count("confidence: not stated with 2 seeds") == 1
+    assert said.count("Confidence is not stated with 2 seeds") == 1
+    assert page.count("Confidence is not stated with 2 seeds") == 1
     assert "heave run b2_calm_300_operability.parquet:CASE" in page
     assert page.count('class="figure"') > 5
     assert len(pandas.read_csv("own.csv")) == 4

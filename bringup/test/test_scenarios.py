@@ -322,3 +322,10 @@ def test_a_sensor_that_sends_nan_can_be_asked_for_without_quotes(file) -> None:
     assert told.parameters["wave_vessel"].mru.faults.kind == ("freeze", "nan")
     file.write_text(f"/**/wave_vessel: {{ros__parameters: {{mru: {{faults: {faults}}}}}}}\n")
     assert load_scenario(str(file)).parameters["wave_vessel"].mru.faults.kind == ("freeze", "nan")
+
+
+def test_a_stored_scenario_names_what_was_changed_for_the_run():
+    settings = ["system.sea.peak_period=7", "winch_controller.factor=0.9"]
+    scenario = load_scenario("b2_calm_300", settings=settings)
+    assert stored_title(scenario).splitlines()[-1] == "changed: system.sea.peak_period, winch_controller.factor"
+    assert "changed" not in stored_title(load_scenario("b2_calm_300"))

@@ -218,4 +218,4 @@ def test_the_alarm_of_a_drive_that_its_open_brake_has_tripped_does_not_say_that_
     state = bench.state
     alarm = str(fault_alarm(state.fault, state.release, brake=state.brake, cause=bench.winch.supervised))
     assert alarm.startswith("WINCH_DRIVE_FAULT (high): the winch has stopped (drive: the brake does not engage")
-    assert "The brake is open, " in alarm
+    assert "The brake is open;" in alarm

@@ -21,6 +21,8 @@ from heave_node.parameters import Given, ParameterError
 from heave_node.system_parameters import SYSTEM, own_name
 
 WILDCARD = "/**"
+CHANGED = "changed"
+"""Begins the comment of a stored scenario that names the parameters that were changed for the run."""
 PARAMETERS_KEY = "ros__parameters"
 MOST_VALUES = 20_000
 """Names and values of a file: all parameters of all nodes are two thousand."""

@@ -174,10 +174,14 @@ def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
 def table(records: Sequence[RunRecord]) -> str:
     """Return the KPIs of the runs `records` side by side as text, and below them what a reader of them must know."""
     sources = {record.name: record.sources for record in records}
-    lines = [kpi_table.table({record.name: record.kpis() for record in records}, sources)]
+    lines = [kpi_table.table({record.name: _as_seen(record) for record in records}, sources)]
     for record in records:
         lines += [f"{record.name}: {text}" for text in record.remarks()]
     return "\n".join(lines)
+
+
+def _as_seen(record: RunRecord) -> dict[str, float]:
+    return kpi_table.as_seen(record.kpis(), record.run.get("pacing", ""))
 
 
 def window_table(record: RunRecord, length: float) -> str:
@@ -222,7 +226,8 @@ MOST_ROWS_XLSX = 1_048_575
 def save_frame(frame: pandas.DataFrame, path: Path, legend: pandas.DataFrame | None = None) -> None:
     """Write a frame as CSV, Parquet or a spreadsheet, by the ending of `path`.
 
-    A `legend` of its columns goes with it: a second sheet of a spreadsheet, else the file that `legend_file` names.
+    An index that has a name is the first column in each of them. A `legend` of its columns goes with it: a second sheet
+    of a spreadsheet, else the file that `legend_file` names.
 
     A text that a spreadsheet would take for a formula gets an apostrophe before it. Raises BagError for another ending,
     without the package that writes it, for a sheet of too many rows, or if the file cannot be written.
@@ -233,7 +238,7 @@ def save_frame(frame: pandas.DataFrame, path: Path, legend: pandas.DataFrame | N
     has_index = frame.index.name is not None
     try:
         if ending == ".parquet":
-            frame.to_parquet(path)
+            (frame.reset_index() if has_index else frame).to_parquet(path, index=False)
         elif ending == ".csv":
             _without_formulas(frame).to_csv(path, index=has_index, float_format="%.9g")
         else:

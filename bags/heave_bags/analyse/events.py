@@ -195,10 +195,7 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
                 continue
             time, level = float(diagnostics.time[row]), min(int(levels[row]), 2)
             if name == ALARMS_PART and (reported := timed_words("" if messages is None else str(messages[row]))):
-                found += [
-                    Interval(raised, raised + REPEATED, f"{name}: {text}", _level(text, level))
-                    for raised, text in reported
-                ]
+                found += [Interval(at, at + REPEATED, f"{name}: {text}", _level(text, level)) for at, text in reported]
                 continue
             is_reported_once = name.endswith(f": {ALARMS}")
             kind = label if is_reported_once else without_figures(label)
@@ -211,9 +208,9 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
 
 
 def _level(text: str, level: int) -> int:
-    """Return the `level` of what a part of /diagnostics reports in a `text`; 0 where that is events alone."""
-    reported = alarms_in(text)
-    return 0 if reported and all(alarm.severity is Severity.EVENT for alarm in reported) else level
+    """Return 0 for a `text` that reports events alone, which need nothing; else the `level` of its part."""
+    severities = {alarm.severity for alarm in alarms_in(text)}
+    return 0 if severities == {Severity.EVENT} else level
 
 
 def _since(lasting: Interval, raised: Sequence[tuple[str, float]]) -> Interval:

@@ -6,10 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
+from heave_node.run_parameters import LOCKSTEP
+
 from heave_bags.analyse.kpi_set import CHANGES, DEFINITION_OF, KPI_DEFINITIONS, LANDING
 from heave_bags.analyse.kpis.definition import KpiDefinition
 from heave_bags.analyse.kpis.sources import SOURCES, source_of
 
+OF_WALL_TIME = ("loop_age_p50_s", "loop_age_p99_s", "loop_age_max_s", "missed_deadlines")
+"""Figures of how a run keeps up with the wall clock."""
 COUNT_OF_EVENTS = {LANDING: "landings", CHANGES: "mode_changes"}
 """Figures that count the events of a group; people see the group only where there are any."""
 
@@ -34,6 +38,18 @@ def shown(columns: Sequence[Mapping[str, float]]) -> list[KpiDefinition]:
         for definition in KPI_DEFINITIONS
         if has_events(definition.group) and any(is_reported(definition, column) for column in columns)
     ]
+
+
+def as_seen(values: Mapping[str, float], pacing: str) -> dict[str, float]:
+    """Return the KPIs of a run as people see them: in lockstep without those of wall time, which has no effect there.
+
+    Parameters
+    ----------
+    values : KPIs by key
+    pacing : of the run, as its bag says; "": unknown
+    """
+    left_out = OF_WALL_TIME if pacing == LOCKSTEP else ()
+    return {key: math.nan if key in left_out else value for key, value in values.items()}
 
 
 def table(

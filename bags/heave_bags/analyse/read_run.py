@@ -22,6 +22,7 @@ from heave_bags.analyse.reading.stored import (
     cable_weight,
     fill_parameters,
     number,
+    stored_changes,
     stored_scenario,
     stored_title,
 )
@@ -117,7 +118,8 @@ def read_run(
     columns = bag.columns(selection, longest=LONGEST_ARRAY, most_bytes=room, progress=progress)
     on_one_clock(columns)
     fields = {topic: Fields(columns.get(topic)) for topic in SELECTION}
-    record = RunRecord(_name(bag.path.resolve()), RunSignals(), 0.0, 0.0, run=bag.run, outcome=bag.outcome)
+    record = RunRecord(_name(bag.path.resolve()), RunSignals(), 0.0, 0.0, outcome=bag.outcome)
+    record.run = {**bag.run, **stored_changes(bag)}
     record.losses = bag.losses or surveyed
     record.notes += bag.notes
     record.notes += [

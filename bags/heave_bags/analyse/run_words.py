@@ -1,4 +1,4 @@
-"""A run in words: what was run, in what it differs from others, and what happened when."""
+"""A run in words: what was run, and what happened when."""
 
 from __future__ import annotations
 
@@ -10,21 +10,20 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from heave_node.interface.alarm import Severity, alarms_in
 from heave_node.interface.codes import without_figures
 
 from heave_bags.analyse import events
+from heave_bags.analyse.differences import changes, scheduled_faults
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.kpis.window import Window
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.run_warnings import worse_times
 
-MOST_DIFFERENCES = 3
-"""Runs that differ in more are called by the names of their bags."""
 OFTEN = 4
 """An alarm that comes so often in a run is one line of what happened, with their number."""
 BURST = 10.0
 """A limit that acts again within this time is reported once [s]."""
-UNITS = {"duration": "s", "peak_period": "s", "significant_wave_height": "m", "length": "m", "mass": "kg"}
 
 
 def facts(record: RunRecord) -> dict[str, str]:
@@ -38,6 +37,7 @@ def facts(record: RunRecord) -> dict[str, str]:
         "unit": _unit(_of(record, "cable_sim")),
         "winch": _winch(_of(record, "virtual_winch")),
         "run": _run(record),
+        **changes(record),
         "software": _software(record.run),
         "date": _date(record.run),
     }
@@ -129,95 +129,6 @@ def _date(run: Mapping[str, str]) -> str:
 
 
 @dataclass(frozen=True)
-class Difference:
-    """Something in which runs differ: its `name`, and the `values` of the runs in words, in its `unit`."""
-
-    name: str
-    values: tuple[str, ...]
-    unit: str = ""
-
-    def __str__(self) -> str:
-        return f"{self.name}: {' / '.join(dict.fromkeys(self.values))} {self.unit}".rstrip()
-
-    def of(self, number: int) -> str:
-        """Return in words what run `number` has."""
-        if self.values[number] == "-" and not self.unit:
-            return f"no {self.name}"
-        return f"{self.name} {self.values[number]} {self.unit}".rstrip()
-
-
-def differences(records: Sequence[RunRecord]) -> list[Difference]:
-    """Return in which parameters the runs `records` differ, what ship and controller share once; the law first."""
-    parameters = [{node: _with_faults(own) for node, own in record.parameters.items()} for record in records]
-    names = {(node, name) for run in parameters for node, own in run.items() for name in own}
-    found: dict[tuple[str, tuple[str, ...]], set[str]] = {}
-    for node, name in names:
-        values = tuple(_text(run.get(node, {}).get(name)) for run in parameters)
-        if len(set(values)) > 1:
-            found.setdefault((name.rsplit(".", 1)[-1], values), set()).add(name)
-    scenarios = tuple(record.run.get("scenario", "") for record in records)
-    own = [Difference("scenario", scenarios)] if len(set(scenarios)) > 1 else []
-    others = [
-        Difference(
-            (short if len(full) > 1 else min(full)).replace("_", " ").replace(".", " "), values, UNITS.get(short, "")
-        )
-        for (short, values), full in found.items()
-    ]
-    return own + sorted(others, key=lambda one: (one.name != "law", one.name == "seed", one.name))
-
-
-def _with_faults(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the `parameters` of a node with the four lists of faults of a device as one value, in words."""
-    found = dict(parameters)
-    for group in [name.removesuffix(".kind") for name in found if name.endswith("faults.kind")]:
-        lists = [found.pop(f"{group}.{name}", ()) for name in ("kind", "start", "duration", "magnitude")]
-        found[group] = ", ".join(map(_fault, *(one if isinstance(one, list | tuple) else () for one in lists)))
-    return found
-
-
-def _fault(kind: Any, start: Any, duration: Any, magnitude: Any) -> str:
-    """Return a scheduled fault in words: what, how large, when [s] and for how long [s]; a bag may state anything."""
-    size = f" {_text(magnitude)}" if magnitude else ""
-    return f"{_text(kind)}{size} from {_text(start)} s" + (f" for {_text(duration)} s" if duration else "")
-
-
-def _text(value: Any) -> str:
-    if isinstance(value, float):
-        return f"{value:g}"
-    if value is None or value in ("", [], ()):
-        return "-"  # an empty list that one bag states, and another does not, is no difference
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(_text(item) for item in value) + "]"
-    return str(value)
-
-
-def labels(records: Sequence[RunRecord]) -> list[str]:
-    """Return what to call each of the runs `records` beside the others: what differs, or else the name of its bag."""
-    found = differences(records) if len(records) > 1 else []
-    if not 0 < len(found) <= MOST_DIFFERENCES:
-        return [record.name for record in records]
-    if len(found) == 1 and found[0].name in ("law", "scenario"):
-        called = list(found[0].values)
-    else:
-        called = [", ".join(one.of(n) for one in found) for n in range(len(records))]
-    return [
-        f"{label} ({record.name})" if called.count(label) > 1 else label
-        for label, record in zip(called, records, strict=True)
-    ]
-
-
-def title(records: Sequence[RunRecord]) -> str:
-    """Return what a report of the runs `records` is about: the lift or its scenario and, of several, what differs."""
-    scenarios = list(dict.fromkeys(record.title or record.run.get("scenario") or record.name for record in records))
-    if len(records) == 1:
-        return scenarios[0]
-    found = [one for one in differences(records) if one.name != "scenario"]
-    shown = "; ".join(str(one) for one in found[:MOST_DIFFERENCES])
-    more = f"; {len(found) - MOST_DIFFERENCES} more differences" if len(found) > MOST_DIFFERENCES else ""
-    return f"{' and '.join(scenarios)}: {shown}{more}" if shown else " and ".join(scenarios)
-
-
-@dataclass(frozen=True)
 class Happening:
     """Something that happened, `text`, from `start` to `end` [s]; `level` 0 plain, 1 warning, 2 error."""
 
@@ -233,11 +144,17 @@ class Happening:
 
 
 def happenings(record: RunRecord) -> list[Happening]:
-    """Return what happened in the run `record`, in order: modes, harm, requests, landings, limits and alarms."""
-    found = [*_modes(record.modes), *_landings(record), *_limits(record.limits)]
+    """Return what happened in the run `record`, in order: modes, harm, requests, landings, limits, faults, alarms."""
+    found = [*_modes(record.modes), *_landings(record), *_limits(record.limits), *_faults(record)]
     found += [Happening(one.start, one.end, f"worse than off: {one.most}", 2) for one in worse_times(record)]
     found += [Happening(one.start, one.end, f"operator: {one.name}") for one in record.requests]
     return sorted([*found, *_alarms(record.alarms)], key=lambda one: one.start)
+
+
+def _faults(record: RunRecord) -> list[Happening]:
+    """Return the faults that were scheduled, as far as the run came to them."""
+    begun = [one for one in scheduled_faults(record) if one.start <= record.end]
+    return [Happening(one.start, min(one.end, record.end), one.words) for one in begun]
 
 
 def _alarms(alarms: Sequence[Interval]) -> list[Happening]:
@@ -248,11 +165,20 @@ def _alarms(alarms: Sequence[Interval]) -> list[Happening]:
     found: list[Happening] = []
     for (_, level), same in kinds.items():
         if len(same) < OFTEN:
-            found += [Happening(one.start, one.end, one.name, level) for one in same]
+            found += [Happening(one.start, one.end, _alarm_words(one.name), level) for one in same]
         else:
-            end = max(one.end for one in same)
-            found.append(Happening(same[0].start, end, f"{len(same)} times, first: {same[0].name}", level))
+            words = f"{len(same)} times, first: {_alarm_words(same[0].name)}"
+            found.append(Happening(same[0].start, max(one.end for one in same), words, level))
     return found
+
+
+def _alarm_words(name: str) -> str:
+    """Return what an alarm of a `name` reports, without the part of diagnostics; of an event without its severity."""
+    text = name.removeprefix(f"{events.ALARMS_PART}: ")
+    found = alarms_in(text)
+    if any(one.severity is not Severity.EVENT for one in found):
+        return text
+    return "; ".join(f"event: {one.code}: {one.text}" for one in found) or text
 
 
 def losses(record: RunRecord) -> list[str]:

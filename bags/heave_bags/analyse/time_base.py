@@ -76,7 +76,6 @@ COLUMNS = {
     "top_tension_n": Column(
         "N", "tension of the cable at the boom tip; of a load cell where the truth is not known", "tension"
     ),
-    "uncompensated_top_tension_n": Column("N", "the same with the winch locked", "uncompensated_tension"),
     "unit_tension_n": Column(
         "N",
         "tension at mid-length of the lowest segment of the cable; at the unit it is less by half the segment's weight "

@@ -13,7 +13,7 @@ from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 
-from heave_bags.analyse import analysis, kpi_set, kpi_table, run_warnings, run_words
+from heave_bags.analyse import analysis, differences, kpi_set, kpi_table, run_warnings, run_words
 from heave_bags.analyse.kpis.sources import SOURCES, source_of
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge
@@ -127,9 +127,9 @@ def page_content(
     figures : those that the page's script draws are added
     verdicts : as for `save_report`
     """
-    labels = run_words.labels(records)
+    labels = differences.labels(records)
     judged = list(verdicts) or [judge(record, record.wanted, moves_winch=record.moves_winch) for record in records]
-    values = [record.kpis() for record in records]
+    values = [kpi_table.as_seen(record.kpis(), record.run.get("pacing", "")) for record in records]
 
     def places(drawn: Sequence[Figure]) -> list[str]:
         return [place_figure(figure, figures) for figure in drawn]
@@ -152,10 +152,10 @@ def page_content(
         run["description"] = run["description"] if run["description"] != runs[0]["description"] else ""
         run["facts"] = {name: text for name, text in run["facts"].items() if text != runs[0]["facts"].get(name)}
     return {
-        "title": run_words.title(records),
+        "title": differences.title(records),
         "runs": runs,
         "first_places": first,
-        "differences": [] if is_only else run_words.differences(records),
+        "differences": [] if is_only else differences.differences(records),
         "groups": _groups(values, [record.sources for record in records]),
     }
 

@@ -83,7 +83,7 @@ def motion_figure(record: RunRecord) -> Figure:
     ribbon = ribbon_traces(record)
     figure = Figure(
         "Motion",
-        "Heave about the mean: boom tip plus minus payout is the motion of the cable's top. "
+        "Heave about the mean: the boom tip's heave less the payout is the motion of the cable's top. "
         "Above: mode of the controller, brake, active winch limits and alarms, in the colours below.",
         layout=time_layout(record, "heave about the mean [cm]"),
         height=480,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from heave_node.criteria import Criterion
 from heave_node.numerics.arrays import Array
 
 from heave_bringup.campaign.table import FAILURE, LOST
-from heave_bringup.operability.limits import LOST_LIMIT, figure, title_of, utilisation
+from heave_bringup.operability.limits import LOST_LIMIT, figure, limit_words, title_of, utilisation
 from heave_bringup.operability.record import HS, TP, SeaRecord
 from heave_bringup.operability.seas import HEIGHT, PERIOD
 from heave_bringup.operability.study import Situation
@@ -23,7 +23,9 @@ PERIOD_AXIS = {"title": {"text": "peak period Tp [s]"}}
 HEIGHT_AXIS = {"title": {"text": "significant wave height Hs [m]"}, "rangemode": "tozero"}
 MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 GOVERNING_COLOURS = ("#e69f00", "#0072b2", "#cc79a7", "#56b4e9", "#d55e00", "#f0e442", "#7f7f7f", "#8c564b")
-SCALE = [[0.0, "#009e73"], [0.4, "#d5e8a8"], [0.5, "#f7e29c"], [0.6, "#f0a860"], [1.0, "#d55e00"]]
+DIGITS = ("#ffffff", "#000000")
+"""Colours of the figures on a map."""
+SCALE = ((0.0, "#009e73"), (0.4, "#d5e8a8"), (0.5, "#f7e29c"), (0.6, "#f0a860"), (1.0, "#d55e00"))
 
 
 def limit_figure(situation: Situation, record: SeaRecord | None) -> Figure:
@@ -44,8 +46,8 @@ def limit_figure(situation: Situation, record: SeaRecord | None) -> Figure:
         traces += _curve(name, curve, colour)
     return Figure(
         "Largest workable sea",
-        "Mean over the seeds, with the confidence interval of the mean (90 %). An open circle: nothing limits a seed "
-        "up to the largest height of the study, so that the limit is at least this.",
+        "Mean over the seeds, with the confidence interval of the mean (90 %). An open triangle: the limit lies above "
+        "(pointing up) or below (pointing down) this height; the study ran no sea there.",
         traces,
         {"xaxis": PERIOD_AXIS, "yaxis": HEIGHT_AXIS, "hovermode": "closest"},
         is_over_time=False,
@@ -68,7 +70,7 @@ def _cloud(record: SeaRecord) -> dict[str, Any]:
 
 def _curve(name: str, curve: pandas.DataFrame, colour: str) -> list[dict[str, Any]]:
     periods = curve["period"].tolist()
-    band = curve.dropna(subset=["lower"])
+    band = curve[~curve["is_below"]].dropna(subset=["lower"])
     traces = []
     if not band.empty:
         traces.append(
@@ -84,20 +86,28 @@ def _curve(name: str, curve: pandas.DataFrame, colour: str) -> list[dict[str, An
                 "showlegend": False,
             }
         )
-    symbols = ["circle-open" if is_open else "circle" for is_open in curve["is_open"]]
+    rows = curve.to_dict("records")
+    symbols = [_symbol(row) for row in rows]
     return [
         *traces,
         {
             "name": name,
             "x": periods,
-            "y": curve["limit"].tolist(),
-            "text": [title_of(name) if name else "nothing" for name in curve["governs"]],
-            "hovertemplate": "Tp %{x} s: Hs %{y:.2f} m, ended by %{text}<extra></extra>",
+            "y": curve["limit"].where(~curve["is_below"], curve["at_most"]).tolist(),
+            "text": [f"{limit_words(row)} m, ended by {title_of(row['governs'] or 'nothing')}" for row in rows],
+            "hovertemplate": "Tp %{x} s: Hs %{text}<extra></extra>",
             "mode": "lines+markers",
             "line": {"color": colour, "width": 2.5},
             "marker": {"symbol": symbols, "size": 9, "color": colour},
         },
     ]
+
+
+def _symbol(row: Mapping[Hashable, Any]) -> str:
+    """Return the mark of a `row` of a limit curve: open where the limit lies outside the heights that were run."""
+    if row["is_below"]:
+        return "triangle-down-open"
+    return "triangle-up-open" if row["is_open"] else "circle"
 
 
 def governing_figure(situation: Situation, criteria: Sequence[Criterion]) -> Figure:
@@ -174,25 +184,36 @@ def map_figure(situation: Situation, criterion: Criterion, *, locked: bool) -> F
     colour = table.pivot_table(index=HEIGHT, columns=PERIOD, values="used", aggfunc="mean").reindex_like(shown)
     unit = f" [{definition.unit}]" if definition.unit else ""
     heading = "uncompensated" if locked else "compensated"
+    shade = np.clip(colour.to_numpy(), 0.0, 2.0)
+    texts = [[definition.text(value / definition.scale) for value in row] for row in shown.to_numpy()]
     return Figure(
         f"{definition.title}, {heading}",
-        f"Mean over the seeds{unit}; the bound, {definition.text(criterion.bound)}, is the middle of the colours.",
+        f"Mean over the seeds{unit}; the bound, {definition.text(criterion.bound)}, is the middle of the colours. "
+        "Green is within the bound, orange beyond it.",
         [
             {
                 "type": "heatmap",
                 "x": [f"{period:g}" for period in shown.columns],
                 "y": [f"{height:g}" for height in shown.index],
-                "z": np.clip(colour.to_numpy(), 0.0, 2.0).tolist(),
-                "text": [[definition.text(value / definition.scale) for value in row] for row in shown.to_numpy()],
-                "texttemplate": "%{text}",
+                "z": shade.tolist(),
+                "text": texts,
                 "hovertemplate": "Tp %{x} s, Hs %{y} m: %{text}<extra></extra>",
                 "zmin": 0.0,
                 "zmax": 2.0,
-                "colorscale": SCALE,
+                "colorscale": [list(stop) for stop in SCALE],
                 "showscale": False,
                 "xgap": 2,
                 "ygap": 2,
-            }
+            },
+            {
+                "mode": "text",
+                "x": [f"{period:g}" for _ in shown.index for period in shown.columns],
+                "y": [f"{height:g}" for height in shown.index for _ in shown.columns],
+                "text": [text for row in texts for text in row],
+                "textfont": {"color": [_digits_on(0.5 * value) for row in shade.tolist() for value in row]},
+                "hoverinfo": "skip",
+                "showlegend": False,
+            },
         ],
         {
             "xaxis": {**PERIOD_AXIS, "type": "category"},
@@ -202,6 +223,33 @@ def map_figure(situation: Situation, criterion: Criterion, *, locked: bool) -> F
         is_over_time=False,
         height=300,
     )
+
+
+def _digits_on(share: float) -> str:
+    """Return the colour of digits with the larger contrast to the colour at a `share` of SCALE, 0 to 1."""
+    places = [place for place, _ in SCALE]
+    channels = np.array([_channels(colour) for _, colour in SCALE])
+    mixed = np.array([np.interp(share, places, channel) for channel in channels.T])
+    return max(DIGITS, key=lambda digits: contrast(mixed, _channels(digits)))
+
+
+def _channels(colour: str) -> Array:
+    """Return red, green, blue of a `colour` as #rrggbb, 0 to 1."""
+    return np.array([int(colour[first : first + 2], 16) / 255.0 for first in (1, 3, 5)])
+
+
+def contrast(one: Array, other: Array) -> float:
+    """Return the contrast of two colours, 1 to 21, as WCAG 2 defines it.
+
+    Parameters
+    ----------
+    one, other : red, green, blue in sRGB, 0 to 1
+    """
+    luminances = []
+    for colour in (one, other):
+        linear = np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)
+        luminances.append(float(np.array([0.2126, 0.7152, 0.0722]) @ linear))
+    return (max(luminances) + 0.05) / (min(luminances) + 0.05)
 
 
 def month_figure(situation: Situation) -> Figure | None:

@@ -1,14 +1,16 @@
 """The largest sea in which criteria hold, by period, from the cases of a grid of seas.
 
-Between two heights a figure of merit is taken as linear; below the smallest it goes to its value in a calm sea. Each
+Between two heights a figure of merit is taken as linear. Below the smallest it goes to its value in a calm sea: an
+estimate, by which seas of a place are counted, and which is reported as a limit below the smallest height. Each
 seed has a limit of its own, and their spread is the confidence in the mean (Student's t), from FEWEST_SEEDS on.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas
@@ -99,9 +101,10 @@ def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locke
     -------
     curve : a row for each peak period, with `period`, `limit` (mean over the seeds), `lower` and `upper` (ends of its
         confidence interval within the grid, NaN for fewer than FEWEST_SEEDS), `is_open` (nothing limits some seed up to
-        the largest height), `governs`, `seeds`
+        the largest height), `is_below` (some seed is limited below the smallest height, where nothing was run),
+        `at_most` (mean with the smallest height for such seeds), `governs`, `seeds`
     """
-    top = float(frame[HEIGHT].max())
+    bottom, top = float(frame[HEIGHT].min()), float(frame[HEIGHT].max())
     rows = []
     for period, of_period in frame.groupby(PERIOD):
         found = [seed_limit(of_seed, criteria, locked=locked) for _, of_seed in of_period.groupby(SEED)]
@@ -115,11 +118,26 @@ def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locke
                 "lower": max(float(heights.mean()) - half, 0.0),  # not known stays not known
                 "upper": min(float(heights.mean()) + half, top),
                 "is_open": any(math.isinf(one.height) for one in found),
+                "is_below": bool((heights < bottom).any()),
+                "at_most": float(np.maximum(heights, bottom).mean()),
                 "governs": max(names, key=names.count) if names else "",
                 "seeds": len(found),
             }
         )
     return pandas.DataFrame(rows)
+
+
+def limit_words(row: Mapping[Hashable, Any]) -> str:
+    """Return the limit of a `row` of a limit curve [m], as far as it lies within the heights that were run."""
+    if row["is_below"]:
+        return f"below {row['at_most']:.2f}"
+    return f"{'above ' if row['is_open'] else ''}{row['limit']:.2f}"
+
+
+def interval(row: Mapping[Hashable, Any]) -> str:
+    """Return the confidence interval of a `row` of a limit curve; a dash where it is not known."""
+    lower, upper = float(row["lower"]), float(row["upper"])
+    return f"{lower:.2f} to {upper:.2f}" if upper > lower and not row["is_below"] else "-"
 
 
 def _half_width(heights: Array) -> float:
@@ -137,10 +155,7 @@ def too_few_seeds(curves: Sequence[pandas.DataFrame]) -> str:
     if count >= FEWEST_SEEDS:
         return ""
     seeds = f"{count} seed{'s' if count > 1 else ''}"
-    return (
-        f"confidence: not stated with {seeds}: it takes at least {FEWEST_SEEDS} seeds, and {USEFUL_SEEDS} (--seeds "
-        f"{USEFUL_SEEDS}) to be within one standard deviation of a seed's limit"
-    )
+    return f"Confidence is not stated with {seeds}; use at least {FEWEST_SEEDS}, better {USEFUL_SEEDS}."
 
 
 def seed_limit(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locked: bool = False) -> SeedLimit:

@@ -14,15 +14,15 @@ from heave_bags.report.report import place_figure, render_page
 from heave_node.criteria import Criterion
 
 from heave_bringup.operability import figures
-from heave_bringup.operability.limits import title_of, too_few_seeds
+from heave_bringup.operability.limits import interval, limit_words, title_of, too_few_seeds
 from heave_bringup.operability.page_parts import cases_table, criteria_table, notice, number, provenance_table, table
 from heave_bringup.operability.record import SeaRecord
 from heave_bringup.operability.study import Exposure, Place, Situation
 from heave_bringup.operability.windows import ALL
 
 FOOTER = """SI units. The limit of each seed is where a figure of merit, linear between the heights that were run,
-reaches its bound. Waiting times count from every moment of the record to the next start of a window. For a PDF, print
-this page."""
+reaches its bound. Workable seas below the smallest height are counted with a figure that is linear from a calm sea on.
+Waiting times count from every moment of the record to the next start of a window. For a PDF, print this page."""
 
 
 @dataclass(frozen=True)
@@ -170,13 +170,7 @@ def _limits(situation: Situation) -> str:
 def _limit(row: Mapping[Hashable, object]) -> str:
     """Return a limit, with its confidence interval in brackets where there is one."""
     spread = interval(row)
-    return f"{'at least ' if row['is_open'] else ''}{row['limit']:.2f}" + (f" ({spread})" if spread != "-" else "")
-
-
-def interval(row: Mapping[Hashable, object]) -> str:
-    """Return the confidence interval of a `row` of a limit curve; a dash where the seeds do not show one."""
-    lower, upper = float(row["lower"]), float(row["upper"])  # type: ignore[arg-type]
-    return f"{lower:.2f} to {upper:.2f}" if math.isfinite(lower) and upper > lower else "-"
+    return limit_words(row) + (f" ({spread})" if spread != "-" else "")
 
 
 def _spells(situation: Situation) -> str:

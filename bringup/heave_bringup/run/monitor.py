@@ -100,6 +100,7 @@ class Monitor:
         self._news: list[str] = []
         self.strangers: dict[str, None] = {}
         self._errors: dict[str, str] = {}
+        self._taken: dict[str, DiagnosticArray] = {}
         self._over_since = 0.0
         self._node.create_subscription(
             TickStatus, topics.TICK_STATUS.name, self._on_status, qos_of(topics.TICK_STATUS.role)
@@ -138,8 +139,12 @@ class Monitor:
 
         Stamp 0 marks what happens outside of simulated time: whom the clock master waits for shows as progress.
         """
-        if message.header.stamp == Time():
+        if message.header.stamp == Time() or not message.status:
             return
+        sender = message.status[0].name.partition(": ")[0]
+        if self._taken.get(sender) == message:
+            return  # a tick that was sent again is answered again
+        self._taken[sender] = message
         for part in message.status:
             if part.name == MODE_PART:
                 time_of_tick = seconds_of(message.header.stamp)

@@ -117,6 +117,11 @@ def _notices(found: Sequence[Sized]) -> Iterable[str]:
         yield notice(
             "Some winches work in every sea of the study at some period: their limit lies above its largest height."
         )
+    if any(one.limit["is_below"].any() for one in found):
+        yield notice(
+            "Some winches are limited below the smallest height of the study at some period: no sea was run there, and "
+            "their limit is estimated, linear from a calm sea on."
+        )
     yield notice(
         "The scenario's criteria on the winch's own limits and power are left out: a winch counts by what it does for "
         f"the unit ({', '.join(OF_THE_WINCH)})."

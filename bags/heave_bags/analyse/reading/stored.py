@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -11,7 +12,7 @@ from heave_node.loads.strength import strengths
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.numerics.hydrostatics import displaced_area, weight_in_fluid
 from heave_node.parameters import Given, ParameterError
-from heave_node.scenario import WILDCARD, Sections, parse_sections, values_of_node
+from heave_node.scenario import CHANGED, WILDCARD, Sections, parse_sections, values_of_node
 
 from heave_bags.analyse import kpi_set
 from heave_bags.mcap.reader import Bag
@@ -23,6 +24,8 @@ NodeParameters = Mapping[str, Mapping[str, Any]]
 ALL_NODES = "**"
 LONGEST_TEXT = 1000
 """Letters of a title or description that a bag may bring."""
+LONGEST_HEAD = 16_000
+"""Bytes of a stored scenario in which its comment is looked for."""
 
 
 def stored_scenario(bag: Bag) -> tuple[tuple[Criterion, ...], dict[str, dict[str, Any]]]:
@@ -56,6 +59,14 @@ def stored_title(bag: Bag) -> tuple[str, str]:
         shared = {}
     title, words = (str(shared.get(name) or "").strip()[:LONGEST_TEXT] for name in ("title", "description"))
     return title, words or (first.lstrip("# ").strip()[:LONGEST_TEXT] if first.startswith("#") else "")
+
+
+def stored_changes(bag: Bag) -> dict[str, str]:
+    """Return, under CHANGED, the places of the parameters that were changed for the run in the `bag`; empty: none."""
+    content = bag.attachments.get(SCENARIO_ATTACHMENT, b"")[:LONGEST_HEAD].decode("utf-8", errors="replace")
+    head = itertools.takewhile(lambda line: line.startswith("#"), content.split("\n"))
+    found = [line.removeprefix(f"# {CHANGED}: ") for line in head if line.startswith(f"# {CHANGED}: ")]
+    return {CHANGED: found[0]} if found else {}
 
 
 def _wanted(sections: Sections, name: str) -> tuple[Criterion, ...]:

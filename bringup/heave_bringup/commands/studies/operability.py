@@ -131,8 +131,8 @@ def _remarks(found: list[Situation], place: Place | None) -> list[str]:
 
 
 def _tables(found: list[Situation], place: Place | None) -> list[str | Table]:
-    from heave_bringup.operability.limits import title_of
-    from heave_bringup.operability.page import interval, waits
+    from heave_bringup.operability.limits import interval, limit_words, title_of
+    from heave_bringup.operability.page import waits
     from heave_bringup.output import make_table
 
     parts: list[str | Table] = []
@@ -142,11 +142,8 @@ def _tables(found: list[Situation], place: Place | None) -> list[str | Table]:
         for row, locked in zip(
             situation.limit.to_dict("records"), situation.locked_limit.to_dict("records"), strict=True
         ):
-            least = ">= " if row["is_open"] else ""
-            least_locked = ">= " if locked["is_open"] else ""
             governs = title_of(str(row["governs"])) if row["governs"] else "nothing"
-            limits = [f"{least}{row['limit']:.2f}", interval(row)]
-            rows.append([f"{row['period']:g}", *limits, governs, f"{least_locked}{locked['limit']:.2f}"])
+            rows.append([f"{row['period']:g}", limit_words(row), interval(row), governs, limit_words(locked)])
         parts += [situation.name, make_table(head, rows, texts=["ended by"])] if situation.name else []
         parts += [] if situation.name else [make_table(head, rows, texts=["ended by"])]
         if place is not None and situation.exposure is not None and situation.locked_exposure is not None:
