@@ -206,7 +206,7 @@ def fault_values(sensor: str, kind: str) -> dict[str, object]:
         ({"depth.noise": -0.1}, "depth.noise = -0.1 is not allowed"),
         (
             fault_values("usbl", "drive"),
-            "sensors.usbl.faults: a fault of kind drive is unknown",
+            "usbl.faults.kind = 'drive' is not allowed: it must be a list of any number of values, each one of freeze,",
         ),
         (fault_values("imu", "rate"), "sensors.imu.faults: the magnitude of kind rate must be above 0 Hz; got 0"),
     ],

@@ -158,7 +158,7 @@ class McapScan:
             elif record.opcode == Opcode.DATA_END:
                 yield from self._data_end(file, record)
                 return
-            elif record.opcode == Opcode.MESSAGE:
+            elif record.opcode == Opcode.MESSAGE and not self._numbering.is_on:
                 self._settle_lost_chunk()
                 run = file.messages_from(record)
                 yield from self._walk(run, position)
@@ -181,7 +181,10 @@ class McapScan:
             self._count_lost(record)
             return
         self._settle_lost_chunk()
-        if record.length > 2 * LARGEST_RECORD:
+        if record.opcode == Opcode.MESSAGE:
+            # this project's recorders write messages into chunks alone, where a checksum guards them
+            self._lose(record.position, "a record that has become a message by damage", 0)
+        elif record.length > 2 * LARGEST_RECORD:
             self._lose(record.position, f"a record of {record.length} bytes, which exceeds the limit,", None)
         elif record.opcode == Opcode.CHUNK:
             yield from self._chunk(file.body(record), record.position)
