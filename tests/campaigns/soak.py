@@ -141,8 +141,8 @@ def soak(kind: str, hours: float, scenario: str, place: Path, show: Callable[[st
             with suppress(psutil.NoSuchProcess):  # it has come to its end
                 run.terminate()
             run.wait()
-        left = sorted(name for name in _used(looks) if (file := SHARED_MEMORY / name).exists() and file not in before)
-        left = [name for name in left if not name.startswith(PORT)]
+        own = sorted(name for name in _used(looks) if not name.startswith(PORT))
+        left = [name for name in own if (file := SHARED_MEMORY / name).exists() and file not in before]
     wrong = [] if run.returncode in HAS_RUN else [f"status {run.returncode}: {(place / 'said.txt').read_text()[-300:]}"]
     if left:
         wrong.append(f"left in shared memory: {', '.join(left[:5])}")

@@ -16,6 +16,8 @@ from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, UnitParameters
 from heave_node.numerics.kinematics import PointMotion
 
+from tests.validation.lowering import lower
+
 DIAMETER, STIFFNESS, MASS_PER_LENGTH = 0.02, 4e9 * 0.25 * math.pi * 0.02**2, 5.2
 MASS, ADDED_MASS, WEIGHT = 1900.0, 1600.0, 15_000.0
 SYSTEM = CableSimParameters(
@@ -43,15 +45,8 @@ def lowered(speed, heave, sway, current=0.0, stop=420.0):
             t, np.array([sway * (1.0 - cosine), 0.0, heave * sine]), np.array([sway * sine, 0.0, heave * cosine])
         )
 
-    payout, rate, lengths, units = 0.0, 0.0, [], []
-    for k in range(int((stop - 200.0) / speed / TICK)):
-        new = speed * min((k + 1) * TICK / 5.0, 1.0)
-        after = payout + 0.5 * TICK * (rate + new)
-        plant.advance(TICK, motion(k * TICK), motion((k + 1) * TICK), payout, rate, after, new)
-        payout, rate = after, new
-        lengths.append(plant.unstretched_length)
-        units.append(plant.unit_position)
-    return np.array(lengths), TICK * np.arange(1, len(lengths) + 1), np.array(units)
+    lengths, units = lower(plant, motion, speed, stop, TICK)
+    return lengths, TICK * np.arange(1, len(lengths) + 1), units
 
 
 def harmonic_near(length, record, axis):

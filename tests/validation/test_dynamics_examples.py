@@ -17,6 +17,8 @@ from cable_sim_node.peers.driven_run import ramped_sine, run_driven
 from cable_sim_node.peers.reference_systems import s300
 from heave_node.numerics.kinematics import PointMotion
 
+from tests.validation.lowering import lower
+
 
 def rope(diameter, length, modulus, mass_per_length, mass, *, radius=0.1016, in_water=False, added_mass=0.0, **solver):
     """Return a laboratory rope with a sphere of `radius`; drag of sphere 0.5 and rope 1.2 are this test's, none
@@ -128,16 +130,7 @@ def lowering(speed, omega, *, start, stop, parameters, amplitude=(0.0, 0.0, 1.0)
     """Lower at `speed` from `start` to `stop` metres while the top heaves; return lengths and the unit's positions."""
     plant = CableDynamics(dataclasses.replace(parameters, length=start))
     plant.start_at_equilibrium(np.zeros(3))
-    motion = ramped_sine(amplitude, omega, 20.0)
-    lengths, units, payout, rate = [], [], 0.0, 0.0
-    for k in range(int((stop - start) / speed / tick)):
-        new = speed * min((k + 1) * tick / 5.0, 1.0)
-        after = payout + 0.5 * tick * (rate + new)
-        plant.advance(tick, motion(k * tick), motion((k + 1) * tick), payout, rate, after, new)
-        payout, rate = after, new
-        lengths.append(plant.unstretched_length)
-        units.append(plant.unit_position)
-    return np.array(lengths), np.array(units)
+    return lower(plant, ramped_sine(amplitude, omega, 20.0), speed, stop, tick)
 
 
 def heave_about_the_mean(lengths, z, omega, tick=0.1):

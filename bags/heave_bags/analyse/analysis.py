@@ -174,13 +174,14 @@ def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
 def table(records: Sequence[RunRecord]) -> str:
     """Return the KPIs of the runs `records` side by side as text, and below them what a reader of them must know."""
     sources = {record.name: record.sources for record in records}
-    lines = [kpi_table.table({record.name: _as_seen(record) for record in records}, sources)]
+    lines = [kpi_table.table({record.name: as_seen(record) for record in records}, sources)]
     for record in records:
         lines += [f"{record.name}: {text}" for text in record.remarks()]
     return "\n".join(lines)
 
 
-def _as_seen(record: RunRecord) -> dict[str, float]:
+def as_seen(record: RunRecord) -> dict[str, float]:
+    """Return the KPIs of the run `record` as people see them."""
     return kpi_table.as_seen(record.kpis(), record.run.get("pacing", ""))
 
 

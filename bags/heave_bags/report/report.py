@@ -129,7 +129,7 @@ def page_content(
     """
     labels = differences.labels(records)
     judged = list(verdicts) or [judge(record, record.wanted, moves_winch=record.moves_winch) for record in records]
-    values = [kpi_table.as_seen(record.kpis(), record.run.get("pacing", "")) for record in records]
+    values = [analysis.as_seen(record) for record in records]
 
     def places(drawn: Sequence[Figure]) -> list[str]:
         return [place_figure(figure, figures) for figure in drawn]
