@@ -47,6 +47,31 @@ def test_each_rule_is_found_within_its_time(drum_at, words, after):
     assert after < now <= after + 0.12 + 2.0 * STEP + 1e-9
 
 
+@pytest.mark.parametrize(
+    ("rate", "words"),
+    [
+        (0.015, ""),
+        (0.008, "the drum stands against the command"),
+        (-0.008, "the drum stands against the command"),
+        (-0.015, "the drum turns against the command"),
+    ],
+)
+def test_a_drum_slower_than_a_centimetre_a_second_stands_and_a_faster_one_turns(rate, words):
+    """Either way round."""
+    assert found(lambda now: DrumReading(0.4, False, 0.0, rate, 0.0))[1] == words
+    assert found(lambda now: DrumReading(-0.4, False, 0.0, -rate, 0.0))[1] == words
+
+
+@pytest.mark.parametrize(
+    ("moved", "words"),
+    [(0.9, "the brake does not hold: the drum has moved by +0.90 m"), (-1.5, "it moved unseen, or its count was lost")],
+)
+def test_a_drum_that_is_found_more_than_a_metre_away_was_not_seen_to_slip(moved, words):
+    supervision = MotionSupervision(TIME)
+    assert not supervision.look(0.0, DrumReading(0.0, True, 20.0, 0.0, 1.0))
+    assert words in supervision.look(STEP, DrumReading(0.0, True, 20.0 + moved, 0.0, 1.0))
+
+
 def test_without_a_time_nothing_is_supervised():
     supervision = MotionSupervision(0.0)
     assert not any(supervision.look(now, DrumReading(1.0, False, 0.0, -1.0, 1.0)) for now in np.arange(0.0, 5.0, STEP))
