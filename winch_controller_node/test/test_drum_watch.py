@@ -501,6 +501,21 @@ def test_one_that_stays_aside_for_long_is_unresolved_until_an_operator_asks():
     assert not reflex.is_unresolved
 
 
+def test_after_a_restart_time_and_looks_begin_anew():
+    aside = seconds(LONGEST_ASIDE) - 1
+    _, reflex = acts([TRUE] * 200 + [BACK] * LOOKS)
+    acts([BACK] * aside, is_aside=True, reflex=reflex, start=1_000)
+    reflex.restart()
+    acts([BACK] * aside, is_aside=True, reflex=reflex, start=2_000)
+    assert not reflex.is_unresolved
+    reflex.look(4_000, BACK, is_aside=True)
+    reflex.look(4_001, BACK, is_aside=True)
+    assert reflex.is_unresolved
+    _, once = acts([TRUE] * 200 + [BACK])
+    once.restart()
+    assert acts([BACK], reflex=once, start=1_000)[0] == []
+
+
 def test_a_rest_that_is_not_straight_is_no_reason():
     """A drum at its limit lags behind: no multiple of what was ordered explains what it reads."""
     assert acts([Ordered(-1.0, 0.4, 3.0)] * 50)[0] == []
