@@ -70,28 +70,17 @@ class Judged:
     others: dict[str, float]
 
 
-def run(name: str, *, act: str = "", delay: float = 5.0) -> LoopRecord:
-    """Return the record of a scenario, with the alarm of the winch's own node among those of the controller.
-
-    Parameters
-    ----------
-    name : of the scenario
-    act : mode that an operator requests on the winch's alarm; empty: nobody is there
-    delay : of the operator [s]
-    """
+def run(name: str) -> LoopRecord:
+    """Return the record of the scenario of a name, with the alarm of the winch's own node among the controller's."""
     loop = ClosedLoop(loop_parameters(load_scenario(name)))
     of_winch: list[tuple[float, Alarm]] = []
-    due: list[int] = []
 
-    def look(tick: int, _: object) -> None:
+    def look(_: int, __: object) -> None:
         state = loop.winch.state
         if state.fault is not WinchFault.NONE and not of_winch:
             of_winch.append(
                 (state.time, fault_alarm(state.fault, state.release, brake=state.brake, cause=loop.winch.supervised))
             )
-            due.append(tick + round(delay / TICK))
-        if act and tick in due:
-            loop.controller.set_mode(act)
 
     record = loop.run(look)
     record.alarms[:] = sorted(record.alarms + of_winch, key=lambda alarm: alarm[0])
@@ -109,16 +98,15 @@ def away(record: LoopRecord) -> Array:
 
 
 @cache
-def judge(incident: Incident, suffix: str = "", act: str = "") -> Judged:
+def judge(incident: Incident, suffix: str = "") -> Judged:
     """Run an incident and judge it.
 
     Parameters
     ----------
     incident : of `INCIDENTS`
     suffix : `AS_BUILT`, or empty
-    act : mode that an operator requests on the winch's alarm, see `run`
     """
-    record, begin, names = run(incident.scenario + suffix, act=act), incident.begin, incident.names
+    record, begin, names = run(incident.scenario + suffix), incident.begin, incident.names
     time = record.column("time")
     if math.isnan(begin):
         begin = float(time[np.argmax(record.column("touchdown_force") > TOUCHED)])
@@ -146,12 +134,10 @@ def row(incident: Incident, suffix: str) -> str:
 def main() -> None:
     """Print the table."""
     rows = [row(incident, suffix) for incident in INCIDENTS for suffix in (AS_BUILT, "")]
-    held = judge(INCIDENTS[0], act="manual")
     print(  # noqa: T201
         commit_line(),
         "| scenario | moved cm | alarm | s | cm by then | others |\n|---|---|---|---|---|---|",
         *rows,
-        f"{INCIDENTS[0].scenario}, mode manual requested 5 s after the alarm: {100.0 * held.moved:.0f} cm",
         sep="\n",
     )
 

@@ -67,12 +67,16 @@ HAZARDS: tuple[Hazard, ...] = (
         "The load drops past the brake",
         {"winch": ("brake_slip", "brake_open")},
         ("WINCH_DRIVE_FAULT",),
-        "the drive trips; the controller stops and reports it. No second brake is commanded",
+        "the drive trips, and the virtual winch's holds the drum where it is; the controller stops and reports it. "
+        "No second brake is commanded",
         "0.05 m of motion from the standstill (test)",
-        "the load goes on to pay out at the speed of the slip: a second brake, or a person, has to hold it",
+        "without power, after an emergency stop, or with a drive of your own that does not do so the load goes on to "
+        "pay out at the speed of the slip: a second brake, or a person, has to hold it",
         ("tests/test_winch_faults.py::test_a_brake_that_does_not_hold_is_reported_within_two_seconds_of_the_standstill",
          "node_base/test/test_motion_supervision.py::"
-         "test_a_drum_that_has_stood_and_sinks_past_a_brake_that_says_open_is_found_by_its_way"),
+         "test_a_drum_that_has_stood_and_sinks_past_a_brake_that_says_open_is_found_by_its_way",
+         "cable_sim_node/test/test_faulty_drum.py::"
+         "test_a_drum_that_slips_past_its_brake_is_held_by_the_drive_without_any_command"),
         events=(Event.WINCH_FAULT,),
     ),
     Hazard(

@@ -34,6 +34,9 @@ number, a trip of the drive, the emergency stop. A latched fault is left only by
 with a brake request and, the drum at rest, a fresh one without. A command is fresh when its sequence number is above
 the last one taken; while a fault is latched a brake request with any other number is fresh too, so that a restarted
 controller can take over.
+
+A brake that does not hold: once the supervision has seen the braked drum slip, the drive holds it where it is, with the
+brake still ordered, until the fault is released, the drive fails or the emergency stop takes its power.
 """
 
 from __future__ import annotations
@@ -65,6 +68,11 @@ class _Mode(enum.Enum):
     """Come to rest at a constant deceleration."""
     HOLD = enum.auto()
     """At rest, brake engaged."""
+    CATCH = enum.auto()
+    """At rest, held by the drive, as the brake that is ordered does not hold."""
+
+
+_AT_REST = (_Mode.HOLD, _Mode.CATCH)
 
 
 class WinchState(NamedTuple):
@@ -163,6 +171,7 @@ class VirtualWinch:
         self._line = CommandLine(parameters, self.faults, tick_period=tick_period, seed=seed)
         self._command = WinchCommand(0)
         self._command_since = 0.0
+        self._caught_at = 0.0
         reading = self.encoder.read(0.0, self._payout)
         self.state = self._make_state(0.0, WinchLimit.NONE, math.nan, (reading, reading))
 
@@ -211,14 +220,20 @@ class VirtualWinch:
     @property
     def supervised(self) -> str:
         """What the drive's supervision tripped for last, in words; "": nothing yet."""
-        return self._supervision.found
+        return self._supervision.found + ("; the drive holds it" if self._mode is _Mode.CATCH else "")
 
     def _supervise(self, reading: float, rate: float) -> None:
-        """Trip the drive where drum or brake do not do what they are ordered."""
+        """Trip the drive where drum or brake do not do what they are ordered, and hold a drum that slips."""
         is_braked, brake = self._mode is not _Mode.FOLLOW, float(self._drum.is_brake_engaged)
         drum = DrumReading(self._command.payout_rate, is_braked, reading, rate, brake)
-        if self._supervision.look(self._now * self._tick_period, drum):
+        if self._supervision.look(self._now * self._tick_period, drum) and self._mode is not _Mode.CATCH:
             self._trip(WinchFault.DRIVE)
+            if (
+                self._mode is _Mode.HOLD
+                and self._supervision.is_slipping
+                and self._fault is not WinchFault.EMERGENCY_STOP
+            ):
+                self._mode, self._caught_at = _Mode.CATCH, self._payout
 
     def _handle_events(self) -> None:
         """Do what is due now: commands first, so that one at the very deadline is in time; then watchdog and faults."""
@@ -260,10 +275,10 @@ class VirtualWinch:
         if self._fault is not WinchFault.NONE:
             if command.brake:
                 self._is_acknowledged = True
-            elif self._is_acknowledged and self._mode is _Mode.HOLD:
+            elif self._is_acknowledged and self._mode in _AT_REST:
                 self._fault = WinchFault.NONE
         if command.brake:
-            self._stop()
+            self._stop(_Mode.FOLLOW)
         elif self._fault is WinchFault.NONE:
             self._mode = _Mode.FOLLOW
 
@@ -272,10 +287,10 @@ class VirtualWinch:
         if self._fault is WinchFault.NONE or fault is WinchFault.EMERGENCY_STOP:
             self._fault = fault
         self._is_acknowledged = False
-        self._stop()
+        self._stop(_Mode.FOLLOW, _Mode.CATCH)
 
-    def _stop(self) -> None:
-        if self._mode is not _Mode.HOLD:
+    def _stop(self, *moved_by_drive: _Mode) -> None:
+        if self._mode in moved_by_drive:
             self._mode = _Mode.STOP
 
     def _move(self, duration: float, tension: float) -> tuple[int, float]:
@@ -287,16 +302,23 @@ class VirtualWinch:
             return 0, 0.0  # before the cable is known the brake holds the drum
         if self._drive is None:
             self._drive = make_drive(self._parameters, self._tension)
-        place = self._command.payout - self.encoder.error
-        order = DriveCommand(self._command.payout_rate, place, brake=self._mode is not _Mode.FOLLOW)
+        order = self._order()
         time = self._now * self._tick_period
         driven = self._drive.step(self._drum.ordered(order, time, self._payout), duration, self._tension)
         if self._mode is _Mode.STOP and driven.payout_rate == 0.0:
             self._mode = _Mode.HOLD
-        is_at_rest = self._mode is _Mode.HOLD
-        state = self._drum.moved(driven, is_at_rest=is_at_rest, time=time, duration=duration, tension=self._tension)
+        is_at_rest, is_held = self._mode in _AT_REST, self._mode is _Mode.CATCH
+        state = self._drum.moved(
+            driven, is_at_rest=is_at_rest, is_held=is_held, time=time, duration=duration, tension=self._tension
+        )
         self._payout, self._rate = state.payout, state.payout_rate
         return int(state.limits), state.payout_acceleration
+
+    def _order(self) -> DriveCommand:
+        if self._mode is _Mode.CATCH:
+            return DriveCommand(0.0, self._caught_at)
+        place = self._command.payout - self.encoder.error
+        return DriveCommand(self._command.payout_rate, place, brake=self._mode is not _Mode.FOLLOW)
 
     def instruments(self) -> Mapping[str, float]:
         """Return what the drive's own instruments read, by name with unit; nothing for the ideal servo."""
@@ -327,4 +349,4 @@ class VirtualWinch:
             return WinchRelease.NONE
         if not self._is_acknowledged:
             return WinchRelease.BRAKE_REQUEST
-        return WinchRelease.COMMAND if self._mode is _Mode.HOLD else WinchRelease.STANDSTILL
+        return WinchRelease.COMMAND if self._mode in _AT_REST else WinchRelease.STANDSTILL

@@ -3,6 +3,7 @@
 - `reverse` : the drum turns against the set-point, as with two phases or two hoses exchanged
 - `brake_slip` : the brake is engaged, and says so, and the load pays out at the magnitude [m/s] all the same
 - `brake_open` : the brake is energised open, and says so: at rest the load pays out at the magnitude [m/s]
+  (neither where the drive holds it)
 - `brake_shut` : the brake does not open, and says so: the drum stays where it is
 - `creep` : the load pays out at the magnitude [m/s] besides what the drive does, as a motor leaks
 - `low_pressure` : the drum reaches this share of its speed limit and no more
@@ -52,13 +53,16 @@ class FaultyDrum:
         rate = min(max(rate, -largest), largest) if share is not None else rate
         return DriveCommand(rate, place, brake=order.brake or self._faults.is_active("brake_shut", time))
 
-    def moved(self, state: DriveState, *, is_at_rest: bool, time: float, duration: float, tension: float) -> DriveState:
+    def moved(
+        self, state: DriveState, *, is_at_rest: bool, is_held: bool, time: float, duration: float, tension: float
+    ) -> DriveState:
         """Return what the rope does of what the drive does.
 
         Parameters
         ----------
         state : of the drive, at the end
         is_at_rest : the winch holds: its brake is to be engaged
+        is_held : by the drive as well
         time, duration : of the beginning, and of the step [s]
         tension : of the rope [N]
         """
@@ -71,8 +75,8 @@ class FaultyDrum:
         speed = 0.0
         if tension > 0.0:
             speed += faults.total("creep", time) * (not self.is_brake_engaged)
-            speed += faults.total("brake_slip", time) * self.is_brake_engaged
-            speed += faults.total("brake_open", time) * is_at_rest
+            speed += faults.total("brake_slip", time) * (self.is_brake_engaged and not is_held)
+            speed += faults.total("brake_open", time) * (is_at_rest and not is_held)
         self._slipped += speed * duration
         return state._replace(
             payout=state.payout + self._slipped,

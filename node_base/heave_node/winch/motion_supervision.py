@@ -55,11 +55,12 @@ class MotionSupervision:
     Attributes
     ----------
     found : what was found last, in words; "": nothing yet
+    is_slipping : that was a drum that its brake does not hold
     """
 
     def __init__(self, time: float) -> None:
         self._time = time
-        self.found = ""
+        self.found, self.is_slipping = "", False
         self._since: dict[str, float] = {}
         self._held_at = math.nan
         self._slowest = math.inf
@@ -74,9 +75,10 @@ class MotionSupervision:
         late = next((words for words, since in self._since.items() if now - since > self._time), "")
         if late:
             self._since.pop(late)
-        now_found = late or self._slip(drum)
-        self.found = now_found or self.found
-        return now_found
+        slip = self._slip(drum)
+        if late or slip:
+            self.found, self.is_slipping = late or slip, bool(slip)
+        return late or slip
 
     def _broken(self, drum: DrumReading) -> list[str]:
         speed = math.copysign(1.0, drum.ordered_rate) * drum.payout_rate
