@@ -12,6 +12,7 @@ import time
 
 import pytest
 from domain_coordinator import domain_id
+from heave_bags.analyse.read_run import read_run
 
 from tests.loop_runs import command, environment, wait_until
 
@@ -89,6 +90,9 @@ def test_every_verb_has_a_definite_answer_at_a_run_under_way(tmp_path):
         finally:
             run.terminate()
             run.wait(60.0)
+        requests = [one.name for one in read_run(tmp_path / "run").requests]
+        assert "fault of mru: freeze for 30 s" in requests
+        assert "fault of mru: clear" in requests
 
 
 def use_every_verb(operator, folder):

@@ -1,6 +1,7 @@
 """Warnings and errors of /diagnostics as intervals: a countdown is one, what is reported once is each."""
 
 import numpy as np
+import pytest
 from heave_bags.analyse.events import Interval, diagnostic_alarms, operator_requests
 from heave_bags.analyse.reading.fields import Fields
 
@@ -64,8 +65,9 @@ def test_the_mode_is_no_alarm_where_the_controller_s_state_tells_it_to_the_tick(
     assert diagnostic_alarms(told, has_modes=True) == []
 
 
-def test_what_an_operator_asked_for_is_told_at_its_own_time_and_is_no_alarm():
+@pytest.mark.parametrize("node", ["winch_controller", "cable_sim"])
+def test_what_an_operator_asked_for_is_told_at_its_own_time_and_is_no_alarm(node):
     messages = ["ok", "t = 1.20 s: factor 0.8; t = 1.55 s: speed +0.20 m/s", "ok"]
-    told = fields("winch_controller: operator", messages)
+    told = fields(f"{node}: operator", messages)
     assert operator_requests(told) == [Interval(1.2, 1.2, "factor 0.8"), Interval(1.55, 1.55, "speed +0.20 m/s")]
     assert operator_requests(fields("winch_controller: alarms", messages)) == []

@@ -17,11 +17,15 @@ class Node(SimpleNamespace):
     def __init__(self):
         self.devices = {name: FaultSchedule(FaultParameters(), name=name, device=kind) for name, kind in KINDS.items()}
         super().__init__(name="simulator", run=SimpleNamespace(tick_period=PERIOD), next_tick=10)
+        self.requests = []
         FaultService(self, lambda: self.devices)
 
     def create_service(self, kind, name, callback):
         assert (kind, name) == (InjectFault, "simulator/inject_fault")
         self.serve = callback
+
+    def note_request(self, time, words):
+        self.requests.append((time, words))
 
     def ask(self, device, kind, duration=0.0, magnitude=0.0):
         request = InjectFault.Request(device=device, kind=kind, duration=duration, magnitude=magnitude)
@@ -61,6 +65,19 @@ def test_what_cannot_be_is_refused_in_words(device, kind, magnitude, words):
     answer = Node().ask(device, kind, magnitude=magnitude)
     assert not answer.success
     assert answer.message.startswith(words)
+
+
+def test_what_was_injected_is_reported_and_what_was_refused_is_not():
+    node = Node()
+    node.ask("mru", "freeze", 10.0)
+    node.ask("winch", "brake_slip", magnitude=0.1)
+    node.ask("sonar", "gap")
+    node.ask("mru", "clear")
+    assert node.requests == [
+        (0.5, "fault of mru: freeze for 10 s"),
+        (0.5, "fault of winch: brake_slip 0.1"),
+        (0.5, "fault of mru: clear"),
+    ]
 
 
 def test_the_devices_of_now_are_asked_since_a_reset_makes_new_ones():

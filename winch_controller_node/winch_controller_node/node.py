@@ -22,7 +22,6 @@ from heave_node.interface.codes import (
     LATE,
     MODE,
     MODE_CHANGED,
-    OPERATOR,
     RESTS_REQUESTED,
     SENSOR,
     SensorLevel,
@@ -93,7 +92,6 @@ class WinchControllerNode(ParticipantNode):
         self._begin_advice()
         self._reported: dict[str, list[str]] = {}
         self._changes: dict[str, str] = {}
-        self._asked: dict[str, str] = {}
         self.command = self.add_output(topics.WINCH_COMMAND)
         self.state = self.add_output(topics.CONTROLLER_STATE)
         self.kpi = self.add_output(topics.CONTROLLER_KPI)
@@ -211,7 +209,7 @@ class WinchControllerNode(ParticipantNode):
             else:
                 self._reported.setdefault(time, []).append(str(alarm))
         if outputs.requests:
-            self._asked[time] = ", ".join(outputs.requests)
+            self.note_request(tick.time, ", ".join(outputs.requests))
 
     def on_exit(self) -> None:
         """End without waiting for a design that nobody takes any more."""
@@ -247,9 +245,6 @@ class WinchControllerNode(ParticipantNode):
         reported, self._reported = {time: "; ".join(words) for time, words in self._reported.items()}, {}
         words = "; ".join(f"{time}: {what}" for time, what in reported.items())
         parts.append(Health(ALARMS, Level.WARN, words, reported) if reported else Health(ALARMS))
-        asked, self._asked = self._asked, {}
-        words = "; ".join(f"{time}: {what}" for time, what in asked.items())
-        parts.append(Health(OPERATOR, Level.OK, words, asked) if asked else Health(OPERATOR))
         return parts
 
     def diagnose_timing(self) -> list[Health]:

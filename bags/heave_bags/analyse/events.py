@@ -50,8 +50,8 @@ ALARMS_PART = f"{topics.CONTROLLER_STATE.publisher}: {ALARMS}"
 """Part in which the controller reports what it has identified, and its faults."""
 SENSOR_PARTS = f"{topics.CONTROLLER_STATE.publisher}: {SENSOR} "
 """Prefix of the parts in which it reports the state of each sensor; their faults are among its alarms, too."""
-OPERATOR_PART = f"{topics.CONTROLLER_STATE.publisher}: {OPERATOR}"
-"""Part in which the controller reports what an operator has asked for."""
+OPERATOR_PART = f": {OPERATOR}"
+"""End of the name of the part in which a node reports what an operator has requested of it."""
 
 
 @dataclass(frozen=True)
@@ -228,13 +228,15 @@ def _since(lasting: Interval, raised: Sequence[tuple[str, float]]) -> Interval:
 
 
 def operator_requests(diagnostics: Fields) -> list[Interval]:
-    """Return what an operator has asked for, from the columns of /diagnostics: factor, speed, depth."""
+    """Return what an operator has requested, from the columns of /diagnostics: factor, speed, depth, faults."""
     found: list[Interval] = []
     for index in diagnostics.indices("status[].level"):
         names, messages = (diagnostics.texts(f"status[{index}].{part}") for part in ("name", "message"))
         if names is None or messages is None:
             continue
-        reported = [timed_words(str(messages[row])) for row in np.flatnonzero(names == OPERATOR_PART)]
+        reported = [
+            timed_words(message) for name, message in zip(names, messages, strict=True) if name.endswith(OPERATOR_PART)
+        ]
         found += [Interval(time, time, words) for one in reported for time, words in one]
     return sorted(found, key=lambda one: one.start)
 

@@ -38,5 +38,8 @@ class FaultService:
         except ValueError as error:
             response.message = str(error)
             return response
+        size = f" {request.magnitude:g}" if request.magnitude else ""
+        lasting = f" for {request.duration:g} s" if request.duration else ""
+        self._node.note_request(start, f"fault of {request.device}: {request.kind}{size}{lasting}")
         response.success, response.message = True, f"{request.device}: {request.kind} from t = {start:.3f} s"
         return response

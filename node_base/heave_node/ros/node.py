@@ -29,6 +29,7 @@ from rclpy.timer import Timer
 
 from heave_node.errors import NodeError, one_line
 from heave_node.interface import topics
+from heave_node.interface.codes import OPERATOR, time_key
 from heave_node.interface.messages import message_type
 from heave_node.interface.node_alarms import NODE_ALARMS
 from heave_node.interface.topic import Topic
@@ -132,6 +133,7 @@ class HeaveNode(LifecycleNode):
         self.message_sent = 0
         self.least_delay = 0.0
         self._ports = Ports()
+        self._asked: dict[str, str] = {}
 
     # What a node fills in ------------------------------------------------------------------------------------------
 
@@ -449,6 +451,7 @@ class HeaveNode(LifecycleNode):
     def reset_run(self) -> None:
         """Drop what was received in the previous run, and make a new component."""
         self.gate.clear()
+        self._asked.clear()
         for port in self._ports.inputs:
             port.reset()
         self.fail_on_error(self.on_reset)
@@ -457,13 +460,20 @@ class HeaveNode(LifecycleNode):
         """Whether the health of this node must be reported in this tick; for a node to say otherwise."""
         return False
 
+    def note_request(self, time: float, words: str) -> None:
+        """Report in the next diagnostics what an operator has requested, in `words`, from `time` [s] of the run on."""
+        key = time_key(time)
+        self._asked[key] = f"{self._asked[key]}, {words}" if key in self._asked else words
+
     def publish_diagnostics(self, tick: Tick) -> None:
         """Publish the health of this node if it is due at `tick`: once per simulated second, strangers at once."""
         every = max(1, round(DIAGNOSTICS_PERIOD / self.run.tick_period))
         if self.has_urgent_news() or tick.number % every == 1 % every or self.strangers.has_news:
-            parts = [*self.diagnose(), *self.diagnose_inputs(), *self.diagnose_timing(), *self.strangers.health()] or [
-                Health("node")
-            ]
+            asked, self._asked = self._asked, {}
+            words = "; ".join(f"{time}: {what}" for time, what in asked.items())
+            requests = [Health(OPERATOR, Level.OK, words, asked)] if asked else []
+            inputs = [*self.diagnose_inputs(), *self.diagnose_timing(), *self.strangers.health()]
+            parts = [*self.diagnose(), *requests, *inputs] or [Health("node")]
             self._diagnostics.publish_deferred(lambda: diagnostic_array(self.name, tick.stamp, parts))
 
     def publish_protocol_notice(self, text: str, level: Level) -> None:
