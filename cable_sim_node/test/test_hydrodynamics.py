@@ -22,6 +22,8 @@ def test_a_box_has_the_added_mass_of_the_square_prism_in_the_table(ratio, coeffi
 def test_a_plate_has_the_coefficient_of_the_table_and_a_long_one_that_of_a_strip():
     """3 m square: 0.579 x 1025 x pi/4 x 27 = 12,585 kg. A strip: rho pi/4 a^2 per metre, exact in potential flow."""
     assert plate_added_mass(3.0, 3.0, 1025.0) == pytest.approx(12585.0, abs=1.0)
+    assert plate_added_mass(2.0, 3.0, 1.0) / (3.0 * math.pi) == pytest.approx(0.690, abs=1e-9)
+    assert plate_added_mass(6.0, 2.0, 1.0) / (6.0 * math.pi) == pytest.approx(0.830, abs=1e-9)
     assert plate_added_mass(2.0, 4.0, 1025.0) == plate_added_mass(4.0, 2.0, 1025.0)
     assert plate_added_mass(1e6, 1.0, 1025.0) == pytest.approx(1025.0 * math.pi / 4.0 * 1e6, rel=1e-6)
     assert plate_added_mass(0.0, 0.0, 1025.0) == box_added_mass(0.0, 0.0, 1.0, 1025.0) == 0.0
