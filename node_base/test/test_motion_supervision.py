@@ -112,6 +112,17 @@ def test_a_slip_is_told_each_time_the_drum_has_moved_by_as_much_again_either_way
     assert told == ["the brake does not hold: the drum has moved by -0.05 m"] * 3
 
 
+def test_what_was_found_last_was_a_slip_or_was_not():
+    supervision = MotionSupervision(TIME)
+    assert (supervision.found, supervision.is_slipping) == ("", False)
+    for step in range(3):
+        supervision.look(step * STEP, DrumReading(0.0, True, 0.03 * step, 0.6, 1.0))
+    assert supervision.is_slipping
+    for step in range(30):
+        supervision.look(1.0 + step * STEP, DrumReading(0.4, False, 0.06, 0.0, 0.0))
+    assert (supervision.found, supervision.is_slipping) == ("the drum stands against the command", False)
+
+
 def test_a_position_that_is_not_known_is_no_slip_and_what_moved_meanwhile_is_none_either():
     supervision = MotionSupervision(TIME)
     for step, payout in enumerate([0.0, math.nan, 3.0, 3.01]):
