@@ -33,7 +33,6 @@ SOURCES = {
 MODE = ("controller", "controller.state.mode")
 
 
-
 def by_fmpy(folder, dt, ticks):
     """Step each part once a tick, in the order of the loop."""
     instances = {part: FmuInstance(folder / f"{part}.fmu", part) for part in ORDER}
@@ -64,10 +63,10 @@ def wires_of(folder):
 
 def by_libcosim(folder, dt, ticks):
     """Let libcosim step all parts together, STEPS times a tick."""
-    from libcosimpy.CosimEnums import CosimVariableType
-    from libcosimpy.CosimExecution import CosimExecution
-    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
-    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimEnums import CosimVariableType  # noqa: PLC0415 - an extra
+    from libcosimpy.CosimExecution import CosimExecution  # noqa: PLC0415 - an extra
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level  # noqa: PLC0415 - an extra
+    from libcosimpy.CosimObserver import CosimObserver  # noqa: PLC0415 - an extra
 
     log_output_level(CosimLogLevel.ERROR)
     execution, observer = CosimExecution.from_osp_config_file(str(folder)), CosimObserver.create_last_value()

@@ -1,4 +1,4 @@
-"""A drive given as an FMU: names of its own by a map, what it does not say filled in, what is wrong refused in a line."""
+"""A drive given as an FMU: names of its own by a map, what is missing filled in, what is wrong refused in a line."""
 
 import math
 import re
@@ -17,8 +17,8 @@ from heave_node.parameters import ParameterError
 pytest.importorskip("pythonfmu", reason="pythonfmu is not installed: the extra fmu")
 pytest.importorskip("fmpy", reason="fmpy is not installed: the extra fmu")
 
-from heave_bringup.fmu.drive import DriveMap, FmuWinch, read_drive  # noqa: E402
-from heave_bringup.fmu.instance import FmuInstance  # noqa: E402
+from heave_bringup.fmu.drive import DriveMap, FmuWinch, read_drive
+from heave_bringup.fmu.instance import FmuInstance
 
 LAG = 0.4
 STRANGER = f'''
@@ -148,5 +148,5 @@ def test_an_fmu_of_another_kind_is_refused(tmp_path):
     head = '<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><ModelExchange modelIdentifier="m"/>'
     with zipfile.ZipFile(file, "w") as made:
         made.writestr("modelDescription.xml", f"{head}<ModelVariables/><ModelStructure/></fmiModelDescription>")
-    with pytest.raises(CommandError, match="must be an FMU for co-simulation of FMI 2.0"):
+    with pytest.raises(CommandError, match="must be an FMU for co-simulation"):
         FmuInstance(file, "winch")

@@ -24,6 +24,7 @@ ORDER = ("controller", "winch", "vessel", "plant")
 AGREEMENT = 1e-9
 """Largest difference of a figure, of its size and absolute: what the FMUs are asked for; they give the same bits."""
 
+
 @pytest.fixture(scope="module")
 def scenario():
     return load_scenario("b2_calm_300", settings=["all.duration=40", "all.transient=30"])

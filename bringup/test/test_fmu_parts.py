@@ -32,12 +32,9 @@ CASES = [
 
 
 def rows_of_parts(scenario, *, together: bool):
-    """Return what is known of the loop at each tick: stepped one by one, or all of a step with what was there before."""
+    """Return what is known of the loop at each tick: stepped one by one, or together."""
     parts = make_parts(scenario, ORDER)
-    wires = [
-        (parts[source].outputs, parts[target].inputs, variable)
-        for variable, source, target in connections(parts)
-    ]
+    wires = [(parts[source].outputs, parts[target].inputs, variable) for variable, source, target in connections(parts)]
     places = [(_place(outputs, name), _place(inputs, name)) for outputs, inputs, name in wires]
     for part in parts.values():
         part.start()

@@ -71,7 +71,9 @@ def read_drive(path: Path) -> DriveMap:
     known = [variable.name for port in _ports() for variable in port.variables]
     for name, own in variables.items():
         if name not in known or not isinstance(own, str):
-            raise ParameterError(f"{path}: variables: {name}: must be one of {', '.join(known)}, with a name of the FMU")
+            raise ParameterError(
+                f"{path}: variables: {name}: must be one of {', '.join(known)}, with a name of the FMU"
+            )
     file = path.parent / content["fmu"]
     if not file.is_file():
         raise ParameterError(f"{path}: fmu: no such file: {file}")

@@ -41,7 +41,9 @@ class FmuInstance:
             unpack_fmu(file, self._folder)
             description = self._asked(read_model_description, str(self._folder), validate=False)
             if description.fmiVersion != "2.0" or description.coSimulation is None:
-                raise CommandError(f"{file}: must be an FMU for co-simulation of FMI 2.0; it is FMI {_what(description)}")
+                raise CommandError(
+                    f"{file}: must be an FMU for co-simulation of FMI 2.0; it is FMI {_what(description)}"
+                )
             self.kinds: dict[str, str] = {one.name: one.type for one in description.modelVariables}
             self._references = {one.name: one.valueReference for one in description.modelVariables}
             self._slave = self._asked(

@@ -10,8 +10,17 @@ from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
 from heave_node.errors import one_line
-from pythonfmu import Boolean, DefaultExperiment, Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability
-from pythonfmu import Integer, Real, String
+from pythonfmu import (
+    Boolean,
+    DefaultExperiment,
+    Fmi2Causality,
+    Fmi2Initial,
+    Fmi2Slave,
+    Fmi2Variability,
+    Integer,
+    Real,
+    String,
+)
 from pythonfmu.enums import Fmi2Status
 
 from heave_bringup.closed_loop import loop_parameters
@@ -26,8 +35,8 @@ SCENARIO = "scenario.yaml"
 _KEPT: list[object] = []
 """The module of each instance, and references to its names.
 
-PythonFMU 0.7.0 gives one up that it does not own when it makes and when it ends an instance. Where the host is Python itself, the next
-collection of garbage would then read freed memory.
+PythonFMU 0.7.0 gives one up that it does not own when it makes and when it ends an instance. Where the host is Python
+itself, the next collection of garbage would then read freed memory.
 """
 
 _TYPES = {REAL: Real, INTEGER: Integer, BOOLEAN: Boolean, STRING: String}
@@ -81,7 +90,7 @@ class PartSlave(Fmi2Slave):  # type: ignore[misc]  # without types
 
         `arguments` and `options` are those of PythonFMU. The time of export is left out: equal contents are equal.
         """
-        root = super().to_xml(*arguments, **options)
+        root: Element = super().to_xml(*arguments, **options)
         del root.attrib["generationDateAndTime"]
         ports = (*self._part.inputs.values(), *self._part.outputs.values())
         units = [variable.unit for port in ports for variable in port.variables]

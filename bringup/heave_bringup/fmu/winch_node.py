@@ -58,10 +58,10 @@ class FmuWinchNode(ParticipantNode):
         """See ParticipantNode."""
         commands, tensions = self.take(self.command), self.take(self.top_tension)
         command = winch_command_of(commands[-1]) if commands else None
-        state = self._step(tick, command, tensions[-1].numbers[0] if tensions else None)
+        state = self._moved(tick, command, tensions[-1].numbers[0] if tensions else None)
         self.state.publish(_STATE.pack(tick.end_nanoseconds, *state))
 
-    def _step(
+    def _moved(
         self, tick: Tick, command: WinchCommand | None = None, tension: float | None = None
     ) -> tuple[float, ...]:
         try:
@@ -71,11 +71,11 @@ class FmuWinchNode(ParticipantNode):
 
     def on_inactive_tick(self, tick: Tick) -> None:
         """See ParticipantNode: the drive goes on without a command."""
-        self._step(tick)
+        self._moved(tick)
 
     def on_left_out(self, tick: Tick) -> None:
         """See ParticipantNode: the drive goes on."""
-        self._step(tick)
+        self._moved(tick)
 
 
 def main() -> None:
