@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 from heave_bringup.closed_loop import COLUMNS
 from heave_bringup.fmu.instance import FmuInstance
-from heave_bringup.fmu.parts import STEPS
+from heave_bringup.fmu.part import STEPS
 
 ORDER = ("controller", "winch", "vessel", "plant")
 

@@ -11,7 +11,6 @@ from cable_sim_node.winch.command_line import WinchCommand
 from heave_bringup.errors import CommandError
 from heave_bringup.fmu import archive
 from heave_bringup.fmu.archive import unpack_fmu
-from heave_bringup.fmu.parts import WINCH_FIELDS
 from heave_node.parameters import ParameterError
 
 pytest.importorskip("pythonfmu", reason="pythonfmu is not installed: the extra fmu")
@@ -58,10 +57,10 @@ def stranger(tmp_path, request):
 
 
 def stepped(winch, ticks, rate=1.0):
-    state = ()
+    state = None
     for tick in range(1, ticks + 1):
         state = winch.step(tick, WinchCommand(tick, 0.0, rate, False), 1000.0)
-    return dict(zip(WINCH_FIELDS, state, strict=True))
+    return state._asdict()
 
 
 def test_a_drive_with_names_of_its_own_follows_its_lag_and_the_rest_is_filled_in(stranger):

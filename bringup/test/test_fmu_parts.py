@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import COLUMNS, ClosedLoop, loop_parameters
 from heave_bringup.fmu.export import connections, make_parts
-from heave_bringup.fmu.parts import STEPS
+from heave_bringup.fmu.part import STEPS
 from heave_bringup.fmu.ports import Port
 from heave_bringup.fmu.variables import REAL, UNITS
 from heave_bringup.scenarios import load_scenario

@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cable_sim_node.conversions import WINCH_COMMAND
+from cable_sim_node.conversions import WINCH_COMMAND, WINCH_STATE
 from cable_sim_node.winch.command_line import WinchCommand
+from cable_sim_node.winch.component import WinchState
 from heave_node.files.bounded_yaml import YamlError, parse_yaml
 from heave_node.interface import topics
 from heave_node.interface.sensors import WireReading
@@ -22,7 +23,6 @@ from heave_node.parameters import ParameterError
 
 from heave_bringup.errors import CommandError
 from heave_bringup.fmu.instance import FmuInstance
-from heave_bringup.fmu.parts import WINCH_FIELDS
 from heave_bringup.fmu.ports import Port
 from heave_bringup.run.launcher import FMU, MAP
 
@@ -85,7 +85,7 @@ def _ports() -> tuple[Port, Port, Port]:
     return (
         Port(topics.WINCH_COMMAND, WINCH_COMMAND),
         Port(topics.CABLE_STATE, ("top_tension",)),
-        Port(topics.WINCH_STATE, WINCH_FIELDS),
+        Port(topics.WINCH_STATE, WINCH_STATE),
     )
 
 
@@ -132,8 +132,8 @@ class FmuWinch:
         self._fmu.restart()
         self._forget()
 
-    def step(self, tick: int, command: WinchCommand | None, tension: float | None) -> tuple[float, ...]:
-        """Do a tick and return the values of WINCH_FIELDS at its end.
+    def step(self, tick: int, command: WinchCommand | None, tension: float | None) -> WinchState:
+        """Do a tick and return the state at its end.
 
         Parameters
         ----------
@@ -155,9 +155,9 @@ class FmuWinch:
                 if variable.name in self._names:
                     self._fmu.set(self._names[variable.name], value)
         self._fmu.step((tick - 1) * self._dt, self._dt)
-        state = self._filled({name: self._read(name) for name in WINCH_FIELDS if self._name(name) in self._names})
+        state = self._filled({name: self._read(name) for name in WINCH_STATE if self._name(name) in self._names})
         self._payout = state["encoder_payout"]
-        return tuple(state[name] for name in WINCH_FIELDS)
+        return WinchState(time=(tick + 1) * self._dt, **state)
 
     def close(self) -> None:
         """Free the FMU."""

@@ -10,7 +10,8 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from heave_node.scenario import sections_text
 
 from heave_bringup.closed_loop import loop_parameters
-from heave_bringup.fmu.parts import PARTS, STEPS, Part
+from heave_bringup.fmu.part import STEPS, Part
+from heave_bringup.fmu.parts import PARTS
 from heave_bringup.fmu.slave import SCENARIO
 from heave_bringup.scenarios import Scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title

@@ -23,7 +23,6 @@ class FmuInstance:
 
     Attributes
     ----------
-    file : as given
     kinds : type of each variable (Real, Integer, Boolean, String) by its name
 
     Raises CommandError, in one line, where it cannot be used. `close` frees it.

@@ -8,131 +8,51 @@ before (libcosim), each acts in the step of its own instant, and the order is ke
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
+from operator import attrgetter
 
 import numpy as np
 from cable_sim_node.component import CableSim, PlantState
 from cable_sim_node.conversions import (
+    CABLE_SCALARS,
     DRUM_MOTION,
     POINT_MOTION,
     WINCH_COMMAND,
+    WINCH_STATE,
     drum_motion_of,
     point_motion_of,
     winch_command_of,
 )
-from cable_sim_node.sensors.instruments import SensorsParameters
-from cable_sim_node.winch.component import VirtualWinch, WinchState
+from cable_sim_node.winch.component import VirtualWinch
 from heave_node.crane.pose import POSE_FIELDS, pose_of, pose_to_wire
 from heave_node.interface import topics
 from heave_node.interface.preview import HeavePreview
-from heave_node.interface.sensors import MRU, SENSORS, STANDARD_WATER, USBL, Sensor, Water, WireReading, all_to_wire
+from heave_node.interface.sensors import MRU, SENSORS, STANDARD_WATER, Water, WireReading, all_to_wire
 from heave_node.interface.topic import Topic
 from heave_node.numerics.kinematics import PointMotion
 from wave_vessel_node.component import WaveVessel, WaveVesselOutputs
 from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.component import WinchController
-from winch_controller_node.interface.conversions import WINCH_STATE, measurements, winch_reading_of
+from winch_controller_node.interface.conversions import WINCH_STATE as WINCH_MEASURES
+from winch_controller_node.interface.conversions import measurements, winch_reading_of
 
 from heave_bringup.closed_loop import LoopParameters
-from heave_bringup.fmu.ports import Port
-
-STEPS = 4
-"""Steps of a tick after which parts that are stepped together have done it in the order of the loop."""
-
-AXES = "xyz"
-SHADOW = Topic("unit_uncompensated/cable", topics.CABLE_STATE.type, "cable_sim")
-"""The cable of the plant with the winch locked: no topic of a run, and needed by its figures of merit."""
-TENSIONS = ("top_tension", "largest_top_tension")
-CABLE_FIELDS = (
-    *TENSIONS,
-    "bottom_tension",
-    "unstretched_length",
-    "slack_segments",
-    "touchdown",
-    "touchdown_force",
-    "compensator_stroke",
+from heave_bringup.fmu.messages import (
+    CABLE_FIELDS,
+    CONTROLLER_FIELDS,
+    ODOMETRY_FIELDS,
+    SHADOW,
+    TENSIONS,
+    fitted_sensors,
+    point_fields,
+    pose_slots,
+    preview_fields,
+    sensor_slots,
 )
-WINCH_FIELDS = (
-    *("command_sequence", "payout", "payout_rate", "payout_acceleration", "encoder_payout", "encoder_payout_rate"),
-    *("tension", "power", "limits_hit", "brake", "fault", "release"),
-)
-CONTROLLER_FIELDS = ("mode", "authority", "depth_set_point")
+from heave_bringup.fmu.part import STEPS, Part
 
-
-def point_fields(names: Iterable[str]) -> tuple[str, ...]:
-    """Return the fields of the vectors of these `names`, axis by axis."""
-    return tuple(f"{name}.{axis}" for name in names for axis in AXES)
-
-
-ODOMETRY_FIELDS = point_fields(("pose.pose.position", "twist.twist.linear"))
-
-
-class Part(ABC):
-    """A part of the loop.
-
-    Parameters
-    ----------
-    parameters : of the loop
-
-    Attributes
-    ----------
-    instant : of a tick at which it acts, as a share of the tick: the middle of its step where a tick has STEPS
-    inputs, outputs : messages by topic
-    """
-
-    instant: float
-
-    def __init__(self, parameters: LoopParameters) -> None:
-        self.parameters = parameters
-        self.tick_period = parameters.tick_period
-        self._tick_nanoseconds = round(parameters.tick_period * 1e9)
-        self.inputs: dict[str, Port] = {}
-        self.outputs: dict[str, Port] = {}
-        self.declare()
-        for port in self.inputs.values():
-            port.await_messages()
-
-    @abstractmethod
-    def declare(self) -> None:
-        """Add the messages in and out."""
-
-    @abstractmethod
-    def start(self) -> None:
-        """Make the component, and put out what is known at the first tick."""
-
-    @abstractmethod
-    def step(self, tick: int) -> list[str]:
-        """Do a `tick`, from 1; return alarms, one line each."""
-
-    def add_input(self, topic: Topic, fields: Iterable[str], slots: int = 1) -> None:
-        """Take messages of a `topic` in: these `fields` of them, at most so many, `slots`, in a tick."""
-        self.inputs[topic.name] = Port(topic, tuple(fields), slots)
-
-    def add_output(self, topic: Topic, fields: Iterable[str], slots: int = 1) -> None:
-        """Put messages of a `topic` out, likewise."""
-        self.outputs[topic.name] = Port(topic, tuple(fields), slots)
-
-    def stamp(self, tick: int) -> int:
-        """Return when a `tick` begins [ns]."""
-        return tick * self._tick_nanoseconds
-
-    def send(self, topic: Topic, tick: int, numbers: Iterable[object]) -> None:
-        """Put the message of a `topic` out that is stamped with the start of a `tick`."""
-        self.outputs[topic.name].publish([WireReading(self.stamp(tick), tuple(numbers))])  # type: ignore[arg-type]
-
-
-def sensor_slots(sensor: Sensor, parameters: SensorsParameters) -> int:
-    """Return how many readings of a `sensor` of the plant may come in one tick, see `Sensor.step`.
-
-    One for each delay that it has at a time; the way to a unit that moves makes the delay of USBL change.
-    """
-    return 1 + parameters.by_name()[sensor.name].faults.kind.count("delay") + (sensor is USBL)
-
-
-def fitted_sensors(parameters: LoopParameters) -> list[Sensor]:
-    """Return the sensors of the plant that are fitted."""
-    return [SENSORS[name] for name, sensor in parameters.plant.sensors.by_name().items() if sensor.fitted]
+_winch_numbers = attrgetter(*WINCH_STATE)
+_cable_scalars = attrgetter(*CABLE_SCALARS)
 
 
 class PlantPart(Part):
@@ -190,10 +110,8 @@ class PlantPart(Part):
         self.send(SHADOW, tick, (state.uncompensated_tension, state.uncompensated_largest_tension))
 
 
-def _cable_numbers(state: PlantState) -> tuple[object, ...]:
-    return tuple(
-        state.segment_tensions[0] if name == "bottom_tension" else getattr(state, name) for name in CABLE_FIELDS
-    )
+def _cable_numbers(state: PlantState) -> list[object]:
+    return [*_cable_scalars(state), state.segment_tensions[0]]
 
 
 def _point_numbers(motion: PointMotion) -> list[float]:
@@ -209,14 +127,14 @@ class WinchPart(Part):
         """See Part."""
         self.add_input(topics.WINCH_COMMAND, WINCH_COMMAND)
         self.add_input(topics.CABLE_STATE, ("top_tension",))
-        self.add_output(topics.WINCH_STATE, WINCH_FIELDS)
+        self.add_output(topics.WINCH_STATE, WINCH_STATE)
 
     def start(self) -> None:
         """See Part. The state at the first tick is there, but is no message: nobody has asked yet."""
         loop = self.parameters
         self._winch = VirtualWinch(loop.winch, tick_period=loop.tick_period, seed=loop.seed)
         self._tension = math.nan
-        self.outputs[topics.WINCH_STATE.name].hold(WireReading(self.stamp(1), winch_numbers(self._winch.state)))
+        self.outputs[topics.WINCH_STATE.name].hold(WireReading(self.stamp(1), _winch_numbers(self._winch.state)))
 
     def step(self, tick: int) -> list[str]:
         """See Part."""
@@ -225,13 +143,8 @@ class WinchPart(Part):
         tension = self.inputs[topics.CABLE_STATE.name].newest(now)
         self._tension = self._tension if tension is None else tension.numbers[0]
         state = self._winch.step(tick, None if command is None else winch_command_of(command), self._tension)
-        self.send(topics.WINCH_STATE, tick + 1, winch_numbers(state))
+        self.send(topics.WINCH_STATE, tick + 1, _winch_numbers(state))
         return []
-
-
-def winch_numbers(state: WinchState) -> tuple[float, ...]:
-    """Return the values of WINCH_FIELDS in the `state` of a winch."""
-    return tuple(getattr(state, name) for name in WINCH_FIELDS)
 
 
 class VesselPart(Part):
@@ -277,18 +190,6 @@ class VesselPart(Part):
             self.outputs[topics.HEAVE_PREVIEW.name].publish([WireReading(preview.stamp, numbers)])
 
 
-def pose_slots(parameters: LoopParameters) -> int:
-    """Return how many poses of the crane may come in one tick."""
-    return 1 + parameters.sea.crane.pose.faults.kind.count("delay")
-
-
-def preview_fields(parameters: LoopParameters) -> tuple[str, ...]:
-    """Return the fields of a preview of the boom tip, moment by moment; none where there is no preview."""
-    preview = parameters.sea.preview
-    count = max(1, round(preview.time / parameters.tick_period)) if preview.time > 0.0 else 0
-    return tuple(f"{name}[{index}]" for name in ("ahead", "heave") for index in range(1, count + 1))
-
-
 class ControllerPart(Part):
     """The controller, with its adviser."""
 
@@ -300,7 +201,7 @@ class ControllerPart(Part):
         self.add_input(MRU.topic, MRU.values)
         for sensor in fitted_sensors(loop):
             self.add_input(sensor.topic, sensor.values, sensor_slots(sensor, loop.plant.sensors))
-        self.add_input(topics.WINCH_STATE, WINCH_STATE)
+        self.add_input(topics.WINCH_STATE, WINCH_MEASURES)
         crane = loop.sea.crane
         if crane.is_fitted and crane.pose.fitted:
             self.add_input(topics.CRANE_POSE, POSE_FIELDS, pose_slots(loop))

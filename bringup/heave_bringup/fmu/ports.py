@@ -56,7 +56,7 @@ class Port:
     # an output
 
     def publish(self, readings: Iterable[WireReading]) -> None:
-        """Put the messages of a tick out, oldest first. Raises NodeError for more than there are slots."""
+        """Put the messages of a tick out, `readings`, oldest first. Raises NodeError for more than there are slots."""
         for slot, reading in enumerate(readings):
             if slot >= self._slots:
                 raise NodeError(f"{self.topic.name}: more than {self._slots} messages in one tick have no variables")
@@ -64,7 +64,7 @@ class Port:
             self.values[0] += 1
 
     def hold(self, reading: WireReading, slot: int = 0) -> None:
-        """Show the values of a `reading` without sending a message."""
+        """Show the values of a `reading` in a `slot`, from 0, without sending a message."""
         first = 1 + slot * self._width
         self.values[first : first + self._width] = (reading.stamp * 1e-9, *reading.numbers)
 

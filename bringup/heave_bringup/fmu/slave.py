@@ -45,8 +45,7 @@ _TYPES = {REAL: Real, INTEGER: Integer, BOOLEAN: Boolean, STRING: String}
 class PartSlave(Fmi2Slave):  # type: ignore[misc]  # without types
     """A part, stepped as an FMU.
 
-    `part` is its name, of `parts.PARTS`; keyword arguments are those of PythonFMU: `resources` is the folder with the
-    scenario.
+    `part` is its name, of `parts.PARTS`; `kwargs` are those of PythonFMU: `resources` is the folder with the scenario.
     """
 
     part = ""

@@ -6,10 +6,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from cable_sim_node.conversions import WINCH_COMMAND, winch_command_of
+from cable_sim_node.conversions import WINCH_COMMAND, winch_command_of, winch_state_message
 from cable_sim_node.winch.command_line import WinchCommand
+from cable_sim_node.winch.component import WinchState
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_node.cdr.packer import Packer
 from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.parameters import ParameterError
@@ -19,9 +19,6 @@ from heave_node.tick.tick import Tick
 
 from heave_bringup.errors import CommandError
 from heave_bringup.fmu.drive import FmuWinch, read_drive
-from heave_bringup.fmu.parts import WINCH_FIELDS
-
-_STATE = Packer(topics.WINCH_STATE.type, ("header.stamp", *WINCH_FIELDS))
 
 
 class FmuWinchNode(ParticipantNode):
@@ -59,11 +56,9 @@ class FmuWinchNode(ParticipantNode):
         commands, tensions = self.take(self.command), self.take(self.top_tension)
         command = winch_command_of(commands[-1]) if commands else None
         state = self._moved(tick, command, tensions[-1].numbers[0] if tensions else None)
-        self.state.publish(_STATE.pack(tick.end_nanoseconds, *state))
+        self.state.publish(winch_state_message(state, tick.end_nanoseconds))
 
-    def _moved(
-        self, tick: Tick, command: WinchCommand | None = None, tension: float | None = None
-    ) -> tuple[float, ...]:
+    def _moved(self, tick: Tick, command: WinchCommand | None = None, tension: float | None = None) -> WinchState:
         try:
             return self.winch.step(tick.number, command, tension)
         except CommandError as error:
