@@ -128,7 +128,7 @@ def test_a_manifest_names_each_package_of_the_suite_that_is_imported_and_no_othe
 @pytest.mark.parametrize("path", PYTHON_MANIFESTS, ids=folder_id)
 def test_every_distribution_that_is_imported_is_declared(path):
     extras = PYPROJECT["project"]["optional-dependencies"]
-    of_users = ("bench", "capytaine", "dask", "foxglove", "opcua", "wavespectra")
+    of_users = ("bench", "capytaine", "dask", "fmu", "foxglove", "opcua", "wavespectra")
     of_extras = [name for extra in of_users for name in extras[extra]]
     wanted = [*PYPROJECT["project"]["dependencies"], *of_extras]
     declared = {canonical(re.split(r"[\[<>=~!; ]", requirement)[0]) for requirement in wanted}

@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 from heave_bringup.commands.bags import export, import_sea, kpi, record, repair, replay, report, whatif
 from heave_bringup.commands.command import Command
-from heave_bringup.commands.models import design, identify, modes, static
+from heave_bringup.commands.models import design, fmu, identify, modes, static
 from heave_bringup.commands.runs import accept, adapt, check, operate, panel, run, view
 from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
 from heave_bringup.commands.studies import bench, benchmark, campaign, extremes, falsify, operability, sizing
@@ -21,7 +21,7 @@ COMMANDS: tuple[Command, ...] = (
     *(list_scenarios.COMMAND, new.COMMAND, catalogue.COMMAND, params.COMMAND),
     *(report.COMMAND, kpi.COMMAND, whatif.COMMAND, export.COMMAND),
     *(record.COMMAND, replay.COMMAND, import_sea.COMMAND, repair.COMMAND),
-    *(design.COMMAND, identify.COMMAND, static.COMMAND, modes.COMMAND),
+    *(design.COMMAND, identify.COMMAND, static.COMMAND, modes.COMMAND, fmu.COMMAND),
     *(
         campaign.COMMAND,
         falsify.COMMAND,

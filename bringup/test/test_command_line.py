@@ -22,6 +22,15 @@ from heave_bringup.cli import main
             ["run", "b2_calm_300", "--composed", "--foreign", "wave_vessel"],
             "heave: --composed: all nodes must be the suite's own, but wave_vessel is replaced",
         ),
+        (
+            ["run", "b2_calm_300", "--foreign", "virtual_winch", "--winch-fmu", "drive.fmu"],
+            "heave: --winch-fmu drive.fmu: virtual_winch is replaced already",
+        ),
+        (
+            ["fmu", "b2_calm_300", "--part", "wnich"],
+            "heave fmu: argument --part: invalid choice: 'wnich'; did you mean",
+        ),
+        (["fmu", "b2_calm_300", "--folder", __file__], f"heave: --folder {__file__}: File exists"),
         (["run", "b2_calm_300", "--seed", "one"], "heave run: argument --seed: must be a whole number: 'one'"),
         (["repair", "bag"], "heave repair: one of the arguments --output --reindex is required"),
         (["sail"], "heave: argument COMMAND: invalid choice: 'sail'"),

@@ -29,13 +29,13 @@ UNIT = "unit"
 _STAMP = "header.stamp"
 _IN_WORLD = {"header.frame_id": WORLD}
 
-_CABLE_SCALARS = (
+CABLE_SCALARS = (
     *("top_tension", "largest_top_tension", "unstretched_length", "slack_segments", "touchdown", "touchdown_force"),
     "compensator_stroke",
 )
-_cable_scalars = attrgetter(*_CABLE_SCALARS)
+_cable_scalars = attrgetter(*CABLE_SCALARS)
 _CABLE_STATE = Packer(
-    topics.CABLE_STATE.type, (_STAMP, "nodes", "segment_tension", "bottom_tension", *_CABLE_SCALARS), _IN_WORLD
+    topics.CABLE_STATE.type, (_STAMP, "nodes", "segment_tension", "bottom_tension", *CABLE_SCALARS), _IN_WORLD
 )
 
 POINT_MOTION = ("position", "velocity", "acceleration")
@@ -48,12 +48,12 @@ _UNIT_ODOMETRY = Packer(
     {**_IN_WORLD, "child_frame_id": UNIT, "pose.pose.orientation.w": 1.0},
 )
 
-_WINCH_STATE_FIELDS = (
+WINCH_STATE = (
     *("command_sequence", "payout", "payout_rate", "payout_acceleration", "encoder_payout", "encoder_payout_rate"),
     *("tension", "power", "limits_hit", "brake", "fault", "release"),
 )
-_winch_values = attrgetter(*_WINCH_STATE_FIELDS)
-_WINCH_STATE = Packer(topics.WINCH_STATE.type, (_STAMP, *_WINCH_STATE_FIELDS))
+_winch_values = attrgetter(*WINCH_STATE)
+_WINCH_STATE = Packer(topics.WINCH_STATE.type, (_STAMP, *WINCH_STATE))
 
 WINCH_COMMAND = ("sequence", "payout", "payout_rate", "brake")
 DRUM_MOTION = ("payout", "payout_rate", "payout_acceleration", "encoder_payout", "encoder_payout_rate")

@@ -109,13 +109,18 @@ def topic_columns(bag: Bag, names: Iterable[str]) -> dict[str, Column]:
     found: dict[str, Column] = {}
     for name in names:
         topic, _, field = name.partition(".")
-        text = bag.topics[bag.resolve(topic)].schema.partition("\n===")[0]
-        first = re.split(r"[.\[]", field, maxsplit=1)[0]
-        line = re.search(rf"^\s*[\w/\[\]<=]+\s+{re.escape(first)}\s*#\s*(.*)$", text, re.MULTILINE)
-        meaning = line[1].strip() if line else ""
-        units = re.findall(r"\[([^\]]+)\]", meaning)
-        found[name] = Column(units[0] if len(units) == 1 else "", meaning)
+        found[name] = field_column(bag.topics[bag.resolve(topic)].schema, field)
     return found
+
+
+def field_column(schema: str, field: str) -> Column:
+    """Return what a `field` of a message is, by its comment in the `ros2msg` definition `schema` of its type."""
+    first = re.split(r"[.\[]", field, maxsplit=1)[0]
+    text = schema.partition("\n===")[0]
+    line = re.search(rf"^\s*[\w/\[\]<=]+\s+{re.escape(first)}\s*#\s*(.*)$", text, re.MULTILINE)
+    meaning = line[1].strip() if line else ""
+    units = re.findall(r"\[([^\]]+)\]", meaning)
+    return Column(units[0] if len(units) == 1 else "", meaning)
 
 
 def legend(columns: Mapping[str, Column]) -> pandas.DataFrame:

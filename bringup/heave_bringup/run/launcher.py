@@ -17,6 +17,10 @@ from heave_node.ros.transport import parents_death
 from heave_bringup.nodes import PROCESS_BY_NAME, RECORDER
 from heave_bringup.run import composed
 
+FMU, MAP = ".fmu", ".yaml"
+"""Endings of an FMU of a drive, and of a map that names one."""
+FMU_NODE = "heave_bringup.fmu.winch_node"
+
 TOGETHER = "process of all nodes"
 """Name of a process that holds them all; its log is nodes.log."""
 
@@ -108,7 +112,8 @@ class Launcher:
         names : of the nodes
         scenario_file : parameter file for all of them
         logs : folder; what each node prints goes to NAME.log in it
-        substitutes : bags by node: that node is not started, what it published in the bag is played in its place
+        substitutes : bags, or FMUs of a drive, by node: that node is not started, what it published in the bag is
+            played in its place, or the FMU is stepped
         namespace : in which the nodes live, with a clock of their own; "" for none
         """
         ros = [*_ros_arguments(scenario_file), *in_namespace(namespace)]
@@ -182,9 +187,11 @@ class Launcher:
             time.sleep(0.02)
 
 
-def _command(name: str, bag: Path | None) -> list[str]:
-    if bag is not None:
-        return substitute_node.command(name, bag)
+def _command(name: str, substitute: Path | None) -> list[str]:
+    if substitute is not None and substitute.suffix in (FMU, MAP):
+        return parents_death.command(FMU_NODE, str(substitute))
+    if substitute is not None:
+        return substitute_node.command(name, substitute)
     return parents_death.command(PROCESS_BY_NAME[name].module)
 
 

@@ -142,7 +142,7 @@ def run_scenario(
     ----------
     scenario : checked
     folder : where the run leaves its files
-    substitutes : bags by the node in whose place each is played
+    substitutes : bags, or FMUs of a drive, by the node whose place each takes
     foreign : nodes that somebody else starts, and that take part in each tick. In the place of the plant one takes part
         too: then the ship's clock leads the ticks
     on_look : called a few times per second while the run lasts

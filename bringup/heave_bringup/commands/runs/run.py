@@ -26,9 +26,10 @@ from heave_bringup.commands.arguments import (
     add_scenario,
 )
 from heave_bringup.commands.command import Command
+from heave_bringup.commands.runs.substitutes import add_substitutes, substitutes
 from heave_bringup.errors import CommandError, VerdictError
 from heave_bringup.interrupts import raise_if_interrupted
-from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER
+from heave_bringup.nodes import ADVISER, MASTER, RECORDER
 from heave_bringup.settings import Setting, external_settings
 
 if TYPE_CHECKING:
@@ -98,13 +99,7 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
         metavar="NODE",
         help=f"leave NODE out; only {ADVISER} can be: the controller then keeps its nominal",
     )
-    parser.add_argument(
-        "--from-bag",
-        action="append",
-        default=[],
-        metavar="NODE=BAG",
-        help="play back what NODE published in BAG in place of NODE; the other nodes run live",
-    )
+    add_substitutes(parser)
     parser.add_argument(
         "--composed",
         action="store_true",
@@ -133,8 +128,8 @@ def execute(options: argparse.Namespace) -> None:
     set_up_transport(network=options.network)
     settings = [*options.set, *_own_settings(options)]
     scenario = without(load_scenario(options.scenario, settings=settings), options.without)
-    substitutes = _substitutes(options.from_bag)
-    _check(options, scenario, substitutes)
+    replaced = substitutes(options)
+    _check(options, scenario, replaced)
     folder = new_run_folder(scenario.name, options.bag)
     if scenario.remade:  # the run keeps them, for who runs its scenario again
         scenario = without(load_scenario(options.scenario, settings=settings, folder=folder.files), options.without)
@@ -144,7 +139,7 @@ def execute(options: argparse.Namespace) -> None:
     outcome = run_scenario(
         scenario,
         folder,
-        substitutes=substitutes,
+        substitutes=replaced,
         foreign=options.foreign,
         namespace=options.namespace or "",
         composed=_composed(options),
@@ -170,7 +165,7 @@ def execute(options: argparse.Namespace) -> None:
         raise VerdictError(result.verdict.failures, str(report or folder.path))
 
 
-def _check(options: argparse.Namespace, scenario: Scenario, substitutes: Collection[str]) -> None:
+def _check(options: argparse.Namespace, scenario: Scenario, substituted: Collection[str]) -> None:
     """Refuse, before anything starts, what this run cannot be; warn of what its files leave open."""
     from heave_bringup.output import warn
     from heave_bringup.run.checks.files import check_files
@@ -181,8 +176,8 @@ def _check(options: argparse.Namespace, scenario: Scenario, substitutes: Collect
     for criterion in scenario.wanted:
         refuse_unknown(criterion, f"{scenario.path}: wanted")
     _check_foreign(options.foreign, scenario.run)
-    _check_composed(options, scenario.run)
-    replaced = (*scenario.run.external, *substitutes)
+    _check_composed(options, [*scenario.run.external, *options.foreign, *substituted])
+    replaced = (*scenario.run.external, *substituted)
     if "wave_vessel" not in replaced:
         warn(check_files(scenario))
     if "cable_sim" not in replaced:
@@ -255,11 +250,10 @@ def _check_foreign(nodes: Sequence[str], run: RunParameters) -> None:
             raise ParameterError(f"--foreign {node}: must be one of {', '.join(able)}")
 
 
-def _check_composed(options: argparse.Namespace, run: RunParameters) -> None:
-    """Refuse what is in another process in any case where all nodes are to share one."""
+def _check_composed(options: argparse.Namespace, elsewhere: Sequence[str]) -> None:
+    """Refuse nodes that are in another process in any case, `elsewhere`, where all are to share one."""
     if options.publish and not options.composed:
         raise ParameterError("--publish: goes with --composed; without it every message is published")
-    elsewhere = [*run.external, *options.foreign, *options.from_bag]
     if options.composed and elsewhere:
         raise ParameterError(f"--composed: all nodes must be the suite's own, but {elsewhere[0]} is replaced")
 
@@ -268,21 +262,6 @@ def _composed(options: argparse.Namespace) -> Composed | None:
     from heave_bringup.run.run import Composed
 
     return Composed(is_public=options.publish) if options.composed else None
-
-
-def _substitutes(settings: Sequence[str]) -> dict[str, Path]:
-    """Return which bag is played in place of which node, from the command's NODE=BAG texts."""
-    from heave_bags.mcap.read.folder import bag_of
-
-    chosen: dict[str, Path] = {}
-    for setting in settings:
-        node, _, bag = setting.partition("=")
-        if node not in NODE_BY_NAME or not bag:
-            raise ParameterError(f"--from-bag {setting}: must be NODE=BAG, NODE one of {', '.join(NODE_BY_NAME)}")
-        chosen[node] = bag_of(Path(bag).resolve())
-        if not chosen[node].exists():
-            raise ParameterError(f"--from-bag {setting}: no such bag: {bag}")
-    return chosen
 
 
 def _reported(heading: str, lines: Sequence[str]) -> list[str]:
