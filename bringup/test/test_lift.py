@@ -1,0 +1,228 @@
+"""A lift from plan to as-built: plans refused, figures by hand, limits, weather windows, phases found in a bag."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+from heave_bags.analyse.run_record import RunRecord
+from heave_bags.signals import RunSignals, Signal
+from heave_bringup.cli import main
+from heave_bringup.lift.as_built import NOT_REACHED, as_built
+from heave_bringup.lift.figures import PLANNED, Capacity, Place, Swing, expected_largest
+from heave_bringup.lift.forecast import GO, NO_GO, WAIT, windows
+from heave_bringup.lift.limits import Limit, PeriodLimits, largest_height, phase_limits, regula_falsi, scaled
+from heave_bringup.lift.loop import Loops
+from heave_bringup.lift.plan import AIR, SURFACE, WATER, Plan, read_plan, shipped_plans
+from heave_bringup.lift.response import OMEGAS, locked_places, phase_scene
+from heave_bringup.operability.record import SeaRecord, at_equal_steps
+from heave_node.criteria import Criterion
+from heave_node.parameters import ParameterError
+
+HEAD = 'scenario: unit_1500\nwanted: {dynamic_amplification: "<= 1.3"}\nphases:\n'
+LANDING = "  - {name: landing, depth: [1480, 1500], speed: 0.2, compensated: true}\n"
+
+
+def _plan(folder: Path, text: str) -> Plan:
+    (folder / "plan.yaml").write_text(text)
+    return read_plan(str(folder / "plan.yaml"))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("phases: []\n", "scenario is missing"),
+        (HEAD + "  - {depth: [0, 10], speed: 1}\n", "phase 1: name is missing"),
+        (HEAD + "  - {name: a, depth: [0, 10]}\n", r"phase 1 \(a\): needs a duration"),
+        (HEAD + "  - {name: a, speed: 1}\n", r"phase 1 \(a\): depth is missing"),
+        (HEAD + "  - {name: a, depth: [0, 10], sped: 1}\n", "unknown key sped; known: .*speed"),
+        (HEAD + "  - {name: a, depth: [0, 10], speed: -1}\n", r"speed = -1.0 is not allowed"),
+        (
+            HEAD + "  - {name: a, depth: [-9, -8], speed: 1, compensated: true}\n",
+            "limits in air are those of the locked",
+        ),
+        (HEAD + LANDING + LANDING, "two phases are called landing"),
+        (HEAD + '  - {name: a, depth: [0, 9], speed: 1, wanted: {kappa: "<= 1"}}\n', "kappa is no figure that a plan"),
+        ("periods: [9, 7]\n" + HEAD + LANDING, "periods must be ascending"),
+    ],
+)
+def test_a_plan_that_is_wrong_is_refused_in_one_line_that_says_where(tmp_path: Path, text: str, words: str) -> None:
+    with pytest.raises(ParameterError, match=words) as caught:
+        _plan(tmp_path, text)
+    assert "plan.yaml" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_shipped_plans_are_right_and_take_place_in_air_at_the_surface_and_in_water() -> None:
+    plans = [read_plan(name) for name in shipped_plans()]
+    assert plans
+    assert [phase.kind for phase in plans[0].phases][:3] == [AIR, SURFACE, WATER]
+
+
+def test_the_largest_value_expected_is_that_of_the_extreme_value_distribution() -> None:
+    """Cartwright and Longuet-Higgins 1956: sqrt(2 ln N) + 0.5772 / sqrt(2 ln N) standard deviations."""
+    largest = expected_largest(np.array([0.0]), [Swing(2.0, 0.1)], np.array([10_000.0]))
+    root = math.sqrt(2.0 * math.log(1000.0))
+    assert largest == pytest.approx(2.0 * (root + 0.5772 / root), rel=2e-3)
+
+
+def test_places_that_are_alike_are_one_place() -> None:
+    swing = Swing(1.0, 0.1)
+    whole = expected_largest(np.array([1.0]), [swing], np.array([900.0]))
+    parts = expected_largest(np.full(3, 1.0), [swing] * 3, np.full(3, 300.0))
+    assert parts == pytest.approx(whole, rel=1e-6)
+
+
+def _place(sigma: float) -> Place:
+    return Place(1000.0, 1e5, 0.0, 8e4, 0.0, Swing(sigma, 0.1), Swing(sigma, 0.1), Swing(0.1, 0.1))
+
+
+def test_the_figures_of_a_swing_are_those_of_its_largest_value() -> None:
+    """100 cycles: sqrt(2 (ln 100 + 0.5772)) = 3.2192 standard deviations."""
+    places, capacity = [_place(1e4)], Capacity(rope=5e5)
+    assert PLANNED["dynamic_amplification"](places, capacity) == pytest.approx(1.32192, rel=1e-4)
+    assert PLANNED["tension_ratio_min"](places, capacity) == pytest.approx(1.0 - 0.32192, rel=1e-4)
+    assert PLANNED["rope_safety_factor"](places, capacity) == pytest.approx(5.0 / 1.32192, rel=1e-4)
+    assert PLANNED["significant_residual_m"](places, capacity) == pytest.approx(0.4)
+    assert math.isnan(PLANNED["winch_pull_factor"](places, capacity))
+
+
+def test_a_limit_is_where_its_figure_reaches_the_bound() -> None:
+    criteria = [Criterion("dynamic_amplification", "<=", 1.32192), Criterion("tension_ratio_min", ">=", 0.5)]
+    found = largest_height(criteria, lambda key, h: PLANNED[key](scaled([_place(5e3)], h), Capacity()), 10.0)
+    assert found.height == pytest.approx(2.0, rel=5e-3)
+    assert found.governs == "dynamic_amplification"
+    assert Limit(4.0).words == "above 4.0"
+
+
+@pytest.mark.parametrize("guess", [0.5, 3.0, 8.0])
+def test_few_values_of_a_figure_find_its_limit(guess: float) -> None:
+    asked: list[float] = []
+
+    def figure(height: float) -> float:
+        asked.append(height)
+        return 1.0 + 0.1 * height + 0.005 * height**2 if height < 7.0 else math.nan
+
+    exact = (-0.1 + math.sqrt(0.01 + 0.02 * 0.4)) / 0.01
+    assert regula_falsi(Criterion("x", "<=", 1.4), figure, guess, 15.0) == pytest.approx(exact, rel=0.02)
+    assert len(asked) <= 8
+
+
+def test_a_unit_in_air_swings_its_tension_by_mass_times_acceleration(tmp_path: Path) -> None:
+    plan = _plan(tmp_path, HEAD + "  - {name: deck, depth: [-5, -5], duration: 600}\n")
+    scene = phase_scene(plan, plan.phases[0], 9.0)
+    (place,) = locked_places(scene, 2.0)
+    step = OMEGAS[1] - OMEGAS[0]
+    acceleration = 2.0 * math.sqrt(float(np.sum(scene.density * OMEGAS**4)) * step)
+    assert place.tension.sigma == pytest.approx((12000.0 + 5.0 * 3.4) * acceleration, rel=0.01)
+    assert place.static == pytest.approx((12000.0 + 5.0 * 3.4) * scene.plant.gravity, rel=1e-3)
+
+
+def test_a_slewing_crane_counts_where_it_heaves_most(tmp_path: Path) -> None:
+    text = HEAD.replace("unit_1500", "crane_slew") + "  - {name: deck, depth: [-5, -5], duration: 600SLEW}\n"
+    sigma = {}
+    for slew in ("", ", slew: [1.5708, 2.618]", ", slew: [2.618, 2.618]"):
+        plan = _plan(tmp_path, text.replace("SLEW", slew))
+        sigma[slew] = locked_places(phase_scene(plan, plan.phases[0], 9.0), 1.0)[0].tension.sigma
+    port, both, astern = sigma.values()
+    assert both == pytest.approx(max(port, astern))
+    with pytest.raises(ParameterError, match="slew: needs a crane"):
+        bare = _plan(tmp_path, HEAD + "  - {name: deck, depth: [-5, -5], duration: 600, slew: [0, 1]}\n")
+        phase_scene(bare, bare.phases[0], 9.0)
+
+
+def test_a_strength_that_is_not_stated_is_asked_for(tmp_path: Path) -> None:
+    plan = _plan(tmp_path, HEAD.replace('dynamic_amplification: "<= 1.3"', 'rope_safety_factor: ">= 2"') + LANDING)
+    with pytest.raises(ParameterError, match=r"set system\.cable\.breaking_force"):
+        phase_limits(Loops(plan), plan.phases[0], 9.0, 1.0)
+
+
+def _forecast(heights: list[float]) -> SeaRecord:
+    index = pandas.date_range("2026-11-27", periods=len(heights), freq="h", tz="UTC")
+    return at_equal_steps("f.csv", pandas.DataFrame({"hs": heights, "tp": 9.0}, index=index), ())
+
+
+def _two_phases(folder: Path, *, may_wait: bool) -> tuple[Plan, dict[str, list[PeriodLimits]]]:
+    text = "alpha: 0.5\nperiods: [7, 11]\n" + HEAD
+    text += "  - {name: one, depth: [20, 30], duration: 3600}\n"
+    text += f"  - {{name: two, depth: [30, 40], duration: 3600, may_wait: {str(may_wait).lower()}}}\n"
+    plan = _plan(folder, text)
+    limits = {
+        name: [PeriodLimits(name, period, Limit(height, "x")) for period in (7.0, 11.0)]
+        for name, height in (("one", 4.0), ("two", 2.0))
+    }
+    return plan, limits
+
+
+def test_phases_that_may_not_wait_need_one_window_together(tmp_path: Path) -> None:
+    plan, limits = _two_phases(tmp_path, may_wait=False)
+    one, two = windows(plan, limits, _forecast([1.9, 1.9, 1.9, 0.9, 0.9]))
+    assert (one.state, one.waiting, two.state, two.waiting) == (WAIT, 2.0, GO, 0.0)
+    assert one.utilisation == pytest.approx(1.9 / (0.5 * 4.0))
+    assert two.utilisation == pytest.approx(0.9)
+
+
+def test_a_phase_that_may_wait_waits_for_itself(tmp_path: Path) -> None:
+    plan, limits = _two_phases(tmp_path, may_wait=True)
+    one, two = windows(plan, limits, _forecast([1.9, 1.9, 1.9, 0.9, 0.9]))
+    assert (one.state, one.waiting, two.state, two.waiting) == (GO, 0.0, WAIT, 2.0)
+
+
+def test_a_contingency_time_makes_the_window_longer_and_may_leave_none(tmp_path: Path) -> None:
+    plan, limits = _two_phases(tmp_path, may_wait=True)
+    longer = replace(plan, whole=replace(plan.whole, contingency=1.0))
+    one, two = windows(longer, limits, _forecast([1.9, 1.9, 0.9]))
+    assert (one.state, two.state, two.start) == (GO, NO_GO, None)
+    assert one.utilisation == pytest.approx(0.95)
+
+
+def test_a_gap_in_the_forecast_is_no_weather_to_go_in(tmp_path: Path) -> None:
+    plan, limits = _two_phases(tmp_path, may_wait=True)
+    one, _ = windows(plan, limits, _forecast([math.nan, 0.5, 0.5, 0.5]))
+    assert one.state in (GO, WAIT)
+    scatter = SeaRecord("s.csv", pandas.DataFrame({"hs": [1.0], "tp": [9.0], "share": [1.0]}), math.nan)
+    with pytest.raises(ParameterError, match="scatter diagram"):
+        windows(plan, limits, scatter)
+
+
+def _record(depths: list[float], peaks: list[float]) -> RunRecord:
+    time = np.arange(0.0, 400.0, 0.5)
+    depth = np.interp(time, np.linspace(0.0, 400.0, len(depths)), depths)
+    tension = 1e5 * np.ones(time.size)
+    for number, peak in enumerate(peaks):
+        tension[np.searchsorted(time, 100.0 + 200.0 * number)] = peak
+    signals = RunSignals(
+        unit_height=Signal(time, -depth), tension=Signal(time, tension), static_tension=Signal(time[:1], tension[:1])
+    )
+    return RunRecord("bag", signals, 0.0, 400.0)
+
+
+TWO_DEPTHS = "  - {name: down, depth: [20, 110], speed: 0.5}\n  - {name: low, depth: [111, 200], speed: 0.5}\n"
+
+
+def test_a_bag_is_judged_by_phase_as_its_unit_gets_deeper(tmp_path: Path) -> None:
+    plan = _plan(tmp_path, HEAD + TWO_DEPTHS)
+    down, low = as_built(plan, _record([10.0, 210.0], [1.2e5, 1.5e5]))
+    assert (down.state, low.state) == ("passed", "FAILED")
+    assert down.judged[0].value == pytest.approx(1.2, rel=1e-3)
+    assert low.failures[0].startswith("low: Largest tension over static 1.500")
+    assert down.end <= low.start
+
+
+def test_a_phase_that_the_bag_does_not_reach_is_reported_as_such(tmp_path: Path) -> None:
+    plan = _plan(tmp_path, HEAD + TWO_DEPTHS)
+    down, low = as_built(plan, _record([10.0, 90.0], [1.2e5]))
+    assert (down.state, low.state) == ("passed", NOT_REACHED)
+    with pytest.raises(ParameterError, match=r"its unit is at 90\d to 94\d m depth"):
+        as_built(plan, _record([900.0, 950.0], []))
+    with pytest.raises(ParameterError, match="does not say how deep"):
+        as_built(plan, RunRecord("bag", RunSignals(), 0.0, 1.0))
+
+
+def test_a_plan_that_is_not_there_is_refused_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["lift", "no_such_plan"]) == 2
+    error = capsys.readouterr().err
+    assert "no_such_plan: no such plan or file; shipped are: module_1500" in error
+    assert error.count("\n") == 1
