@@ -14,6 +14,7 @@ import math
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from heave_bags.analyse.kpi_set import evaluate
@@ -23,15 +24,21 @@ from heave_bringup.lift.limits import criteria_of, phase_limits
 from heave_bringup.lift.loop import Loops
 from heave_bringup.lift.plan import WATER, Phase, Plan, read_plan
 from heave_bringup.lift.response import HEIGHT, PhaseScene, phase_scene
-from heave_bringup.lift.surface import cross, crossing
+from heave_bringup.lift.surface import Crossing, cross, crossing
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.settings import Setting
 from heave_node.criteria import Criterion
+from heave_node.scenario import WILDCARD
 
 ABOUT = (0.9, 1.1)
 """Heights of the runs over the predicted limit."""
 LEAD = 60.0
 """Time before the move of a run of the loop [s]."""
+
+
+@cache
+def _way(plan: Plan, phase: Phase, period: float, seed: int) -> Crossing:
+    return crossing(plan, phase_scene(plan, phase, period), seed, {})
 
 
 def plant_figure(plan: Plan, scene: PhaseScene, kpi: str, height: float, seed: int) -> float:
@@ -44,7 +51,7 @@ def plant_figure(plan: Plan, scene: PhaseScene, kpi: str, height: float, seed: i
     height : significant wave height [m]
     seed : of the sea
     """
-    return cross(crossing(plan, scene, seed, {}), height, 1.0, Capacity())[kpi]
+    return cross(_way(plan, scene.phase, scene.period, seed), height, 1.0, Capacity())[kpi]
 
 
 def loop_figure(plan: Plan, scene: PhaseScene, kpi: str, height: float, seed: int) -> float:
@@ -52,16 +59,16 @@ def loop_figure(plan: Plan, scene: PhaseScene, kpi: str, height: float, seed: in
     phase = scene.phase
     first, last = phase.does.depth
     values = {
-        ("/**", HEIGHT): height,
-        ("/**", "seed"): seed,
-        ("/**", "duration"): LEAD + phase.duration,
-        ("/**", "transient"): LEAD,
-        ("/**", "system.length"): float(scene.lengths[0]),
+        (WILDCARD, HEIGHT): height,
+        (WILDCARD, "seed"): seed,
+        (WILDCARD, "duration"): LEAD + phase.duration,
+        (WILDCARD, "transient"): LEAD,
+        (WILDCARD, "system.length"): float(scene.lengths[0]),
         ("winch_controller", "programme.move_times"): [LEAD],
         ("winch_controller", "programme.move_payouts"): [last - first],
         ("winch_controller", "programme.move_speeds"): [abs(phase.rate)],
-        ("/**", "system.winch.payout_minimum"): -abs(last - first) - 30.0,
-        ("/**", "system.winch.payout_maximum"): abs(last - first) + 30.0,
+        (WILDCARD, "system.winch.payout_minimum"): -abs(last - first) - 30.0,
+        (WILDCARD, "system.winch.payout_maximum"): abs(last - first) + 30.0,
     }
     settings = [Setting(node, name, value, "brute force") for (node, name), value in values.items()]
     parameters = loop_parameters(phase_scene(plan, phase, scene.period, settings).scenario)

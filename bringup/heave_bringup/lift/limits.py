@@ -205,6 +205,7 @@ def _capacity(scenario: Scenario, phase: Phase, where: str) -> Capacity:
 def _at_surface(loops: Loops, scene: PhaseScene, capacity: Capacity, height: float) -> PeriodLimits:
     """Return the limits of a phase through the surface: the mean over the seeds."""
     ways, shares = crossings(loops.plan, scene), [1.0]
+    calm = cross(ways[0], 0.0, 1.0, capacity)
     if scene.scenario.moves_winch:
         deepest = float(scene.lengths.max())
         run = loops.compensated(scene, locked_places(scene, 1.0)[0], deepest)
@@ -213,7 +214,8 @@ def _at_surface(loops: Loops, scene: PhaseScene, capacity: Capacity, height: flo
     for share in shares:
         found: list[Limit] = []
         for way in ways:
-            found.append(_crossing_limit(way, share, capacity, found[-1].height if found else height))
+            guess = found[-1].height if found else height
+            found.append(_crossing_limit(way, share, capacity, guess, calm))
         names = [one.governs for one in found if one.governs]
         mean = float(np.mean([one.height for one in found]))
         limits.append(Limit(mean, max(names, key=names.count) if names else ""))
@@ -225,9 +227,9 @@ def _at_surface(loops: Loops, scene: PhaseScene, capacity: Capacity, height: flo
     return replace(whole, compensated=limits[1], compensated_values=values[1])
 
 
-def _crossing_limit(way: Crossing, share: float, capacity: Capacity, guess: float) -> Limit:
+def _crossing_limit(way: Crossing, share: float, capacity: Capacity, guess: float, calm: Values) -> Limit:
     """Return the limit of one crossing; a height at which the line cannot be followed any more is beyond it."""
-    known: dict[float, Values] = {}
+    known: dict[float, Values] = {0.0: calm}
 
     def figure(key: str, height: float) -> float:
         if height not in known:
@@ -237,9 +239,11 @@ def _crossing_limit(way: Crossing, share: float, capacity: Capacity, guess: floa
                 known[height] = {}
         return known[height].get(key, math.nan)
 
-    limit, most = Limit(most_height(way.scene.period)), most_height(way.scene.period)
+    limit = Limit(most_height(way.scene.period))
     for criterion in criteria_of(way.scene.phase):
-        found = regula_falsi(criterion, partial(figure, criterion.kpi), guess, most)
+        if limit.governs and criterion.is_met(figure(criterion.kpi, limit.height)):
+            continue
+        found = regula_falsi(criterion, partial(figure, criterion.kpi), guess, limit.height)
         if found < limit.height:
             limit, guess = Limit(found, criterion.kpi), max(found, 0.1)
     return limit

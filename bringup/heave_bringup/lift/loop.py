@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from heave_bags.analyse.events import COMPENSATES
 from heave_node.numerics.arrays import Array
+from heave_node.scenario import WILDCARD
 
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.lift.figures import STILL, Place, Swing
@@ -112,11 +113,11 @@ def run_loop(plan: Plan, scene: PhaseScene, length: float, height: float, durati
     seed : of sea and noise
     """
     values: dict[tuple[str, str], object] = {
-        ("/**", "system.length"): length,
-        ("/**", HEIGHT): height,
-        ("/**", "seed"): seed,
-        ("/**", "duration"): duration,
-        ("/**", "transient"): 0.0,
+        (WILDCARD, "system.length"): length,
+        (WILDCARD, HEIGHT): height,
+        (WILDCARD, "seed"): seed,
+        (WILDCARD, "duration"): duration,
+        (WILDCARD, "transient"): 0.0,
         ("cable_sim", "seabed.depth"): 0.0,
         ("wave_vessel", "crane.move_times"): [],
         **{("winch_controller", f"programme.{name}"): [] for name in ("move_times", "mode_times", "modes")},
@@ -124,7 +125,7 @@ def run_loop(plan: Plan, scene: PhaseScene, length: float, height: float, durati
         **{("wave_vessel", f"crane.move_{joint}"): [] for joint in ("slew", "luff", "knuckle", "extension")},
     }
     if scene.phase.does.slew:
-        values["/**", "system.vessel.boom_tip_arm"] = list(scene.arm)
+        values[WILDCARD, "system.vessel.boom_tip_arm"] = list(scene.arm)
     settings = [Setting(node, name, value, "heave lift") for (node, name), value in values.items()]
     scenario = phase_scene(plan, scene.phase, scene.period, settings).scenario
     return ClosedLoop(loop_parameters(scenario)).run()

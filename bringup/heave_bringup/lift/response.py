@@ -15,6 +15,7 @@ from cable_sim_node.vertical.random_sea import gaussian_drag, sea_transfer_funct
 from heave_node.crane.kinematics import Crane
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
+from heave_node.scenario import WILDCARD
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.sources.scene import Scene, build_scene
 
@@ -81,7 +82,7 @@ def phase_scene(plan: Plan, phase: Phase, period: float, extra: Sequence[Setting
     Raises ParameterError for settings that do not fit, and a depth that leaves no cable.
     """
     where = f"{plan.path}: {phase.name}"
-    sea = [Setting("/**", HEIGHT, 1.0, where), Setting("/**", PERIOD, period, where)]
+    sea = [Setting(WILDCARD, HEIGHT, 1.0, where), Setting(WILDCARD, PERIOD, period, where)]
     scenario = load_scenario(plan.scenario, settings=[*plan.settings, *phase.settings, *sea, *extra])
     first, last = phase.does.depth
     depths = np.linspace(first, last, PLACES if first != last else 1)

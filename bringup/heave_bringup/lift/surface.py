@@ -17,6 +17,7 @@ from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL, safety_facto
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import PointMotion
 from heave_node.parameters import ParameterError
+from heave_node.scenario import WILDCARD
 from wave_vessel_node.component import WaveVessel
 
 from heave_bringup.lift.figures import Capacity
@@ -72,13 +73,13 @@ def crossing(plan: Plan, scene: PhaseScene, seed: int, settings: Mapping[tuple[s
     settings : changes of the scenario, by node and name
     """
     values = {
-        ("/**", "seed"): seed,
+        (WILDCARD, "seed"): seed,
         ("wave_vessel", "ramp"): RAMP,
-        ("/**", "system.length"): float(scene.lengths[0]),
+        (WILDCARD, "system.length"): float(scene.lengths[0]),
         **settings,
     }
     if scene.phase.does.slew:
-        values["/**", "system.vessel.boom_tip_arm"] = list(scene.arm)
+        values[WILDCARD, "system.vessel.boom_tip_arm"] = list(scene.arm)
     changes = [Setting(node, name, value, "heave lift") for (node, name), value in values.items()]
     found = phase_scene(plan, scene.phase, scene.period, changes)
     step = found.scenario.run.tick_period

@@ -59,7 +59,8 @@ def execute(options: argparse.Namespace) -> None:
         f"report    {page}",
     ]
     write_result(options, parts, {**study.to_json(), "report": str(page)})
-    if missed := failures(study.built):
+    no_go = [f"{one.phase}: no window in the forecast" for one in study.windows if one.start is None]
+    if missed := [*no_go, *failures(study.built)]:
         raise VerdictError(missed)
 
 
