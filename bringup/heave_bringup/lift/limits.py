@@ -13,7 +13,7 @@ from heave_node.criteria import Criterion
 from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL
 from heave_node.parameters import ParameterError
 
-from heave_bringup.lift.figures import PLANNED, Capacity, Place, Places
+from heave_bringup.lift.figures import GAUSSIAN, PLANNED, Capacity, Place, Places
 from heave_bringup.lift.loop import Compensated, Loops, most_height
 from heave_bringup.lift.plan import SURFACE, WATER, Phase, Plan
 from heave_bringup.lift.response import PhaseScene, locked_places, phase_scene
@@ -103,7 +103,11 @@ def phase_limits(loops: Loops, phase: Phase, period: float, height: float) -> Pe
     if phase.kind == SURFACE:
         return _at_surface(loops, scene, capacity, height)
     locked = _settled_limit(scene, criteria_of(phase), capacity)
-    values = figures_of(locked_places(scene, height), capacity)
+    kurtosis = GAUSSIAN
+    if phase.kind == WATER:
+        kurtosis = loops.kurtosis(scene, float(scene.lengths[_worst(scene, locked.height)]), locked.height)
+        locked = _settled_limit(scene, criteria_of(phase), capacity, kurtosis)
+    values = figures_of(locked_places(scene, height, kurtosis), capacity)
     found = PeriodLimits(phase.name, period, locked, locked_values=values)
     if phase.kind != WATER or not scene.scenario.moves_winch:
         return found
@@ -144,13 +148,15 @@ def scaled(places: Places, factor: float) -> list[Place]:
     return [replace(one, **{name: getattr(one, name).times(factor) for name in names}) for one in places]
 
 
-def _settled_limit(scene: PhaseScene, criteria: Sequence[Criterion], capacity: Capacity) -> Limit:
+def _settled_limit(
+    scene: PhaseScene, criteria: Sequence[Criterion], capacity: Capacity, kurtosis: float = GAUSSIAN
+) -> Limit:
     """Return the limit with the winch locked, drag linearised for the height of the limit itself."""
     most = most_height(scene.period)
     limit = Limit(0.3 * most)
     for _ in range(STEPS):
         before = max(limit.height, 0.1)
-        places = scaled(locked_places(scene, before), 1.0 / before)
+        places = scaled(locked_places(scene, before, kurtosis), 1.0 / before)
         limit = _linear_limit(places, criteria, capacity, most)
         if abs(limit.height - before) < 0.005 * before:
             break
@@ -164,9 +170,14 @@ def _linear_limit(places: Places, criteria: Sequence[Criterion], capacity: Capac
 
 def _loop_at_worst(loops: Loops, scene: PhaseScene, height: float) -> Compensated:
     """Run the loop where the locked winch swings the tension most."""
-    places = locked_places(scene, max(height, 0.1))
-    worst = int(np.argmax([one.tension.sigma / one.static for one in places]))
+    places, worst = locked_places(scene, max(height, 0.1)), _worst(scene, height)
     return loops.compensated(scene, places[worst], float(scene.lengths[worst]))
+
+
+def _worst(scene: PhaseScene, height: float) -> int:
+    """Return at which place of a phase the locked winch swings the tension most."""
+    places = locked_places(scene, max(height, 0.1))
+    return int(np.argmax([one.tension.sigma / one.static for one in places]))
 
 
 def _compensated_limit(scene: PhaseScene, run: Compensated, capacity: Capacity, height: float) -> tuple[Limit, Values]:

@@ -17,6 +17,7 @@ from heave_node.scenario import WILDCARD
 
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.lift.figures import STILL, Place, Swing
+from heave_bringup.lift.peaks import kurtosis
 from heave_bringup.lift.plan import Plan
 from heave_bringup.lift.response import HEIGHT, OMEGAS, PhaseScene, phase_scene, swing
 from heave_bringup.settings import Setting
@@ -60,6 +61,23 @@ class Loops:
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
         self._known: list[tuple[object, float, Compensated]] = []
+        self._kurtoses: list[tuple[object, float, float]] = []
+
+    def kurtosis(self, scene: PhaseScene, length: float, height: float) -> float:
+        """Return the kurtosis of the tension with the winch locked, see `peaks`; phases at nearly one length share it.
+
+        Parameters
+        ----------
+        scene : of the phase
+        length : of cable out [m]
+        height : significant wave height [m]
+        """
+        key = (scene.period, scene.phase.settings, scene.arm)
+        for other, at, found in self._kurtoses:
+            if other == key and abs(at - length) <= SAME_LENGTH * length:
+                return found
+        self._kurtoses.append((key, length, kurtosis(scene, length, height)))
+        return self._kurtoses[-1][2]
 
     def compensated(self, scene: PhaseScene, governing: Place, length: float) -> Compensated:
         """Return how unit, cable and winch move at Hs = 1 m under compensation.
@@ -160,8 +178,8 @@ def _measured(scene: PhaseScene, record: LoopRecord, governing: Place) -> Place:
         tension=of("top_tension"),
         attachment=of("unit_tension"),
         unit=of("unit"),
-        winch_speed=of("payout_rate"),
-        winch_acceleration=of("payout_acceleration"),
+        winch_speed=of("payout_rate")._replace(width=swing(scene.density * OMEGAS**2).width),
+        winch_acceleration=of("payout_acceleration")._replace(width=swing(scene.density * OMEGAS**4).width),
     )
 
 

@@ -19,7 +19,7 @@ from heave_node.scenario import WILDCARD
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.sources.scene import Scene, build_scene
 
-from heave_bringup.lift.figures import Place, Swing
+from heave_bringup.lift.figures import GAUSSIAN, STILL, Place, Swing
 from heave_bringup.lift.plan import AIR, Phase, Plan
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting
@@ -119,17 +119,24 @@ def _density(scene: Scene, spectrum: WaveSpectrum, arm: tuple[float, ...]) -> Ar
     return np.asarray(spectrum.density(OMEGAS) * replace(scene, parameters=moved).power_response(OMEGAS))
 
 
-def locked_places(scene: PhaseScene, height: float) -> list[Place]:
+def locked_places(scene: PhaseScene, height: float, kurtosis: float = GAUSSIAN) -> list[Place]:
     """Return how unit and cable move with the winch locked on its mean speed, drag linearised in this sea.
 
     Parameters
     ----------
     scene : of the phase
     height : significant wave height [m]
+    kurtosis : of tension and motion
     """
     density = scene.density * height**2
     duration = scene.phase.duration / scene.lengths.size
-    return [_place(scene, float(length), density, duration) for length in scene.lengths]
+    places = [_place(scene, float(length), density, duration) for length in scene.lengths]
+    return [
+        replace(
+            one, **{name: getattr(one, name)._replace(kurtosis=kurtosis) for name in ("tension", "attachment", "unit")}
+        )
+        for one in places
+    ]
 
 
 def _place(scene: PhaseScene, length: float, density: Array, duration: float) -> Place:
@@ -174,5 +181,8 @@ def _towed_drag(line: AxialLine, length: float) -> float:
 def swing(density: Array) -> Swing:
     """Return how a signal swings, from its one-sided spectrum `density` at OMEGAS."""
     step = OMEGAS[1] - OMEGAS[0]
-    m0, m2 = float(np.sum(density)) * step, float(np.sum(density * OMEGAS**2)) * step
-    return Swing(math.sqrt(m0), math.sqrt(m2 / m0) / (2.0 * math.pi)) if m0 > 0.0 else Swing(0.0, 0.1)
+    m0, m1, m2 = (float(np.sum(density * OMEGAS**power)) * step for power in (0, 1, 2))
+    if m0 <= 0.0:
+        return STILL
+    width = math.sqrt(max(1.0 - m1**2 / (m0 * m2), 0.0))
+    return Swing(math.sqrt(m0), math.sqrt(m2 / m0) / (2.0 * math.pi), width)
