@@ -165,14 +165,22 @@ def _load(places: Places) -> float:
 
 
 def _slack(places: Places) -> float:
-    """Return the share of time without tension at the unit or the top [%], of a Gaussian tension."""
+    """Return the share of time without tension at the top or the unit [%]; 0 where none is expected in the phase."""
     total = sum(one.duration for one in places)
-    share = 0.0
-    for one in places:
-        for swing, mean in ((one.tension, one.static + one.drag), (one.attachment, one.weight + one.drag)):
-            if swing.sigma > 0.0:
-                share = max(share, one.duration / total * 0.5 * math.erfc(mean / swing.sigma / math.sqrt(2.0)))
-    return 100.0 * share
+    ends: tuple[tuple[Callable[[Place], Swing], Callable[[Place], float]], ...] = (
+        (lambda one: one.tension, lambda one: one.static + one.drag),
+        (lambda one: one.attachment, lambda one: one.weight + one.drag),
+    )
+    largest = 0.0
+    for swing, mean in ends:
+        if _largest(places, swing, lambda one, mean=mean: -mean(one)) >= 0.0:  # type: ignore[misc]
+            shares = (one.duration / total * _below_zero(mean(one), swing(one).sigma) for one in places)
+            largest = max(largest, sum(shares))
+    return 100.0 * largest
+
+
+def _below_zero(mean: float, sigma: float) -> float:
+    return 0.5 * math.erfc(mean / sigma / math.sqrt(2.0)) if sigma > 0.0 else 0.0
 
 
 Formula = Callable[[Places, Capacity], float]

@@ -170,8 +170,8 @@ def _linear_limit(places: Places, criteria: Sequence[Criterion], capacity: Capac
 
 def _loop_at_worst(loops: Loops, scene: PhaseScene, height: float) -> Compensated:
     """Run the loop where the locked winch swings the tension most."""
-    places, worst = locked_places(scene, max(height, 0.1)), _worst(scene, height)
-    return loops.compensated(scene, places[worst], float(scene.lengths[worst]))
+    worst = _worst(scene, height)
+    return loops.compensated(scene, locked_places(scene, 1.0)[worst], float(scene.lengths[worst]))
 
 
 def _worst(scene: PhaseScene, height: float) -> int:
@@ -273,7 +273,7 @@ def regula_falsi(criterion: Criterion, figure: Callable[[float], float], guess: 
     low, high = (0.0, figure(0.0)), (math.inf, math.nan)
     if not criterion.is_met(low[1]):
         return 0.0
-    height = min(guess, most)
+    height = min(max(guess, 0.1 * most), most)
     for _ in range(STEPS):
         here = (height, figure(height))
         if criterion.is_met(here[1]):
