@@ -23,6 +23,8 @@ from heave_bringup.scenarios import Scenario
 
 NEAR_ENOUGH, CROSSING_WIDTH = 0.002, 0.02
 """Relative width at which the search for a height ends, and of a crossing, which is the mean of several."""
+SHARE_TIME = 60.0
+"""Time of a run of the loop that is to say no more than what share of the boom tip's heave it leaves [s]."""
 STEPS = 8
 """Times that the drag is linearised for the height at which it is wanted."""
 LOADS = ("dynamic_amplification", "tension_ratio_min", "tension_max_n", "slack_percent", ROPE, WINCH_PULL, ATTACHMENT)
@@ -219,7 +221,7 @@ def _at_surface(loops: Loops, scene: PhaseScene, capacity: Capacity, height: flo
     calm = cross(ways[0], 0.0, 1.0, capacity)
     if scene.scenario.moves_winch:
         deepest = float(scene.lengths.max())
-        run = loops.compensated(scene, locked_places(scene, 1.0)[0], deepest)
+        run = loops.compensated(scene, locked_places(scene, 1.0)[0], deepest, SHARE_TIME)
         shares += [run.share] if run.place is not None else []
     limits, values = [], []
     for share in shares:

@@ -79,7 +79,7 @@ class Loops:
         self._kurtoses.append((key, length, kurtosis(scene, length, height)))
         return self._kurtoses[-1][2]
 
-    def compensated(self, scene: PhaseScene, governing: Place, length: float) -> Compensated:
+    def compensated(self, scene: PhaseScene, governing: Place, length: float, measure: float = MEASURE) -> Compensated:
         """Return how unit, cable and winch move at Hs = 1 m under compensation.
 
         Parameters
@@ -87,19 +87,20 @@ class Loops:
         scene : of the phase
         governing : the place of the phase with the winch locked that stands for it
         length : of cable out there [m]
+        measure : time that counts [s]
         """
         key = (scene.period, scene.phase.settings, scene.arm)
         for other, at, run in self._known:
             if other == key and abs(at - length) <= SAME_LENGTH * length:
                 return _at(run, scene, governing)
-        run = self._run(scene, governing, length)
+        run = self._run(scene, governing, length, measure)
         self._known.append((key, length, run))
         return run
 
-    def _run(self, scene: PhaseScene, governing: Place, length: float) -> Compensated:
+    def _run(self, scene: PhaseScene, governing: Place, length: float, measure: float) -> Compensated:
         height, lost = _height(scene), math.inf
         for _ in range(TRIES):
-            record = run_loop(self.plan, scene, length, height, SETTLE + MEASURE)
+            record = run_loop(self.plan, scene, length, height, SETTLE + measure)
             works = np.isin(record.modes, COMPENSATES)[record.column("time") >= SETTLE]
             if float(np.mean(works)) >= LEAST_ACTIVE:
                 tip, payout = (record.column(name, after=SETTLE) for name in ("boom_tip", "payout"))
