@@ -1,5 +1,6 @@
 """A lift from plan to as-built: plans refused, figures by hand, limits, weather windows, phases found in a bag."""
 
+import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -15,10 +16,13 @@ from heave_bringup.lift.figures import PLANNED, Capacity, Place, Swing, expected
 from heave_bringup.lift.forecast import GO, NO_GO, WAIT, windows
 from heave_bringup.lift.limits import Limit, PeriodLimits, largest_height, phase_limits, regula_falsi, scaled
 from heave_bringup.lift.loop import Loops
+from heave_bringup.lift.page import render
 from heave_bringup.lift.peaks import kurtosis
 from heave_bringup.lift.plan import AIR, SURFACE, WATER, Plan, read_plan, shipped_plans
 from heave_bringup.lift.response import OMEGAS, locked_places, phase_scene
+from heave_bringup.lift.study import LiftStudy
 from heave_bringup.lift.surface import cross, crossing
+from heave_bringup.lift.tables import phase_table
 from heave_bringup.operability.record import SeaRecord, at_equal_steps
 from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
@@ -267,3 +271,47 @@ def test_the_limit_at_resonance_is_that_of_runs_of_the_plant(tmp_path: Path) -> 
         for seed in range(1, 9)
     ]
     assert np.mean(found) - 1.0 == pytest.approx(0.3, rel=0.09)
+
+
+DECK = HEAD + "  - {name: deck, depth: [-5, -5], duration: 600}\n"
+
+
+def test_the_command_prints_limits_and_writes_page_and_json(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my_lift.yaml").write_text("alpha: 0.5\nperiods: [8]\nheight: 2\nperiod: 8\n" + DECK)
+    (tmp_path / "f.csv").write_text(
+        "time,hs,tp\n2026-11-27T00:00Z,9.5,8\n2026-11-27T01:00Z,0.5,8\n2026-11-27T02:00Z,1,8\n"
+    )
+    arguments = ["lift", "my_lift.yaml", "--forecast", "f.csv", "--processes", "1"]
+    assert main([*arguments, "--json", "lift.json"]) == 0
+    printed = capsys.readouterr().out
+    assert "deck" in printed
+    assert "GO after 1 h of waiting" in printed
+    page = (tmp_path / "my_lift_lift.html").read_text()
+    assert "Forecast and what the lift allows" in page
+    found = json.loads((tmp_path / "lift.json").read_text())
+    assert found["limits"][0]["locked"] == {"height": pytest.approx(0.09 * 8.0**2), "governs": ""}
+    assert found["windows"][0]["start"] == "2026-11-27T01:00:00+00:00"
+    (tmp_path / "f.csv").write_text("time,hs,tp\n2026-11-27T00:00Z,9.5,8\n2026-11-27T01:00Z,9.5,8\n")
+    assert main(arguments) == 3
+    assert "NO-GO: no window for deck" in capsys.readouterr().out
+
+
+def test_the_page_shows_plan_and_bag_in_one_table(tmp_path: Path) -> None:
+    plan = _plan(tmp_path, "periods: [9]\n" + HEAD + TWO_DEPTHS)
+    values = {"dynamic_amplification": 1.25}
+    limits = {
+        name: [PeriodLimits(name, 9.0, Limit(2.5, "dynamic_amplification"), locked_values=values)]
+        for name in ("down", "low")
+    }
+    at_sea = {name: of[0] for name, of in limits.items()}
+    built = as_built(plan, _record([10.0, 210.0], [1.2e5, 1.5e5]))
+    study = LiftStudy(plan, 2.0, 9.0, limits, at_sea, built=built)
+    head, rows = phase_table(study)
+    assert [row[1] for row in rows] == ["locked", "as built", "locked", "as built"]
+    place = head.index("DAF")
+    assert [row[place] for row in rows] == ["1.250", "1.200", "1.250", "1.500"]
+    assert [row[head.index("verdict")] for row in rows] == ["passed", "passed", "passed", "FAILED"]
+    assert "1.500, MISSED" in render(study)

@@ -82,7 +82,17 @@ def criteria_of(phase: Phase) -> list[Criterion]:
 
 
 def period_limits(plan: Plan, phases: Sequence[Phase], period: float, height: float) -> list[PeriodLimits]:
-    """Return the limits of `phases` in seas of one peak period; they share runs of the loop. See `phase_limits`."""
+    """Return the limits of phases in seas of one peak period; they share runs of the loop.
+
+    Parameters
+    ----------
+    plan : of the lift
+    phases : of it
+    period : peak period [s]
+    height : at which figures are listed [m]
+
+    Raises ParameterError as `phase_limits` does.
+    """
     loops = Loops(plan)
     return [phase_limits(loops, phase, period, height) for phase in phases]
 

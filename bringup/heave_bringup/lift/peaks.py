@@ -1,8 +1,8 @@
 """How far the peaks of the tension stay below those of a Gaussian signal, by runs of the plant.
 
 Quadratic drag holds the highest waves of a resonance down: the standard deviation of the linear model is right, its
-peaks are not. The kurtosis of the tension tells by how much (`figures.expected_largest`), and settles in records that
-are far too short for their largest value.
+peaks are not. The kurtosis of the tension gives the difference (`figures.expected_largest`), and settles in records
+that are far too short for their largest value.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ def _limit(limit: Limit | None) -> tuple[str, str]:
 
 def phase_table(study: LiftStudy) -> Table:
     """Return head and rows of the phases of a `study`: figures in its sea, the weather, and below them the bag."""
-    head = ["phase", "", "depth m", "min", *HEADINGS, "verdict"]
+    head = ["phase", "winch", "depth m", "min", *HEADINGS, "verdict"]
     head += ["start (UTC)", "wait h", "of allowed %"] if study.windows else []
     built = {one.phase.name: one for one in study.built}
     due = {one.phase: one for one in study.windows}

@@ -53,7 +53,9 @@ def execute(options: argparse.Namespace) -> None:
     parts: list[Part] = [
         plan.title,
         FittedTable(*limits, texts=("phase", "ended by", "locked ended by"), elsewhere=seen),
-        FittedTable(*phases, texts=("phase", "", "depth m", "verdict"), optional=("depth m", "min"), elsewhere=seen),
+        FittedTable(
+            *phases, texts=("winch", "depth m", "verdict", "start (UTC)"), optional=("depth m", "min"), elsewhere=seen
+        ),
         FittedTable(*judged_rows(study), texts=("figure", "required", "planned", "as built"), elsewhere=seen),
         "\n".join(summary(study)),
         f"report    {page}",
