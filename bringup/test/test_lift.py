@@ -224,6 +224,15 @@ def test_a_bag_is_judged_by_phase_as_its_unit_gets_deeper(tmp_path: Path) -> Non
     assert down.end <= low.start
 
 
+def test_the_tension_at_rest_is_that_of_the_phase_not_of_the_deck(tmp_path: Path) -> None:
+    """The unit hung in air at 150 kN when the bag began; in water it hangs at 100 kN, with peaks of 120 and 150 kN."""
+    plan = _plan(tmp_path, HEAD + TWO_DEPTHS)
+    record = _record([10.0, 210.0], [1.2e5, 1.5e5])
+    record.signals.static_tension = Signal(np.zeros(1), np.full(1, 1.5e5))
+    down, low = as_built(plan, record)
+    assert [one.judged[0].value for one in (down, low)] == pytest.approx([1.2, 1.5], rel=1e-3)
+
+
 def test_a_phase_that_the_bag_does_not_reach_is_reported_as_such(tmp_path: Path) -> None:
     plan = _plan(tmp_path, HEAD + TWO_DEPTHS)
     down, low = as_built(plan, _record([10.0, 90.0], [1.2e5]))

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from heave_bags.analyse.kpi_set import evaluate
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import FAILED, PASSED, Judged
+from heave_bags.signals import RunSignals, Signal
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 from scipy.ndimage import uniform_filter1d
 
 from heave_bringup.lift.limits import criteria_of
-from heave_bringup.lift.plan import Phase, Plan
+from heave_bringup.lift.plan import SURFACE, Phase, Plan
 
 NOT_REACHED = "not in the bag"
 ENDS = 0.5
@@ -84,7 +86,7 @@ def as_built(plan: Plan, record: RunRecord) -> list[AsBuilt]:
         if end - start < SHORTEST:
             found.append(AsBuilt(phase))
             continue
-        values = record.kpis(start, end)
+        values = evaluate(_with_static(record.signals, phase, start, end), start, end)
         judged = tuple(Judged(one, values.get(one.kpi, math.nan)) for one in criteria_of(phase))
         found.append(AsBuilt(phase, start, end, values, judged))
         after = end
@@ -92,6 +94,18 @@ def as_built(plan: Plan, record: RunRecord) -> list[AsBuilt]:
         reach = f"{depth.min():.0f} to {depth.max():.0f} m"
         raise ParameterError(f"{record.name}: its unit is at {reach} depth, where {plan.path} has no phase")
     return found
+
+
+def _with_static(signals: RunSignals, phase: Phase, start: float, end: float) -> RunSignals:
+    """Return `signals` with the tension at rest of this phase: that of the start of a bag may be the weight in air.
+
+    Through the surface the weight at the start is what loads are compared with, as in the plan.
+    """
+    tension = signals.tension.window(start, end)
+    if phase.kind == SURFACE or not tension.size:
+        return signals
+    static = signals.static_at(tension)
+    return replace(signals, static_tension=Signal(tension.time, static + float(np.median(tension.value - static))))
 
 
 def _window(phase: Phase, time: Array, depth: Array, after: float) -> tuple[float, float]:

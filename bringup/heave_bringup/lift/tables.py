@@ -15,7 +15,8 @@ from heave_bringup.lift.plan import Phase
 from heave_bringup.lift.study import LiftStudy
 from heave_bringup.operability.limits import title_of
 
-SHOWN = ("dynamic_amplification", "tension_ratio_min", ROPE, "significant_residual_m", "touchdown_speed_mps")
+TOUCHDOWN = "touchdown_speed_mps"
+SHOWN = ("dynamic_amplification", "tension_ratio_min", ROPE, "significant_residual_m", TOUCHDOWN)
 """Figures of the table of phases."""
 HEADINGS = ("DAF", "Tmin / Tstatic", "rope factor", "residual cm", "touchdown m/s")
 
@@ -48,7 +49,7 @@ def phase_table(study: LiftStudy) -> Table:
     rows = []
     for phase in study.plan.phases:
         row = [phase.name, _way(phase), _depths(phase), f"{phase.duration / 60.0:.0f}"]
-        row += [*_cells(planned_values(study, phase)), planned_state(study, phase)]
+        row += [*_cells(phase, planned_values(study, phase)), planned_state(study, phase)]
         if study.windows:
             window = due[phase.name]
             start = "none" if window.start is None else f"{window.start:%Y-%m-%d %H:%M}"
@@ -82,12 +83,15 @@ def planned_state(study: LiftStudy, phase: Phase) -> str:
 
 def _built_row(built: AsBuilt, width: int) -> list[str]:
     minutes = f"{(built.end - built.start) / 60.0:.0f}" if math.isfinite(built.start) else "-"
-    row = ["", "as built", "", minutes, *_cells(built.values), built.state]
+    row = ["", "as built", "", minutes, *_cells(built.phase, built.values), built.state]
     return [*row, *[""] * (width - len(row))]
 
 
-def _cells(values: Mapping[str, float]) -> list[str]:
-    return [DEFINITION_OF[key].text(values.get(key, math.nan)) for key in SHOWN]
+def _cells(phase: Phase, values: Mapping[str, float]) -> list[str]:
+    """Return the figures of a phase; a speed at touchdown only where it is a criterion."""
+    wanted = {one.kpi for one in criteria_of(phase)}
+    shown = [key if key in wanted or key != TOUCHDOWN else "" for key in SHOWN]
+    return [DEFINITION_OF[key].text(values.get(key, math.nan)) if key else "-" for key in shown]
 
 
 def _number(value: float, digits: int) -> str:
