@@ -56,7 +56,7 @@ def _moments(
     dynamics = CableDynamics(still)
     mean = np.array([0.0, 0.0, plant.boom_tip_height])
     dynamics.start_at_equilibrium(mean, 0.0)
-    time = STEP * np.arange(round(record / STEP) + 1)
+    time = np.asarray(STEP * np.arange(round(record / STEP) + 1), dtype=np.float64)
     heave, speed = _heave(scene, height, time, seed)
     up = np.array([0.0, 0.0, 1.0])
     tips = [PointMotion(t, mean + z * up, v * up) for t, z, v in zip(time, heave, speed, strict=True)]
