@@ -12,7 +12,7 @@ from heave_bringup.commands.command import Command
 from heave_bringup.commands.models import design, fmu, identify, modes, static
 from heave_bringup.commands.runs import accept, adapt, check, operate, panel, run, view
 from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
-from heave_bringup.commands.studies import bench, benchmark, campaign, extremes, falsify, operability, sizing
+from heave_bringup.commands.studies import bench, benchmark, campaign, extremes, falsify, lift, operability, sizing
 from heave_bringup.commands.version import VersionAction
 from heave_bringup.errors import ExitStatus
 
@@ -28,6 +28,7 @@ COMMANDS: tuple[Command, ...] = (
         operability.COMMAND,
         sizing.COMMAND,
         extremes.COMMAND,
+        lift.COMMAND,
         benchmark.COMMAND,
         bench.COMMAND,
     ),

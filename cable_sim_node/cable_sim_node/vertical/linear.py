@@ -130,14 +130,14 @@ def heave_transfer_function(
     if not (length > 0.0 and np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
         raise LinearisationError("length and all frequencies must be positive and finite")
     tip = np.broadcast_to(np.asarray(amplitude, dtype=np.float64), omega.shape)
-    pieces = [part for piece in line.pieces(length) for part in _divide(piece, length / DRAG_PIECES)]
+    pieces = [part for piece in line.pieces(length) for part in divide(piece, length / DRAG_PIECES)]
     drags = [line.unit.drag, *(clump.drag for clump in line.clumps), *(section.drag for section in line.sections)]
     has_drag = bool(np.any(tip > 0.0)) and max(drags) > 0.0
     speeds = np.zeros((len(pieces) + 1, len(omega)))
     if has_drag:
         speeds[:] = omega * tip
         for _ in range(DRAG_ITERATIONS):
-            motion = _march(line, pieces, omega, speeds)
+            motion = march(line, pieces, omega, speeds)
             heave = np.abs(motion.heave) / np.abs(motion.heave[-1]) * tip
             local = omega * np.concatenate((heave[:1], 0.5 * (heave[1:] + heave[:-1])))
             change = float(np.max(np.abs(local - speeds)))
@@ -145,27 +145,41 @@ def heave_transfer_function(
             speeds = np.sqrt(speeds * local)
             if change < 1e-9 * (1.0 + float(speeds.max())):
                 break
-    motion = _march(line, pieces, omega, speeds)
+    motion = march(line, pieces, omega, speeds)
     return HeaveTransfer(omega, 1.0 / motion.heave[-1], motion.top_tension / motion.heave[-1])
 
 
 @dataclass(frozen=True)
-class _March:
-    """Heave at the joints for a unit heave of 1, from the unit upwards, and the tension at the top."""
+class March:
+    """What a unit heave of 1 is with along the cable.
+
+    Attributes
+    ----------
+    heave : at the joints, from the unit upwards, shape (places, k) [-]
+    top_tension : shape (k,) [N/m]
+    """
 
     heave: ComplexArray
     top_tension: ComplexArray
 
 
-def _divide(piece: AxialPiece, size: float) -> list[AxialPiece]:
-    """Cut a piece into equal pieces of at most `size` [m]; the clumps stay at the lower end."""
+def divide(piece: AxialPiece, size: float) -> list[AxialPiece]:
+    """Cut a `piece` into equal pieces of at most `size` [m]; the clumps stay at the lower end."""
     count = max(1, math.ceil(piece.length / size - 1e-9))
     part = replace(piece, length=piece.length / count)
     return [part, *[replace(part, clumps=())] * (count - 1)]
 
 
-def _march(line: AxialLine, pieces: list[AxialPiece], omega: Array, speeds: Array) -> _March:
-    """Carry displacement and tension from the unit (displacement 1) to the top, piece by piece in closed form."""
+def march(line: AxialLine, pieces: list[AxialPiece], omega: Array, speeds: Array) -> March:
+    """Carry displacement and tension from the unit (displacement 1) to the top, piece by piece in closed form.
+
+    Parameters
+    ----------
+    line : cable and unit
+    pieces : of the cable, from the unit upwards
+    omega : [rad/s], shape (k,)
+    speeds : harmonic speed amplitudes of unit and pieces, for their drag [m/s], shape (pieces + 1, k)
+    """
     displacement = np.ones(len(omega), dtype=np.complex128)
     unit_damping = HARMONIC_DRAG * line.unit.drag * speeds[0]
     tension = -line.unit.inertia * omega**2 + 1j * omega * unit_damping
@@ -184,7 +198,7 @@ def _march(line: AxialLine, pieces: list[AxialPiece], omega: Array, speeds: Arra
             -load * shape * displacement + cosine * tension,
         )
         heave.append(displacement)
-    return _March(np.array(heave), tension)
+    return March(np.array(heave), tension)
 
 
 def drag_at_unit(line: AxialLine, length: float) -> float:
@@ -228,7 +242,7 @@ def natural_frequencies(line: AxialLine, length: float, count: int) -> Array:
     speeds = np.zeros((len(pieces) + 1, 1))
 
     def top(omega: float) -> float:
-        return float(_march(line, pieces, np.array([omega]), speeds).heave[-1].real[0])
+        return float(march(line, pieces, np.array([omega]), speeds).heave[-1].real[0])
 
     travel = sum(piece.length * math.sqrt(piece.mass / piece.axial_stiffness) for piece in pieces)
     compliance = sum(piece.length / piece.axial_stiffness for piece in pieces)
@@ -256,7 +270,7 @@ def first_mode(line: AxialLine, length: float) -> FirstMode:
     omega = float(natural_frequencies(line, length, 1)[0])
     pieces = _undamped(line.pieces(length))
     near = omega * np.array([1.0 - NEAR_ROOT, 1.0 + NEAR_ROOT])
-    below, above = _march(line, pieces, near, np.zeros((len(pieces) + 1, 2))).heave[-1].real
+    below, above = march(line, pieces, near, np.zeros((len(pieces) + 1, 2))).heave[-1].real
     # near its root the motion of the top that the unit takes goes as (1 - w^2/w_1^2) over the participation
     return FirstMode(1.0 / omega**2, float(4.0 * NEAR_ROOT / (below - above)))
 
@@ -271,10 +285,10 @@ def mode_shape(line: AxialLine, length: float, omega: float, points: int = 50) -
     omega : a natural frequency [rad/s]
     points : labels; there are some more where the cable has joints
     """
-    pieces = [part for piece in _undamped(line.pieces(length)) for part in _divide(piece, length / points)]
+    pieces = [part for piece in _undamped(line.pieces(length)) for part in divide(piece, length / points)]
     labels = np.concatenate(([0.0], np.cumsum([piece.length for piece in pieces])))
-    march = _march(line, pieces, np.array([omega]), np.zeros((len(pieces) + 1, 1)))
-    shape = march.heave[:, 0].real
+    moved = march(line, pieces, np.array([omega]), np.zeros((len(pieces) + 1, 1)))
+    shape = moved.heave[:, 0].real
     return labels, shape / float(np.max(np.abs(shape)))
 
 

@@ -1,0 +1,83 @@
+"""`heave lift`: one lift, from plan to as-built."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from heave_bringup.commands.command import Command
+
+if TYPE_CHECKING:
+    from heave_bags.analyse.run_record import RunRecord
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments to `parser`."""
+    parser.add_argument("plan", metavar="PLAN", help="a plan: a YAML file, or the shipped module_1500")
+    parser.add_argument(
+        "--forecast", type=Path, metavar="FILE.csv", help="seas to come, with the columns time, hs, tp: when to go"
+    )
+    parser.add_argument("--bag", type=Path, metavar="BAG", help="bag of the lift: judged phase by phase")
+    parser.add_argument("--report", type=Path, metavar="FILE.html", help="default: PLAN_lift.html")
+    parser.add_argument("--processes", type=int, metavar="N", help="default: one per processor")
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Print the limits of the plan that `options` name, hold forecast and bag against them, write the page."""
+    from heave_node.parameters import ParameterError
+
+    from heave_bringup.errors import CommandError, VerdictError
+    from heave_bringup.lift.as_built import failures
+    from heave_bringup.lift.page import render
+    from heave_bringup.lift.plan import read_plan
+    from heave_bringup.lift.study import page_of, study_lift
+    from heave_bringup.lift.tables import judged_rows, limit_table, phase_table, summary
+    from heave_bringup.operability.record import read_record
+    from heave_bringup.output import FittedTable, Part, check_output, write_result
+
+    check_output("--report", options.report, (".html",))
+    if options.processes is not None and options.processes < 1:
+        raise ParameterError(f"--processes {options.processes}: must be at least 1")
+    plan = read_plan(options.plan)
+    forecast = None if options.forecast is None else read_record(options.forecast)
+    record = None if options.bag is None else _record(options.bag)
+    study = study_lift(plan, processes=options.processes, forecast=forecast, record=record)
+    page = options.report or page_of(plan)
+    try:
+        page.write_text(render(study), "utf-8")
+    except OSError as error:
+        raise CommandError(f"{page}: cannot be written: {error.strerror}") from error
+    phases, limits = phase_table(study), limit_table(study)
+    seen = f"they are in {page}"
+    parts: list[Part] = [
+        plan.title,
+        FittedTable(*limits, texts=("phase", "ended by", "locked ended by"), elsewhere=seen),
+        FittedTable(
+            *phases, texts=("winch", "depth m", "verdict", "start (UTC)"), optional=("depth m", "min"), elsewhere=seen
+        ),
+        FittedTable(*judged_rows(study), texts=("figure", "required", "planned", "as built"), elsewhere=seen),
+        "\n".join(summary(study)),
+        f"report    {page}",
+    ]
+    write_result(options, parts, {**study.to_json(), "report": str(page)})
+    no_go = [f"{one.phase}: no window in the forecast" for one in study.windows if one.start is None]
+    if missed := [*no_go, *failures(study.built)]:
+        raise VerdictError(missed)
+
+
+def _record(bag: Path) -> RunRecord:
+    from heave_bags.mcap.read.folder import bag_of
+
+    from heave_bringup.run.records import read_records
+
+    return read_records([bag_of(bag)])[0]
+
+
+COMMAND = Command(
+    name="lift",
+    summary="Plan a lift: limits by phase, go or no-go by a forecast; judge its bag by the same criteria.",
+    examples=("heave lift module_1500", "heave lift my_lift.yaml --forecast forecast.csv --bag runs/my_lift-001/bag"),
+    add_arguments=add_arguments,
+    execute=execute,
+)

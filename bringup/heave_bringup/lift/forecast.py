@@ -1,0 +1,136 @@
+"""A forecast against the limits of a lift: when each phase can begin, and how long it waits.
+
+A phase needs the sea within `alpha` times its limit for its whole reference period, the planned duration and a
+contingency time on top (T_R = T_POP + T_C; the operational criterion is alpha times the design criterion: DNV-ST-N001,
+Marine operations and marine warranty, section on weather-restricted operations, whose tables of alpha are the user's to
+apply). Phases follow one another at once; only before one that `may_wait` is the unit left where it is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas
+from heave_node.numerics.arrays import Array
+from heave_node.parameters import ParameterError
+
+from heave_bringup.lift.limits import PeriodLimits
+from heave_bringup.lift.plan import Phase, Plan
+from heave_bringup.operability.exposure import limit_at
+from heave_bringup.operability.record import HS, TP, SeaRecord
+
+GO, WAIT, NO_GO = "go", "wait", "no window"
+
+
+@dataclass(frozen=True)
+class Window:
+    """When a phase takes place.
+
+    Attributes
+    ----------
+    phase : its name
+    state : GO where nobody waits for it, WAIT where one does, NO_GO where the forecast has no window
+    start : of it; None: there is no window
+    waiting : before it [h]
+    utilisation : largest forecast height over what is allowed, in its reference period; NaN without a window
+    """
+
+    phase: str
+    state: str
+    start: pandas.Timestamp | None = None
+    waiting: float = math.nan
+    utilisation: float = math.nan
+
+    def to_json(self) -> Mapping[str, Any]:
+        """Return it as plain data."""
+        return {
+            "phase": self.phase,
+            "state": self.state,
+            "start": None if self.start is None else self.start.isoformat(),
+            "waiting_h": self.waiting,
+            "utilisation": self.utilisation,
+        }
+
+
+def windows(plan: Plan, limits: Mapping[str, Sequence[PeriodLimits]], forecast: SeaRecord) -> list[Window]:
+    """Return when each phase can take place.
+
+    Parameters
+    ----------
+    plan : of the lift
+    limits : of each phase by its name, one for each of the plan's periods
+    forecast : with times
+
+    Raises ParameterError for a forecast without an order in time.
+    """
+    if not forecast.has_order:
+        raise ParameterError(f"{forecast.name}: is a scatter diagram; a forecast needs the columns time, hs, tp")
+    used = {phase.name: _utilisation(plan, phase, limits[phase.name], forecast) for phase in plan.phases}
+    times, clock = pandas.DatetimeIndex(forecast.states.index), 0.0
+    found: list[Window] = []
+    for group in _groups(plan.phases):
+        start = _start(group, used, clock, forecast.step, plan.whole.contingency)
+        if start is None:
+            left = plan.phases[len(found) :]
+            return [*found, *(Window(phase.name, NO_GO) for phase in left)]
+        waited = start - clock
+        for phase in group:
+            when = times[0] + pandas.Timedelta(hours=start)
+            worst = float(used[phase.name][_steps(start, _hours(phase, plan.whole.contingency), forecast.step)].max())
+            found.append(Window(phase.name, WAIT if waited > 0.0 else GO, when, waited, worst))
+            start, waited = start + phase.duration / 3600.0, 0.0
+        clock = start
+    return found
+
+
+def _utilisation(plan: Plan, phase: Phase, limits: Sequence[PeriodLimits], forecast: SeaRecord) -> Array:
+    """Return the forecast height over what is allowed, by step; infinite where nothing is forecast."""
+    heights = [
+        one.compensated.height if phase.does.compensated and one.compensated is not None else one.locked.height
+        for one in limits
+    ]
+    curve = pandas.DataFrame({"period": [one.period for one in limits], "limit": heights})
+    allowed = plan.whole.alpha * limit_at(curve, forecast.states[TP].to_numpy())
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.nan_to_num(forecast.states[HS].to_numpy() / allowed, nan=np.inf))
+
+
+def _groups(phases: Sequence[Phase]) -> list[list[Phase]]:
+    """Return the phases that follow one another without a wait."""
+    groups: list[list[Phase]] = []
+    for phase in phases:
+        if groups and not phase.does.may_wait:
+            groups[-1].append(phase)
+        else:
+            groups.append([phase])
+    return groups
+
+
+def _start(
+    group: Sequence[Phase], used: Mapping[str, Array], clock: float, step: float, contingency: float
+) -> float | None:
+    """Return when a group can begin [h after the first forecast]: now, or at a later step; None: never."""
+    count = len(next(iter(used.values())))
+    for start in (clock, *(step * n for n in range(math.floor(clock / step) + 1, count))):
+        at, is_good = start, True
+        for phase in group:
+            hours = _hours(phase, contingency)
+            is_good = is_good and at + hours <= count * step + 1e-9
+            is_good = is_good and bool((used[phase.name][_steps(at, hours, step)] <= 1.0).all())
+            at += phase.duration / 3600.0
+        if is_good:
+            return float(start)
+    return None
+
+
+def _hours(phase: Phase, contingency: float) -> float:
+    return phase.duration / 3600.0 * (1.0 + contingency)
+
+
+def _steps(start: float, hours: float, step: float) -> slice:
+    """Return the forecast steps that a window touches; a forecast holds from its time to the next."""
+    return slice(math.floor(start / step + 1e-9), max(math.ceil((start + hours) / step - 1e-9), 1))

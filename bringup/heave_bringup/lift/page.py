@@ -1,0 +1,148 @@
+"""The page of a lift: one HTML file that opens offline and prints."""
+
+from __future__ import annotations
+
+import html
+from typing import Any
+
+import pandas
+from heave_bags.analyse.verdict import FAILED
+from heave_bags.report.figure import LIMIT, OTHER, RUN_COLOURS, UNCOMPENSATED, UNIT, Figure
+from heave_bags.report.report import place_figure, render_page, unbroken
+
+from heave_bringup.lift.plan import Phase
+from heave_bringup.lift.study import LiftStudy
+from heave_bringup.lift.tables import Table, judged_rows, limit_table, phase_table, planned_state, summary
+from heave_bringup.operability.exposure import limit_at
+from heave_bringup.operability.page_parts import table
+from heave_bringup.operability.record import HS, TP
+
+FOOTER = (
+    "Limits hold while the unit hangs: locked by stochastic linearisation along the way, compensated by a run of the "
+    "whole loop, at the surface by runs of the plant. The largest value is that expected in the duration of the phase. "
+    "For a PDF, print this page."
+)
+
+
+def render(study: LiftStudy) -> str:
+    """Return the page of a `study` as HTML."""
+    drawn: list[Figure] = []
+    lines = summary(study)
+    is_bad = any(planned_state(study, phase) == FAILED for phase in study.plan.phases)
+    is_bad = is_bad or any(one.start is None for one in study.windows) or any(one.failures for one in study.built)
+    items = "".join(f"<li>{html.escape(unbroken(words))}</li>" for words in lines)
+    body = [
+        f"<h1>{html.escape(study.plan.title)}</h1>",
+        f'<p class="lead">One lift, {"plan to as built" if study.built else "as planned"}</p>',
+        f'<div class="verdict {"bad" if is_bad else "good"}"><ul>{items}</ul></div>',
+        f"<h2>Phases at Hs {study.height:g} m, Tp {study.period:g} s</h2>",
+        _html(phase_table(study), texts=3),
+        "<h2>Limits</h2>",
+        _html(limit_table(study), texts=1),
+        place_figure(_limit_figure(study), drawn),
+    ]
+    if study.forecast is not None:
+        body += ["<h2>Forecast</h2>", place_figure(_forecast_figure(study), drawn)]
+    body += ["<h2>Criteria</h2>", _html(judged_rows(study), texts=5)]
+    return render_page(study.plan.title, "\n".join(body), drawn, footer=FOOTER)
+
+
+def _html(content: Table, *, texts: int) -> str:
+    head, rows = content
+    return table(head, [[unbroken(cell) for cell in row] for row in rows], texts=texts)
+
+
+def _planned(study: LiftStudy, phase: Phase) -> list[float]:
+    """Return the limits of a phase the way that it is planned, by the plan's periods [m]."""
+    ways = study.limits[phase.name]
+    return [
+        one.compensated.height if phase.does.compensated and one.compensated is not None else one.locked.height
+        for one in ways
+    ]
+
+
+def _limit_figure(study: LiftStudy) -> Figure:
+    """Return the limits of every phase, as it is planned."""
+    colours = (*RUN_COLOURS, UNCOMPENSATED, OTHER)
+    traces: list[dict[str, Any]] = [
+        {
+            "name": phase.name,
+            "x": [one.period for one in study.limits[phase.name]],
+            "y": [round(height, 3) for height in _planned(study, phase)],
+            "mode": "lines+markers",
+            "line": {"color": colours[number % len(colours)], "width": 2.5},
+            "marker": {"size": 8},
+            "hovertemplate": "Tp %{x} s: Hs %{y} m<extra>" + html.escape(phase.name) + "</extra>",
+        }
+        for number, phase in enumerate(study.plan.phases)
+    ]
+    traces.append(
+        {
+            "name": "plan",
+            "x": [study.period],
+            "y": [study.height],
+            "mode": "markers",
+            "marker": {"symbol": "x", "size": 11, "color": LIMIT},
+            "hovertemplate": "plan: Tp %{x} s, Hs %{y} m<extra></extra>",
+        }
+    )
+    return Figure(
+        "Largest sea of each phase",
+        "As planned, compensated or locked. The cross is the sea of the table of phases.",
+        traces,
+        {
+            "xaxis": {"title": {"text": "peak period Tp [s]"}},
+            "yaxis": {"title": {"text": "significant wave height Hs [m]"}, "rangemode": "tozero"},
+            "hovermode": "closest",
+        },
+        is_over_time=False,
+    )
+
+
+def _forecast_figure(study: LiftStudy) -> Figure:
+    """Return the forecast, what the lift allows at its periods, and when the phases take place."""
+    assert study.forecast is not None
+    states = study.forecast.states
+    times = [f"{time:%Y-%m-%d %H:%M}" for time in pandas.DatetimeIndex(states.index)]
+    curves = []
+    for phase in study.plan.phases:
+        curve = pandas.DataFrame(
+            {"period": [one.period for one in study.limits[phase.name]], "limit": _planned(study, phase)}
+        )
+        curves.append(study.plan.whole.alpha * limit_at(curve, states[TP].to_numpy()))
+    least = pandas.DataFrame(curves).min()
+    traces = [
+        {
+            "name": name,
+            "x": times,
+            "y": [round(float(value), 3) for value in values],
+            "mode": "lines",
+            "line": {"color": colour, "width": 2, "dash": dash},
+        }
+        for name, values, colour, dash in (
+            ("forecast", states[HS], UNIT, "solid"),
+            ("allowed, strictest phase", least, LIMIT, "dash"),
+        )
+    ]
+    shapes = [
+        {
+            "type": "line",
+            "x0": f"{one.start:%Y-%m-%d %H:%M}",
+            "x1": f"{one.start:%Y-%m-%d %H:%M}",
+            "yref": "paper",
+            "y0": 0,
+            "y1": 1,
+            "line": {"dash": "dot", "width": 1},
+        }
+        for one in study.windows
+        if one.start is not None
+    ]
+    return Figure(
+        "Forecast and what the lift allows",
+        "Dotted: a phase begins.",
+        traces,
+        {"xaxis": {"title": {"text": "time (UTC)"}}, "yaxis": {"title": {"text": "Hs [m]"}, "rangemode": "tozero"},
+         "shapes": shapes},
+        is_over_time=False,
+        height=320,
+    )  # fmt: skip

@@ -1,0 +1,239 @@
+"""A lift as its plan states it: a scenario with vessel, cable, unit and winch, and the phases of the lift.
+
+    title: A 12 t unit to 1,500 m
+    scenario: unit_1500               # a shipped name, or a file beside the plan
+    set: {system.cable.breaking_force: 6.0e5}
+    periods: [7, 9, 12]               # peak periods for which limits are computed [s]
+    alpha: 0.7                        # the forecast must stay below alpha times the limit
+    wanted: {dynamic_amplification: "<= 1.3"}       # criteria of every phase
+    phases:
+      - {name: lowering, depth: [20, 1400], speed: 0.5, compensated: true}
+      - {name: landing, depth: [1490, 1500], speed: 0.2, compensated: true, may_wait: true,
+         wanted: {significant_residual_m: "<= 0.25"}}
+
+Depths are of the unit below still water, negative in air. A phase whose depths have both signs crosses the surface.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from heave_node.criteria import Criterion, parse_criterion
+from heave_node.files.bounded_yaml import parse_yaml
+from heave_node.files.given_files import read_given
+from heave_node.parameters import Given, ParameterError, build_parameters, check_ranges, parameter
+
+from heave_bringup.lift.figures import PLANNED
+from heave_bringup.settings import Setting, make_setting
+
+AIR, SURFACE, WATER = "air", "surface", "water"
+"""Where a phase takes place."""
+
+_OF_PHASE = {"name", "set", "wanted"}
+_OF_PLAN = {"scenario", "set", "wanted", "phases", "title"}
+
+
+@dataclass(frozen=True)
+class PhaseParameters:
+    """What a phase does."""
+
+    depth: tuple[float, ...] = parameter(
+        (0.0, 0.0), unit="m", length=2, description="Depth of the unit at the start and at the end; negative in air."
+    )
+    speed: float = parameter(
+        0.0, unit="m/s", minimum=0.0, maximum=5.0, description="Mean speed of the winch; 0: the phase has a duration."
+    )
+    duration: float = parameter(0.0, unit="s", minimum=0.0, description="Planned duration; 0: the way over the speed.")
+    compensated: bool = parameter(False, unit="", description="The plan is to compensate in this phase.")
+    may_wait: bool = parameter(
+        False, unit="", description="The lift may wait before this phase: the unit is safe until it begins."
+    )
+    slew: tuple[float, ...] = parameter(
+        (), unit="rad", description="Slew of the crane at the start and at the end; none: reference pose."
+    )
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        if len(self.slew) not in (0, 2):
+            raise ValueError(f"slew must hold two angles, start and end, got {list(self.slew)}")
+
+
+@dataclass(frozen=True)
+class PlanParameters:
+    """What holds for the whole lift."""
+
+    periods: tuple[float, ...] = parameter(
+        (7.0, 9.0, 12.0), unit="s", minimum=2.0, maximum=30.0, description="Peak periods of the limits, ascending."
+    )
+    alpha: float = parameter(
+        1.0, unit="", minimum=0.1, maximum=1.0, description="Forecast wave height over the limit that is allowed."
+    )
+    contingency: float = parameter(
+        0.0, unit="", minimum=0.0, maximum=10.0, description="Contingency time over the planned duration of a phase."
+    )
+    seeds: int = parameter(4, unit="", minimum=1, maximum=50, description="Seas of each crossing of the surface.")
+    height: float = parameter(
+        0.0, unit="m", minimum=0.0, maximum=30.0, description="Hs at which loads are listed; 0: that of the scenario."
+    )
+    period: float = parameter(
+        0.0, unit="s", minimum=0.0, maximum=30.0, description="Tp of the same sea; 0: that of the scenario."
+    )
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        if not self.periods or list(self.periods) != sorted(set(self.periods)):
+            raise ValueError(f"periods must be ascending, got {list(self.periods)}")
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A phase of a lift.
+
+    Attributes
+    ----------
+    name : of it
+    does : what it does
+    settings : changes of the scenario in this phase
+    criteria : that hold in it
+    """
+
+    name: str
+    does: PhaseParameters
+    settings: tuple[Setting, ...]
+    criteria: tuple[Criterion, ...]
+
+    @property
+    def kind(self) -> str:
+        """Where it takes place: AIR, SURFACE or WATER."""
+        low, high = min(self.does.depth), max(self.does.depth)
+        return AIR if high <= 0.0 else SURFACE if low < 0.0 else WATER
+
+    @property
+    def duration(self) -> float:
+        """Planned duration [s]."""
+        first, last = self.does.depth
+        return self.does.duration or abs(last - first) / self.does.speed
+
+    @property
+    def rate(self) -> float:
+        """Mean speed of the unit, positive downwards [m/s]."""
+        return (self.does.depth[1] - self.does.depth[0]) / self.duration
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A lift, read and checked.
+
+    Attributes
+    ----------
+    path : of its file
+    title : of the lift
+    scenario : shipped name or file
+    settings : changes of the scenario in every phase
+    whole : what holds for the whole lift
+    phases : in their order
+    """
+
+    path: Path
+    title: str
+    scenario: str
+    settings: tuple[Setting, ...]
+    whole: PlanParameters
+    phases: tuple[Phase, ...] = field(default_factory=tuple)
+
+
+def shipped_plans() -> dict[str, Path]:
+    """Return the plans that come with the suite, by name."""
+    folder = Path(str(resources.files("heave_bringup"))) / "lifts"
+    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+
+
+def read_plan(name: str) -> Plan:
+    """Return the shipped plan `name`, or that of the file; raise ParameterError, in one line, for what is wrong."""
+    shipped = shipped_plans()
+    path = shipped.get(name, Path(name))
+    if not path.is_file():
+        raise ParameterError(f"{name}: no such plan or file; shipped are: {', '.join(shipped)}")
+    try:
+        content = _mapping(parse_yaml(read_given(path), only_true_and_false=True), str(path))
+    except (OSError, ValueError) as error:
+        raise ParameterError(f"{path}: {' '.join(str(error).split())}") from error
+    _refuse_keys(content, _OF_PLAN, PlanParameters, str(path))
+    for needed in ("scenario", "phases"):
+        if not content.get(needed):
+            raise ParameterError(f"{path}: {needed} is missing")
+    if not isinstance(content["phases"], list):
+        raise ParameterError(f"{path}: phases must be a list")
+    scenario = str(content["scenario"])
+    beside = path.parent / scenario
+    common = _criteria(content.get("wanted") or {}, str(path))
+    phases = tuple(_phase(entry, f"{path}: phase {n}", common) for n, entry in enumerate(content["phases"], 1))
+    names = [phase.name for phase in phases]
+    if twice := next((name for name in names if names.count(name) > 1), ""):
+        raise ParameterError(f"{path}: two phases are called {twice}")
+    return Plan(
+        path,
+        str(content.get("title") or path.stem),
+        str(beside) if beside.suffix in (".yaml", ".yml") and beside.is_file() else scenario,
+        _settings(content.get("set") or {}, f"{path}: set"),
+        build_parameters(PlanParameters, _own(content, PlanParameters), where=str(path)),
+        phases,
+    )
+
+
+def _phase(entry: Any, where: str, common: Mapping[str, Criterion]) -> Phase:
+    content = _mapping(entry, where)
+    if not content.get("name"):
+        raise ParameterError(f"{where}: name is missing")
+    where = f"{where} ({content['name']})"
+    _refuse_keys(content, _OF_PHASE, PhaseParameters, where)
+    if "depth" not in content:
+        raise ParameterError(f"{where}: depth is missing: the depths of the unit at start and end [m], as [20, 1400]")
+    does = build_parameters(PhaseParameters, _own(content, PhaseParameters), where=where)
+    if does.duration == 0.0 and (does.speed == 0.0 or does.depth[0] == does.depth[1]):
+        raise ParameterError(f"{where}: needs a duration [s], or a speed [m/s] and two depths that differ")
+    criteria = {**common, **_criteria(content.get("wanted") or {}, where)}
+    if not criteria:
+        raise ParameterError(f'{where}: no criteria: add wanted, as in {{dynamic_amplification: "<= 1.3"}}')
+    settings = _settings(content.get("set") or {}, f"{where}: set")
+    phase = Phase(str(content["name"]), does, settings, tuple(criteria.values()))
+    if does.compensated and phase.kind == AIR:
+        raise ParameterError(f"{where}: compensated: limits in air are those of the locked winch; leave it out")
+    return phase
+
+
+def _criteria(wanted: Any, where: str) -> dict[str, Criterion]:
+    found = {}
+    for key, bound in _mapping(wanted, f"{where}: wanted").items():
+        criterion = parse_criterion(Given(bound, key, f"{where}: wanted"))
+        if criterion.kpi not in PLANNED:
+            raise ParameterError(
+                f"{where}: wanted: {criterion.kpi} is no figure that a plan predicts; it takes {', '.join(PLANNED)}"
+            )
+        found[criterion.kpi] = criterion
+    return found
+
+
+def _settings(values: Any, where: str) -> tuple[Setting, ...]:
+    return tuple(make_setting(place, value, f"{where}: {place}") for place, value in _mapping(values, where).items())
+
+
+def _own(content: Mapping[str, Any], kind: type) -> dict[str, object]:
+    """Return the values of the `content` that belong to the parameter set `kind`."""
+    return {one.name: content[one.name] for one in fields(kind) if one.name in content}
+
+
+def _mapping(value: Any, where: str) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping):
+        raise ParameterError(f"{where}: must be a mapping, not {value!r}")
+    return value
+
+
+def _refuse_keys(content: Mapping[str, object], others: set[str], kind: type, where: str) -> None:
+    known: Sequence[str] = sorted({*others, *(one.name for one in fields(kind))})
+    if unknown := sorted(str(key) for key in content if key not in known):
+        raise ParameterError(f"{where}: unknown key {unknown[0]}; known: {', '.join(known)}")
