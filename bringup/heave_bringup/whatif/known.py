@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -18,14 +19,14 @@ from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.whatif.answer import MODEL_LEAST, MODEL_MOST
 from heave_bringup.whatif.identify.cable import CableFit, fit_cable
-from heave_bringup.whatif.identify.evidence import BEGINS, Evidence
+from heave_bringup.whatif.identify.evidence import BEGINS, LONGEST, Evidence
 from heave_bringup.whatif.identify.prior import STIFFNESS, Prior, prior_of
 from heave_bringup.whatif.signals.disturbance import Disturbance, disturbance
 from heave_bringup.whatif.signals.record import SensorRecord
 from heave_bringup.whatif.signals.tip import HighPass
 from heave_bringup.whatif.signals.tip_source import tip_source
 from heave_bringup.whatif.twin.again import Again, observed_again
-from heave_bringup.whatif.twin.plant import PlantFactors, PlantMotion, driven, scaled_line
+from heave_bringup.whatif.twin.plant import PlantFactors, PlantMotion, driven, nominal_line, scaled_line
 from heave_bringup.whatif.twin.replay import Past, Replayed, locked
 from heave_bringup.whatif.twin.winch import past_winch, winch_under
 
@@ -55,6 +56,8 @@ LOOKS = 3
 """Number of searches for the time at which the cable is first slack."""
 
 Show = Callable[[str, float], None]
+
+T = TypeVar("T")
 
 
 def quiet(words: str, share: float) -> None:
@@ -108,6 +111,18 @@ class Known:
         return math.hypot(math.sqrt(max(square, 0.0)), self.by_tip)
 
     @property
+    def enough(self) -> int:
+        """Number of ticks, from the first on, over which a loop is closed again for the bands."""
+        return min(self.window.start + round(LONGEST / self.past.record.tick_period), self.past.record.ticks)
+
+    def part(self, count: int) -> Known:
+        """Return what is known of the first `count` ticks."""
+        ticks = self.past.record.ticks
+        of_ticks = ("past", "unexplained", "snapped", "set_point", "off")
+        cut = {name: shortened(getattr(self, name), ticks, count) for name in of_ticks}
+        return replace(self, **cut, window=slice(self.window.start, count))
+
+    @property
     def model(self) -> float:
         """Relative error of the twins in what they add to the record: what they left of it over what they explained."""
         explained = float(np.std(self.past.plant.unit[self.window]))
@@ -126,6 +141,20 @@ class Known:
         # one-sided density over omega: twice the power over 2 pi
         step = float(evidence.omegas[1] - evidence.omegas[0])
         return math.sqrt(float(np.sum(power)) * step / math.pi)
+
+
+def shortened(value: T, ticks: int, count: int) -> T:
+    """Return a `value` with the first `count` of everything in it that has one value for each of so many `ticks`."""
+    if isinstance(value, SensorRecord):
+        return value.part(float(value.time[0]) + (count - 0.5) * value.tick_period)
+    if is_dataclass(value):
+        parts = {one.name: shortened(getattr(value, one.name), ticks, count) for one in fields(value)}
+        return replace(value, **parts)
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return type(value)(*(shortened(one, ticks, count) for one in value))
+    if isinstance(value, (tuple, np.ndarray)) and len(value) == ticks:
+        return value[:count]
+    return value
 
 
 def learn(
@@ -153,7 +182,7 @@ def learn(
     winch = past_winch(record, winch_under(beliefs, nominal), beliefs.value(ENCODER_SCALE, nominal))
     source = tip_source(record, corrections(beliefs, nominal)["mru"], assumed_high_pass(beliefs, nominal))
     depth_scale, end = beliefs.value(DEPTH_SCALE, nominal), float(record.time[-1])
-    evidence = Evidence(record, nominal, source, winch, depth_scale, end)
+    evidence = Evidence(record, nominal, nominal_line(nominal), source, winch, depth_scale, end)
     fit = identified(evidence, prior or prior_of(nominal))
     show("cable and unit", 1.0)
     return _known(evidence, again, fit, start)
@@ -188,7 +217,8 @@ def assumed_high_pass(beliefs: Beliefs, nominal: WinchControllerParameters) -> H
 def _known(evidence: Evidence, again: Again, fit: CableFit, start: float) -> Known:
     """Return what is known under a `fit`; `start` is that of the window that is judged [s]."""
     record, nominal, winch = evidence.record, evidence.nominal, evidence.winch
-    evidence = replace(evidence, source=fit.source, end=fit.end)
+    if evidence.source is not fit.source or evidence.end != fit.end:
+        evidence = replace(evidence, source=fit.source, end=fit.end)
     tip, dt = evidence.tip(fit.values), record.tick_period
     line = scaled_line(evidence.line(fit.values), PlantFactors(stiffness=fit.values[STIFFNESS]))
     plant = driven(line, nominal.length, tip, winch.payout, winch.rate, tick_period=dt)

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from concurrent.futures import as_completed
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 
 from heave_bringup.whatif.answer import Figures, Spread, figures, unit_motion, with_bands
-from heave_bringup.whatif.known import OFF, Known, Show, off_sigma, quiet, show_some
+from heave_bringup.whatif.known import OFF, Known, Show, off_sigma, quiet, shortened, show_some
 from heave_bringup.whatif.twin.plant import driven
 from heave_bringup.whatif.twin.replay import Asked, Replayed, replay
 from heave_bringup.whatif.twin.winch import tension_at_ticks
+from heave_bringup.workers.pool import worker_pool
 
 
 @dataclass(frozen=True)
@@ -36,31 +38,74 @@ class Answer:
     cause: str
 
 
-def answer(
-    known: Known, asked: Asked, others: Sequence[Known] = (), plants: Sequence[Known] = (), *, show: Show = quiet
-) -> Answer:
-    """Return what the loop that is `asked` for would have done.
+def answers(
+    known: Known,
+    wanted: Sequence[Asked],
+    others: Sequence[Known] = (),
+    plants: Sequence[Known] = (),
+    *,
+    processes: int = 1,
+    show: Show = quiet,
+) -> list[Answer]:
+    """Return what the loops that are asked for would have done.
 
     Parameters
     ----------
     known : by the record
-    asked : controller and winch
-    others : draws of what the record allows, over which the loop is closed again, for the bands
+    wanted : controllers and winches
+    others : draws of what the record allows, over which each loop is closed again, for the bands
     plants : draws of cable, unit and MRU, on which its payout is tried
+    processes : that close loops at a time
     show : called with what is done, and the share of it
     """
-    ticks = known.past.record.ticks
-    count = 1 + len(others)
-    results = []
-    for number, one in enumerate((known, *others)):
-        on_tick = partial(_show_of, show, asked.name, number * ticks, count * ticks)
-        done = _done(one, asked, on_tick)
-        results.append((done, _figures(one, done)))
-    (done, base), *draws = results
+    parts = [one.part(known.enough) for one in others]
+    tasks = [(one, asked) for asked in wanted for one in (known, *parts)]
+    done = _loops(tasks, processes, show)
+    count = 1 + len(parts)
+    return [
+        _answer(known, asked, done[count * number : count * (number + 1)], parts, plants)
+        for number, asked in enumerate(wanted)
+    ]
+
+
+def _loops(tasks: Sequence[tuple[Known, Asked]], processes: int, show: Show) -> list[Replayed]:
+    """Return what each loop does over what is known, closed in so many `processes`."""
+    ticks = np.cumsum([0, *(one.past.record.ticks for one, _ in tasks)]).tolist()
+    if processes == 1 or len(tasks) == 1:
+        return [
+            _done(one, asked, partial(_show_of, show, asked.name, before, ticks[-1]))
+            for (one, asked), before in zip(tasks, ticks, strict=False)
+        ]
+    is_off = [asked.controller.law == OFF for _, asked in tasks]
+    with worker_pool(min(processes, len(tasks))) as pool:
+        coming = {
+            pool.submit(replay, one.past, asked): one.past.record.ticks
+            for (one, asked), known_already in zip(tasks, is_off, strict=True)
+            if not known_already
+        }
+        closed = 0
+        for future in as_completed(coming):
+            closed += coming[future]
+            show("closing loops", closed / sum(coming.values()))
+        results = iter(coming)
+        return [
+            one.off if known_already else next(results).result()
+            for (one, _), known_already in zip(tasks, is_off, strict=True)
+        ]
+
+
+def _answer(
+    known: Known, asked: Asked, loops: Sequence[Replayed], parts: Sequence[Known], plants: Sequence[Known]
+) -> Answer:
+    """Return what a loop would have done by its `loops`: over what is `known`, then over `parts` that are drawn."""
+    done, *drawn = loops
+    base = _figures(known, done)
+    early = _figures(known.part(known.enough), shortened(done, len(done.time), known.enough))
+    draws = [_figures(one, what) for one, what in zip(parts, drawn, strict=True)]
     past, window = known.past, known.window
     spread = Spread(
-        loops=[one for _, one in draws],
-        plants=[_figures(one, _on_plant(one, asked, done)) for one in plants],
+        loops=[one.beside(early) for one in draws],
+        plants=[_figures(one, _on_plant(one, asked, done)).beside(base) for one in plants],
         added=float(np.std((done.unit + done.set_point - past.moved.unit - known.set_point)[window])),
         locked=float(np.std((known.off.unit - past.moved.unit)[window])),
         model=known.model,
@@ -69,8 +114,8 @@ def answer(
     if asked.controller.law == OFF:
         # it is the reference of the efficiency
         found = replace(found, bands={**found.bands, "unit_efficiency": (0.0, 0.0)})
-    lost = [one for _, one in results if math.isfinite(one.lost_at)]
-    return Answer(asked, found, done, len(lost) / count, lost[0].cause if lost else "")
+    lost = [one for one in (base, *draws) if math.isfinite(one.lost_at)]
+    return Answer(asked, found, done, len(lost) / len(loops), lost[0].cause if lost else "")
 
 
 def _on_plant(known: Known, asked: Asked, done: Replayed) -> Replayed:

@@ -13,10 +13,9 @@ from cable_sim_node.vertical.axial import AxialError, axial_arrays
 from cable_sim_node.vertical.axial_kernel import begin_step, solve_step, start_steadily, write_answer
 from cable_sim_node.vertical.axial_line import AxialLine
 
-
 INPUT = [at.TOP, at.TOP_VELOCITY, at.LENGTH, at.LENGTH_RATE]
 STATE = [at.UNIT_ELEVATION, at.UNIT_VELOCITY, at.TOP_TENSION, at.LEAST_TENSION]
-"""Columns of the kernels in the order of AxialInput, whose payout is the length over that at payout 0, and AxialState."""
+"""Columns of the kernels in the order of AxialInput, its payout as a length, and of AxialState."""
 
 
 class AxialInput(NamedTuple):
@@ -83,7 +82,7 @@ class AxialStepper:
         return self.state
 
     def follow(self, ends: Array) -> Array:
-        """Integrate over intervals that end with these `ends`, (n, 4) as AxialInput; return the states there, (n, 4)."""
+        """Integrate from end to end of intervals, `ends` (n, 4) as AxialInput; return the AxialState at each (n, 4)."""
         states = self._go_on(self._rows(ends))[:, STATE]
         states[:, 0] -= self._rest
         return states

@@ -75,9 +75,7 @@ def twin_stepper(line: AxialLine, length: float, start: Iterable[float], tick_pe
     start : heave and its rate of the boom tip, payout and its rate at the first tick [m], [m/s]
     tick_period : [s]
     """
-    return AxialStepper(
-        line, length, AxialInput(*start), segments=SEGMENTS, duration=tick_period, substeps=SUBSTEPS
-    )
+    return AxialStepper(line, length, AxialInput(*start), segments=SEGMENTS, duration=tick_period, substeps=SUBSTEPS)
 
 
 class TwinPlant:
