@@ -88,6 +88,13 @@ def test_motion_that_the_twin_does_not_explain_is_kept_and_noise_is_not():
     assert nothing.chi2 == pytest.approx(1.0, abs=0.4)
 
 
+def test_motion_that_does_not_end_as_it_began_is_kept_to_the_ends():
+    # a unit that drifts by 0.1 m: as a periodic record it would step by that from its end to its start
+    unknown = 0.1 * TIME / TIME[-1]
+    found = disturbance(heaves(MOTION + unknown), TIME, MOTION, NOISE).heave
+    assert np.abs(found - (unknown - unknown.mean())).max() < NOISE
+
+
 def test_a_transform_has_the_power_of_white_noise_whatever_its_times():
     random = np.random.default_rng(5)
     times = np.sort(random.uniform(0.0, 400.0, 4000))
