@@ -19,7 +19,7 @@ from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.whatif.answer import MODEL_LEAST, MODEL_MOST
 from heave_bringup.whatif.identify.cable import CableFit, fit_cable
-from heave_bringup.whatif.identify.evidence import BEGINS, LONGEST, Evidence
+from heave_bringup.whatif.identify.evidence import BEGINS, Evidence
 from heave_bringup.whatif.identify.prior import STIFFNESS, Prior, prior_of
 from heave_bringup.whatif.signals.disturbance import Disturbance, disturbance
 from heave_bringup.whatif.signals.record import SensorRecord
@@ -51,6 +51,10 @@ LEAST_TAUT = 40.0
 
 PLANTS = 12
 """Number of other plants on which the motion of a loop is tried: enough for a spread to a fifth."""
+
+DRAWN = 300.0
+"""Longest part of what is judged over which a loop is closed again for the bands [s]: some 30 waves. It is compared with
+the same part of the answer."""
 
 LOOKS = 3
 """Number of searches for the time at which the cable is first slack."""
@@ -113,7 +117,7 @@ class Known:
     @property
     def enough(self) -> int:
         """Number of ticks, from the first on, over which a loop is closed again for the bands."""
-        return min(self.window.start + round(LONGEST / self.past.record.tick_period), self.past.record.ticks)
+        return min(self.window.start + round(DRAWN / self.past.record.tick_period), self.past.record.ticks)
 
     def part(self, count: int) -> Known:
         """Return what is known of the first `count` ticks."""
