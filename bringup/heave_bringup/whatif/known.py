@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -22,7 +21,7 @@ from heave_bringup.whatif.identify.cable import CableFit, fit_cable
 from heave_bringup.whatif.identify.evidence import BEGINS, Evidence
 from heave_bringup.whatif.identify.prior import STIFFNESS, Prior, prior_of
 from heave_bringup.whatif.signals.disturbance import Disturbance, disturbance
-from heave_bringup.whatif.signals.record import SensorRecord
+from heave_bringup.whatif.signals.record import SensorRecord, shortened
 from heave_bringup.whatif.signals.tip import HighPass
 from heave_bringup.whatif.signals.tip_source import tip_source
 from heave_bringup.whatif.twin.again import Again, observed_again
@@ -53,15 +52,12 @@ PLANTS = 12
 """Number of other plants on which the motion of a loop is tried: enough for a spread to a fifth."""
 
 DRAWN = 300.0
-"""Longest part of what is judged over which a loop is closed again for the bands [s]: some 30 waves. It is compared with
-the same part of the answer."""
+"""Longest part of what is judged over which a loop is closed again for the bands [s]: 30 waves."""
 
 LOOKS = 3
 """Number of searches for the time at which the cable is first slack."""
 
 Show = Callable[[str, float], None]
-
-T = TypeVar("T")
 
 
 def quiet(words: str, share: float) -> None:
@@ -117,7 +113,7 @@ class Known:
     @property
     def enough(self) -> int:
         """Number of ticks, from the first on, over which a loop is closed again for the bands."""
-        return min(self.window.start + round(DRAWN / self.past.record.tick_period), self.past.record.ticks)
+        return min(int(self.window.start) + round(DRAWN / self.past.record.tick_period), self.past.record.ticks)
 
     def part(self, count: int) -> Known:
         """Return what is known of the first `count` ticks."""
@@ -145,20 +141,6 @@ class Known:
         # one-sided density over omega: twice the power over 2 pi
         step = float(evidence.omegas[1] - evidence.omegas[0])
         return math.sqrt(float(np.sum(power)) * step / math.pi)
-
-
-def shortened(value: T, ticks: int, count: int) -> T:
-    """Return a `value` with the first `count` of everything in it that has one value for each of so many `ticks`."""
-    if isinstance(value, SensorRecord):
-        return value.part(float(value.time[0]) + (count - 0.5) * value.tick_period)
-    if is_dataclass(value):
-        parts = {one.name: shortened(getattr(value, one.name), ticks, count) for one in fields(value)}
-        return replace(value, **parts)
-    if isinstance(value, tuple) and hasattr(value, "_fields"):
-        return type(value)(*(shortened(one, ticks, count) for one in value))
-    if isinstance(value, (tuple, np.ndarray)) and len(value) == ticks:
-        return value[:count]
-    return value
 
 
 def learn(

@@ -11,7 +11,8 @@ from functools import partial
 import numpy as np
 
 from heave_bringup.whatif.answer import Figures, Spread, figures, unit_motion, with_bands
-from heave_bringup.whatif.known import OFF, Known, Show, off_sigma, quiet, shortened, show_some
+from heave_bringup.whatif.known import OFF, Known, Show, off_sigma, quiet, show_some
+from heave_bringup.whatif.signals.record import shortened
 from heave_bringup.whatif.twin.plant import driven
 from heave_bringup.whatif.twin.replay import Asked, Replayed, replay
 from heave_bringup.whatif.twin.winch import tension_at_ticks
