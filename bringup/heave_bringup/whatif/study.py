@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 
+from heave_bringup.errors import CommandError
 from heave_bringup.whatif.answer import Figures, Spread, figures, unit_motion, with_bands
 from heave_bringup.whatif.known import OFF, Known, Show, off_sigma, quiet, show_some
 from heave_bringup.whatif.signals.record import shortened
 from heave_bringup.whatif.twin.plant import driven
-from heave_bringup.whatif.twin.replay import Asked, Replayed, replay
+from heave_bringup.whatif.twin.replay import Asked, Past, Replayed, replay
 from heave_bringup.whatif.twin.winch import tension_at_ticks
 from heave_bringup.workers.pool import worker_pool
 
@@ -60,39 +62,39 @@ def answers(
     show : called with what is done, and the share of it
     """
     parts = [one.part(known.enough) for one in others]
-    tasks = [(one, asked) for asked in wanted for one in (known, *parts)]
-    done = _loops(tasks, processes, show)
-    count = 1 + len(parts)
+    each = (known, *parts)
+    closed = iter(
+        _closed([(one.past, asked) for asked in wanted if not _is_off(asked) for one in each], processes, show)
+    )
     return [
-        _answer(known, asked, done[count * number : count * (number + 1)], parts, plants)
-        for number, asked in enumerate(wanted)
+        _answer(known, asked, [one.off if _is_off(asked) else next(closed) for one in each], parts, plants)
+        for asked in wanted
     ]
 
 
-def _loops(tasks: Sequence[tuple[Known, Asked]], processes: int, show: Show) -> list[Replayed]:
-    """Return what each loop does over what is known, closed in so many `processes`."""
-    ticks = np.cumsum([0, *(one.past.record.ticks for one, _ in tasks)]).tolist()
-    if processes == 1 or len(tasks) == 1:
+def _is_off(asked: Asked) -> bool:
+    """Return whether what is asked for is no loop: the winch is locked."""
+    return asked.controller.law == OFF
+
+
+def _closed(tasks: Sequence[tuple[Past, Asked]], processes: int, show: Show) -> list[Replayed]:
+    """Return what each loop does over its past, closed in so many `processes`."""
+    before = np.cumsum([0, *(past.record.ticks for past, _ in tasks)]).tolist()
+    if processes == 1 or len(tasks) <= 1:
         return [
-            _done(one, asked, partial(_show_of, show, asked.name, before, ticks[-1]))
-            for (one, asked), before in zip(tasks, ticks, strict=False)
+            replay(past, asked, on_tick=partial(_show_of, show, asked.name, start, before[-1]))
+            for (past, asked), start in zip(tasks, before, strict=False)
         ]
-    is_off = [asked.controller.law == OFF for _, asked in tasks]
-    with worker_pool(min(processes, len(tasks))) as pool:
-        coming = {
-            pool.submit(replay, one.past, asked): one.past.record.ticks
-            for (one, asked), known_already in zip(tasks, is_off, strict=True)
-            if not known_already
-        }
-        closed = 0
-        for future in as_completed(coming):
-            closed += coming[future]
-            show("closing loops", closed / sum(coming.values()))
-        results = iter(coming)
-        return [
-            one.off if known_already else next(results).result()
-            for (one, _), known_already in zip(tasks, is_off, strict=True)
-        ]
+    try:
+        with worker_pool(min(processes, len(tasks))) as pool:
+            coming = {pool.submit(replay, past, asked): past.record.ticks for past, asked in tasks}
+            done = 0
+            for future in as_completed(coming):
+                done += coming[future]
+                show("closing loops", done / before[-1])
+            return [future.result() for future in coming]
+    except BrokenProcessPool as error:
+        raise CommandError("a process ended without a result: it was killed, or out of memory") from error
 
 
 def _answer(
@@ -112,7 +114,7 @@ def _answer(
         model=known.model,
     )
     found = with_bands(base, spread, off_sigma(known))
-    if asked.controller.law == OFF:
+    if _is_off(asked):
         # it is the reference of the efficiency
         found = replace(found, bands={**found.bands, "unit_efficiency": (0.0, 0.0)})
     lost = [one for one in (base, *draws) if math.isfinite(one.lost_at)]
@@ -121,17 +123,11 @@ def _answer(
 
 def _on_plant(known: Known, asked: Asked, done: Replayed) -> Replayed:
     """Return what a loop has `done`, with the motions of the plant that is `known`."""
-    if asked.controller.law == OFF:
+    if _is_off(asked):
         return known.off
     past = known.past
     motion = driven(past.line, past.length, past.tip, done.payout, done.rate, tick_period=past.record.tick_period)
     return replace(done, unit=motion.unit, tension=motion.tension)
-
-
-def _done(known: Known, asked: Asked, on_tick: Callable[[int], None]) -> Replayed:
-    if asked.controller.law == OFF:
-        return known.off
-    return replay(known.past, asked, on_tick=on_tick)
 
 
 def _figures(known: Known, done: Replayed) -> Figures:
