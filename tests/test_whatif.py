@@ -11,7 +11,7 @@ from heave_bringup.whatif.asked import nominal_of
 from heave_bringup.whatif.known import learn
 from heave_bringup.whatif.signals.from_bag import SELECTION, read_record, scenario_text, write_text
 from heave_bringup.whatif.study import answers, same_again
-from heave_bringup.whatif.twin.replay import Asked
+from heave_bringup.whatif.twin.replay import Asked, replay
 from heave_msgs.msg import WinchState
 from rclpy.serialization import deserialize_message, serialize_message
 
@@ -106,9 +106,16 @@ def test_an_answer_is_near_to_what_then_was():
 def test_the_same_law_gives_the_record_again():
     scenario = scenario_of(make_draw(0, 1), "mpc")
     _, record = Recording(scenario).record()
-    known = learn(record, scenario.parameters["winch_controller"], start=90.0)
+    nominal = scenario.parameters["winch_controller"]
+    known = learn(record, nominal, start=90.0)
     assert known.again.is_same
     assert same_again(known) == (0.0, 0.0)
+    own = Asked("own", nominal)
+    (answered,), closed = answers(known, [own]), replay(known.past, own)
+    # it is not closed for the answer: closing it gives nothing else
+    assert np.array_equal(answered.done.unit, closed.unit)
+    assert np.array_equal(answered.done.payout, closed.payout)
+    assert answered.done.modes == closed.modes
 
 
 @pytest.mark.long

@@ -62,19 +62,29 @@ def answers(
     show : called with what is done, and the share of it
     """
     parts = [one.part(known.enough) for one in others]
-    each = (known, *parts)
-    closed = iter(
-        _closed([(one.past, asked) for asked in wanted if not _is_off(asked) for one in each], processes, show)
-    )
+    tasks = [(one, asked) for asked in wanted for one in (known, *parts)]
+    seen = [_seen(one, asked) if one is known or _is_off(asked) else None for one, asked in tasks]
+    open_ = [(one.past, asked) for (one, asked), done in zip(tasks, seen, strict=True) if done is None]
+    closed = iter(_closed(open_, processes, show))
+    done = [next(closed) if one is None else one for one in seen]
+    count = 1 + len(parts)
     return [
-        _answer(known, asked, [one.off if _is_off(asked) else next(closed) for one in each], parts, plants)
-        for asked in wanted
+        _answer(known, asked, done[count * number : count * (number + 1)], parts, plants)
+        for number, asked in enumerate(wanted)
     ]
 
 
 def _is_off(asked: Asked) -> bool:
     """Return whether what is asked for is no loop: the winch is locked."""
     return asked.controller.law == OFF
+
+
+def _seen(known: Known, asked: Asked) -> Replayed | None:
+    """Return what is asked for where what is `known` has it already: the winch locked, or the record itself."""
+    if _is_off(asked):
+        return known.off
+    is_own = asked.controller == known.nominal and asked.winch is None
+    return _as_recorded(known) if is_own and known.again.is_same else None
 
 
 def _closed(tasks: Sequence[tuple[Past, Asked]], processes: int, show: Show) -> list[Replayed]:
@@ -154,16 +164,21 @@ def _show_of(show: Show, words: str, before: int, of: int, done: int) -> None:
 
 def recorded(known: Known) -> Figures:
     """Return the figures of the record itself, by what is `known` of it."""
+    return _figures(known, _as_recorded(known))
+
+
+def _as_recorded(known: Known) -> Replayed:
+    """Return what the loop of the record did: its orders given again give its payout and readings to the last bit."""
     past, record = known.past, known.past.record
-    done = replace(
+    return replace(
         known.off,
         payout=past.winch.payout,
         rate=past.winch.rate,
         unit=past.plant.unit,
         tension=past.plant.tension,
+        modes=record.modes,
         limits_hit=record.limits_hit,
     )
-    return _figures(known, done)
 
 
 def same_again(known: Known, *, show: Show = quiet) -> tuple[float, float]:
