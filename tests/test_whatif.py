@@ -10,10 +10,12 @@ from heave_bags.mcap.reader import Bag
 from heave_bringup.whatif.asked import nominal_of
 from heave_bringup.whatif.known import learn
 from heave_bringup.whatif.signals.from_bag import SELECTION, read_record, scenario_text, write_text
-from heave_bringup.whatif.study import same_again
+from heave_bringup.whatif.study import answers, same_again
+from heave_bringup.whatif.twin.replay import Asked, replay
 from heave_msgs.msg import WinchState
 from rclpy.serialization import deserialize_message, serialize_message
 
+from tests.campaigns import whatif as campaign
 from tests.campaigns.in_process import heave, judge
 from tests.campaigns.whatif import Recording, make_draw, run_draw, scenario_of
 
@@ -104,6 +106,30 @@ def test_an_answer_is_near_to_what_then_was():
 def test_the_same_law_gives_the_record_again():
     scenario = scenario_of(make_draw(0, 1), "mpc")
     _, record = Recording(scenario).record()
-    known = learn(record, scenario.parameters["winch_controller"], start=90.0)
+    nominal = scenario.parameters["winch_controller"]
+    known = learn(record, nominal, start=90.0)
     assert known.again.is_same
     assert same_again(known) == (0.0, 0.0)
+    own = Asked("own", nominal)
+    (answered,), closed = answers(known, [own]), replay(known.past, own)
+    # it is not closed for the answer: closing it gives nothing else
+    assert np.array_equal(answered.done.unit, closed.unit)
+    assert np.array_equal(answered.done.payout, closed.payout)
+    assert answered.done.modes == closed.modes
+
+
+@pytest.mark.long
+def test_loops_that_are_closed_in_other_processes_answer_alike(monkeypatch):
+    monkeypatch.setattr(campaign, "DURATION", 100.0)
+    scenario = scenario_of(make_draw(0, 1), "off")
+    _, record = Recording(scenario).record()
+    nominal = scenario.parameters["winch_controller"]
+    known = learn(record, nominal, start=40.0).part(1400)
+    asked = [Asked(law, replace(nominal, law=law)) for law in ("lqg", "off")]
+    here, there = (answers(known, asked, [known], processes=count) for count in (1, 2))
+    for one, other in zip(here, there, strict=True):
+        assert one.figures.values == other.figures.values
+        assert one.figures.bands == other.figures.bands
+        assert np.array_equal(one.done.payout, other.done.payout)
+    # a draw that is the record's own plant and winch spreads nothing
+    assert here[0].figures.bands["winch_speed_max_mps"] == (here[0].figures.values["winch_speed_max_mps"],) * 2

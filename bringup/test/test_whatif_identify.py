@@ -70,7 +70,8 @@ def evidence(nominal, monkeypatch, heave, rate):
     count = len(TIME)
     record = SensorRecord(TICK, 1, given, (None,) * count, np.full(count, math.nan), ("",) * count)
     source = tip_source(record, AS_READ, HighPass())
-    return Evidence(record, nominal, source, PastWinch(still, still, still, still, 0.0), 1.0, float(TIME[-1])), motion
+    winch = PastWinch(still, still, still, still, 0.0)
+    return Evidence(record, nominal, plant.nominal_line(nominal), source, winch, 1.0, float(TIME[-1])), motion
 
 
 @pytest.mark.long
@@ -144,7 +145,8 @@ def test_a_long_record_is_judged_by_its_last_part(nominal):
     still = np.zeros(72000)
     tip = Tip(still, still, 0.01)
     source = TipSource(time, tip, AS_READ, HighPass(), still, still)
-    given = Evidence(record, nominal, source, PastWinch(still, still, still, still, 0.0), 1.0, 3600.0)
+    winch = PastWinch(still, still, still, still, 0.0)
+    given = Evidence(record, nominal, plant.nominal_line(nominal), source, winch, 1.0, 3600.0)
     assert given.start == 2700.0
     assert record.time[given.ticks][0] == pytest.approx(2520.0)
     assert record.time[given.ticks][-1] == pytest.approx(3600.0)

@@ -12,7 +12,7 @@ from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from heave_bringup.whatif.signals.disturbance import disturbance
-from heave_bringup.whatif.signals.record import SensorRecord, bridged
+from heave_bringup.whatif.signals.record import SensorRecord, bridged, shortened
 from heave_bringup.whatif.signals.spectra import Speeds, gains_over_top, noise_power, tapered_transform
 from heave_bringup.whatif.signals.tip import HighPass, smoothed_tip
 from heave_bringup.whatif.signals.tip_source import tip_source
@@ -86,6 +86,13 @@ def test_motion_that_the_twin_does_not_explain_is_kept_and_noise_is_not():
     nothing = disturbance(heaves(MOTION), TIME, MOTION, NOISE)
     assert np.std(nothing.heave) < 0.2 * NOISE
     assert nothing.chi2 == pytest.approx(1.0, abs=0.4)
+
+
+def test_motion_that_does_not_end_as_it_began_is_kept_to_the_ends():
+    # a unit that drifts by 0.1 m: as a periodic record it would step by that from its end to its start
+    unknown = 0.1 * TIME / TIME[-1]
+    found = disturbance(heaves(MOTION + unknown), TIME, MOTION, NOISE).heave
+    assert np.abs(found - (unknown - unknown.mean())).max() < NOISE
 
 
 def test_a_transform_has_the_power_of_white_noise_whatever_its_times():
@@ -175,3 +182,14 @@ def test_what_the_drum_did_is_known_to_less_than_the_noise_of_its_encoder_though
 def test_gaps_are_bridged_in_a_straight_line():
     assert bridged(np.array([1.0, math.nan, 3.0])).tolist() == [1.0, 2.0, 3.0]
     assert np.isnan(bridged(np.full(3, math.nan))).all()
+
+
+def test_the_first_ticks_are_taken_of_all_that_has_one_value_a_tick():
+    whole = record()
+    tip = smoothed_tip(whole, AS_READ, HighPass())
+    part = shortened({"a": 1}, 4000, 30), shortened(tip, 4000, 30), shortened(whole, 4000, 30)
+    assert part[0] == {"a": 1}
+    assert np.array_equal(part[1].heave, tip.heave[:30])
+    assert part[1].sigma == tip.sigma
+    assert part[2].measurements == whole.measurements[:30]
+    assert part[2].ticks == len(part[2].time) == 30

@@ -34,6 +34,18 @@ def test_ticks_give_the_motion_of_a_whole_record_and_converge_to_it():
     assert np.abs(coarse - whole).max() < 2e-3  # BDF2 at 12.5 ms and the mesh: 0.2 % of a motion of a metre
 
 
+def test_many_ticks_at_once_are_those_one_by_one_to_the_last_bit():
+    time = np.arange(0.0, 20.0, TICK)
+    rows = np.column_stack([0.8 * np.sin(time), 0.8 * np.cos(time), 0.3 * np.cos(time), -0.3 * np.sin(time)])
+    one, many = (
+        AxialStepper(LINE, PARAMETERS.length, AxialInput(*rows[0]), segments=12, duration=TICK, substeps=4)
+        for _ in range(2)
+    )
+    expected = np.array([one.advance(AxialInput(*row)) for row in rows[1:]])
+    assert np.array_equal(np.vstack([many.follow(rows[1:200]), many.follow(rows[200:])]), expected)
+    assert many.state == one.state
+
+
 def test_a_cable_that_is_hauled_in_to_nothing_is_refused():
     with pytest.raises(AxialError, match=r"cannot have a length of -1 m"):
         AxialStepper(

@@ -56,6 +56,10 @@ class Figures:
     lost_at: float = math.inf
     cause: str = ""
 
+    def beside(self, base: Figures) -> dict[str, float]:
+        """Return by how much each figure is other than that of a `base`."""
+        return {key: value - base.values[key] for key, value in self.values.items()}
+
 
 def unit_motion(done: Replayed, unexplained: Disturbance) -> Array:
     """Return the heave of the unit about its mean depth at each tick [m]: of the twin as `done`, and `unexplained`."""
@@ -120,24 +124,24 @@ class Spread:
 
     Attributes
     ----------
-    loops : figures of the loop closed over other plants and winches that the record allows
-    plants : figures of the same payout on other plants that it allows
+    loops : what changes in the figures where the loop is closed over other plants and winches that the record allows
+    plants : what changes in them where the same payout acts on other plants that it allows
     added : standard deviation of the motion that the twins add to the record [m]
     locked : the same of the winch locked [m]
     model : relative error of the twins in both [-]
     """
 
-    loops: Sequence[Figures]
-    plants: Sequence[Figures]
+    loops: Sequence[Mapping[str, float]]
+    plants: Sequence[Mapping[str, float]]
     added: float
     locked: float
     model: float
 
-    def half(self, key: str, value: float) -> float:
-        """Return half the width of a band of the figure `key` about its `value`, by what the record allows."""
+    def half(self, key: str) -> float:
+        """Return half the width of a band of the figure `key`, by what the record allows."""
         # a t distribution of so few draws is wider than a normal one
         widths = [
-            COVERED * (1.0 + 1.5 / len(draws)) * _rms([one.values[key] - value for one in draws])
+            COVERED * (1.0 + 1.5 / len(draws)) * _rms([one[key] for one in draws])
             for draws in (self.loops, self.plants)
             if draws
         ]
@@ -155,16 +159,16 @@ def with_bands(base: Figures, spread: Spread, uncompensated: float) -> Figures:
     """
     bands = {}
     for key, value in base.values.items():
-        half = spread.half(key, value)
+        half = spread.half(key)
         bands[key] = (value - half, value + half)
     sigma, error = base.values["unit_sigma_m"], COVERED * spread.model * spread.added
     above, below = math.hypot(sigma, error) - sigma + 0.5 * error, min(0.5 * error, 0.5 * sigma)
-    half = spread.half("unit_sigma_m", sigma)
+    half = spread.half("unit_sigma_m")
     low, high = max(sigma - math.hypot(half, below), 0.0), sigma + math.hypot(half, above)
     bands["unit_sigma_m"], bands["significant_residual_m"] = (low, high), (significant(low), significant(high))
     value = base.values["unit_efficiency"]
     if uncompensated > 0.0:
-        half = spread.half("unit_efficiency", value)
+        half = spread.half("unit_efficiency")
         by_off = COVERED * spread.model * spread.locked * (1.0 - value) / uncompensated
         bands["unit_efficiency"] = (
             value - math.hypot(half, above / uncompensated, by_off),

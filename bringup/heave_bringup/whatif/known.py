@@ -21,11 +21,11 @@ from heave_bringup.whatif.identify.cable import CableFit, fit_cable
 from heave_bringup.whatif.identify.evidence import BEGINS, Evidence
 from heave_bringup.whatif.identify.prior import STIFFNESS, Prior, prior_of
 from heave_bringup.whatif.signals.disturbance import Disturbance, disturbance
-from heave_bringup.whatif.signals.record import SensorRecord
+from heave_bringup.whatif.signals.record import SensorRecord, shortened
 from heave_bringup.whatif.signals.tip import HighPass
 from heave_bringup.whatif.signals.tip_source import tip_source
 from heave_bringup.whatif.twin.again import Again, observed_again
-from heave_bringup.whatif.twin.plant import PlantFactors, PlantMotion, driven, scaled_line
+from heave_bringup.whatif.twin.plant import PlantFactors, PlantMotion, driven, nominal_line, scaled_line
 from heave_bringup.whatif.twin.replay import Past, Replayed, locked
 from heave_bringup.whatif.twin.winch import past_winch, winch_under
 
@@ -50,6 +50,9 @@ LEAST_TAUT = 40.0
 
 PLANTS = 12
 """Number of other plants on which the motion of a loop is tried: enough for a spread to a fifth."""
+
+DRAWN = 300.0
+"""Longest part of what is judged over which a loop is closed again for the bands [s]: 30 waves."""
 
 LOOKS = 3
 """Number of searches for the time at which the cable is first slack."""
@@ -108,6 +111,18 @@ class Known:
         return math.hypot(math.sqrt(max(square, 0.0)), self.by_tip)
 
     @property
+    def enough(self) -> int:
+        """Number of ticks, from the first on, over which a loop is closed again for the bands."""
+        return min(int(self.window.start) + round(DRAWN / self.past.record.tick_period), self.past.record.ticks)
+
+    def part(self, count: int) -> Known:
+        """Return what is known of the first `count` ticks."""
+        ticks = self.past.record.ticks
+        of_ticks = ("past", "unexplained", "snapped", "set_point", "off")
+        cut = {name: shortened(getattr(self, name), ticks, count) for name in of_ticks}
+        return replace(self, **cut, window=slice(self.window.start, count))
+
+    @property
     def model(self) -> float:
         """Relative error of the twins in what they add to the record: what they left of it over what they explained."""
         explained = float(np.std(self.past.plant.unit[self.window]))
@@ -153,7 +168,7 @@ def learn(
     winch = past_winch(record, winch_under(beliefs, nominal), beliefs.value(ENCODER_SCALE, nominal))
     source = tip_source(record, corrections(beliefs, nominal)["mru"], assumed_high_pass(beliefs, nominal))
     depth_scale, end = beliefs.value(DEPTH_SCALE, nominal), float(record.time[-1])
-    evidence = Evidence(record, nominal, source, winch, depth_scale, end)
+    evidence = Evidence(record, nominal, nominal_line(nominal), source, winch, depth_scale, end)
     fit = identified(evidence, prior or prior_of(nominal))
     show("cable and unit", 1.0)
     return _known(evidence, again, fit, start)
@@ -188,7 +203,8 @@ def assumed_high_pass(beliefs: Beliefs, nominal: WinchControllerParameters) -> H
 def _known(evidence: Evidence, again: Again, fit: CableFit, start: float) -> Known:
     """Return what is known under a `fit`; `start` is that of the window that is judged [s]."""
     record, nominal, winch = evidence.record, evidence.nominal, evidence.winch
-    evidence = replace(evidence, source=fit.source, end=fit.end)
+    if evidence.source is not fit.source or evidence.end != fit.end:
+        evidence = replace(evidence, source=fit.source, end=fit.end)
     tip, dt = evidence.tip(fit.values), record.tick_period
     line = scaled_line(evidence.line(fit.values), PlantFactors(stiffness=fit.values[STIFFNESS]))
     plant = driven(line, nominal.length, tip, winch.payout, winch.rate, tick_period=dt)

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from concurrent.futures import as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 
+from heave_bringup.errors import CommandError
 from heave_bringup.whatif.answer import Figures, Spread, figures, unit_motion, with_bands
 from heave_bringup.whatif.known import OFF, Known, Show, off_sigma, quiet, show_some
+from heave_bringup.whatif.signals.record import shortened
 from heave_bringup.whatif.twin.plant import driven
-from heave_bringup.whatif.twin.replay import Asked, Replayed, replay
+from heave_bringup.whatif.twin.replay import Asked, Past, Replayed, replay
 from heave_bringup.whatif.twin.winch import tension_at_ticks
+from heave_bringup.workers.pool import worker_pool
 
 
 @dataclass(frozen=True)
@@ -36,56 +41,103 @@ class Answer:
     cause: str
 
 
-def answer(
-    known: Known, asked: Asked, others: Sequence[Known] = (), plants: Sequence[Known] = (), *, show: Show = quiet
-) -> Answer:
-    """Return what the loop that is `asked` for would have done.
+def answers(
+    known: Known,
+    wanted: Sequence[Asked],
+    others: Sequence[Known] = (),
+    plants: Sequence[Known] = (),
+    *,
+    processes: int = 1,
+    show: Show = quiet,
+) -> list[Answer]:
+    """Return what the loops that are asked for would have done.
 
     Parameters
     ----------
     known : by the record
-    asked : controller and winch
-    others : draws of what the record allows, over which the loop is closed again, for the bands
+    wanted : controllers and winches
+    others : draws of what the record allows, over which each loop is closed again, for the bands
     plants : draws of cable, unit and MRU, on which its payout is tried
+    processes : that close loops at a time
     show : called with what is done, and the share of it
     """
-    ticks = known.past.record.ticks
-    count = 1 + len(others)
-    results = []
-    for number, one in enumerate((known, *others)):
-        on_tick = partial(_show_of, show, asked.name, number * ticks, count * ticks)
-        done = _done(one, asked, on_tick)
-        results.append((done, _figures(one, done)))
-    (done, base), *draws = results
+    parts = [one.part(known.enough) for one in others]
+    tasks = [(one, asked) for asked in wanted for one in (known, *parts)]
+    seen = [_seen(one, asked) if one is known or _is_off(asked) else None for one, asked in tasks]
+    open_ = [(one.past, asked) for (one, asked), done in zip(tasks, seen, strict=True) if done is None]
+    closed = iter(_closed(open_, processes, show))
+    done = [next(closed) if one is None else one for one in seen]
+    count = 1 + len(parts)
+    return [
+        _answer(known, asked, done[count * number : count * (number + 1)], parts, plants)
+        for number, asked in enumerate(wanted)
+    ]
+
+
+def _is_off(asked: Asked) -> bool:
+    """Return whether what is asked for is no loop: the winch is locked."""
+    return asked.controller.law == OFF
+
+
+def _seen(known: Known, asked: Asked) -> Replayed | None:
+    """Return what is asked for where what is `known` has it already: the winch locked, or the record itself."""
+    if _is_off(asked):
+        return known.off
+    is_own = asked.controller == known.nominal and asked.winch is None
+    return _as_recorded(known) if is_own and known.again.is_same else None
+
+
+def _closed(tasks: Sequence[tuple[Past, Asked]], processes: int, show: Show) -> list[Replayed]:
+    """Return what each loop does over its past, closed in so many `processes`."""
+    before = np.cumsum([0, *(past.record.ticks for past, _ in tasks)]).tolist()
+    if processes == 1 or len(tasks) <= 1:
+        return [
+            replay(past, asked, on_tick=partial(_show_of, show, asked.name, start, before[-1]))
+            for (past, asked), start in zip(tasks, before, strict=False)
+        ]
+    try:
+        with worker_pool(min(processes, len(tasks))) as pool:
+            coming = {pool.submit(replay, past, asked): past.record.ticks for past, asked in tasks}
+            done = 0
+            for future in as_completed(coming):
+                done += coming[future]
+                show("closing loops", done / before[-1])
+            return [future.result() for future in coming]
+    except BrokenProcessPool as error:
+        raise CommandError("a process ended without a result: it was killed, or out of memory") from error
+
+
+def _answer(
+    known: Known, asked: Asked, loops: Sequence[Replayed], parts: Sequence[Known], plants: Sequence[Known]
+) -> Answer:
+    """Return what a loop would have done by its `loops`: over what is `known`, then over `parts` that are drawn."""
+    done, *drawn = loops
+    base = _figures(known, done)
+    early = _figures(known.part(known.enough), shortened(done, len(done.time), known.enough))
+    draws = [_figures(one, what) for one, what in zip(parts, drawn, strict=True)]
     past, window = known.past, known.window
     spread = Spread(
-        loops=[one for _, one in draws],
-        plants=[_figures(one, _on_plant(one, asked, done)) for one in plants],
+        loops=[one.beside(early) for one in draws],
+        plants=[_figures(one, _on_plant(one, asked, done)).beside(base) for one in plants],
         added=float(np.std((done.unit + done.set_point - past.moved.unit - known.set_point)[window])),
         locked=float(np.std((known.off.unit - past.moved.unit)[window])),
         model=known.model,
     )
     found = with_bands(base, spread, off_sigma(known))
-    if asked.controller.law == OFF:
+    if _is_off(asked):
         # it is the reference of the efficiency
         found = replace(found, bands={**found.bands, "unit_efficiency": (0.0, 0.0)})
-    lost = [one for _, one in results if math.isfinite(one.lost_at)]
-    return Answer(asked, found, done, len(lost) / count, lost[0].cause if lost else "")
+    lost = [one for one in (base, *draws) if math.isfinite(one.lost_at)]
+    return Answer(asked, found, done, len(lost) / len(loops), lost[0].cause if lost else "")
 
 
 def _on_plant(known: Known, asked: Asked, done: Replayed) -> Replayed:
     """Return what a loop has `done`, with the motions of the plant that is `known`."""
-    if asked.controller.law == OFF:
+    if _is_off(asked):
         return known.off
     past = known.past
     motion = driven(past.line, past.length, past.tip, done.payout, done.rate, tick_period=past.record.tick_period)
     return replace(done, unit=motion.unit, tension=motion.tension)
-
-
-def _done(known: Known, asked: Asked, on_tick: Callable[[int], None]) -> Replayed:
-    if asked.controller.law == OFF:
-        return known.off
-    return replay(known.past, asked, on_tick=on_tick)
 
 
 def _figures(known: Known, done: Replayed) -> Figures:
@@ -112,16 +164,21 @@ def _show_of(show: Show, words: str, before: int, of: int, done: int) -> None:
 
 def recorded(known: Known) -> Figures:
     """Return the figures of the record itself, by what is `known` of it."""
+    return _figures(known, _as_recorded(known))
+
+
+def _as_recorded(known: Known) -> Replayed:
+    """Return what the loop of the record did: its orders given again give its payout and readings to the last bit."""
     past, record = known.past, known.past.record
-    done = replace(
+    return replace(
         known.off,
         payout=past.winch.payout,
         rate=past.winch.rate,
         unit=past.plant.unit,
         tension=past.plant.tension,
+        modes=record.modes,
         limits_hit=record.limits_hit,
     )
-    return _figures(known, done)
 
 
 def same_again(known: Known, *, show: Show = quiet) -> tuple[float, float]:

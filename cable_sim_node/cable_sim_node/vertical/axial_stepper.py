@@ -13,6 +13,10 @@ from cable_sim_node.vertical.axial import AxialError, axial_arrays
 from cable_sim_node.vertical.axial_kernel import begin_step, solve_step, start_steadily, write_answer
 from cable_sim_node.vertical.axial_line import AxialLine
 
+INPUT = [at.TOP, at.TOP_VELOCITY, at.LENGTH, at.LENGTH_RATE]
+STATE = [at.UNIT_ELEVATION, at.UNIT_VELOCITY, at.TOP_TENSION, at.LEAST_TENSION]
+"""Columns of the kernels in the order of AxialInput, its payout as a length, and of AxialState."""
+
 
 class AxialInput(NamedTuple):
     """Motion of the cable's top end at one time.
@@ -69,33 +73,41 @@ class AxialStepper:
         self._arrays = axial_arrays(line, segments)
         self._length, self._duration, self._substeps = length, duration, substeps
         self._rest = -length - line.static_stretch(length)
-        self._end, self._answer = self._row(start), np.zeros(at.ANSWER_COLUMNS)
+        (self._end,), self._answer = self._rows(np.array([start])), np.zeros(at.ANSWER_COLUMNS)
         _start(self._arrays, self._end, duration / substeps, self._answer)
 
     def advance(self, end: AxialInput) -> AxialState:
         """Integrate to the `end` of the next interval and return the state there."""
-        begin, self._end = self._end, self._row(end)
-        if not _advance(self._arrays, begin, self._end, self._duration, self._substeps, self._answer):
-            raise AxialError("the axial cable has no solution: its top end moves too fast")
+        self._go_on(self._rows(np.array([end])))
         return self.state
+
+    def follow(self, ends: Array) -> Array:
+        """Integrate from end to end of intervals, `ends` (n, 4) as AxialInput; return the AxialState at each (n, 4)."""
+        states = self._go_on(self._rows(ends))[:, STATE]
+        states[:, 0] -= self._rest
+        return states
 
     @property
     def state(self) -> AxialState:
         """State of now."""
-        heave, velocity, top, least = self._answer[
-            [at.UNIT_ELEVATION, at.UNIT_VELOCITY, at.TOP_TENSION, at.LEAST_TENSION]
-        ].tolist()
+        heave, velocity, top, least = self._answer[STATE].tolist()
         return AxialState(heave - self._rest, velocity, top, least)
 
-    def _row(self, top: AxialInput) -> Array:
-        row = np.zeros(4)
-        row[[at.TOP, at.TOP_VELOCITY, at.LENGTH, at.LENGTH_RATE]] = (
-            *(top.heave, top.heave_rate),
-            *(self._length + top.payout, top.payout_rate),
-        )
-        if not (np.all(np.isfinite(row)) and row[at.LENGTH] > 0.0):
+    def _go_on(self, ends: Array) -> Array:
+        """Integrate over intervals that end with these rows, and return the answers there."""
+        rows, answers = np.vstack((self._end, ends)), np.empty((len(ends), at.ANSWER_COLUMNS))
+        if not _advance(self._arrays, rows, self._duration, self._substeps, answers):
+            raise AxialError("the axial cable has no solution: its top end moves too fast")
+        self._end, self._answer = rows[-1], answers[-1] if len(answers) else self._answer
+        return answers
+
+    def _rows(self, tops: Array) -> Array:
+        rows = np.zeros((len(tops), 4))
+        rows[:, INPUT] = tops
+        rows[:, at.LENGTH] += self._length
+        for row in rows[~(np.isfinite(rows).all(axis=1) & (rows[:, at.LENGTH] > 0.0))]:
             raise AxialError(f"the cable cannot have a length of {row[at.LENGTH]:g} m under a top at {row[at.TOP]:g} m")
-        return row
+        return rows
 
 
 @kernel
@@ -117,13 +129,14 @@ def _between(begin: Array, end: Array, duration: float, share: float, motion: Ar
 
 
 @kernel
-def _advance(line: at.AxialArrays, begin: Array, end: Array, duration: float, substeps: int, answer: Array) -> bool:
-    """Integrate over an interval; return whether every step was solved."""
+def _advance(line: at.AxialArrays, rows: Array, duration: float, substeps: int, answers: Array) -> bool:
+    """Integrate from row to row, and write the answer at each but the first; return whether every step was solved."""
     motion, h = np.zeros(4), duration / substeps
-    for step in range(1, substeps + 1):
-        _between(begin, end, duration, step / substeps, motion)
-        begin_step(line, motion)
-        if not solve_step(line, motion, h):
-            return False
-    write_answer(line, motion, h, False, answer)
+    for end in range(1, len(rows)):
+        for step in range(1, substeps + 1):
+            _between(rows[end - 1], rows[end], duration, step / substeps, motion)
+            begin_step(line, motion)
+            if not solve_step(line, motion, h):
+                return False
+        write_answer(line, motion, h, False, answers[end - 1])
     return True

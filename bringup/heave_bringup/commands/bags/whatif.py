@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -84,7 +85,7 @@ def _result(bag: Bag, options: argparse.Namespace, scratch: Path, progress: Prog
     from heave_bringup.whatif.identify.prior import prior_of
     from heave_bringup.whatif.known import drawn, learn, other_plants
     from heave_bringup.whatif.signals.from_bag import read_record, scenario_text, write_text
-    from heave_bringup.whatif.study import answer, recorded, same_again
+    from heave_bringup.whatif.study import answers, recorded, same_again
     from heave_bringup.whatif.twin.winch import winch_under
     from heave_bringup.whatif.words import Result
 
@@ -102,8 +103,8 @@ def _result(bag: Bag, options: argparse.Namespace, scratch: Path, progress: Prog
     others = [drawn(known, options.seed, number) for number in range(options.draws)]
     wanted = asked_of(wish, known.past.winch_parameters, has_adviser=record.has_adviser)
     plants = other_plants(known, options.seed)
-    answers = [answer(known, one, others, plants, show=progress.show) for one in wanted]
-    return Result(known, recorded(known), answers, same_again(known, show=progress.show))
+    found = answers(known, wanted, others, plants, processes=os.cpu_count() or 1, show=progress.show)
+    return Result(known, recorded(known), found, same_again(known, show=progress.show))
 
 
 COMMAND = Command(

@@ -21,7 +21,7 @@ from heave_bringup.whatif.signals.record import SensorRecord
 from heave_bringup.whatif.signals.spectra import Speeds, Transform, gains_over_top, noise_power
 from heave_bringup.whatif.signals.tip import Tip
 from heave_bringup.whatif.signals.tip_source import TipSource
-from heave_bringup.whatif.twin.plant import PlantFactors, PlantMotion, driven, nominal_line, scaled_line
+from heave_bringup.whatif.twin.plant import PlantFactors, PlantMotion, driven, scaled_line
 from heave_bringup.whatif.twin.winch import PastWinch
 
 BAND = (0.25, 4.0)
@@ -54,6 +54,7 @@ class Evidence:
     ----------
     record : of the sensors
     nominal : parameters of the controller
+    assumed : cable and unit as those have them
     source : of the boom tip
     winch : what the drum did
     depth_scale : reading over truth [-]
@@ -62,6 +63,7 @@ class Evidence:
 
     record: SensorRecord
     nominal: WinchControllerParameters
+    assumed: AxialLine
     source: TipSource
     winch: PastWinch
     depth_scale: float
@@ -119,7 +121,7 @@ class Evidence:
     def line(self, values: Values) -> AxialLine:
         """Return cable and unit under `values`, their stiffness as nominal."""
         factors = PlantFactors(values[INERTIA], values[DAMPING], values[CABLE_DRAG])
-        return scaled_line(nominal_line(self.nominal), factors)
+        return scaled_line(self.assumed, factors)
 
     def tip(self, values: Values) -> Tip:
         """Return the boom tip under `values`."""

@@ -8,17 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from heave_node.numerics.arrays import Array
 
-from heave_bringup.whatif.signals.spectra import QUIET, noise_level
-from heave_bringup.whatif.signals.tip import smooth_spectrum, smoothed_count
+from heave_bringup.whatif.signals.smoother import smoothed
 
 WAVES = (0.2, 4.0)
 """Angular frequencies of the motion that waves, and the unit on its cable, bring about [rad/s]."""
-
-CHANCE = 1.6
-"""Standard deviations of a smoothed spectrum of noise up to which it is noise."""
-
-LEAST_QUIET = 20
-"""Fewer quiet frequencies than this do not tell the noise; it is then taken from the parameters."""
 
 
 class Disturbance(NamedTuple):
@@ -57,24 +50,12 @@ def disturbance(readings: Array, time: Array, twin: Array, stated_noise: float) 
     count = round((times[-1] - times[0]) / period) + 1
     grid = times[0] + period * np.arange(count)
     gap = np.interp(grid, times, values) - np.interp(grid, time, twin)
-    gap = gap - gap.mean()
-    omega = np.asarray(2.0 * math.pi * np.fft.rfftfreq(count, period), dtype=np.float64)
-    transform = np.fft.rfft(gap)
-    power = np.abs(transform) ** 2
-    quiet = power[omega > QUIET]
-    reported = noise_level(quiet) if quiet.size >= LEAST_QUIET else count * stated_noise**2
-    smooth = smooth_spectrum(power, omega)
-    # what chance alone may raise over the noise is none
-    chance = reported * (1.0 + CHANCE / math.sqrt(smoothed_count(omega)))
-    kept = np.where(omega <= WAVES[1], np.clip(1.0 - chance / np.maximum(smooth, 1e-300), 0.0, 1.0), 0.0)
-    kept[0] = 0.0
-    inside = (omega >= WAVES[0]) & (omega <= WAVES[1])
-    motion = np.fft.irfft(kept * transform, count)
-    waves = (kept * smooth)[inside]
+    found = smoothed(gap - gap.mean(), period, stated_noise, WAVES[1])
+    inside = (found.omega >= WAVES[0]) & (found.omega <= WAVES[1])
     return Disturbance(
-        heave=np.interp(time, grid, motion),
-        waves=math.sqrt(2.0 * float(np.sum(waves)) / count**2),
-        left=math.sqrt(2.0 * float(kept @ kept) * reported / count**2),
-        noise=math.sqrt(reported / count),
-        chi2=float(np.mean(power[inside]) / reported),
+        heave=np.interp(time, grid, found.values),
+        waves=math.sqrt(float(np.sum((found.kept * found.smooth)[inside])) / count),
+        left=math.sqrt(float(found.kept @ found.kept) * found.noise / count),
+        noise=math.sqrt(found.noise),
+        chi2=float(np.mean(found.power[inside]) / found.noise),
     )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from heave_node.interface.codes import MruStatus
@@ -103,6 +104,20 @@ class SensorRecord:
             self.modes[:count],
             self.has_adviser,
         )
+
+
+def shortened(value: Any, ticks: int, count: int) -> Any:
+    """Return a `value` with the first `count` of everything in it that has one value for each of so many `ticks`."""
+    if isinstance(value, SensorRecord):
+        return value.part(float(value.time[0]) + (count - 0.5) * value.tick_period)
+    if is_dataclass(value) and not isinstance(value, type):
+        parts = {one.name: shortened(getattr(value, one.name), ticks, count) for one in fields(value)}
+        return replace(value, **parts)
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return type(value)(*(shortened(one, ticks, count) for one in value))
+    if isinstance(value, (tuple, np.ndarray)) and len(value) == ticks:
+        return value[:count]
+    return value
 
 
 def bridged(values: Array) -> Array:

@@ -1,7 +1,6 @@
 """The boom tip as the whole record of the MRU shows it: smoothed over all of it, its high-pass taken back.
 
-Wiener's smoother (Extrapolation, Interpolation and Smoothing of Stationary Time Series, 1949) in the frequency domain:
-heave and heave rate are two readings of one motion, weighed by their noise, and what is left in the noise is left out.
+Heave and heave rate are two readings of one motion, weighed by their noise, and what is left in the noise is left out.
 """
 
 from __future__ import annotations
@@ -14,10 +13,8 @@ from heave_node.numerics.arrays import Array, ComplexArray
 from winch_controller_node.beliefs.corrections import Correction
 
 from heave_bringup.whatif.signals.record import SensorRecord, at_ticks
+from heave_bringup.whatif.signals.smoother import smooth_spectrum, smoothed_count, wiener_gain
 from heave_bringup.whatif.signals.spectra import QUIET, noise_level
-
-SMOOTHED = 0.01
-"""Half the width over which a spectrum is smoothed [Hz]."""
 
 SLOWEST = 0.12
 """Angular frequency below which no heave is taken from an MRU with a high-pass: a swell of 52 s [rad/s]."""
@@ -82,8 +79,9 @@ def smoothed_tip(record: SensorRecord, correction: Correction, high_pass: HighPa
     by_rate = np.divide(V, 1j * omega, out=np.zeros_like(V), where=omega > 0.0)
     total = np.maximum(weight_x + weight_v, 1e-300)
     both = gain * (weight_x * X + weight_v * by_rate) / total
-    signal = np.maximum(smooth_spectrum(np.abs(both) ** 2, omega) - 1.0 / total, 0.0)
-    kept = signal / (signal + 1.0 / total) * (_fade(omega) if high_pass.period > 0.0 else 1.0)
+    spread = math.sqrt(1.0 / smoothed_count(omega))
+    kept = wiener_gain(smooth_spectrum(np.abs(both) ** 2, omega), 1.0 / total, spread)
+    kept = kept * (_fade(omega) if high_pass.period > 0.0 else 1.0)
     motion = kept * both
     parts = slice(padding, padding + count)
     size = count + 2 * padding
@@ -93,17 +91,6 @@ def smoothed_tip(record: SensorRecord, correction: Correction, high_pass: HighPa
         np.asarray(np.fft.irfft(1j * omega * motion, size)[parts]),
         math.sqrt(max(left, 0.0)),
     )
-
-
-def smooth_spectrum(power: Array, omega: Array) -> Array:
-    """Return a spectrum, `power` at evenly spaced angular frequencies `omega` [rad/s], as its moving mean."""
-    about = np.ones(smoothed_count(omega))
-    return np.asarray(np.convolve(power, about, "same") / np.convolve(np.ones_like(power), about, "same"))
-
-
-def smoothed_count(omega: Array) -> int:
-    """Return how many of the angular frequencies `omega` [rad/s] are averaged in a smoothed spectrum."""
-    return 2 * max(1, round(2.0 * math.pi * SMOOTHED / float(omega[1] - omega[0]))) + 1
 
 
 def _noise(transform: ComplexArray, omega: Array) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -64,6 +65,19 @@ def scaled_line(line: AxialLine, factors: PlantFactors) -> AxialLine:
     return replace(line, sections=sections, unit=unit)
 
 
+def twin_stepper(line: AxialLine, length: float, start: Iterable[float], tick_period: float) -> AxialStepper:
+    """Return the twin of cable and unit.
+
+    Parameters
+    ----------
+    line : cable and unit
+    length : unstretched cable at payout 0 [m]
+    start : heave and its rate of the boom tip, payout and its rate at the first tick [m], [m/s]
+    tick_period : [s]
+    """
+    return AxialStepper(line, length, AxialInput(*start), segments=SEGMENTS, duration=tick_period, substeps=SUBSTEPS)
+
+
 class TwinPlant:
     """Cable and unit under the boom tip of a record.
 
@@ -80,8 +94,7 @@ class TwinPlant:
         self, line: AxialLine, length: float, tip: Tip, payout: float, rate: float, *, tick_period: float
     ) -> None:
         self._tip, self._index = tip, 0
-        start = AxialInput(float(tip.heave[0]), float(tip.rate[0]), payout, rate)
-        self._stepper = AxialStepper(line, length, start, segments=SEGMENTS, duration=tick_period, substeps=SUBSTEPS)
+        self._stepper = twin_stepper(line, length, (tip.heave[0], tip.rate[0], payout, rate), tick_period)
 
     @property
     def columns(self) -> tuple[float, float, float, float]:
@@ -126,10 +139,7 @@ def driven(line: AxialLine, length: float, tip: Tip, payout: Array, rate: Array,
     line, length, tip, tick_period : as for TwinPlant
     payout, rate : of the cable at each tick (n,) [m], [m/s]
     """
-    plant = TwinPlant(line, length, tip, float(payout[0]), float(rate[0]), tick_period=tick_period)
-    table = np.empty((len(payout), 4))
-    table[0] = plant.columns
-    for index in range(1, len(payout)):
-        plant.advance(float(payout[index]), float(rate[index]))
-        table[index] = plant.columns
+    rows = np.column_stack((tip.heave, tip.rate, payout, rate))
+    stepper = twin_stepper(line, length, rows[0], tick_period)
+    table = np.vstack((stepper.state, stepper.follow(rows[1:])))
     return PlantMotion(*table.T.copy())

@@ -10,7 +10,6 @@ from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch, WinchState
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from heave_node.numerics.arrays import Array
-from scipy.fft import dct, idct
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.beliefs.drum import drum_of
 from winch_controller_node.interface.readings import WinchOrder
@@ -18,8 +17,8 @@ from winch_controller_node.model.drum_kernel import NO_POWER_LIMIT
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.whatif.signals.record import SensorRecord
-from heave_bringup.whatif.signals.spectra import QUIET
-from heave_bringup.whatif.signals.tip import SLOWEST, smooth_spectrum
+from heave_bringup.whatif.signals.smoother import smoothed
+from heave_bringup.whatif.signals.tip import SLOWEST
 
 
 def winch_under(beliefs: Beliefs, nominal: WinchControllerParameters) -> WinchParameters:
@@ -107,23 +106,11 @@ def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale:
         state = twin.step(record.first + index, record.orders[index], tension[index])
         states[index + 1] = state.payout, state.payout_rate, state.encoder_payout
     modelled, rate, as_read = states.T.copy()
-    missed, error = _missed(record.encoder / encoder_scale - as_read, dt)
+    # what stands above the encoder's noise is what the model of the winch misses
+    found = smoothed(record.encoder / encoder_scale - as_read, dt)
+    missed, waves = found.values, found.omega > SLOWEST
+    error = math.sqrt(float(np.sum((found.kept**2 * found.power)[waves])) / record.ticks)
     return PastWinch(modelled + missed, rate + np.gradient(missed, dt), modelled, rate, error)
-
-
-def _missed(gap: Array, tick_period: float) -> tuple[Array, float]:
-    """Return what the model of the winch misses [m], and the standard deviation of it where waves are and above [m].
-
-    Wiener's smoother, mirrored at both ends, of the `gap` from model to encoder at each tick [m]: what stands above
-    the encoder's noise.
-    """
-    omega = np.asarray(math.pi / (len(gap) * tick_period) * np.arange(len(gap)), dtype=np.float64)
-    values = dct(gap, norm="ortho")
-    power = smooth_spectrum(values**2, omega)
-    quiet = power[omega > QUIET]
-    noise = float(np.median(quiet)) if quiet.size else 0.0
-    kept = values * np.maximum(1.0 - noise / np.maximum(power, 1e-18), 0.0)
-    return np.asarray(idct(kept, norm="ortho")), math.sqrt(float(np.sum(kept[omega > SLOWEST] ** 2)) / len(gap))
 
 
 def tension_at_ticks(record: SensorRecord) -> Array:
