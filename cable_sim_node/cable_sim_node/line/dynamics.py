@@ -322,7 +322,7 @@ class CableDynamics:
     def _grow(self, total: float) -> None:
         """Let the grid reach beyond `total` [m]; rare, and the only allocation."""
         old, n = self._line, self.segments
-        self._line = new = build_line(self.parameters, 2.0 * total)._replace(waves=old.waves)
+        self._line = new = build_line(self.parameters, 2.0 * total)._replace(water=old.water)
         new.numbers[: at.GRID_END], new.numbers[at.NOW :] = old.numbers[: at.GRID_END], old.numbers[at.NOW :]
         new.write(at.X, old.read(at.X, at.NODE_COLUMNS, n + 1))
         new.write(at.PART, old.read(at.PART, at.PART_COLUMNS, n))

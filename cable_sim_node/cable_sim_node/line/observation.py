@@ -168,14 +168,12 @@ def observe_unit(line: LineArrays) -> None:
 
 
 @kernel
-def snapshot(
-    tiles: Array, numbers: Array, water: Array, waves: Array, band: Array, positions: Array, tensions: Array
-) -> None:
+def snapshot(tiles: Array, numbers: Array, water: Array, band: Array, positions: Array, tensions: Array) -> None:
     """Write the present positions [m] of all nodes to `positions` and the tensions [N] of all segments to `tensions`.
 
-    The line's arrays `tiles`, `numbers`, `water`, `waves` and `band` are taken one by one, see `step.advance`.
+    The line's arrays `tiles`, `numbers`, `water` and `band` are taken one by one, see `step.advance`.
     """
-    line = LineArrays(tiles, numbers, water, waves, band)
+    line = LineArrays(tiles, numbers, water, band)
     n = int(numbers[at.SEGMENTS])
     take_present_tip(numbers)
     take_present(tiles, n)

@@ -292,7 +292,6 @@ def advance(
     tiles: Array,
     numbers: Array,
     water: Array,
-    waves: Array,
     band: Array,
     start: Array,
     start_velocity: Array,
@@ -308,14 +307,14 @@ def advance(
 
     Parameters
     ----------
-    tiles, numbers, water, waves, band : the line's arrays, one by one: a tuple of them takes Python twice as long
+    tiles, numbers, water, band : the line's arrays, one by one: a tuple of them takes Python twice as long
     start, start_velocity, end, end_velocity : of the boom tip at both ends [m], [m/s], shape (3,)
     interval : duration [s]; unstretched length and its rate at the start, the same at the end [m], [m/s]
     """
     duration, lengths = interval[0], interval[1:]
     outcome = take_motion(numbers, duration, start, start_velocity, end, end_velocity, lengths)
     if outcome == at.DONE:
-        line = LineArrays(tiles, numbers, water, waves, band)
+        line = LineArrays(tiles, numbers, water, band)
         outcome = integrate(line, duration)
         if outcome == at.DONE:
             observe(line)

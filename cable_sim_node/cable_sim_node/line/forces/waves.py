@@ -28,15 +28,15 @@ _REACH = 10.0
 @inner_kernel
 def surface_at(line: LineArrays, x: float, y: float, time: float) -> tuple[float, float]:
     """Return the height of the surface [m] and its rate [m/s]."""
-    numbers, waves = line.numbers, line.waves
+    numbers, waves = line.numbers, line.water[int(line.numbers[at.SCHEDULE_END]) :]
     if numbers[at.WAVES] == 0.0:
         return 0.0, 0.0
     since, height, rate = time - numbers[at.WAVE_START], 0.0, 0.0
-    for c in range(waves.shape[1]):
-        theta = waves[at.WAVE_ENCOUNTER, c] * since + waves[at.WAVE_PHASE, c]
-        theta -= waves[at.WAVE_NUMBER_X, c] * x + waves[at.WAVE_NUMBER_Y, c] * y
-        height += waves[at.WAVE_AMPLITUDE, c] * math.cos(theta)
-        rate -= waves[at.WAVE_AMPLITUDE, c] * waves[at.WAVE_ENCOUNTER, c] * math.sin(theta)
+    for c in range(waves.shape[0]):
+        theta = waves[c, at.WAVE_ENCOUNTER] * since + waves[c, at.WAVE_PHASE]
+        theta -= waves[c, at.WAVE_NUMBER_X] * x + waves[c, at.WAVE_NUMBER_Y] * y
+        height += waves[c, at.WAVE_AMPLITUDE] * math.cos(theta)
+        rate -= waves[c, at.WAVE_AMPLITUDE] * waves[c, at.WAVE_ENCOUNTER] * math.sin(theta)
     ramp, ramp_rate, _ = smooth_ramp_kernel(since, numbers[at.WAVE_RAMP])
     return ramp * height, ramp * rate + ramp_rate * height
 
@@ -44,18 +44,18 @@ def surface_at(line: LineArrays, x: float, y: float, time: float) -> tuple[float
 @inner_kernel
 def add_waves(line: LineArrays, x: float, y: float, z: float, time: float, tile: Array, place: int) -> None:
     """Add the waves' velocity to the flow at a `place` of `tile`, and set its acceleration."""
-    numbers, waves = line.numbers, line.waves
+    numbers, waves = line.numbers, line.water[int(line.numbers[at.SCHEDULE_END]) :]
     since, wet = time - numbers[at.WAVE_START], min(z, 0.0)
     u = v = w = ax = ay = az = 0.0
-    for c in range(waves.shape[1]):
-        depth = waves[at.WAVE_NUMBER, c] * wet
+    for c in range(waves.shape[0]):
+        depth = waves[c, at.WAVE_NUMBER] * wet
         if depth < -_REACH:
             break
-        theta = waves[at.WAVE_ENCOUNTER, c] * since + waves[at.WAVE_PHASE, c]
-        theta -= waves[at.WAVE_NUMBER_X, c] * x + waves[at.WAVE_NUMBER_Y, c] * y
-        speed = waves[at.WAVE_SPEED, c] * math.exp(depth)
+        theta = waves[c, at.WAVE_ENCOUNTER] * since + waves[c, at.WAVE_PHASE]
+        theta -= waves[c, at.WAVE_NUMBER_X] * x + waves[c, at.WAVE_NUMBER_Y] * y
+        speed = waves[c, at.WAVE_SPEED] * math.exp(depth)
         ahead, down = speed * math.cos(theta), speed * math.sin(theta)
-        omega, cosine, sine = waves[at.WAVE_FREQUENCY, c], waves[at.WAVE_COSINE, c], waves[at.WAVE_SINE, c]
+        omega, cosine, sine = waves[c, at.WAVE_FREQUENCY], waves[c, at.WAVE_COSINE], waves[c, at.WAVE_SINE]
         u += ahead * cosine
         v += ahead * sine
         w -= down
