@@ -13,6 +13,7 @@ from cable_sim_node.line.arrays import LineArrays, allocate
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import FLOW, profile_of, schedule_of
 from cable_sim_node.physics.properties import CableProperties, body_properties, cable_sections, unit_properties
+from cable_sim_node.physics.rope_friction import friction_of
 from cable_sim_node.physics.seabed import HEIGHT, Seabed
 
 _SPARE_SEGMENTS = 8
@@ -128,6 +129,9 @@ def settings_of(parameters: CableSimParameters) -> Array:
     numbers[at.BENDING_ON] = float(parameters.cable.bending_stiffness > 0.0)
     numbers[at.SURFACE_ON] = float(parameters.surface and parameters.water_density > 0.0)
     numbers[at.GRAVITY] = parameters.gravity
+    friction = friction_of(parameters.cable.loss_factor, parameters.cable.loss_swing)
+    numbers[at.FRICTION_ON] = float(parameters.cable.loss_factor > 0.0)
+    numbers[at.FRICTION_STICKS], numbers[at.FRICTION_SLIDES] = friction
     _set_unit(parameters, numbers)
     return numbers[at.SETTINGS :]
 

@@ -84,7 +84,10 @@ TENSION, SCRATCH, SCALE = _columns(91, 3)
 
 # What water does to a segment, ADDED_MASS to DISPLACED, kept while the segment has what it has in air.
 KEPT, FLUID_COLUMNS = 94 * STRIDE, 5
-TILE_COLUMNS = 99
+
+# The strain at which the friction between the wires of a segment is zero.
+HELD = 99 * STRIDE
+TILE_COLUMNS = 100
 
 # The numbers of the whole line stand in one row. First the unit, three each: inertia along each axis [kg],
 # (1/2) rho C_D S [kg/m], steady force [N], displaced and added mass [kg]; then (1/2) rho C_D S of an isotropic unit.
@@ -128,7 +131,8 @@ HEAVE_PATH, HEAVE_SQUARE, HEAVE_WEIGHT = (REFUSED + k for k in (12, 13, 14))
 # largest), and the time for which steps stay short because the line was slack. Of the unit: whether it depends on its
 # place or motion; points of its tables over KC, over the height above the seabed and over depth; width and memory of
 # KC; height of its box [m], buoyancy [N], and slamming (1/2) rho C_s A [kg/m]. Whether the water ends at a surface;
-# gravity [m/s^2].
+# gravity [m/s^2]. Friction between wires: whether there is any, its stiffness over EA and its limit over the elastic
+# tension.
 SETTINGS = REFUSED + 15
 (
     ALPHA_F,
@@ -181,8 +185,11 @@ SETTINGS = REFUSED + 15
     SLAMMING,
     SURFACE_ON,
     GRAVITY,
+    FRICTION_ON,
+    FRICTION_STICKS,
+    FRICTION_SLIDES,
     NUMBERS,
-) = range(SETTINGS, SETTINGS + 51)
+) = range(SETTINGS, SETTINGS + 54)
 """Places of the settings. From NUMBERS on come the points of the seabed's profile, three numbers each: distance [m],
 height [m], slope. Then those of the unit's tables: KC, vertical added mass [kg] and (1/2) rho C_D S [kg/m]; distance
 [m] and factor on the added mass, near the seabed and near the surface.

@@ -18,7 +18,7 @@ from cable_sim_node.line.assembly import (
     add_unit,
     assemble,
     assemble_present,
-    assemble_segments,
+    assemble_tile,
     swap_sheave,
     take_present_place,
     take_present_tip,
@@ -180,7 +180,7 @@ def snapshot(tiles: Array, numbers: Array, water: Array, band: Array, positions:
     swap_sheave(line, n)
     for t in range(((n - 1) >> at.SHIFT) + 1):
         tile, count = tiles[t], min(at.TILE, n - (t << at.SHIFT))
-        assemble_segments(tile, count, 0.0, 0.0)
+        assemble_tile(tile, count, numbers, 0.0, 0.0)
         for j in range(count):
             tensions[(t << at.SHIFT) + j] = tile[at.TENSION + j]
     for i in range(n + 1):

@@ -80,7 +80,7 @@ def along_correction(tiles: Array, count: int) -> float:
 
 @inlined_kernel
 def equations_of(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tuple[float, bool]:
-    """Assemble all equations; return the least strain, and whether the seabed is touched or a stop is near."""
+    """Assemble all equations; return least strain and whether they may have a kink, as in `assemble` or near a stop."""
     least, near_kink = assemble(line, n, c_mass, c_velocity)
     if line.numbers[at.BENDING_ON] > 0.0:
         add_bending(line, n)

@@ -20,6 +20,7 @@ from heave_node.numerics.ramp import smooth_ramp_kernel
 
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
+from cable_sim_node.line.forces.direction import direction_at
 
 _REACH = 10.0
 """Depth over 1/k below which a component is left out: e^{-10} of its motion at the surface."""
@@ -69,3 +70,25 @@ def add_waves(line: LineArrays, x: float, y: float, z: float, time: float, tile:
     tile[at.FLOW_AX + place] = ramp * ax + ramp_rate * u
     tile[at.FLOW_AY + place] = ramp * ay + ramp_rate * v
     tile[at.FLOW_AZ + place] = ramp * az + ramp_rate * w
+
+
+@inner_kernel
+def add_wave_force(tile: Array, count: int) -> None:
+    """Add the force of accelerated water on the first `count` segments of `tile` to their ends' residuals.
+
+    Half of it at each: (displaced + added mass) of the water's acceleration, less that of the added mass along e.
+    """
+    for j in range(count):
+        ex, ey, ez = direction_at(tile, j)
+        half = 0.5 * tile[at.LENGTH + j]
+        ax, ay, az = tile[at.FLOW_AX + j + 1], tile[at.FLOW_AY + j + 1], tile[at.FLOW_AZ + j + 1]
+        added = half * tile[at.ADDED_MASS + j]
+        moved = half * tile[at.DISPLACED + j] + added
+        along = added * (ex * ax + ey * ay + ez * az)
+        px, py, pz = moved * ax - along * ex, moved * ay - along * ey, moved * az - along * ez
+        tile[at.RX + j] -= px
+        tile[at.RY + j] -= py
+        tile[at.RZ + j] -= pz
+        tile[at.END_RX + j + 1] -= px
+        tile[at.END_RY + j + 1] -= py
+        tile[at.END_RZ + j + 1] -= pz
