@@ -99,7 +99,7 @@ def assemble_segments(tile: Array, count: int, c_mass: float, c_velocity: float)
         tile[at.END_YY + j + 1], tile[at.END_YZ + j + 1], tile[at.END_ZZ + j + 1] = d[3] + yy, d[4] + yz, d[5] + zz
 
 
-@inner_kernel
+@inlined_kernel
 def assemble_tile(tile: Array, count: int, numbers: Array, c_mass: float, c_velocity: float) -> None:
     """Do `assemble_segments` for `count` segments, and add what not every line has: waves, friction between wires."""
     assemble_segments(tile, count, c_mass, c_velocity)

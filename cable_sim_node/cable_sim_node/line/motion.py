@@ -148,6 +148,7 @@ def finish(line: LineArrays, n: int, count: int, h: float) -> None:
     hold_top(line.tiles, n, at.X, numbers, at.NOW, count > n)
     follow_length(n, numbers[at.NOW + at.TOTAL], line.tiles)
     carry_holds(line, n)
-    carry_friction(line, n)
+    if numbers[at.FRICTION_ON] > 0.0:
+        carry_friction(line, n)
     if numbers[at.KC_ROWS] > 0.0:
         follow_heave(line, h)

@@ -79,9 +79,10 @@ def add_friction(tile: Array, count: int, numbers: Array) -> None:
 
 @inner_kernel
 def carry_friction(line: LineArrays, n: int) -> None:
-    """Let the `n` segments take the strain along at which they are held, as far as they slide in the present state."""
-    if line.numbers[at.FRICTION_ON] == 0.0:
-        return
+    """Let the `n` segments take the strain along at which they are held, as far as they slide in the present state.
+
+    For a rope with friction only.
+    """
     copy_borders(line.tiles, n, at.X, 3)
     for i in range(n):
         tile, j = line.tiles[i >> at.SHIFT], i & at.LANES
