@@ -40,6 +40,22 @@ class CableParameters:
     internal_damping: float = parameter(
         0.0, unit="N s", minimum=0.0, description="Tension per unit strain rate, at most the elastic tension."
     )
+    loss_factor: float = parameter(
+        0.0,
+        unit="",
+        minimum=0.0,
+        maximum=0.3,
+        description="Hysteresis by friction between wires: loss per cycle over 2 pi times the largest elastic energy "
+        "of the swing, the same at all frequencies; 0 means none. axial_stiffness is that of large swings: where the "
+        "loss is largest the cable is stiffer by 1.6 times the loss factor.",
+    )
+    loss_swing: float = parameter(
+        0.1,
+        unit="",
+        minimum=1e-3,
+        maximum=1.0,
+        description="Tension amplitude over mean tension at which the loss is largest; half of it: none.",
+    )
     bending_stiffness: float = parameter(
         0.0, unit="N m^2", minimum=0.0, description="EI; 0 means a perfectly flexible cable."
     )
@@ -83,7 +99,7 @@ class CableParameters:
 class SectionsParameters:
     """Sections of other cable between unit and main cable, from the unit upwards; one entry a section in each list.
 
-    Tension law, damping, bending stiffness and hydrodynamic coefficients are those of the main cable.
+    Tension law, damping, hysteresis, bending stiffness and hydrodynamic coefficients are those of the main cable.
     """
 
     length: tuple[float, ...] = parameter(

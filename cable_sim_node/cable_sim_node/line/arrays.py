@@ -25,9 +25,7 @@ class LineArrays(NamedTuple):
     numbers: Array
     """Unit, boom tip, counters, what is seen, and settings."""
     water: Array
-    """Rows of the current's profile (depth, u_x, u_y, u_z), then those of its schedule (time, factor)."""
-    waves: Array
-    """Components of the waves, a column each, see `layout`."""
+    """Rows of the current's profile (depth, u_x, u_y, u_z), of its schedule (time, factor), and of the waves."""
     band: Array
     """The wide system of a line with bending; three rows more are scratch for a hinge. One row without bending."""
 
@@ -79,14 +77,13 @@ def allocate(
     """
     rows = len(grid) + 1
     tiles = np.zeros((rows // at.TILE + 1, at.TILE_COLUMNS * at.STRIDE))
-    water = np.zeros((len(profile) + len(schedule), profile.shape[1]))
-    water[: len(profile)] = profile
+    water = np.zeros((len(profile) + len(schedule), at.WATER_COLUMNS))
+    water[: len(profile), : profile.shape[1]] = profile
     water[len(profile) :, : schedule.shape[1]] = schedule
     line = LineArrays(
         tiles=tiles,
         numbers=numbers,
         water=water,
-        waves=np.zeros((at.WAVE_ROWS, 0)),
         band=np.zeros((3 * rows + 3 if bending else 1, at.BAND_COLUMNS)),
     )
     line.write(at.PART, grid)

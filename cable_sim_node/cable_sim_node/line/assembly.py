@@ -20,8 +20,9 @@ from heave_node.numerics.compiled import inlined_kernel, inner_kernel
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.forces.contact import add_contacts
-from cable_sim_node.line.forces.direction import FOLDED, direction_at, folded
+from cable_sim_node.line.forces.direction import FOLDED, folded
 from cable_sim_node.line.forces.flow import set_flow_at
+from cable_sim_node.line.forces.friction import add_friction
 from cable_sim_node.line.forces.segment import rank_one, tension_of
 from cable_sim_node.line.forces.surface import (
     dry_part,
@@ -30,6 +31,7 @@ from cable_sim_node.line.forces.surface import (
     take_from_water,
     take_out_of_water,
 )
+from cable_sim_node.line.forces.waves import add_wave_force
 from cable_sim_node.line.tiles import largest_of
 from cable_sim_node.physics.drag import drag_force, resolve
 
@@ -97,26 +99,14 @@ def assemble_segments(tile: Array, count: int, c_mass: float, c_velocity: float)
         tile[at.END_YY + j + 1], tile[at.END_YZ + j + 1], tile[at.END_ZZ + j + 1] = d[3] + yy, d[4] + yz, d[5] + zz
 
 
-@inner_kernel
-def add_wave_force(tile: Array, count: int) -> None:
-    """Add the force of accelerated water on the first `count` segments of `tile` to their ends' residuals.
-
-    Half of it at each: (displaced + added mass) of the water's acceleration, less that of the added mass along e.
-    """
-    for j in range(count):
-        ex, ey, ez = direction_at(tile, j)
-        half = 0.5 * tile[at.LENGTH + j]
-        ax, ay, az = tile[at.FLOW_AX + j + 1], tile[at.FLOW_AY + j + 1], tile[at.FLOW_AZ + j + 1]
-        added = half * tile[at.ADDED_MASS + j]
-        moved = half * tile[at.DISPLACED + j] + added
-        along = added * (ex * ax + ey * ay + ez * az)
-        px, py, pz = moved * ax - along * ex, moved * ay - along * ey, moved * az - along * ez
-        tile[at.RX + j] -= px
-        tile[at.RY + j] -= py
-        tile[at.RZ + j] -= pz
-        tile[at.END_RX + j + 1] -= px
-        tile[at.END_RY + j + 1] -= py
-        tile[at.END_RZ + j + 1] -= pz
+@inlined_kernel
+def assemble_tile(tile: Array, count: int, numbers: Array, c_mass: float, c_velocity: float) -> None:
+    """Do `assemble_segments` for `count` segments, and add what not every line has: waves, friction between wires."""
+    assemble_segments(tile, count, c_mass, c_velocity)
+    if numbers[at.WAVES] > 0.0:
+        add_wave_force(tile, count)
+    if numbers[at.FRICTION_ON] > 0.0:
+        add_friction(tile, count, numbers)
 
 
 @inlined_kernel
@@ -261,9 +251,7 @@ def assemble_present(line: LineArrays, n: int, i: int) -> None:
     sheave = motion_of(tile, j + 1)
     if i == n - 1:
         swap_sheave(line, n)
-    assemble_segments(tile[j:], at.ONE, 0.0, 0.0)
-    if numbers[at.WAVES] > 0.0:
-        add_wave_force(tile[j:], at.ONE)
+    assemble_tile(tile[j:], at.ONE, numbers, 0.0, 0.0)
     restore_sheave(tile, j + 1, sheave)
     if dry > 0.0:
         put_back(tile, j)
@@ -273,7 +261,7 @@ def assemble_present(line: LineArrays, n: int, i: int) -> None:
 def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tuple[float, bool]:
     """Assemble the equations of all nodes but for bending stiffness and a compensator.
 
-    Returns the least strain, and whether the seabed is touched.
+    Returns the least strain, and whether the equations may have a kink: where the seabed is touched, where wires slide.
     """
     tiles, numbers = line.tiles, line.numbers
     top_tile, end = tiles[(n - 1) >> at.SHIFT], ((n - 1) & at.LANES) + 1
@@ -283,9 +271,7 @@ def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tupl
     most = -1e300
     for t in range(((n - 1) >> at.SHIFT) + 1):
         tile, count = tiles[t], min(at.TILE, n - (t << at.SHIFT))
-        assemble_segments(tile, count, c_mass, c_velocity)
-        if numbers[at.WAVES] > 0.0:
-            add_wave_force(tile, count)
+        assemble_tile(tile, count, numbers, c_mass, c_velocity)
         most = max(most, largest_of(tile, count))
     put_all_back(line, n, dry)
     restore_sheave(top_tile, end, sheave)
@@ -295,4 +281,4 @@ def assemble(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tupl
     for i in range(1 if numbers[at.LUMPS_ON] > 0.0 else max(n - 1, 1), n + 1):
         add_lump(tiles, i, c_mass, c_velocity)
     touches = add_contacts(line, n, c_velocity)
-    return -most, touches
+    return -most, touches or numbers[at.FRICTION_ON] > 0.0

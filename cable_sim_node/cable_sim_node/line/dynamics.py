@@ -29,7 +29,7 @@ from cable_sim_node.line.feed import set_top_segment
 from cable_sim_node.line.grid import build_line, settings_of, with_waves
 from cable_sim_node.line.observation import observe, snapshot
 from cable_sim_node.line.rest.hanging import hang
-from cable_sim_node.line.rest.settling import hold_here, settle
+from cable_sim_node.line.rest.settling import hold_here, hold_strains, settle
 from cable_sim_node.line.step import advance
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import unit_properties
@@ -322,23 +322,26 @@ class CableDynamics:
     def _grow(self, total: float) -> None:
         """Let the grid reach beyond `total` [m]; rare, and the only allocation."""
         old, n = self._line, self.segments
-        self._line = new = build_line(self.parameters, 2.0 * total)._replace(waves=old.waves)
+        self._line = new = build_line(self.parameters, 2.0 * total)._replace(water=old.water)
         new.numbers[: at.GRID_END], new.numbers[at.NOW :] = old.numbers[: at.GRID_END], old.numbers[at.NOW :]
         new.write(at.X, old.read(at.X, at.NODE_COLUMNS, n + 1))
         new.write(at.PART, old.read(at.PART, at.PART_COLUMNS, n))
+        new.write(at.HELD, old.read(at.HELD, 1, n))
         sheave = old.read(at.LUMP_MASS, at.PART_COLUMNS - at.SEGMENT_COLUMNS, n + 1)
         new.write(at.LUMP_MASS, sheave)
 
     def _rest(self, boom_tip: Array) -> None:
         """Let the line hang, or settle on the seabed where it would hang into it."""
         line = self._line
-        line.numbers[at.BED_ON] = 0.0
+        line.numbers[at.BED_ON] = line.numbers[at.FRICTION_ON] = 0.0
         hang(line, boom_tip)
         line.numbers[at.BED_ON] = float(self.parameters.seabed.depth > 0.0)
         refuse_floating(float(self.unit_position[2]), float(boom_tip[2]))
         hold_here(line)
         if self.is_on_seabed:
             settle(line, self.parameters, boom_tip)
+        hold_strains(line)
+        line.numbers[at.FRICTION_ON] = float(self.parameters.cable.loss_factor > 0.0)
 
     def _start_compensator(self) -> None:
         spring = self.parameters.top_spring

@@ -17,6 +17,7 @@ from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.assembly import add_lump, assemble_present, take_present_tip
 from cable_sim_node.line.forces.contact import add_contact
+from cable_sim_node.line.forces.friction import merge_held
 from cable_sim_node.line.forces.segment import adjugate, times
 from cable_sim_node.line.forces.surface import set_level
 from cable_sim_node.line.tiles import copy_borders
@@ -111,6 +112,7 @@ def move_sheave(old: int, new: int, tiles: Array) -> None:
 @inner_kernel
 def merge_top(n: int, tiles: Array) -> int:
     """Remove the node below the sheave; return the new number of segments."""
+    merge_held(tiles, n)
     take_grid_part(n - 1, tiles)
     move_sheave(n, n - 1, tiles)
     return n - 1
@@ -141,6 +143,7 @@ def split_top(line: LineArrays, n: int) -> int:
         born[at.AX + j] = low[at.AX + i] + share * (material - low[at.AX + i])
         born[at.HOLD_X + j] = born[at.X + j]
     take_grid_part(n - 1, tiles)
+    tiles[n >> at.SHIFT, at.HELD + j] = tiles[(n - 1) >> at.SHIFT, at.HELD + i]
     return n + 1
 
 

@@ -13,6 +13,7 @@ from cable_sim_node.line.arrays import LineArrays, allocate
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import FLOW, profile_of, schedule_of
 from cable_sim_node.physics.properties import CableProperties, body_properties, cable_sections, unit_properties
+from cable_sim_node.physics.rope_friction import friction_of
 from cable_sim_node.physics.seabed import HEIGHT, Seabed
 
 _SPARE_SEGMENTS = 8
@@ -115,9 +116,9 @@ def settings_of(parameters: CableSimParameters) -> Array:
         bed.friction,
     )
     numbers[at.BED_UNIT_STIFFNESS], numbers[at.BED_UNIT_DAMPING] = bed.unit_stiffness, bed.unit_damping
-    rows = len(profile_of(parameters))
-    is_steady = rows == len(schedule_of(parameters)) == 1
-    numbers[at.CURRENT_ROWS] = rows
+    rows, times = len(profile_of(parameters)), len(schedule_of(parameters))
+    is_steady = rows == times == 1
+    numbers[at.PROFILE_END], numbers[at.SCHEDULE_END] = rows, rows + times
     numbers[at.FLOW_VARIES] = float(not is_steady)
     numbers[at.SPRING_ON] = float(spring.stiffness > 0.0)
     numbers[at.SPRING_STIFFNESS], numbers[at.SPRING_DAMPING] = spring.stiffness, spring.damping
@@ -128,6 +129,9 @@ def settings_of(parameters: CableSimParameters) -> Array:
     numbers[at.BENDING_ON] = float(parameters.cable.bending_stiffness > 0.0)
     numbers[at.SURFACE_ON] = float(parameters.surface and parameters.water_density > 0.0)
     numbers[at.GRAVITY] = parameters.gravity
+    friction = friction_of(parameters.cable.loss_factor, parameters.cable.loss_swing)
+    numbers[at.FRICTION_ON] = float(parameters.cable.loss_factor > 0.0)
+    numbers[at.FRICTION_STICKS], numbers[at.FRICTION_SLIDES] = friction
     _set_unit(parameters, numbers)
     return numbers[at.SETTINGS :]
 
@@ -135,18 +139,18 @@ def settings_of(parameters: CableSimParameters) -> Array:
 def with_waves(line: LineArrays, waves: Waves) -> LineArrays:
     """Return the arrays of a `line` on which these `waves` act, in place of those before."""
     numbers = line.numbers
-    line = line._replace(waves=_wave_table(waves, float(numbers[at.GRAVITY])))
-    count, rows = line.waves.shape[1], int(numbers[at.CURRENT_ROWS])
-    numbers[at.WAVES], numbers[at.WAVE_START], numbers[at.WAVE_RAMP] = count, waves.start, waves.ramp
+    table, end = _wave_table(waves, float(numbers[at.GRAVITY])), int(numbers[at.SCHEDULE_END])
+    line = line._replace(water=np.concatenate((line.water[:end], table)))
+    numbers[at.WAVES], numbers[at.WAVE_START], numbers[at.WAVE_RAMP] = len(table), waves.start, waves.ramp
     numbers[at.LEVEL] = 0.0
-    numbers[at.FLOW_VARIES] = float(count > 0 or not rows == len(line.water) - rows == 1)
+    numbers[at.FLOW_VARIES] = float(len(table) > 0 or end > 2)
     _set_steady_flow(line)
     return line
 
 
 def _set_steady_flow(line: LineArrays) -> None:
     """Set the flow of steady water, which is the same everywhere and always; a flow that varies is set in each step."""
-    rows = int(line.numbers[at.CURRENT_ROWS])
+    rows = int(line.numbers[at.PROFILE_END])
     for axis in range(3):
         flow = at.FLOW_X + axis * at.STRIDE
         line.tiles[:, flow : flow + at.STRIDE] = line.water[rows, 1] * line.water[0, FLOW + axis]
@@ -154,13 +158,14 @@ def _set_steady_flow(line: LineArrays) -> None:
 
 
 def _wave_table(waves: Waves, gravity: float) -> Array:
-    """Return the components of `waves` under `gravity` [m/s^2] as the kernels take them, shape (WAVE_ROWS, n)."""
+    """Return the components of `waves` under `gravity` [m/s^2] as the kernels take them, shape (n, WATER_COLUMNS)."""
     order = np.argsort(waves.frequency, kind="stable")
     omega, encounter, amplitude, phase, direction = (column[order] for column in waves.columns)
     cosine, sine = np.cos(direction), np.sin(direction)
     number = omega**2 / gravity if gravity > 0.0 else np.zeros_like(omega)
-    rows = (encounter, omega, number, number * cosine, number * sine, phase, amplitude, amplitude * omega, cosine, sine)
-    return np.array(rows)
+    return np.column_stack(
+        (encounter, omega, number, number * cosine, number * sine, phase, amplitude, amplitude * omega, cosine, sine)
+    )
 
 
 def unit_tables(parameters: CableSimParameters) -> tuple[Array, Array, Array]:

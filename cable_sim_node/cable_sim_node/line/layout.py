@@ -84,7 +84,10 @@ TENSION, SCRATCH, SCALE = _columns(91, 3)
 
 # What water does to a segment, ADDED_MASS to DISPLACED, kept while the segment has what it has in air.
 KEPT, FLUID_COLUMNS = 94 * STRIDE, 5
-TILE_COLUMNS = 99
+
+# The strain at which the friction between the wires of a segment is zero.
+HELD = 99 * STRIDE
+TILE_COLUMNS = 100
 
 # The numbers of the whole line stand in one row. First the unit, three each: inertia along each axis [kg],
 # (1/2) rho C_D S [kg/m], steady force [N], displaced and added mass [kg]; then (1/2) rho C_D S of an isotropic unit.
@@ -123,11 +126,13 @@ HEAVE_PATH, HEAVE_SQUARE, HEAVE_WEIGHT = (REFUSED + k for k in (12, 13, 14))
 
 # Settings: generalised-alpha, Newton, seabed (BED_TOP is the height of its profile's highest point), waves (how many
 # components; start and duration of their ramp [s]; height of the surface below the boom tip [m]), current (rows of its
-# profile; whether the water's motion changes at all), compensator, whether there are bodies on the cable
-# and whether it is stiff; the largest step, the one that the next interval begins with (0: the largest), and the time
-# for which steps stay short because the line was slack. Of the unit: whether it depends on its place or motion; points
-# of its tables over KC, over the height above the seabed and over depth; width and memory of KC; height of its box [m],
-# buoyancy [N], and slamming (1/2) rho C_s A [kg/m]. Whether the water ends at a surface; gravity [m/s^2].
+# profile, and those with its schedule; whether the water's motion changes at all), compensator, whether there are
+# bodies on the cable and whether it is stiff; the largest step, the one that the next interval begins with (0: the
+# largest), and the time for which steps stay short because the line was slack. Of the unit: whether it depends on its
+# place or motion; points of its tables over KC, over the height above the seabed and over depth; width and memory of
+# KC; height of its box [m], buoyancy [N], and slamming (1/2) rho C_s A [kg/m]. Whether the water ends at a surface;
+# gravity [m/s^2]. Friction between wires: whether there is any, its stiffness over EA and its limit over the elastic
+# tension.
 SETTINGS = REFUSED + 15
 (
     ALPHA_F,
@@ -150,7 +155,8 @@ SETTINGS = REFUSED + 15
     WAVE_START,
     WAVE_RAMP,
     LEVEL,
-    CURRENT_ROWS,
+    PROFILE_END,
+    SCHEDULE_END,
     FLOW_VARIES,
     SPRING_ON,
     SPRING_STIFFNESS,
@@ -179,17 +185,20 @@ SETTINGS = REFUSED + 15
     SLAMMING,
     SURFACE_ON,
     GRAVITY,
+    FRICTION_ON,
+    FRICTION_STICKS,
+    FRICTION_SLIDES,
     NUMBERS,
-) = range(SETTINGS, SETTINGS + 50)
+) = range(SETTINGS, SETTINGS + 54)
 """Places of the settings. From NUMBERS on come the points of the seabed's profile, three numbers each: distance [m],
 height [m], slope. Then those of the unit's tables: KC, vertical added mass [kg] and (1/2) rho C_D S [kg/m]; distance
 [m] and factor on the added mass, near the seabed and near the surface.
 """
 
-# The components of the waves, a row each of `waves`, sorted by wave number: encounter frequency and frequency [rad/s],
-# wave number, alone and times the direction's cosine and sine [1/m], phase [rad], amplitude [m] and that times the
-# frequency [m/s], the direction's cosine and sine.
-WAVE_ROWS = 10
+# The components of the waves, a row each of `water` from SCHEDULE_END on, sorted by wave number: encounter frequency
+# and frequency [rad/s], wave number, alone and times the direction's cosine and sine [1/m], phase [rad], amplitude [m]
+# and that times the frequency [m/s], the direction's cosine and sine.
+WATER_COLUMNS = 10
 (
     WAVE_ENCOUNTER,
     WAVE_FREQUENCY,
@@ -201,7 +210,7 @@ WAVE_ROWS = 10
     WAVE_SPEED,
     WAVE_COSINE,
     WAVE_SINE,
-) = range(WAVE_ROWS)
+) = range(WATER_COLUMNS)
 
 # The wide system of a line with bending, three rows for each node: half bandwidth 8, and the right side.
 CENTRE, RIGHT = 8, 17

@@ -15,6 +15,7 @@ from cable_sim_node.line.feed import follow_length
 from cable_sim_node.line.forces.body import follow_heave, set_unit
 from cable_sim_node.line.forces.contact import carry_holds
 from cable_sim_node.line.forces.flow import set_flow
+from cable_sim_node.line.forces.friction import carry_friction
 from cable_sim_node.line.tiles import copy_borders
 
 
@@ -147,5 +148,7 @@ def finish(line: LineArrays, n: int, count: int, h: float) -> None:
     hold_top(line.tiles, n, at.X, numbers, at.NOW, count > n)
     follow_length(n, numbers[at.NOW + at.TOTAL], line.tiles)
     carry_holds(line, n)
+    if numbers[at.FRICTION_ON] > 0.0:
+        carry_friction(line, n)
     if numbers[at.KC_ROWS] > 0.0:
         follow_heave(line, h)

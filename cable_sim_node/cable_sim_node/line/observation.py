@@ -18,7 +18,7 @@ from cable_sim_node.line.assembly import (
     add_unit,
     assemble,
     assemble_present,
-    assemble_segments,
+    assemble_tile,
     swap_sheave,
     take_present_place,
     take_present_tip,
@@ -168,21 +168,19 @@ def observe_unit(line: LineArrays) -> None:
 
 
 @kernel
-def snapshot(
-    tiles: Array, numbers: Array, water: Array, waves: Array, band: Array, positions: Array, tensions: Array
-) -> None:
+def snapshot(tiles: Array, numbers: Array, water: Array, band: Array, positions: Array, tensions: Array) -> None:
     """Write the present positions [m] of all nodes to `positions` and the tensions [N] of all segments to `tensions`.
 
-    The line's arrays `tiles`, `numbers`, `water`, `waves` and `band` are taken one by one, see `step.advance`.
+    The line's arrays `tiles`, `numbers`, `water` and `band` are taken one by one, see `step.advance`.
     """
-    line = LineArrays(tiles, numbers, water, waves, band)
+    line = LineArrays(tiles, numbers, water, band)
     n = int(numbers[at.SEGMENTS])
     take_present_tip(numbers)
     take_present(tiles, n)
     swap_sheave(line, n)
     for t in range(((n - 1) >> at.SHIFT) + 1):
         tile, count = tiles[t], min(at.TILE, n - (t << at.SHIFT))
-        assemble_segments(tile, count, 0.0, 0.0)
+        assemble_tile(tile, count, numbers, 0.0, 0.0)
         for j in range(count):
             tensions[(t << at.SHIFT) + j] = tile[at.TENSION + j]
     for i in range(n + 1):

@@ -80,7 +80,7 @@ def along_correction(tiles: Array, count: int) -> float:
 
 @inlined_kernel
 def equations_of(line: LineArrays, n: int, c_mass: float, c_velocity: float) -> tuple[float, bool]:
-    """Assemble all equations; return the least strain, and whether the seabed is touched or a stop is near."""
+    """Assemble all equations; return least strain and whether they may have a kink, as in `assemble` or near a stop."""
     least, near_kink = assemble(line, n, c_mass, c_velocity)
     if line.numbers[at.BENDING_ON] > 0.0:
         add_bending(line, n)
@@ -292,7 +292,6 @@ def advance(
     tiles: Array,
     numbers: Array,
     water: Array,
-    waves: Array,
     band: Array,
     start: Array,
     start_velocity: Array,
@@ -308,14 +307,14 @@ def advance(
 
     Parameters
     ----------
-    tiles, numbers, water, waves, band : the line's arrays, one by one: a tuple of them takes Python twice as long
+    tiles, numbers, water, band : the line's arrays, one by one: a tuple of them takes Python twice as long
     start, start_velocity, end, end_velocity : of the boom tip at both ends [m], [m/s], shape (3,)
     interval : duration [s]; unstretched length and its rate at the start, the same at the end [m], [m/s]
     """
     duration, lengths = interval[0], interval[1:]
     outcome = take_motion(numbers, duration, start, start_velocity, end, end_velocity, lengths)
     if outcome == at.DONE:
-        line = LineArrays(tiles, numbers, water, waves, band)
+        line = LineArrays(tiles, numbers, water, band)
         outcome = integrate(line, duration)
         if outcome == at.DONE:
             observe(line)

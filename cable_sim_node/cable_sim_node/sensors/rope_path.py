@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 
 from cable_sim_node.parameters import RopePathParameters
+from cable_sim_node.physics.rope_friction import jenkin_force
 
 
 class RopePath:
@@ -36,5 +37,5 @@ class RopePath:
     def advance(self, tension: float, payout: float) -> None:
         """Go on to a `tension` at the boom tip [N], never negative, and a `payout` of the drum [m]."""
         sticking = self.drum_tension - self._stiffness * (payout - self._payout)
-        self.drum_tension = min(max(sticking, tension / self._ratio), tension * self._ratio)
+        self.drum_tension = jenkin_force(sticking, tension / self._ratio, tension * self._ratio)
         self._payout = payout

@@ -33,11 +33,11 @@ def set_flow_at(line: LineArrays, t: int, low: int, high: int, time: float) -> N
     They are kept at the place `high`: the unit's at 0, those of segment j at j + 1.
     """
     tile, numbers = line.tiles[t], line.numbers
-    rows = int(numbers[at.CURRENT_ROWS])
-    first, last, share = locate(time, line.water[rows:])
-    factor = between(line.water[rows:], first, last, share, 1)
+    current = line.water[: int(numbers[at.PROFILE_END])]
+    schedule = line.water[int(numbers[at.PROFILE_END]) : int(numbers[at.SCHEDULE_END])]
+    first, last, share = locate(time, schedule)
+    factor = between(schedule, first, last, share, 1)
     z = 0.5 * (tile[at.MIDDLE + at.Z + low] + tile[at.MIDDLE + at.Z + high])
-    current = line.water[:rows]
     first, last, share = locate(-z, current)
     tile[at.FLOW_X + high] = factor * between(current, first, last, share, FLOW)
     tile[at.FLOW_Y + high] = factor * between(current, first, last, share, FLOW + 1)

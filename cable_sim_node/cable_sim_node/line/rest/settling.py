@@ -71,7 +71,7 @@ def settle(line: LineArrays, parameters: CableSimParameters, boom_tip: Array) ->
     settings = numbers[at.SETTINGS :].copy()
     solver = dataclasses.replace(parameters.solver, spectral_radius=0.0, time_step=_INTERVAL)
     numbers[at.SETTINGS :] = settings_of(dataclasses.replace(parameters, solver=solver))
-    numbers[at.SPRING_ON] = 0.0
+    numbers[at.SPRING_ON] = numbers[at.FRICTION_ON] = 0.0
     evaluate(line)  # sets the flow, by which it is laid out
     _lay_out(line, n, boom_tip, Seabed(parameters.seabed))
     hold_here(line)
@@ -87,6 +87,13 @@ def settle(line: LineArrays, parameters: CableSimParameters, boom_tip: Array) ->
 def hold_here(line: LineArrays) -> None:
     """Let all nodes of the line hold to where they are."""
     line.write(at.HOLD_X, line.read(at.X, 3, line.segments + 1))
+
+
+def hold_strains(line: LineArrays) -> None:
+    """Let the wires of all segments of the `line` be held where they are, without friction."""
+    n = line.segments
+    chords = np.linalg.norm(np.diff(line.read(at.X, 3, n + 1), axis=0), axis=1)
+    line.write(at.HELD, (chords * line.column(at.PER_LENGTH, n) - 1.0)[:, None])
 
 
 def _lay_out(line: LineArrays, n: int, boom_tip: Array, seabed: Seabed) -> None:
