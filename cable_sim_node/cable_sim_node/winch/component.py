@@ -54,7 +54,7 @@ from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
 
 from cable_sim_node.winch.choice import make_drive
 from cable_sim_node.winch.command_line import CommandLine, WinchCommand, round_to_tick
-from cable_sim_node.winch.drives.interface import Drive, DriveCommand
+from cable_sim_node.winch.drives.interface import Drive, DriveCommand, DriveState
 from cable_sim_node.winch.faulty_drum import FaultyDrum
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 
@@ -162,8 +162,7 @@ class VirtualWinch:
         self.encoder = Encoder(parameters.encoder)
         self.refused_commands = 0
         self._now = 0.0  # [ticks]
-        self._payout = 0.0
-        self._rate = 0.0
+        self._moved = DriveState(0.0, 0.0, 0.0, 0.0, 0.0, WinchLimit.NONE, True)
         self._tension = 0.0
         self._mode = _Mode.HOLD
         self._fault = WinchFault.NONE
@@ -172,8 +171,8 @@ class VirtualWinch:
         self._command = WinchCommand(0)
         self._command_since = 0.0
         self._caught_at = 0.0
-        reading = self.encoder.read(0.0, self._payout)
-        self.state = self._make_state(0.0, WinchLimit.NONE, math.nan, (reading, reading))
+        reading = self.encoder.read(0.0, 0.0)
+        self.state = self._make_state(WinchLimit.NONE, math.nan, (reading, reading))
 
     @property
     def tick(self) -> int:
@@ -198,24 +197,22 @@ class VirtualWinch:
             raise ValueError(f"virtual winch: tick {tick} is over; the next one is {self.tick}")
         self._line.send(tick, command)
         ticks = tick + 1 - self.tick
-        limits, acceleration = self._advance_to(float(tick + 1), tension)
-        reading = self.encoder.read(self._now * self._tick_period, self._payout)
+        limits = self._advance_to(float(tick + 1), tension)
+        reading = self.encoder.read(self._now * self._tick_period, self._moved.payout)
         rate = (reading - self.state.encoder_payout) / (ticks * self._tick_period)
         self._supervise(reading, rate)
-        self.state = self._make_state(acceleration, limits, tension, (reading, rate))
+        self.state = self._make_state(limits, tension, (reading, rate))
         return self.state
 
-    def _advance_to(self, end: float, tension: float) -> tuple[WinchLimit, float]:
-        """Move the drum to `end` [ticks], event by event; return the limits that acted and the last acceleration."""
-        limits = 0
-        acceleration = 0.0
+    def _advance_to(self, end: float, tension: float) -> WinchLimit:
+        """Move the drum to `end` [ticks], event by event; return the limits that acted."""
+        limits = WinchLimit.NONE
         while self._now < end:
             self._handle_events()
             following = min(end, self._next_event())
-            acted, acceleration = self._move((following - self._now) * self._tick_period, tension)
-            limits |= acted
+            limits |= self._move((following - self._now) * self._tick_period, tension)
             self._now = following
-        return WinchLimit(limits), acceleration
+        return limits
 
     @property
     def supervised(self) -> str:
@@ -233,7 +230,7 @@ class VirtualWinch:
                 and self._supervision.is_slipping
                 and self._fault is not WinchFault.EMERGENCY_STOP
             ):
-                self._mode, self._caught_at = _Mode.CATCH, self._payout
+                self._mode, self._caught_at = _Mode.CATCH, self._moved.payout
 
     def _handle_events(self) -> None:
         """Do what is due now: commands first, so that one at the very deadline is in time; then watchdog and faults."""
@@ -293,26 +290,25 @@ class VirtualWinch:
         if self._mode in moved_by_drive:
             self._mode = _Mode.STOP
 
-    def _move(self, duration: float, tension: float) -> tuple[int, float]:
-        """Move the drum for `duration` [s] under the present command; return limits that acted and the acceleration."""
+    def _move(self, duration: float, tension: float) -> WinchLimit:
+        """Move the drum for `duration` [s] under the present command; return the limits that acted."""
         if math.isfinite(tension):
             # the drum feels the cable at the radius at which it lies, not at the nominal one
             self._tension = tension * self._cable_per_drum
         elif self._drive is None and self._mode is _Mode.HOLD:
-            return 0, 0.0  # before the cable is known the brake holds the drum
+            return WinchLimit.NONE  # before the cable is known the brake holds the drum
         if self._drive is None:
             self._drive = make_drive(self._parameters, self._tension)
         order = self._order()
         time = self._now * self._tick_period
-        driven = self._drive.step(self._drum.ordered(order, time, self._payout), duration, self._tension)
+        driven = self._drive.step(self._drum.ordered(order, time, self._moved.payout), duration, self._tension)
         if self._mode is _Mode.STOP and driven.payout_rate == 0.0:
             self._mode = _Mode.HOLD
         is_at_rest, is_held = self._mode in _AT_REST, self._mode is _Mode.CATCH
-        state = self._drum.moved(
+        self._moved = self._drum.moved(
             driven, is_at_rest=is_at_rest, is_held=is_held, time=time, duration=duration, tension=self._tension
         )
-        self._payout, self._rate = state.payout, state.payout_rate
-        return int(state.limits), state.payout_acceleration
+        return self._moved.limits
 
     def _order(self) -> DriveCommand:
         if self._mode is _Mode.CATCH:
@@ -324,19 +320,17 @@ class VirtualWinch:
         """Return what the drive's own instruments read, by name with unit; nothing for the ideal servo."""
         return self._drive.instruments() if self._drive is not None else {}
 
-    def _make_state(
-        self, acceleration: float, limits: WinchLimit, tension: float, encoder: tuple[float, float]
-    ) -> WinchState:
+    def _make_state(self, limits: WinchLimit, tension: float, encoder: tuple[float, float]) -> WinchState:
         return WinchState(
             time=self._now * self._tick_period,
             command_sequence=self._command.sequence,
-            payout=self._cable_per_drum * self._payout,
-            payout_rate=self._cable_per_drum * self._rate,
-            payout_acceleration=self._cable_per_drum * acceleration,
+            payout=self._cable_per_drum * self._moved.payout,
+            payout_rate=self._cable_per_drum * self._moved.payout_rate,
+            payout_acceleration=self._cable_per_drum * self._moved.payout_acceleration,
             encoder_payout=encoder[0],
             encoder_payout_rate=encoder[1],
             tension=tension,
-            power=-tension * self._cable_per_drum * self._rate,
+            power=-tension * self._cable_per_drum * self._moved.payout_rate,
             limits_hit=limits,
             brake=self._drum.is_brake_engaged,
             fault=self._fault,

@@ -12,6 +12,7 @@ import socket
 import time
 import traceback
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
 
@@ -79,6 +80,20 @@ def expect_sender(identity: str, lawful: str) -> None:
         raise ProtocolError
 
 
+@dataclass
+class Heard:
+    """How old the messages of the protocol are.
+
+    Attributes
+    ----------
+    sent : when the one that is handled now was sent, by its sender's clock [ns]
+    least_delay : least time that a status of the clock master took, by the clocks of both hosts [s]; 0: none came
+    """
+
+    sent: int = 0
+    least_delay: float = 0.0
+
+
 class HeaveNode(LifecycleNode):
     """What participants and the clock master have in common.
 
@@ -101,8 +116,7 @@ class HeaveNode(LifecycleNode):
     clocks : of the external inputs, by topic
     clock_of_run : simulated time by monotonic wall time [ns]
     strangers : processes noticed that are not part of the run
-    message_sent : when the message of the protocol that is handled now was sent, by its sender's clock [ns]
-    least_delay : least time that a status of the clock master took, by the clocks of both hosts [s]; 0: none came
+    heard : how old the messages of the protocol are
     exchange : of the topics of a run whose nodes share one process; None: they go through the middleware
     """
 
@@ -130,8 +144,7 @@ class HeaveNode(LifecycleNode):
         self.clocks: dict[str, ExternalClock] = {}
         self.clock_of_run = SimulatedClock()
         self.is_active = False
-        self.message_sent = 0
-        self.least_delay = 0.0
+        self.heard = Heard()
         self._ports = Ports()
         self._asked: dict[str, str] = {}
 
@@ -290,7 +303,7 @@ class HeaveNode(LifecycleNode):
         read = of_any_machine(decode, kind) if decode else partial(deserialize_message, message_type=kind)
 
         def on_data(data: bytes, identity: str, sent: int) -> None:
-            self.message_sent = sent
+            self.heard.sent = sent
             try:
                 message = read(data)
             except (RuntimeError, ValueError):  # of the middleware, and of text that is not UTF-8
@@ -421,7 +434,7 @@ class HeaveNode(LifecycleNode):
                 inputs=list(self._ports.subscriptions),
                 matched_publishers=[s.get_publisher_count() for s in self._ports.subscriptions.values()],
                 waiting_for=waiting_for,
-                least_delay=self.least_delay,
+                least_delay=self.heard.least_delay,
                 failure=self.failure,
             )
         )
