@@ -63,7 +63,11 @@ def run(
             env=environment,
             cwd=tmp_path,
         )
-    ends = {name: process.communicate(timeout=90.0) for name, process in processes.items()}
+    try:
+        ends = {name: process.communicate(timeout=90.0) for name, process in processes.items()}
+    finally:
+        for process in processes.values():
+            process.kill()
     errors = {name: err for name, (_, err) in ends.items()}
     lines = ends[listener][0].strip().splitlines()
     assert lines, errors

@@ -110,7 +110,7 @@ class ClockMasterNode(HeaveNode):
         expect_no(malformed.fault_in_join(message))
         expect_sender(identity, message.identity)
         self.strangers.note_host(identity, message.host)
-        self._host_clocks.heard(message.node, self.heard.sent, time.time_ns(), message.least_delay)
+        self._host_clocks.heard(message.node, self.protocol_times.sent, time.time_ns(), message.least_delay)
         if message.node not in self.roster.expected:
             return
         known = self.roster.participants.get(message.node)

@@ -81,7 +81,7 @@ def expect_sender(identity: str, lawful: str) -> None:
 
 
 @dataclass
-class Heard:
+class ProtocolTimes:
     """How old the messages of the protocol are.
 
     Attributes
@@ -116,7 +116,7 @@ class HeaveNode(LifecycleNode):
     clocks : of the external inputs, by topic
     clock_of_run : simulated time by monotonic wall time [ns]
     strangers : processes noticed that are not part of the run
-    heard : how old the messages of the protocol are
+    protocol_times : how old the messages of the protocol are
     exchange : of the topics of a run whose nodes share one process; None: they go through the middleware
     """
 
@@ -144,7 +144,7 @@ class HeaveNode(LifecycleNode):
         self.clocks: dict[str, ExternalClock] = {}
         self.clock_of_run = SimulatedClock()
         self.is_active = False
-        self.heard = Heard()
+        self.protocol_times = ProtocolTimes()
         self._ports = Ports()
         self._asked: dict[str, str] = {}
 
@@ -303,7 +303,7 @@ class HeaveNode(LifecycleNode):
         read = of_any_machine(decode, kind) if decode else partial(deserialize_message, message_type=kind)
 
         def on_data(data: bytes, identity: str, sent: int) -> None:
-            self.heard.sent = sent
+            self.protocol_times.sent = sent
             try:
                 message = read(data)
             except (RuntimeError, ValueError):  # of the middleware, and of text that is not UTF-8
@@ -434,7 +434,7 @@ class HeaveNode(LifecycleNode):
                 inputs=list(self._ports.subscriptions),
                 matched_publishers=[s.get_publisher_count() for s in self._ports.subscriptions.values()],
                 waiting_for=waiting_for,
-                least_delay=self.heard.least_delay,
+                least_delay=self.protocol_times.least_delay,
                 failure=self.failure,
             )
         )

@@ -139,7 +139,7 @@ class ParticipantNode(HeaveNode):
             self._starts.append(message)
             self.clock_of_run.tick_began(message.stamp, time.monotonic_ns())
             if not self.run.is_lockstep:
-                self.punctuality.entered(message.stamp, self.heard.sent, time.time_ns())
+                self.punctuality.entered(message.stamp, self.protocol_times.sent, time.time_ns())
             if self._is_behind():
                 self._catch_up_soon()
             elif len(self._starts) == 1:
@@ -319,9 +319,9 @@ class ParticipantNode(HeaveNode):
             expect_sender(identity, self._known.master)
         expect_no(malformed.fault_in_status(message))
         self._silence.end()
-        if self.heard.sent:
-            delay = 1e-9 * (time.time_ns() - self.heard.sent)
-            self.heard.least_delay = min(delay, self.heard.least_delay or delay)
+        if self.protocol_times.sent:
+            delay = 1e-9 * (time.time_ns() - self.protocol_times.sent)
+            self.protocol_times.least_delay = min(delay, self.protocol_times.least_delay or delay)
         if message.state in (TickStatus.ENDED, TickStatus.FAILED) and self.has_started and not self.finished.done():
             self.fail_on_error(lambda: self.on_run_ended(message))
             self.finish()
