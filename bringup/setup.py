@@ -7,7 +7,7 @@ from setuptools import find_packages, setup
 
 manifest = ElementTree.parse("package.xml").getroot()
 name = manifest.findtext("name")
-DATA_SUFFIXES = ("csv", "css", "html", "js", "json", "md", "npz", "txt", "xml", "yaml")
+DATA_SUFFIXES = ("c", "csv", "css", "h", "html", "js", "json", "md", "npz", "txt", "xml", "yaml")
 
 
 def data_files(folder: str) -> list[tuple[str, list[str]]]:

@@ -10,6 +10,8 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from heave_node.scenario import sections_text
 
 from heave_bringup.closed_loop import loop_parameters
+from heave_bringup.fmu.compiled.build import export_controller
+from heave_bringup.fmu.compiled.part import FixedControllerPart
 from heave_bringup.fmu.part import STEPS, Part
 from heave_bringup.fmu.parts import PARTS
 from heave_bringup.fmu.slave import SCENARIO
@@ -33,7 +35,7 @@ class Heave{name}(PartSlave):
 '''
 
 
-def export_part(scenario: Scenario, part: str, folder: Path) -> Path:
+def export_part(scenario: Scenario, part: str, folder: Path, language: str = "python") -> Path:
     """Write a part of the loop as an FMU, `PART.fmu`, and return its file.
 
     Parameters
@@ -41,7 +43,10 @@ def export_part(scenario: Scenario, part: str, folder: Path) -> Path:
     scenario : its active values go into the FMU
     part : a name of `parts.PARTS`
     folder : where the file goes
+    language : of the controller: "python", or "c" for the fixed one, which needs no Python
     """
+    if part == "controller" and language == "c":
+        return export_controller(scenario, folder)
     from pythonfmu.builder import FmuBuilder  # noqa: PLC0415 - an extra
 
     file = folder / f"{part}.fmu"
@@ -76,15 +81,19 @@ def connections(parts: Mapping[str, Part]) -> list[tuple[str, str, str]]:
     ]
 
 
-def make_parts(scenario: Scenario, names: Iterable[str] = PARTS) -> dict[str, Part]:
-    """Return parts of the loop of a `scenario` by their `names`, not begun."""
+def make_parts(scenario: Scenario, names: Iterable[str] = PARTS, language: str = "python") -> dict[str, Part]:
+    """Return parts of the loop of a `scenario` by their `names`, not begun; the controller as it is in a `language`."""
     parameters = loop_parameters(scenario)
-    return {name: PARTS[name](parameters) for name in names}
+    made = {**PARTS, "controller": FixedControllerPart} if language == "c" else PARTS
+    return {name: made[name](parameters) for name in names}
 
 
-def write_system(scenario: Scenario, folder: Path) -> Path:
-    """Write the system of all parts of a `scenario`, whose FMUs are in a `folder`, for libcosim; return its file."""
-    parts = make_parts(scenario)
+def write_system(scenario: Scenario, folder: Path, language: str = "python") -> Path:
+    """Write the system of all parts of a `scenario`, whose FMUs are in a `folder`, for libcosim; return its file.
+
+    `language` is that of the controller.
+    """
+    parts = make_parts(scenario, language=language)
     step = f"{scenario.run.tick_period / STEPS:.12g}"
     root = Element("OspSystemStructure", xmlns=_NAMESPACE, version="0.1")
     SubElement(root, "BaseStepSize").text = step

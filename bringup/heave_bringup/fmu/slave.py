@@ -26,7 +26,7 @@ from pythonfmu.enums import Fmi2Status
 from heave_bringup.closed_loop import loop_parameters
 from heave_bringup.fmu.parts import PARTS
 from heave_bringup.fmu.ports import Port
-from heave_bringup.fmu.variables import BOOLEAN, INTEGER, REAL, STRING, UNITS
+from heave_bringup.fmu.variables import BOOLEAN, INTEGER, REAL, STRING, unit_definitions
 from heave_bringup.scenarios import load_scenario
 
 SCENARIO = "scenario.yaml"
@@ -93,11 +93,7 @@ class PartSlave(Fmi2Slave):  # type: ignore[misc]  # without types
         del root.attrib["generationDateAndTime"]
         ports = (*self._part.inputs.values(), *self._part.outputs.values())
         units = [variable.unit for port in ports for variable in port.variables]
-        definitions = Element("UnitDefinitions")
-        for name in sorted(set(units) - {""}):
-            unit = SubElement(definitions, "Unit", name=name)
-            SubElement(unit, "BaseUnit", {base: str(power) for base, power in UNITS[name].items()})
-        root.insert(1, definitions)
+        root.insert(1, unit_definitions(units))
         for element, unit_name in zip(root.iter("ScalarVariable"), units, strict=True):
             if unit_name:
                 element[0].set("unit", unit_name)

@@ -6,8 +6,9 @@ A field `payout` of the topic `winch/command` is the variable `winch.command.pay
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
+from xml.etree.ElementTree import Element, SubElement
 
 from heave_bags.analyse.time_base import field_column
 from heave_node.cdr.definitions import schema_text
@@ -46,6 +47,15 @@ _STANDARD = (
 
 _STAMP_MEANING = "time of the message, simulated; below 0 at an input: that of the step [s]"
 _COUNT_MEANING = "messages sent so far; -1 at an input: nobody counts, one comes with each tick"
+
+
+def unit_definitions(names: Iterable[str]) -> Element:
+    """Return the units of these `names`, "" for none, as the element of a model description."""
+    definitions = Element("UnitDefinitions")
+    for name in sorted(set(names) - {""}):
+        unit = SubElement(definitions, "Unit", name=name)
+        SubElement(unit, "BaseUnit", {base: str(power) for base, power in UNITS[name].items()})
+    return definitions
 
 
 class Variable(NamedTuple):

@@ -75,7 +75,7 @@ class FullStateFeedback(StateFeedback):
 
     def command(self, state: LoopState) -> LawCommand:
         """Return the command at `state`."""
-        unit_use = abs(self.unit_share(state)) / self._largest_share
+        unit_use = abs(self.unit_share(state)) / self.largest_share
         if self._limits is not None and self._limits.are_near(state.x, unit_use):
             return self._constrained.command(state)
         return super().command(state)

@@ -19,14 +19,14 @@ class StateFeedback(ControlLaw):
     ----------
     design : what the law is made for
     gain : shape (n,)
-    largest_share : of the command that the unit's error may ask for [m/s] ([m], first-order winch)
+    largest_share : of the command that the unit's error may ask for [m/s] ([m], first-order winch); an attribute too
     """
 
     def __init__(self, design: LawDesign, gain: Array, largest_share: float) -> None:
         super().__init__(design, None)
         self.gain = gain
         self._unit = [design.model.state("unit_heave"), design.model.state("unit_heave_rate")]
-        self._largest_share = largest_share
+        self.largest_share = largest_share
 
     def unit_share(self, state: LoopState) -> float:
         """Return what the unit's own error asks for at `state`, not bounded yet [m/s] ([m], first-order winch)."""
@@ -35,5 +35,5 @@ class StateFeedback(ControlLaw):
     def command(self, state: LoopState) -> LawCommand:
         """Return the command at `state`."""
         whole, share = -float(self.gain @ state.x), self.unit_share(state)
-        bounded = min(max(share, -self._largest_share), self._largest_share)
+        bounded = min(max(share, -self.largest_share), self.largest_share)
         return LawCommand(whole - share + bounded)

@@ -186,7 +186,7 @@ class KalmanEstimator:
         offset, which = reading.offset, self._which.get(reading.name)
         if which is None:
             # a cross-check is an output of the model only
-            row, change, bend = _with_differences(self.model.row(reading.name), self.model)
+            row, change, bend = row_with_differences(self.model.row(reading.name), self.model)
         else:
             table = self._filter_model
             row, change, bend = table.rows[which], table.changes[which], table.bends[which]
@@ -219,7 +219,7 @@ class KalmanEstimator:
         self._which = {name: index for index, name in enumerate(self.measurements)}
         self._sigmas = [measurement.sigma for measurement in measurements]
         self._columns = {name: WEIGHTS + index for index, name in enumerate(model.state_names)}
-        differences = [_with_differences(measurement.row, model) for measurement in measurements]
+        differences = [row_with_differences(measurement.row, model) for measurement in measurements]
         rows, changes, bends = np.array(differences).reshape(-1, 3, model.order).transpose(1, 0, 2).copy()
         scale_states = [-1 if known.scale_state is None else known.scale_state for known in measurements]
         self._filter_model = FilterModel(
@@ -331,7 +331,7 @@ class KalmanEstimator:
         return names, RunInputs(np.array(steps, dtype=float).reshape(-1, 3), table)
 
 
-def _with_differences(row: Array, model: LinearModel) -> tuple[Array, Array, Array]:
+def row_with_differences(row: Array, model: LinearModel) -> tuple[Array, Array, Array]:
     """Return a row on the state of a tick, and its first and second differences over the ticks of a `model`."""
     change = row @ model.A - row
     return row, change, change @ model.A - change

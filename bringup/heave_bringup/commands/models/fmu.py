@@ -26,6 +26,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PART",
         help=f"export only this one of {', '.join(PARTS)}; without it all, and the system that wires them for libcosim",
     )
+    parser.add_argument(
+        "--language",
+        choices=("python", "c"),
+        default="python",
+        help="c: the controller is filter, law and governor of one design in C, with its sources (default: python)",
+    )
     parser.add_argument("--folder", type=Path, metavar="DIR", help="for the files (default: SCENARIO_fmu)")
 
 
@@ -45,12 +51,12 @@ def execute(options: argparse.Namespace) -> None:
         raise ParameterError(f"--folder {folder}: {error.strerror}") from error
     chosen = list(dict.fromkeys(options.part or PARTS))
     lines, files = [], {}
-    for name, part in make_parts(scenario, chosen).items():
-        file = export_part(scenario, name, folder).resolve()
+    for name, part in make_parts(scenario, chosen, options.language).items():
+        file = export_part(scenario, name, folder, options.language).resolve()
         ins, outs = (sum(len(port.variables) for port in ports.values()) for ports in (part.inputs, part.outputs))
         lines.append(f"{file}: {ins} variables in, {outs} out, a step {scenario.run.tick_period:g} s or a fourth of it")
         files[name] = {"file": str(file), "inputs": ins, "outputs": outs}
-    system = None if options.part else write_system(scenario, folder).resolve()
+    system = None if options.part else write_system(scenario, folder, options.language).resolve()
     lines += [] if system is None else [f"{system}: all of them, wired for libcosim"]
     write_result(options, "\n".join(lines), {"parts": files, "system": system and str(system)})
 
@@ -58,7 +64,11 @@ def execute(options: argparse.Namespace) -> None:
 COMMAND = Command(
     name="fmu",
     summary="Export sea and vessel, plant, winch and controller of a scenario as FMUs for co-simulation (FMI 2.0).",
-    examples=("heave fmu b2_calm_300", "heave fmu b3_deep_900 --part plant --part winch --folder fmus"),
+    examples=(
+        "heave fmu b2_calm_300",
+        "heave fmu b3_deep_900 --part plant --part winch --folder fmus",
+        "heave fmu b2_calm_300 --part controller --language c --set winch_controller.law=lqg",
+    ),
     add_arguments=add_arguments,
     execute=execute,
 )

@@ -1,0 +1,1 @@
+"""The fixed controller as an FMU of C alone."""

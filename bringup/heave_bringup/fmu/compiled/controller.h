@@ -1,0 +1,24 @@
+/* The fixed controller: filter, law and governor of one design. No allocation, no library but that of mathematics. */
+#ifndef HEAVE_CONTROLLER_H
+#define HEAVE_CONTROLLER_H
+
+#include "filter.h"
+
+typedef struct {
+    Filter filter;
+    double free_unit[2], outlet[2]; /* unit on a winch that is locked: heave and rate; the boom tip's */
+    double command, authority;      /* of the last tick [m/s], [-] */
+} Controller;
+
+/* Set-points of payout [m] and its rate [m/s], positive lowers; the brake. */
+typedef struct {
+    double payout, payout_rate;
+    bool brake;
+} Order;
+
+void controller_begin(Controller *controller);
+
+/* Do a tick, from 1, with the readings that came since the last one. */
+Order controller_step(Controller *controller, int tick, Reading *readings, int count);
+
+#endif
