@@ -30,6 +30,10 @@ from heave_bringup.cli import main
             ["fmu", "b2_calm_300", "--part", "wnich"],
             "heave fmu: argument --part: invalid choice: 'wnich'; did you mean",
         ),
+        (
+            ["fmu", "b2_calm_300", "--language", "c", "--part", "winch"],
+            "heave: --language c: only the controller can be in C: --part controller",
+        ),
         (["fmu", "b2_calm_300", "--folder", __file__], f"heave: --folder {__file__}: File exists"),
         (["run", "b2_calm_300", "--seed", "one"], "heave run: argument --seed: must be a whole number: 'one'"),
         (["repair", "bag"], "heave repair: one of the arguments --output --reindex is required"),

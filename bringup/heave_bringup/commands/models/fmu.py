@@ -37,6 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Write the FMUs that `options` name, and say what they have."""
+    chosen = list(dict.fromkeys(options.part or PARTS))
+    if options.language == "c" and "controller" not in chosen:
+        raise CommandError("--language c: only the controller can be in C: --part controller")
     if find_spec("pythonfmu") is None:
         raise CommandError(f"heave fmu: needs the package pythonfmu; {how_to_install('fmu')}")
     from heave_bringup.fmu.export import export_part, make_parts, write_system
@@ -49,7 +52,6 @@ def execute(options: argparse.Namespace) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ParameterError(f"--folder {folder}: {error.strerror}") from error
-    chosen = list(dict.fromkeys(options.part or PARTS))
     lines, files = [], {}
     for name, part in make_parts(scenario, chosen, options.language).items():
         file = export_part(scenario, name, folder, options.language).resolve()
