@@ -13,9 +13,9 @@ from heave_bags.signals import RunSignals, Signal
 from heave_bringup.cli import main
 from heave_bringup.lift.as_built import NOT_REACHED, as_built
 from heave_bringup.lift.figures import PLANNED, Capacity, Place, Swing, expected_largest
-from heave_bringup.lift.forecast import GO, NO_GO, WAIT, windows
+from heave_bringup.lift.forecast import GO, NO_GO, WAIT, read_forecast, warnings, windows
 from heave_bringup.lift.limits import Limit, PeriodLimits, largest_height, phase_limits, regula_falsi, scaled
-from heave_bringup.lift.loop import Loops
+from heave_bringup.lift.loop import Compensated, Loops
 from heave_bringup.lift.page import render
 from heave_bringup.lift.peaks import kurtosis
 from heave_bringup.lift.plan import AIR, SURFACE, WATER, Plan, read_plan, shipped_plans
@@ -23,7 +23,9 @@ from heave_bringup.lift.response import OMEGAS, locked_places, phase_scene
 from heave_bringup.lift.study import LiftStudy
 from heave_bringup.lift.surface import cross, crossing
 from heave_bringup.lift.tables import phase_table
+from heave_bringup.operability.limits import LOST_LIMIT
 from heave_bringup.operability.record import SeaRecord, at_equal_steps
+from heave_bringup.settings import Setting
 from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
 
@@ -51,6 +53,14 @@ def _plan(folder: Path, text: str) -> Plan:
         ),
         (HEAD + LANDING + LANDING, "two phases are called landing"),
         (HEAD + '  - {name: a, depth: [0, 9], speed: 1, wanted: {kappa: "<= 1"}}\n', "kappa is no figure that a plan"),
+        (
+            HEAD + '  - {name: a, depth: [-9, -8], speed: 1, wanted: {unit_sigma_m: "<= 1"}}\n',
+            "unit_sigma_m is known in water alone; here: dynamic_amplification",
+        ),
+        (
+            HEAD.replace("dynamic_amplification", "unit_sigma_m") + "  - {name: a, depth: [-9, -8], speed: 1}\n",
+            "no criteria: add wanted",
+        ),
         ("periods: [9, 7]\n" + HEAD + LANDING, "periods must be ascending"),
     ],
 )
@@ -152,6 +162,39 @@ def test_a_strength_that_is_not_stated_is_asked_for(tmp_path: Path) -> None:
         phase_limits(Loops(plan), plan.phases[0], 9.0, 1.0)
 
 
+def test_a_plan_to_compensate_with_a_winch_that_does_not_is_refused(tmp_path: Path) -> None:
+    plan = _plan(tmp_path, "set: {winch_controller.law: off}\n" + HEAD + LANDING)
+    with pytest.raises(ParameterError, match=r"landing: compensated: the winch does not compensate"):
+        phase_limits(Loops(plan), plan.phases[0], 9.0, 1.0)
+
+
+class _Lost(Loops):
+    def _run(self, *_: object) -> Compensated:
+        return Compensated(None, 0.0)
+
+
+def test_compensation_that_is_lost_at_the_surface_leaves_no_limit_of_its_own(tmp_path: Path) -> None:
+    box = ", ".join(f"system.unit.box.{side}: 3.0" for side in ("length", "breadth", "height"))
+    text = f"seeds: 1\nset: {{{box}, cable_sim.wave.source: sea, system.boom_tip_height: 15.0}}\n{HEAD}"
+    plan = _plan(
+        tmp_path, text.replace("1.3", "1.6") + "  - {name: splash, depth: [-5, 1], speed: 0.3, compensated: true}\n"
+    )
+    found = phase_limits(_Lost(plan), plan.phases[0], 9.0, 1.0)
+    assert found.locked.height > 0.0
+    assert found.planned(plan.phases[0])[0] == Limit(0.0, LOST_LIMIT)
+
+
+def test_a_crane_that_stands_moves_the_boom_tip_no_other_way_than_without_it(tmp_path: Path) -> None:
+    text = HEAD.replace("unit_1500", "crane_slew") + "  - {name: deck, depth: [-5, -5], duration: 20}\n"
+    plan = _plan(tmp_path, text)
+    scene = phase_scene(plan, plan.phases[0], 9.0)
+    assert scene.scenario.parameters["wave_vessel"].crane.is_fitted
+    still = [Setting(node, name, value, "test") for (node, name), value in scene.still_crane.items()]
+    without = phase_scene(plan, plan.phases[0], 9.0, still)
+    assert not without.scenario.parameters["wave_vessel"].crane.is_fitted
+    assert without.density == pytest.approx(scene.density)
+
+
 def _forecast(heights: list[float]) -> SeaRecord:
     index = pandas.date_range("2026-11-27", periods=len(heights), freq="h", tz="UTC")
     return at_equal_steps("f.csv", pandas.DataFrame({"hs": heights, "tp": 9.0}, index=index), ())
@@ -195,9 +238,28 @@ def test_a_gap_in_the_forecast_is_no_weather_to_go_in(tmp_path: Path) -> None:
     plan, limits = _two_phases(tmp_path, may_wait=True)
     one, _ = windows(plan, limits, _forecast([math.nan, 0.5, 0.5, 0.5]))
     assert one.state in (GO, WAIT)
-    scatter = SeaRecord("s.csv", pandas.DataFrame({"hs": [1.0], "tp": [9.0], "share": [1.0]}), math.nan)
-    with pytest.raises(ParameterError, match="scatter diagram"):
-        windows(plan, limits, scatter)
+    (tmp_path / "s.csv").write_text("hs,7,9\n1,3,4\n2,1,2\n")
+    with pytest.raises(ParameterError, match=r"s\.csv: is a scatter diagram"):
+        read_forecast(tmp_path / "s.csv")
+
+
+def test_a_phase_has_its_window_also_when_those_before_it_used_up_their_contingency(tmp_path: Path) -> None:
+    """Two phases of an hour, each of which may take two: the second may last until the end of the fourth hour."""
+    plan, limits = _two_phases(tmp_path, may_wait=False)
+    longer = replace(plan, whole=replace(plan.whole, contingency=1.0))
+    one, _ = windows(longer, limits, _forecast([0.9, 0.9, 0.9, 1.1]))
+    assert one.state == NO_GO
+    one, two = windows(longer, limits, _forecast([1.9, 0.9, 0.9, 0.9]))
+    assert (one.state, two.state) == (GO, GO)
+
+
+def test_a_forecast_beyond_the_periods_of_the_plan_is_said(tmp_path: Path) -> None:
+    plan, _ = _two_phases(tmp_path, may_wait=True)
+    forecast = _forecast([1.0, 1.0])
+    assert warnings(plan, forecast) == []
+    forecast.states.loc[forecast.states.index[0], "tp"] = 14.0
+    (words,) = warnings(plan, forecast)
+    assert "1 of 2 peak periods lie outside 7 to 11 s" in words
 
 
 def _record(depths: list[float], peaks: list[float]) -> RunRecord:

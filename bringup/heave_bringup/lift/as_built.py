@@ -15,7 +15,6 @@ from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 from scipy.ndimage import uniform_filter1d
 
-from heave_bringup.lift.limits import criteria_of
 from heave_bringup.lift.plan import SURFACE, Phase, Plan
 
 NOT_REACHED = "not in the bag"
@@ -87,7 +86,7 @@ def as_built(plan: Plan, record: RunRecord) -> list[AsBuilt]:
             found.append(AsBuilt(phase))
             continue
         values = evaluate(_with_static(record.signals, phase, start, end), start, end)
-        judged = tuple(Judged(one, values.get(one.kpi, math.nan)) for one in criteria_of(phase))
+        judged = tuple(Judged(one, values.get(one.kpi, math.nan)) for one in phase.criteria)
         found.append(AsBuilt(phase, start, end, values, judged))
         after = end
     if all(math.isnan(one.start) for one in found):

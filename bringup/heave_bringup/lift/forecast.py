@@ -1,9 +1,10 @@
 """A forecast against the limits of a lift: when each phase can begin, and how long it waits.
 
-A phase needs the sea within `alpha` times its limit for its whole reference period, the planned duration and a
-contingency time on top (T_R = T_POP + T_C; the operational criterion is alpha times the design criterion: DNV-ST-N001,
-Marine operations and marine warranty, section on weather-restricted operations, whose tables of alpha are the user's to
-apply). Phases follow one another at once; only before one that `may_wait` is the unit left where it is.
+A phase needs the sea within `alpha` times its limit from when it begins as planned to when it ends with all contingency
+time used up, its own and that of the phases before it in the same window (T_R = T_POP + T_C; the operational criterion
+is alpha times the design criterion: DNV-ST-N001, Marine operations and marine warranty, section on weather-restricted
+operations, whose tables of alpha are the user's to apply). Phases follow one another at once; only before one that
+`may_wait` is the unit left where it is.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +23,7 @@ from heave_node.parameters import ParameterError
 from heave_bringup.lift.limits import PeriodLimits
 from heave_bringup.lift.plan import Phase, Plan
 from heave_bringup.operability.exposure import limit_at
-from heave_bringup.operability.record import HS, TP, SeaRecord
+from heave_bringup.operability.record import HS, TP, SeaRecord, read_record
 
 GO, WAIT, NO_GO = "go", "wait", "no window"
 
@@ -56,6 +58,14 @@ class Window:
         }
 
 
+def read_forecast(path: Path) -> SeaRecord:
+    """Return the forecast in the file at `path`; raise ParameterError for one without an order in time."""
+    forecast = read_record(path)
+    if not forecast.has_order:
+        raise ParameterError(f"{path}: is a scatter diagram; a forecast needs the columns time, hs, tp")
+    return forecast
+
+
 def windows(plan: Plan, limits: Mapping[str, Sequence[PeriodLimits]], forecast: SeaRecord) -> list[Window]:
     """Return when each phase can take place.
 
@@ -64,11 +74,7 @@ def windows(plan: Plan, limits: Mapping[str, Sequence[PeriodLimits]], forecast: 
     plan : of the lift
     limits : of each phase by its name, one for each of the plan's periods
     forecast : with times
-
-    Raises ParameterError for a forecast without an order in time.
     """
-    if not forecast.has_order:
-        raise ParameterError(f"{forecast.name}: is a scatter diagram; a forecast needs the columns time, hs, tp")
     used = {phase.name: _utilisation(plan, phase, limits[phase.name], forecast) for phase in plan.phases}
     times, clock = pandas.DatetimeIndex(forecast.states.index), 0.0
     found: list[Window] = []
@@ -77,26 +83,44 @@ def windows(plan: Plan, limits: Mapping[str, Sequence[PeriodLimits]], forecast: 
         if start is None:
             left = plan.phases[len(found) :]
             return [*found, *(Window(phase.name, NO_GO) for phase in left)]
-        waited = start - clock
+        waited, ends = start - clock, _ends(group, start, plan.whole.contingency)
         for phase in group:
             when = times[0] + pandas.Timedelta(hours=start)
-            worst = float(used[phase.name][_steps(start, _hours(phase, plan.whole.contingency), forecast.step)].max())
+            worst = float(used[phase.name][_steps(start, ends[phase.name], forecast.step)].max())
             found.append(Window(phase.name, WAIT if waited > 0.0 else GO, when, waited, worst))
             start, waited = start + phase.duration / 3600.0, 0.0
         clock = start
     return found
 
 
+def allowed(plan: Plan, phase: Phase, limits: Sequence[PeriodLimits], forecast: SeaRecord) -> Array:
+    """Return the height up to which a phase may begin, by step of a forecast [m]: alpha times its limit.
+
+    Parameters
+    ----------
+    plan, phase : of the lift
+    limits : of the phase, one for each of the plan's periods
+    forecast : with times
+    """
+    heights = [one.planned(phase)[0].height for one in limits]
+    curve = pandas.DataFrame({"period": [one.period for one in limits], "limit": heights})
+    return plan.whole.alpha * limit_at(curve, forecast.states[TP].to_numpy())
+
+
 def _utilisation(plan: Plan, phase: Phase, limits: Sequence[PeriodLimits], forecast: SeaRecord) -> Array:
     """Return the forecast height over what is allowed, by step; infinite where nothing is forecast."""
-    heights = [
-        one.compensated.height if phase.does.compensated and one.compensated is not None else one.locked.height
-        for one in limits
-    ]
-    curve = pandas.DataFrame({"period": [one.period for one in limits], "limit": heights})
-    allowed = plan.whole.alpha * limit_at(curve, forecast.states[TP].to_numpy())
-    with np.errstate(divide="ignore"):
-        return np.asarray(np.nan_to_num(forecast.states[HS].to_numpy() / allowed, nan=np.inf))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = forecast.states[HS].to_numpy() / allowed(plan, phase, limits, forecast)
+    return np.where(np.isnan(share), np.inf, share)
+
+
+def warnings(plan: Plan, forecast: SeaRecord) -> list[str]:
+    """Return what is to be known of a forecast before it is trusted for a `plan`: what was repaired, what is held."""
+    first, last = plan.whole.periods[0], plan.whole.periods[-1]
+    outside = int(((forecast.states[TP] < first) | (forecast.states[TP] > last)).sum())
+    held = f"{forecast.name}: {outside} of {len(forecast.states)} peak periods lie outside {first:g} to {last:g} s"
+    words = f"{held}, where the limit of the nearest is taken: add them to periods in {plan.path}"
+    return [*forecast.warnings, *([words] if outside else [])]
 
 
 def _groups(phases: Sequence[Phase]) -> list[list[Phase]]:
@@ -116,21 +140,23 @@ def _start(
     """Return when a group can begin [h after the first forecast]: now, or at a later step; None: never."""
     count = len(next(iter(used.values())))
     for start in (clock, *(step * n for n in range(math.floor(clock / step) + 1, count))):
-        at, is_good = start, True
+        at, is_good, ends = start, True, _ends(group, start, contingency)
         for phase in group:
-            hours = _hours(phase, contingency)
-            is_good = is_good and at + hours <= count * step + 1e-9
-            is_good = is_good and bool((used[phase.name][_steps(at, hours, step)] <= 1.0).all())
+            end = ends[phase.name]
+            is_good = is_good and end <= count * step + 1e-9
+            is_good = is_good and bool((used[phase.name][_steps(at, end, step)] <= 1.0).all())
             at += phase.duration / 3600.0
         if is_good:
             return float(start)
     return None
 
 
-def _hours(phase: Phase, contingency: float) -> float:
-    return phase.duration / 3600.0 * (1.0 + contingency)
+def _ends(group: Sequence[Phase], start: float, contingency: float) -> dict[str, float]:
+    """Return when each phase of a group that begins at `start` is over at the latest: those before it late as well."""
+    hours = np.cumsum([phase.duration / 3600.0 for phase in group]) * (1.0 + contingency)
+    return {phase.name: start + float(after) for phase, after in zip(group, hours, strict=True)}
 
 
-def _steps(start: float, hours: float, step: float) -> slice:
+def _steps(start: float, end: float, step: float) -> slice:
     """Return the forecast steps that a window touches; a forecast holds from its time to the next."""
-    return slice(math.floor(start / step + 1e-9), max(math.ceil((start + hours) / step - 1e-9), 1))
+    return slice(math.floor(start / step + 1e-9), max(math.ceil(end / step - 1e-9), 1))

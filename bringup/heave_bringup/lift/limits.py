@@ -17,18 +17,16 @@ from heave_bringup.lift.figures import GAUSSIAN, PLANNED, Capacity, Place, Place
 from heave_bringup.lift.loop import Compensated, Loops, most_height
 from heave_bringup.lift.plan import SURFACE, WATER, Phase, Plan
 from heave_bringup.lift.response import PhaseScene, locked_places, phase_scene
-from heave_bringup.lift.surface import Crossing, cross, crossings
+from heave_bringup.lift.surface import Crossing, cross, crossings, regula_falsi
 from heave_bringup.operability.limits import LOST_LIMIT
 from heave_bringup.scenarios import Scenario
 
-NEAR_ENOUGH, CROSSING_WIDTH = 0.002, 0.02
-"""Relative width at which the search for a height ends, and of a crossing, which is the mean of several."""
-SHARE_TIME = 60.0
+NEAR_ENOUGH = 0.002
+"""Relative width at which the search for a height ends."""
+SHARE_TIME = 30.0
 """Time of a run of the loop that is to say no more than what share of the boom tip's heave it leaves [s]."""
 STEPS = 8
 """Times that the drag is linearised for the height at which it is wanted."""
-LOADS = ("dynamic_amplification", "tension_ratio_min", "tension_max_n", "slack_percent", ROPE, WINCH_PULL, ATTACHMENT)
-"""Figures that are known in air and at the surface."""
 CAPACITIES = {
     ROPE: ("rope", "system.cable.breaking_force"),
     WINCH_PULL: ("winch", "system.winch.rated_pull"),
@@ -75,10 +73,11 @@ class PeriodLimits:
     locked_values: Values = field(default_factory=dict)
     compensated_values: Values = field(default_factory=dict)
 
-
-def criteria_of(phase: Phase) -> list[Criterion]:
-    """Return the criteria of a `phase` on figures that are known where it takes place."""
-    return [one for one in phase.criteria if phase.kind == WATER or one.kpi in LOADS]
+    def planned(self, phase: Phase) -> tuple[Limit, Values]:
+        """Return the limit that counts for its `phase`, by whether the plan is to compensate in it, and the figures."""
+        if phase.does.compensated and self.compensated is not None:
+            return self.compensated, self.compensated_values
+        return self.locked, self.locked_values
 
 
 def period_limits(plan: Plan, phases: Sequence[Phase], period: float, height: float) -> list[PeriodLimits]:
@@ -112,13 +111,18 @@ def phase_limits(loops: Loops, phase: Phase, period: float, height: float) -> Pe
     plan = loops.plan
     scene = phase_scene(plan, phase, period)
     capacity = _capacity(scene.scenario, phase, str(plan.path))
+    if phase.does.compensated and not scene.scenario.moves_winch:
+        raise ParameterError(
+            f"{plan.path}: {phase.name}: compensated: the winch does not compensate (winch_controller.law: off): "
+            "set another law, or leave compensated out"
+        )
     if phase.kind == SURFACE:
         return _at_surface(loops, scene, capacity, height)
-    locked = _settled_limit(scene, criteria_of(phase), capacity)
+    locked = _settled_limit(scene, phase.criteria, capacity)
     kurtosis = GAUSSIAN
     if phase.kind == WATER:
         kurtosis = loops.kurtosis(scene, float(scene.lengths[_worst(scene, locked.height)]), locked.height)
-        locked = _settled_limit(scene, criteria_of(phase), capacity, kurtosis)
+        locked = _settled_limit(scene, phase.criteria, capacity, kurtosis, locked.height)
     values = figures_of(locked_places(scene, height, kurtosis), capacity)
     found = PeriodLimits(phase.name, period, locked, locked_values=values)
     if phase.kind != WATER or not scene.scenario.moves_winch:
@@ -161,11 +165,15 @@ def scaled(places: Places, factor: float) -> list[Place]:
 
 
 def _settled_limit(
-    scene: PhaseScene, criteria: Sequence[Criterion], capacity: Capacity, kurtosis: float = GAUSSIAN
+    scene: PhaseScene,
+    criteria: Sequence[Criterion],
+    capacity: Capacity,
+    kurtosis: float = GAUSSIAN,
+    guess: float | None = None,
 ) -> Limit:
     """Return the limit with the winch locked, drag linearised for the height of the limit itself."""
     most = most_height(scene.period)
-    limit = Limit(0.3 * most)
+    limit = Limit(0.3 * most if guess is None else guess)
     for _ in range(STEPS):
         before = max(limit.height, 0.1)
         places = scaled(locked_places(scene, before, kurtosis), 1.0 / before)
@@ -193,12 +201,12 @@ def _worst(scene: PhaseScene, height: float) -> int:
 
 
 def _compensated_limit(scene: PhaseScene, run: Compensated, capacity: Capacity, height: float) -> tuple[Limit, Values]:
-    most = min(most_height(scene.period), run.lost)
     if run.place is None:
         return Limit(0.0, LOST_LIMIT), {}
-    criteria = [*criteria_of(scene.phase), *_winch_criteria(scene.scenario)]
+    most = min(most_height(scene.period), run.held)
+    criteria = [*scene.phase.criteria, *_winch_criteria(scene.scenario)]
     limit = _linear_limit([run.place], criteria, capacity, most)
-    if not limit.governs and math.isfinite(run.lost):
+    if not limit.governs and math.isfinite(run.held):
         limit = Limit(limit.height, LOST_LIMIT)
     return limit, figures_of(scaled([run.place], height), capacity)
 
@@ -227,12 +235,15 @@ def _capacity(scenario: Scenario, phase: Phase, where: str) -> Capacity:
 
 def _at_surface(loops: Loops, scene: PhaseScene, capacity: Capacity, height: float) -> PeriodLimits:
     """Return the limits of a phase through the surface: the mean over the seeds."""
-    ways, shares = crossings(loops.plan, scene), [1.0]
+    ways, shares, lost = crossings(loops.plan, scene), [1.0], None
     calm = cross(ways[0], 0.0, 1.0, capacity)
     if scene.scenario.moves_winch:
         deepest = float(scene.lengths.max())
         run = loops.compensated(scene, locked_places(scene, 1.0)[0], deepest, SHARE_TIME)
-        shares += [run.share] if run.place is not None else []
+        if run.place is not None:
+            shares.append(run.share)
+        else:
+            lost = Limit(0.0, LOST_LIMIT)
     limits, values = [], []
     for share in shares:
         found: list[Limit] = []
@@ -246,7 +257,7 @@ def _at_surface(loops: Loops, scene: PhaseScene, capacity: Capacity, height: flo
         values.append({key: float(np.mean([one[key] for one in at])) for key in at[0]})
     whole = PeriodLimits(scene.phase.name, scene.period, limits[0], locked_values=values[0])
     if len(shares) == 1:
-        return whole
+        return replace(whole, compensated=lost)
     return replace(whole, compensated=limits[1], compensated_values=values[1])
 
 
@@ -263,42 +274,10 @@ def _crossing_limit(way: Crossing, share: float, capacity: Capacity, guess: floa
         return known[height].get(key, math.nan)
 
     limit = Limit(most_height(way.scene.period))
-    for criterion in criteria_of(way.scene.phase):
+    for criterion in way.scene.phase.criteria:
         if limit.governs and criterion.is_met(figure(criterion.kpi, limit.height)):
             continue
         found = regula_falsi(criterion, partial(figure, criterion.kpi), guess, limit.height)
         if found < limit.height:
             limit, guess = Limit(found, criterion.kpi), max(found, 0.1)
     return limit
-
-
-def regula_falsi(criterion: Criterion, figure: Callable[[float], float], guess: float, most: float) -> float:
-    """Return the height at which a figure that is nearly linear in it reaches its bound, with few values of it.
-
-    Parameters
-    ----------
-    criterion : on the figure
-    figure : its value by significant wave height [m]; NaN: beyond the bound
-    guess : where the search begins [m]
-    most : where it ends [m]
-    """
-    low, high = (0.0, figure(0.0)), (math.inf, math.nan)
-    if not criterion.is_met(low[1]):
-        return 0.0
-    height = min(max(guess, 0.1 * most), most)
-    for _ in range(STEPS):
-        here = (height, figure(height))
-        if criterion.is_met(here[1]):
-            if height == most:
-                return most
-            other, low = (low if math.isinf(high[0]) else high), here
-        else:
-            other, high = low, here
-        slope = (here[1] - other[1]) / (here[0] - other[0])
-        target = height + (criterion.bound - here[1]) / slope if slope else math.nan
-        ceiling = min(high[0], most, 2.0 * height)
-        is_inside = low[0] < target < ceiling
-        if is_inside and abs(target - height) < CROSSING_WIDTH * height:
-            return target
-        height = target if is_inside else ceiling if math.isinf(high[0]) else 0.5 * (low[0] + high[0])
-    return low[0]

@@ -41,12 +41,12 @@ class Compensated:
     Attributes
     ----------
     place : at Hs = 1 m; None: compensation was lost in every height that was tried
-    lost : smallest height at which it was lost [m]; infinite: at none
+    held : largest height at which it was seen to hold, where it was lost in a higher sea [m]; infinite: never lost
     share : of the boom tip's heave that is left at the top of the cable, by standard deviations [-]
     """
 
     place: Place | None
-    lost: float
+    held: float
     share: float = 1.0
 
 
@@ -98,16 +98,16 @@ class Loops:
         return run
 
     def _run(self, scene: PhaseScene, governing: Place, length: float, measure: float) -> Compensated:
-        height, lost = _height(scene), math.inf
-        for _ in range(TRIES):
+        height = _height(scene)
+        for attempt in range(TRIES):
             record = run_loop(self.plan, scene, length, height, SETTLE + measure)
             works = np.isin(record.modes, COMPENSATES)[record.column("time") >= SETTLE]
             if float(np.mean(works)) >= LEAST_ACTIVE:
                 tip, payout = (record.column(name, after=SETTLE) for name in ("boom_tip", "payout"))
                 share = float(np.std(tip - payout) / np.std(tip))
-                return Compensated(_measured(scene, record, governing), lost, share)
-            height, lost = 0.5 * height, height
-        return Compensated(None, lost)
+                return Compensated(_measured(scene, record, governing), height if attempt else math.inf, share)
+            height *= 0.5
+        return Compensated(None, 0.0)
 
 
 def _at(run: Compensated, scene: PhaseScene, governing: Place) -> Compensated:
@@ -138,13 +138,10 @@ def run_loop(plan: Plan, scene: PhaseScene, length: float, height: float, durati
         (WILDCARD, "duration"): duration,
         (WILDCARD, "transient"): 0.0,
         ("cable_sim", "seabed.depth"): 0.0,
-        ("wave_vessel", "crane.move_times"): [],
         **{("winch_controller", f"programme.{name}"): [] for name in ("move_times", "mode_times", "modes")},
         **{("winch_controller", f"programme.move_{name}"): [] for name in ("payouts", "speeds")},
-        **{("wave_vessel", f"crane.move_{joint}"): [] for joint in ("slew", "luff", "knuckle", "extension")},
+        **scene.still_crane,
     }
-    if scene.phase.does.slew:
-        values[WILDCARD, "system.vessel.boom_tip_arm"] = list(scene.arm)
     settings = [Setting(node, name, value, "heave lift") for (node, name), value in values.items()]
     scenario = phase_scene(plan, scene.phase, scene.period, settings).scenario
     return ClosedLoop(loop_parameters(scenario)).run()

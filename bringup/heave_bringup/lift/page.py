@@ -5,17 +5,17 @@ from __future__ import annotations
 import html
 from typing import Any
 
+import numpy as np
 import pandas
 from heave_bags.analyse.verdict import FAILED
 from heave_bags.report.figure import LIMIT, OTHER, RUN_COLOURS, UNCOMPENSATED, UNIT, Figure
 from heave_bags.report.report import place_figure, render_page, unbroken
 
-from heave_bringup.lift.plan import Phase
+from heave_bringup.lift.forecast import allowed
 from heave_bringup.lift.study import LiftStudy
 from heave_bringup.lift.tables import Table, judged_rows, limit_table, phase_table, planned_state, summary
-from heave_bringup.operability.exposure import limit_at
 from heave_bringup.operability.page_parts import table
-from heave_bringup.operability.record import HS, TP
+from heave_bringup.operability.record import HS
 
 FOOTER = (
     "Limits hold while the unit hangs: locked by stochastic linearisation along the way, compensated by a run of the "
@@ -37,28 +37,19 @@ def render(study: LiftStudy) -> str:
         f'<div class="verdict {"bad" if is_bad else "good"}"><ul>{items}</ul></div>',
         f"<h2>Phases at Hs {study.height:g} m, Tp {study.period:g} s</h2>",
         _html(phase_table(study), texts=3),
-        "<h2>Limits</h2>",
-        _html(limit_table(study), texts=1),
+        "<h2>Largest Hs of each phase [m], and what ends it</h2>",
+        _html(limit_table(study), texts=4),
         place_figure(_limit_figure(study), drawn),
     ]
     if study.forecast is not None:
         body += ["<h2>Forecast</h2>", place_figure(_forecast_figure(study), drawn)]
-    body += ["<h2>Criteria</h2>", _html(judged_rows(study), texts=5)]
+    body += ["<h2>Criteria</h2>", _html(judged_rows(study), texts=4)]
     return render_page(study.plan.title, "\n".join(body), drawn, footer=FOOTER)
 
 
 def _html(content: Table, *, texts: int) -> str:
     head, rows = content
     return table(head, [[unbroken(cell) for cell in row] for row in rows], texts=texts)
-
-
-def _planned(study: LiftStudy, phase: Phase) -> list[float]:
-    """Return the limits of a phase the way that it is planned, by the plan's periods [m]."""
-    ways = study.limits[phase.name]
-    return [
-        one.compensated.height if phase.does.compensated and one.compensated is not None else one.locked.height
-        for one in ways
-    ]
 
 
 def _limit_figure(study: LiftStudy) -> Figure:
@@ -68,7 +59,7 @@ def _limit_figure(study: LiftStudy) -> Figure:
         {
             "name": phase.name,
             "x": [one.period for one in study.limits[phase.name]],
-            "y": [round(height, 3) for height in _planned(study, phase)],
+            "y": [round(one.planned(phase)[0].height, 3) for one in study.limits[phase.name]],
             "mode": "lines+markers",
             "line": {"color": colours[number % len(colours)], "width": 2.5},
             "marker": {"size": 8},
@@ -104,13 +95,8 @@ def _forecast_figure(study: LiftStudy) -> Figure:
     assert study.forecast is not None
     states = study.forecast.states
     times = [f"{time:%Y-%m-%d %H:%M}" for time in pandas.DatetimeIndex(states.index)]
-    curves = []
-    for phase in study.plan.phases:
-        curve = pandas.DataFrame(
-            {"period": [one.period for one in study.limits[phase.name]], "limit": _planned(study, phase)}
-        )
-        curves.append(study.plan.whole.alpha * limit_at(curve, states[TP].to_numpy()))
-    least = pandas.DataFrame(curves).min()
+    curves = [allowed(study.plan, one, study.limits[one.name], study.forecast) for one in study.plan.phases]
+    least = np.min(curves, axis=0)
     traces = [
         {
             "name": name,

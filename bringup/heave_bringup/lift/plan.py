@@ -17,7 +17,7 @@ Depths are of the unit below still water, negative in air. A phase whose depths 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from typing import Any
 from heave_node.criteria import Criterion, parse_criterion
 from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.files.given_files import read_given
+from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL
 from heave_node.parameters import Given, ParameterError, build_parameters, check_ranges, parameter
 
 from heave_bringup.lift.figures import PLANNED
@@ -32,6 +33,9 @@ from heave_bringup.settings import Setting, make_setting
 
 AIR, SURFACE, WATER = "air", "surface", "water"
 """Where a phase takes place."""
+
+LOADS = ("dynamic_amplification", "tension_ratio_min", "tension_max_n", "slack_percent", ROPE, WINCH_PULL, ATTACHMENT)
+"""Figures that are known in air and at the surface."""
 
 _OF_PHASE = {"name", "set", "wanted"}
 _OF_PLAN = {"scenario", "set", "wanted", "phases", "title"}
@@ -98,7 +102,7 @@ class Phase:
     name : of it
     does : what it does
     settings : changes of the scenario in this phase
-    criteria : that hold in it
+    criteria : that hold in it, on figures that are known where it takes place
     """
 
     name: str
@@ -196,11 +200,17 @@ def _phase(entry: Any, where: str, common: Mapping[str, Criterion]) -> Phase:
     does = build_parameters(PhaseParameters, _own(content, PhaseParameters), where=where)
     if does.duration == 0.0 and (does.speed == 0.0 or does.depth[0] == does.depth[1]):
         raise ParameterError(f"{where}: needs a duration [s], or a speed [m/s] and two depths that differ")
-    criteria = {**common, **_criteria(content.get("wanted") or {}, where)}
+    own = _criteria(content.get("wanted") or {}, where)
+    settings = _settings(content.get("set") or {}, f"{where}: set")
+    phase = Phase(str(content["name"]), does, settings, ())
+    if phase.kind != WATER:
+        if beyond := next((key for key in own if key not in LOADS), ""):
+            raise ParameterError(f"{where}: wanted: {beyond} is known in water alone; here: {', '.join(LOADS)}")
+        common = {key: one for key, one in common.items() if key in LOADS}
+    criteria = {**common, **own}
     if not criteria:
         raise ParameterError(f'{where}: no criteria: add wanted, as in {{dynamic_amplification: "<= 1.3"}}')
-    settings = _settings(content.get("set") or {}, f"{where}: set")
-    phase = Phase(str(content["name"]), does, settings, tuple(criteria.values()))
+    phase = replace(phase, criteria=tuple(criteria.values()))
     if does.compensated and phase.kind == AIR:
         raise ParameterError(f"{where}: compensated: limits in air are those of the locked winch; leave it out")
     return phase

@@ -55,6 +55,16 @@ class PhaseScene:
     density: Array
 
     @property
+    def still_crane(self) -> dict[tuple[str, str], object]:
+        """The boom tip of `arm` without a crane that could move it: settings of a run in which the crane stands."""
+        moves = ("times", "slew", "luff", "knuckle", "extension")
+        return {
+            (WILDCARD, "system.vessel.boom_tip_arm"): list(self.arm),
+            (WILDCARD, "system.crane.boom_length"): 0.0,
+            **{("wave_vessel", f"crane.move_{name}"): [] for name in moves},
+        }
+
+    @property
     def plant(self) -> Any:
         """Parameters of cable and unit."""
         return self.scenario.parameters["cable_sim"]

@@ -7,11 +7,13 @@ share of the boom tip's heave; what the winch adds to it is as ideal as that sha
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from cable_sim_node.line.dynamics import CableDynamics
+from heave_node.criteria import Criterion
 from heave_node.interface.waves import Waves
 from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL, safety_factor
 from heave_node.numerics.arrays import Array
@@ -29,6 +31,10 @@ RAMP = 20.0
 """Time in which the sea begins, before the unit moves [s]."""
 COMPONENTS, SEGMENTS = 150, 4
 """Waves of a sea, and segments of the short cable."""
+CROSSING_WIDTH = 0.02
+"""Relative width at which the search for the height of a crossing ends: a limit is the mean of several."""
+TRIES = 8
+"""Runs of one search."""
 
 
 @dataclass(frozen=True)
@@ -76,10 +82,9 @@ def crossing(plan: Plan, scene: PhaseScene, seed: int, settings: Mapping[tuple[s
         (WILDCARD, "seed"): seed,
         ("wave_vessel", "ramp"): RAMP,
         (WILDCARD, "system.length"): float(scene.lengths[0]),
+        **scene.still_crane,
         **settings,
     }
-    if scene.phase.does.slew:
-        values[WILDCARD, "system.vessel.boom_tip_arm"] = list(scene.arm)
     changes = [Setting(node, name, value, "heave lift") for (node, name), value in values.items()]
     found = phase_scene(plan, scene.phase, scene.period, changes)
     step = found.scenario.run.tick_period
@@ -141,3 +146,35 @@ def _figures(
         ATTACHMENT: safety_factor(capacity.attachment, float(at_unit[first:].max())),
         "slack_percent": 100.0 * float(np.mean(slack[first:] > 0.0)),
     }
+
+
+def regula_falsi(criterion: Criterion, figure: Callable[[float], float], guess: float, most: float) -> float:
+    """Return the height at which a figure that is nearly linear in it reaches its bound, with few values of it.
+
+    Parameters
+    ----------
+    criterion : on the figure
+    figure : its value by significant wave height [m]; NaN: beyond the bound
+    guess : where the search begins [m]
+    most : where it ends [m]
+    """
+    low, high = (0.0, figure(0.0)), (math.inf, math.nan)
+    if not criterion.is_met(low[1]):
+        return 0.0
+    height = min(max(guess, 0.1 * most), most)
+    for _ in range(TRIES):
+        here = (height, figure(height))
+        if criterion.is_met(here[1]):
+            if height == most:
+                return most
+            other, low = (low if math.isinf(high[0]) else high), here
+        else:
+            other, high = low, here
+        slope = (here[1] - other[1]) / (here[0] - other[0])
+        target = height + (criterion.bound - here[1]) / slope if slope else math.nan
+        ceiling = min(high[0], most, 2.0 * height)
+        is_inside = low[0] < target < ceiling
+        if is_inside and abs(target - height) < CROSSING_WIDTH * height:
+            return target
+        height = target if is_inside else ceiling if math.isinf(high[0]) else 0.5 * (low[0] + high[0])
+    return low[0]

@@ -10,8 +10,8 @@ from heave_bags.analyse.verdict import FAILED, PASSED, Judged, required_words
 from heave_node.loads.strength import ROPE
 
 from heave_bringup.lift.as_built import AsBuilt
-from heave_bringup.lift.limits import Limit, PeriodLimits, criteria_of
-from heave_bringup.lift.plan import Phase
+from heave_bringup.lift.limits import Limit
+from heave_bringup.lift.plan import LOADS, WATER, Phase
 from heave_bringup.lift.study import LiftStudy
 from heave_bringup.operability.limits import title_of
 
@@ -24,20 +24,20 @@ Table = tuple[list[str], list[list[str]]]
 
 
 def limit_table(study: LiftStudy) -> Table:
-    """Return head and rows of the limits of a `study`, the planned way of the winch marked."""
-    head = ["phase", "Tp s", "Hs m, compensated", "ended by", "Hs m, locked", "locked ended by"]
+    """Return head and rows of the limits of a `study`."""
+    head = ["phase", "Tp s", "Hs m, compensated", "Hs m, locked"]
     rows = []
     for phase in study.plan.phases:
         for place, one in enumerate(study.limits[phase.name]):
             cells = [phase.name if place == 0 else "", f"{one.period:g}"]
-            rows.append([*cells, *_limit(one.compensated), *_limit(one.locked)])
+            rows.append([*cells, _limit(one.compensated), _limit(one.locked)])
     return head, rows
 
 
-def _limit(limit: Limit | None) -> tuple[str, str]:
+def _limit(limit: Limit | None) -> str:
     if limit is None:
-        return "-", "-"
-    return limit.words, title_of(limit.governs) if limit.governs else "nothing"
+        return "-"
+    return f"{limit.words} ({title_of(limit.governs)})" if limit.governs else limit.words
 
 
 def phase_table(study: LiftStudy) -> Table:
@@ -70,14 +70,12 @@ def _depths(phase: Phase) -> str:
 
 def planned_values(study: LiftStudy, phase: Phase) -> Mapping[str, float]:
     """Return the figures of a `phase` of a `study` in its sea, the way that it is planned."""
-    one: PeriodLimits = study.at_sea[phase.name]
-    return one.compensated_values if phase.does.compensated else one.locked_values
+    return study.at_sea[phase.name].planned(phase)[1]
 
 
 def planned_state(study: LiftStudy, phase: Phase) -> str:
     """Return the verdict on a `phase` of a `study` in its sea, in a word."""
-    one = study.at_sea[phase.name]
-    limit = one.compensated if phase.does.compensated and one.compensated is not None else one.locked
+    limit, _ = study.at_sea[phase.name].planned(phase)
     return PASSED if study.height <= limit.height else FAILED
 
 
@@ -88,10 +86,9 @@ def _built_row(built: AsBuilt, width: int) -> list[str]:
 
 
 def _cells(phase: Phase, values: Mapping[str, float]) -> list[str]:
-    """Return the figures of a phase; a speed at touchdown only where it is a criterion."""
-    wanted = {one.kpi for one in criteria_of(phase)}
-    shown = [key if key in wanted or key != TOUCHDOWN else "" for key in SHOWN]
-    return [DEFINITION_OF[key].text(values.get(key, math.nan)) if key else "-" for key in shown]
+    """Return the figures of a phase that are known where it takes place; a speed at touchdown only as a criterion."""
+    hidden = {TOUCHDOWN} - {one.kpi for one in phase.criteria} | (set() if phase.kind == WATER else {*SHOWN} - {*LOADS})
+    return ["-" if key in hidden else DEFINITION_OF[key].text(values.get(key, math.nan)) for key in SHOWN]
 
 
 def _number(value: float, digits: int) -> str:
@@ -101,13 +98,13 @@ def _number(value: float, digits: int) -> str:
 def judged_rows(study: LiftStudy) -> Table:
     """Return head and rows of every criterion of a `study`: required, planned, and reached in the bag."""
     built = {one.phase.name: one for one in study.built}
-    head = ["phase", "figure", "required", "planned", *(["as built"] if built else [])]
+    head = ["phase", "criterion", "planned", *(["as built"] if built else [])]
     rows = []
     for phase in study.plan.phases:
         values = planned_values(study, phase)
-        for criterion in criteria_of(phase):
+        for criterion in phase.criteria:
             planned = Judged(criterion, values.get(criterion.kpi, math.nan))
-            cells = [phase.name, title_of(criterion.kpi), required_words(criterion), planned.got]
+            cells = [phase.name, f"{title_of(criterion.kpi)} {required_words(criterion)}", planned.got]
             if built:
                 reached = [one for one in built[phase.name].judged if one.criterion == criterion]
                 cells.append(f"{reached[0].got}{'' if reached[0].is_met else ', MISSED'}" if reached else "-")

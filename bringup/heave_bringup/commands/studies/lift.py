@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from heave_bags.analyse.run_record import RunRecord
 
 
+GUIDE = "docs/guide/howto/plan_a_lift.md"
+"""Where the figures of the validation are."""
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument("plan", metavar="PLAN", help="a plan: a YAML file, or the shipped module_1500")
@@ -29,19 +33,22 @@ def execute(options: argparse.Namespace) -> None:
 
     from heave_bringup.errors import CommandError, VerdictError
     from heave_bringup.lift.as_built import failures
+    from heave_bringup.lift.forecast import read_forecast, warnings
     from heave_bringup.lift.page import render
     from heave_bringup.lift.plan import read_plan
     from heave_bringup.lift.study import page_of, study_lift
     from heave_bringup.lift.tables import judged_rows, limit_table, phase_table, summary
-    from heave_bringup.operability.record import read_record
-    from heave_bringup.output import FittedTable, Part, check_output, write_result
+    from heave_bringup.output import FittedTable, Part, check_output, warn, write_result
 
     check_output("--report", options.report, (".html",))
     if options.processes is not None and options.processes < 1:
         raise ParameterError(f"--processes {options.processes}: must be at least 1")
     plan = read_plan(options.plan)
-    forecast = None if options.forecast is None else read_record(options.forecast)
+    forecast = None if options.forecast is None else read_forecast(options.forecast)
+    if forecast is not None:
+        warn(warnings(plan, forecast))
     record = None if options.bag is None else _record(options.bag)
+    warn([f"lift is experimental: compensated limits are not validated ({GUIDE})"])
     study = study_lift(plan, processes=options.processes, forecast=forecast, record=record)
     page = options.report or page_of(plan)
     try:
@@ -52,11 +59,11 @@ def execute(options: argparse.Namespace) -> None:
     seen = f"they are in {page}"
     parts: list[Part] = [
         plan.title,
-        FittedTable(*limits, texts=("phase", "ended by", "locked ended by"), elsewhere=seen),
+        FittedTable(*limits, texts=("phase", "Hs m, compensated", "Hs m, locked"), elsewhere=seen),
         FittedTable(
             *phases, texts=("winch", "depth m", "verdict", "start (UTC)"), optional=("depth m", "min"), elsewhere=seen
         ),
-        FittedTable(*judged_rows(study), texts=("figure", "required", "planned", "as built"), elsewhere=seen),
+        FittedTable(*judged_rows(study), texts=("phase", "criterion", "planned", "as built"), elsewhere=seen),
         "\n".join(summary(study)),
         f"report    {page}",
     ]
@@ -76,7 +83,7 @@ def _record(bag: Path) -> RunRecord:
 
 COMMAND = Command(
     name="lift",
-    summary="Plan a lift: limits by phase, go or no-go by a forecast; judge its bag by the same criteria.",
+    summary="Experimental: a lift by phases: limits, go or no-go by a forecast; its bag by the same criteria.",
     examples=("heave lift module_1500", "heave lift my_lift.yaml --forecast forecast.csv --bag runs/my_lift-001/bag"),
     add_arguments=add_arguments,
     execute=execute,
