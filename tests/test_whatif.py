@@ -121,6 +121,21 @@ def test_readings_that_come_together_late_or_never_or_are_refused_are_in_the_tic
     }
 
 
+def test_readings_of_a_sensor_with_a_clock_of_its_own_have_the_stamps_that_the_controller_gave_them():
+    clock = 1_800_000_000 * 1_000_000_000 + 7
+    readings = [WireReading(clock + number * TICK, (float(number),)) for number in range(1, 6)]
+    # none in tick 3, two in 4; the fifth is refused
+    judged, newest = [1, 1, 0, 2, 1], [1, 2, 2, 4, 4]
+    found = delivered(readings, Gate(TICK * np.arange(1, 6), np.array(judged), TICK * np.array(newest)), TICK)
+    assert [(tick, one.stamp // TICK, one.numbers[0]) for tick, of_tick in found.items() for one in of_tick] == [
+        (1, 1, 1.0),
+        (2, 2, 2.0),
+        (4, 3, 3.0),
+        (4, 4, 4.0),
+        (5, 5, 5.0),
+    ]
+
+
 def test_an_answer_of_the_adviser_that_came_too_late_is_not_taken(calm_bag, nominal, tmp_path):
     late = without_truth(
         Bag(calm_bag),

@@ -1,7 +1,7 @@
 """A record of sensors from a bag: only what a ship has is asked for, by topic and by field.
 
 Truth of a simulator is not read: `winch/state` carries some (payout, its acceleration, tension), other topics nothing
-else. A bag without them gives the same record to the last bit. In which tick a reading came is told by the gates of the
+else. A bag without them gives the same record to the last bit. In which tick a reading came is known by the gates of the
 controller, which say in each tick how many readings they judged and how old the newest is: in real time, too, where a
 reading may come late, with another one, or never.
 """
@@ -72,7 +72,7 @@ def read_record(bag: Bag, nominal: WinchControllerParameters, *, progress: Progr
         for name in INPUTS
         if SENSORS[name].topic.name in columns
     }
-    winches = _readings(columns[WINCH], WINCH_STATE, gates[ENCODER], period)
+    winches = _readings(columns[WINCH], WINCH_STATE, gates.get(ENCODER), period)
     water = Water(nominal.water_density, nominal.gravity)
     taken = tuple(
         measurements(
@@ -121,7 +121,7 @@ def _period(bag: Bag) -> int:
 
 def _stamps(columns: Columns) -> Stamps:
     """Return the stamps of messages [ns]."""
-    return np.rint(columns[TIME] * _SECOND).astype(np.int64)
+    return np.asarray(np.rint(columns[TIME] * _SECOND), dtype=np.int64)
 
 
 def _orders(columns: Columns, period: int) -> dict[int, WinchOrder]:
@@ -169,28 +169,30 @@ def _readings(columns: Columns, fields: Sequence[str], gate: Gate | None, period
     """
     rows: Any = zip(*(columns[value].tolist() for value in fields), strict=True)
     readings = [WireReading(stamp, numbers) for stamp, numbers in zip(_stamps(columns).tolist(), rows, strict=True)]
-    if gate is not None:
-        return delivered(readings, gate, period)
-    found: Delivered = {}
-    for tick, reading in zip((columns[LOG_TIME] // period).tolist(), readings, strict=True):
-        found.setdefault(tick, []).append(reading)
-    return found
+    if gate is None:
+        stamps, judged = np.unique(columns[LOG_TIME] // period * period, return_counts=True)
+        gate = Gate(stamps, judged, np.zeros_like(stamps))
+    return delivered(readings, gate, period)
 
 
 def delivered(readings: Sequence[WireReading], gate: Gate, period: int) -> Delivered:
     """Return the `readings` of a sensor by the tick in which its `gate` judged them; `period` is that of ticks [ns].
 
     The newest one that was accepted is known by its stamp: what was lost on the way shifts no other. A reading that was
-    refused is the next one.
+    refused is the next one. So is every one of a sensor with a clock of its own: it gets the stamp that the controller
+    gave it.
     """
     place = {reading.stamp: number for number, reading in enumerate(readings)}
+    has_own_clock = place.keys().isdisjoint(gate.newest[gate.newest > 0].tolist())
     found: Delivered = {}
-    done = before = 0
+    done = before = shift = 0
     for stamp, judged, newest in zip(*(one.tolist() for one in gate), strict=True):
         # of one that the bag lacks there is no place: nothing came
-        end = done + judged if newest == before else place.get(newest, -1) + 1
-        if judged and end > done:
-            found[stamp // period] = list(readings[max(done, end - judged) : end])
+        end = done + judged if newest == before or has_own_clock else place.get(newest, -1) + 1
+        taken = readings[max(done, end - judged) : end]
+        if taken:
+            shift = newest - taken[-1].stamp if newest != before and has_own_clock else shift
+            found[stamp // period] = [reading._replace(stamp=reading.stamp + shift) for reading in taken]
         done, before = max(done, end), newest
     return found
 
