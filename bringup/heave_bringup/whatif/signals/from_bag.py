@@ -1,9 +1,9 @@
 """A record of sensors from a bag: only what a ship has is asked for, by topic and by field.
 
 Truth of a simulator is not read: `winch/state` carries some (payout, its acceleration, tension), other topics nothing
-else. A bag without them gives the same record to the last bit. In which tick a reading came is known by the gates of the
-controller, which say in each tick how many readings they judged and how old the newest is: in real time, too, where a
-reading may come late, with another one, or never.
+else. A bag without them gives the same record to the last bit. The controller's gates say in each tick how many
+readings they judged and how old the newest is: so it is known in which tick a reading came, in real time too, where it
+may come late, with another one, or never.
 """
 
 from __future__ import annotations
