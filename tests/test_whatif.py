@@ -1,6 +1,7 @@
 """`heave whatif`: only sensors are read, the same law gives it again, what cannot carry an answer is refused."""
 
 import math
+import random
 from dataclasses import replace
 
 import numpy as np
@@ -9,24 +10,47 @@ from heave_bags.mcap.bag_writer import Attachment, BagWriter
 from heave_bags.mcap.reader import Bag
 from heave_bringup.whatif.asked import nominal_of
 from heave_bringup.whatif.known import learn
-from heave_bringup.whatif.signals.from_bag import SELECTION, read_record, scenario_text, write_text
+from heave_bringup.whatif.signals.from_bag import (
+    SELECTION,
+    Gate,
+    delivered,
+    read_record,
+    scenario_text,
+    write_text,
+)
 from heave_bringup.whatif.study import answers, same_again
+from heave_bringup.whatif.twin.again import observed_again
 from heave_bringup.whatif.twin.replay import Asked, replay
 from heave_msgs.msg import WinchState
+from heave_node.interface.sensors import WireReading
 from rclpy.serialization import deserialize_message, serialize_message
+from winch_controller_node.component import WinchController
+from winch_controller_node.interface.readings import Measurements
 
 from tests.campaigns import whatif as campaign
 from tests.campaigns.in_process import heave, judge
 from tests.campaigns.whatif import Recording, make_draw, run_draw, scenario_of
+from tests.loop_runs import run_scenario
 
 TRUE_FIELDS = ("payout", "payout_rate", "payout_acceleration", "tension", "power")
 """Fields of winch/state that only a simulator knows."""
 
+TICK = 50_000_000
+"""Tick period of the runs [ns]."""
 
-def without_truth(bag, folder, *, topics=tuple(SELECTION)):
-    """Write a bag with the `topics` alone, and with no truth in winch/state; return it."""
+
+def without_truth(bag, folder, *, topics=tuple(SELECTION), logged=lambda topic, time: time, **run):
+    """Write a bag with the `topics` alone, and with no truth in winch/state; return it.
+
+    Parameters
+    ----------
+    bag, folder : the bag, and where it is written
+    topics : that are kept
+    logged : returns when a message on a topic is recorded that was recorded at a time [ns]; None: it is lost
+    run : words about the run that are other
+    """
     attachments = [Attachment(name, found.media_type, found.data) for name, found in bag.attached.items()]
-    writer = BagWriter(folder, run=bag.run, attachments=attachments)
+    writer = BagWriter(folder, run={**bag.run, **run}, attachments=attachments)
     kept = [name for name in bag.topics if name.lstrip("/") in topics or name in topics]
     for name in kept:
         writer.add_foreign_topic(bag.topics[name], bag.topics[name].schema)
@@ -37,7 +61,9 @@ def without_truth(bag, folder, *, topics=tuple(SELECTION)):
             for field in TRUE_FIELDS:
                 setattr(state, field, math.nan)
             data = serialize_message(state)
-        writer.write(message.topic, message.log_time, data, publish_time=message.publish_time)
+        time = logged(message.topic, message.log_time)
+        if time is not None:
+            writer.write(message.topic, time, data, publish_time=message.publish_time)
     writer.close({})
     return Bag(folder)
 
@@ -59,11 +85,98 @@ def test_deleting_every_truth_topic_changes_no_digit(calm_bag, nominal, tmp_path
     assert whole.measurements[100].winch is not None
 
 
+def test_when_a_message_was_recorded_changes_no_digit(calm_bag, nominal, tmp_path):
+    """In real time it comes late."""
+    late = random.Random(1)
+    lockstep, bag = Bag(calm_bag), tmp_path / "late"
+    realtime = without_truth(lockstep, bag, logged=lambda _, time: time + late.randrange(4 * TICK), pacing="realtime")
+    assert read_record(realtime, nominal).measurements == read_record(lockstep, nominal).measurements
+
+
+def test_a_reading_that_the_bag_lacks_moves_no_other(calm_bag, nominal, tmp_path):
+    lost = ("/mru", "/winch/state")
+    gap = without_truth(
+        Bag(calm_bag),
+        tmp_path / "gap",
+        logged=lambda topic, time: None if topic in lost and time == 99 * TICK else time,
+    )
+    found, whole = (read_record(bag, nominal).measurements for bag in (gap, Bag(calm_bag)))
+    others = [index for index, (one, other) in enumerate(zip(found, whole, strict=True)) if one != other]
+    assert others == [98, 99]
+    assert (found[98].mru, found[99].winch) == ((), None)
+
+
+def test_readings_that_come_together_late_or_never_or_are_refused_are_in_the_tick_of_their_gate():
+    readings = [WireReading(number * TICK, (float(number),)) for number in range(1, 9)]
+    # two in tick 3; none in 4; 4 is lost on the way; 6 is refused; then 7 and 8 together, 8 refused
+    judged, newest = [1, 0, 2, 0, 1, 1, 0, 2], [1, 1, 3, 3, 5, 5, 5, 7]
+    ticks = np.arange(1, 9)
+    found = delivered(readings, Gate(TICK * ticks, np.array(judged), TICK * np.array(newest)), TICK)
+    assert {tick: [int(one.numbers[0]) for one in of_tick] for tick, of_tick in found.items()} == {
+        1: [1],
+        3: [2, 3],
+        5: [5],
+        6: [6],
+        8: [7],
+    }
+
+
+def test_readings_of_a_sensor_with_a_clock_of_its_own_have_the_stamps_that_the_controller_gave_them():
+    clock = 1_800_000_000 * 1_000_000_000 + 7
+    readings = [WireReading(clock + number * TICK, (float(number),)) for number in range(1, 6)]
+    # none in tick 3, two in 4; the fifth is refused
+    judged, newest = [1, 1, 0, 2, 1], [1, 2, 2, 4, 4]
+    found = delivered(readings, Gate(TICK * np.arange(1, 6), np.array(judged), TICK * np.array(newest)), TICK)
+    assert [(tick, one.stamp // TICK, one.numbers[0]) for tick, of_tick in found.items() for one in of_tick] == [
+        (1, 1, 1.0),
+        (2, 2, 2.0),
+        (4, 3, 3.0),
+        (4, 4, 4.0),
+        (5, 5, 5.0),
+    ]
+
+
+def test_an_answer_of_the_adviser_that_came_too_late_is_not_taken(calm_bag, nominal, tmp_path):
+    late = without_truth(
+        Bag(calm_bag),
+        tmp_path / "late",
+        logged=lambda topic, time: time + 30 * TICK if topic.endswith("beliefs") and time < 70 * TICK else time,
+    )
+    record = read_record(late, nominal).part(2.5)
+    assert record.late == {20, 40}
+    assert observed_again(record, nominal).beliefs.asked == -1
+    assert observed_again(replace(record, late=frozenset()), nominal).beliefs.asked == 40
+
+
+def test_the_same_law_leaves_out_the_ticks_that_the_controller_left_out(calm_bag, nominal):
+    whole = read_record(Bag(calm_bag), nominal)
+    controller, given, orders = WinchController(nominal, tick_period=whole.tick_period), [], []
+    for tick, one in enumerate(whole.measurements, start=1):
+        if tick in (81, 82):
+            controller.leave_out(tick)
+            given.append(Measurements())
+            orders.append(None)
+        else:
+            given.append(replace(one, mru=whole.measurements[tick - 2].mru + one.mru) if tick == 83 else one)
+            orders.append(controller.step(tick, given[-1]).order)
+    record = replace(whole, measurements=tuple(given), orders=tuple(orders), has_adviser=False)
+    assert observed_again(record, nominal).is_same
+
+
+@pytest.mark.long
+def test_the_same_law_gives_a_record_in_real_time_again(nominal, tmp_path):
+    bag = run_scenario(tmp_path / "run", duration=30.0, options=("--pacing", "realtime", "--composed"))
+    record = read_record(Bag(bag), nominal)
+    assert record.ticks == 600
+    assert observed_again(record, nominal).is_same
+
+
 @pytest.mark.parametrize(
     ("left_out", "words"),
     [
         ("unit/pressure", "holds no unit/pressure: the unit's motion is not measured, so it cannot be predicted"),
         ("mru", "holds no mru: the boom tip's motion is not known"),
+        ("controller/state", "holds no controller/state: what the controller was given in each tick is not known"),
         ("winch/command", "holds no winch/command: what the winch was ordered is not known"),
     ],
 )

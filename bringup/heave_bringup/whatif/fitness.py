@@ -129,7 +129,7 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
     if not known.again.is_same:
         lines.append(
             f"the same law parts from the record at {known.again.parted:.1f} s (mode {known.again.mode}, recorded "
-            f"{known.again.was or 'unknown'}): an operator, a late answer, or another version"
+            f"{known.again.was or 'unknown'}): an operator, a lost message, or another version"
         )
     is_reached = next(is_reported for of, is_reported, _ in reported(known) if of == "winch limits")
     for answer in answers:

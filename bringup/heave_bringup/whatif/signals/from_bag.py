@@ -1,15 +1,18 @@
 """A record of sensors from a bag: only what a ship has is asked for, by topic and by field.
 
 Truth of a simulator is not read: `winch/state` carries some (payout, its acceleration, tension), other topics nothing
-else. A bag without them gives the same record to the last bit.
+else. A bag without them gives the same record to the last bit. The controller's gates say in each tick how many
+readings they judged and how old the newest is: so it is known in which tick a reading came, in real time too, where it
+may come late, with another one, or never.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from heave_bags.cdr.columns import Columns
@@ -18,8 +21,10 @@ from heave_bags.record.provenance import SCENARIO_ATTACHMENT
 from heave_node.interface import topics
 from heave_node.interface.sensors import MRU, SENSORS, Water, WireReading
 from heave_node.numerics.arrays import Array
+from numpy.typing import NDArray
+from winch_controller_node.beliefs.beliefs import latency_ticks
 from winch_controller_node.interface.conversions import WINCH_STATE, measurements, winch_reading_of
-from winch_controller_node.interface.readings import WinchOrder, WinchReading
+from winch_controller_node.interface.readings import WinchOrder
 from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -28,17 +33,23 @@ from heave_bringup.whatif.signals.record import SensorRecord
 
 ORDER = ("sequence", "payout", "payout_rate", "brake")
 CONTROLLER = ("mode", "depth_set_point")
+GATE = ("sensor", "accepted", "refused", "age")
 WINCH, COMMAND, STATE = topics.WINCH_STATE.name, topics.WINCH_COMMAND.name, topics.CONTROLLER_STATE.name
 BELIEFS = topics.CONTROLLER_BELIEFS.name
+ENCODER = "encoder"
 
 SELECTION: dict[str, tuple[str, ...]] = {
     WINCH: WINCH_STATE,
     COMMAND: ORDER,
-    STATE: CONTROLLER,
+    STATE: (*CONTROLLER, *(f"sensors[].{name}" for name in GATE)),
     BELIEFS: ("asked",),
     **{SENSORS[name].topic.name: SENSORS[name].values for name in INPUTS},
 }
 """Topics that are read of a bag, and no others: sensors, orders, and the controller's reports."""
+
+Stamps = NDArray[np.int64]
+Delivered = dict[int, list[WireReading]]
+"""Readings of a sensor by tick."""
 
 _SECOND = 1_000_000_000
 
@@ -47,20 +58,31 @@ def read_record(bag: Bag, nominal: WinchControllerParameters, *, progress: Progr
     """Return the record of sensors in a `bag` of a run whose controller had the `nominal` parameters.
 
     `progress` is called with the share of the bag that is read. Raises CommandError where the bag lacks what every
-    answer needs, or is no record of a run in lockstep.
+    answer needs.
     """
     _check_topics(bag)
     period = _period(bag)
     selection = {topic: fields for topic, fields in SELECTION.items() if bag.has(topic)}
     columns = bag.columns(selection, progress=progress)
-    ticks = {topic: found[LOG_TIME] // period for topic, found in columns.items()}
-    orders = _orders(columns[COMMAND], ticks[COMMAND])
+    orders = _orders(columns[COMMAND], period)
     first, last = min(orders), max(orders)
-    given = _readings(columns, ticks)
-    winches = _winches(columns[WINCH], period)
+    gates = _gates(columns[STATE])
+    given = {
+        name: _readings(columns[SENSORS[name].topic.name], SENSORS[name].values, gates.get(name), period)
+        for name in INPUTS
+        if SENSORS[name].topic.name in columns
+    }
+    winches = _readings(columns[WINCH], WINCH_STATE, gates.get(ENCODER), period)
     water = Water(nominal.water_density, nominal.gravity)
-    taken = tuple(measurements(given.get(tick, {}), winches.get(tick), water) for tick in range(first, last + 1))
-    modes, set_points = _controller(columns.get(STATE), ticks.get(STATE), first, last)
+    taken = tuple(
+        measurements(
+            {name: of_tick.get(tick, ()) for name, of_tick in given.items()},
+            winch_reading_of(winches[tick][-1]) if tick in winches else None,
+            water,
+        )
+        for tick in range(first, last + 1)
+    )
+    modes, set_points = _controller(columns[STATE], period, first, last)
     return SensorRecord(
         period / _SECOND,
         first,
@@ -69,6 +91,7 @@ def read_record(bag: Bag, nominal: WinchControllerParameters, *, progress: Progr
         set_points,
         modes,
         has_adviser=BELIEFS in columns and len(columns[BELIEFS][TIME]) > 0,
+        late=_late(columns[BELIEFS], period) if BELIEFS in columns else frozenset(),
     )
 
 
@@ -79,6 +102,7 @@ def _check_topics(bag: Bag) -> None:
         SENSORS["depth"].topic.name: "the unit's motion is not measured, so it cannot be predicted",
         WINCH: "what the drum did is not known",
         COMMAND: "what the winch was ordered is not known",
+        STATE: "what the controller was given in each tick is not known",
     }
     for topic, why in needed.items():
         if not bag.has(topic):
@@ -88,60 +112,108 @@ def _check_topics(bag: Bag) -> None:
 
 
 def _period(bag: Bag) -> int:
-    """Return the tick period of the run in a `bag` [ns]; raise CommandError where it was not run in lockstep."""
-    run = bag.run
-    if run.get("pacing") != "lockstep":
-        raise CommandError(
-            f"{bag.path}: what the controller was given in each tick is known of runs in lockstep only; this bag is of "
-            f"pacing {run.get('pacing') or 'unknown'}"
-        )
+    """Return the tick period of the run in a `bag` [ns]."""
     try:
-        return round(float(run.get("tick_period_s", "")) * _SECOND)
+        return round(float(bag.run.get("tick_period_s", "")) * _SECOND)
     except ValueError as error:
         raise CommandError(f"{bag.path}: does not say its tick period") from error
 
 
-def _orders(columns: Columns, ticks: Array) -> dict[int, WinchOrder]:
+def _stamps(columns: Columns) -> Stamps:
+    """Return the stamps of messages [ns]."""
+    return np.asarray(np.rint(columns[TIME] * _SECOND), dtype=np.int64)
+
+
+def _orders(columns: Columns, period: int) -> dict[int, WinchOrder]:
     """Return the order of each tick."""
     rows = zip(*(columns[name].tolist() for name in ORDER), strict=True)
     return {
         int(tick): WinchOrder(int(sequence), payout, rate, bool(brake))
-        for tick, (sequence, payout, rate, brake) in zip(ticks.tolist(), rows, strict=True)
+        for tick, (sequence, payout, rate, brake) in zip(_stamps(columns) // period, rows, strict=True)
     }
 
 
-def _readings(columns: Mapping[str, Columns], ticks: Mapping[str, Array]) -> dict[int, dict[str, list[WireReading]]]:
-    """Return the readings that were delivered in each tick, by sensor."""
-    found: dict[int, dict[str, list[WireReading]]] = {}
-    for name in INPUTS:
-        sensor = SENSORS[name]
-        table = columns.get(sensor.topic.name)
-        if table is None:
-            continue
-        stamps = np.rint(table[TIME] * 1e9).astype(np.int64).tolist()
-        rows: Any = zip(*(table[value].tolist() for value in sensor.values), strict=True)
-        for tick, stamp, numbers in zip(ticks[sensor.topic.name].tolist(), stamps, rows, strict=True):
-            found.setdefault(int(tick), {}).setdefault(name, []).append(WireReading(stamp, numbers))
+class Gate(NamedTuple):
+    """What the controller's gate of a sensor says in each of its ticks.
+
+    Attributes
+    ----------
+    stamps : start of the tick (n,) [ns]
+    judged : readings in it (n,)
+    newest : stamp of the newest accepted reading so far (n,) [ns]; 0: none yet
+    """
+
+    stamps: Stamps
+    judged: Stamps
+    newest: Stamps
+
+
+def _gates(state: Columns) -> dict[str, Gate]:
+    """Return the gate of each sensor by the controller's reports."""
+    stamps, found = _stamps(state), {}
+    for number in itertools.takewhile(lambda n: f"sensors[{n}].sensor" in state, itertools.count()):
+        name, accepted, refused, age = (state[f"sensors[{number}].{field}"] for field in GATE)
+        total = accepted.astype(np.int64) + refused
+        judged = np.diff(total, prepend=0)
+        newest = np.where(np.isnan(age), 0, stamps - np.rint(np.nan_to_num(age) * _SECOND).astype(np.int64))
+        # a controller that was started again counts from 0
+        found[str(name[0])] = Gate(stamps, np.where(judged < 0, total, judged), newest)
     return found
 
 
-def _winches(columns: Columns, period: int) -> dict[int, WinchReading]:
-    """Return what the winch said of itself at the start of each tick: its state is stamped with its end."""
-    stamps = np.rint(columns[TIME] * 1e9).astype(np.int64).tolist()
-    rows: Any = zip(*(columns[name].tolist() for name in WINCH_STATE), strict=True)
-    readings = [winch_reading_of(WireReading(stamp, numbers)) for stamp, numbers in zip(stamps, rows, strict=True)]
-    return {stamp // period: reading for stamp, reading in zip(stamps, readings, strict=True)}
+def _readings(columns: Columns, fields: Sequence[str], gate: Gate | None, period: int) -> Delivered:
+    """Return the `fields` of the readings in the `columns` of a sensor by the tick in which the controller got them.
+
+    Those that no `gate` has judged are taken to have come in the tick in which they were recorded; `period` is that of
+    the ticks [ns].
+    """
+    rows: Any = zip(*(columns[value].tolist() for value in fields), strict=True)
+    readings = [WireReading(stamp, numbers) for stamp, numbers in zip(_stamps(columns).tolist(), rows, strict=True)]
+    if gate is None:
+        stamps, judged = np.unique(columns[LOG_TIME] // period * period, return_counts=True)
+        gate = Gate(stamps, judged, np.zeros_like(stamps))
+    return delivered(readings, gate, period)
 
 
-def _controller(columns: Columns | None, ticks: Array | None, first: int, last: int) -> tuple[tuple[str, ...], Array]:
+def delivered(readings: Sequence[WireReading], gate: Gate, period: int) -> Delivered:
+    """Return the `readings` of a sensor by the tick in which its `gate` judged them; `period` is that of ticks [ns].
+
+    The newest one that was accepted is known by its stamp: what was lost on the way shifts no other. A reading that was
+    refused is the next one. So is every one of a sensor with a clock of its own: it gets the stamp that the controller
+    gave it.
+    """
+    place = {reading.stamp: number for number, reading in enumerate(readings)}
+    has_own_clock = place.keys().isdisjoint(gate.newest[gate.newest > 0].tolist())
+    found: Delivered = {}
+    done = before = shift = 0
+    for stamp, judged, newest in zip(*(one.tolist() for one in gate), strict=True):
+        # of one that the bag lacks there is no place: nothing came
+        end = done + judged if newest == before or has_own_clock else place.get(newest, -1) + 1
+        taken = readings[max(done, end - judged) : end]
+        if taken:
+            shift = newest - taken[-1].stamp if newest != before and has_own_clock else shift
+            found[stamp // period] = [reading._replace(stamp=reading.stamp + shift) for reading in taken]
+        done, before = max(done, end), newest
+    return found
+
+
+def _late(columns: Columns, period: int) -> frozenset[int]:
+    """Return the ticks whose observations were answered too late for the controller."""
+    asked = columns["asked"]
+    return frozenset(asked[columns[LOG_TIME] // period > asked + latency_ticks(period / _SECOND)].tolist())
+
+
+def _controller(columns: Columns, period: int, first: int, last: int) -> tuple[tuple[str, ...], Array]:
     """Return mode and mean payout of the controller in each tick, as far as it said them."""
     modes, set_points = [""] * (last - first + 1), np.full(last - first + 1, math.nan)
-    if columns is not None and ticks is not None:
-        for tick, mode, point in zip(
-            ticks.tolist(), columns["mode"].tolist(), columns["depth_set_point"].tolist(), strict=True
-        ):
-            if first <= tick <= last:
-                modes[int(tick) - first], set_points[int(tick) - first] = str(mode), point
+    for tick, mode, point in zip(
+        (_stamps(columns) // period).tolist(),
+        columns["mode"].tolist(),
+        columns["depth_set_point"].tolist(),
+        strict=True,
+    ):
+        if first <= tick <= last:
+            modes[tick - first], set_points[tick - first] = str(mode), point
     return tuple(modes), set_points
 
 

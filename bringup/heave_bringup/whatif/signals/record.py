@@ -25,10 +25,11 @@ class SensorRecord:
     tick_period : [s]
     first : number of the first tick; tick k is at k tick_period
     measurements : delivered to the controller in each tick, (n,)
-    orders : that it gave to the winch in each, (n,); None: none is known
+    orders : that it gave to the winch in each, (n,); None: it left the tick out, being behind in real time
     set_points : mean payout that it worked about in each, (n,) [m]; NaN: not known
     modes : of the controller in each, (n,); "": not known
     has_adviser : the controller had one
+    late : ticks whose observations it answered too late
     """
 
     tick_period: float
@@ -38,6 +39,7 @@ class SensorRecord:
     set_points: Array
     modes: tuple[str, ...]
     has_adviser: bool = True
+    late: frozenset[int] = frozenset()
 
     @property
     def ticks(self) -> int:
@@ -95,14 +97,12 @@ class SensorRecord:
     def part(self, end: float) -> SensorRecord:
         """Return the record up to a time `end` [s]."""
         count = int(np.searchsorted(self.time, end))
-        return SensorRecord(
-            self.tick_period,
-            self.first,
-            self.measurements[:count],
-            self.orders[:count],
-            self.set_points[:count],
-            self.modes[:count],
-            self.has_adviser,
+        return replace(
+            self,
+            measurements=self.measurements[:count],
+            orders=self.orders[:count],
+            set_points=self.set_points[:count],
+            modes=self.modes[:count],
         )
 
 

@@ -6,12 +6,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.beliefs.beliefs import Beliefs
-from winch_controller_node.component import WinchController
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.whatif.signals.record import SensorRecord
+from heave_bringup.whatif.twin.core import Core
 
 REPRODUCED = 1e-9
 """Orders that differ by less are the same [m/s]."""
@@ -50,22 +49,16 @@ def observed_again(
     parameters : nominal, of the run
     on_tick : called with the number of ticks that are done
     """
-    dt = record.tick_period
-    controller = WinchController(parameters, tick_period=dt)
-    controller.skip_programme((record.first - 1) * dt)
-    adviser = Adviser(parameters, tick_period=dt) if record.has_adviser else None
-    beliefs, parted, mode, was = Beliefs(asked=-1), math.inf, "", ""
+    core = Core(record, parameters, has_adviser=record.has_adviser)
+    parted, mode, was = math.inf, "", ""
     for index, given in enumerate(record.measurements):
-        outputs = controller.step(record.first + index, given)
-        if outputs.observations is not None and adviser is not None:
-            beliefs = adviser.advise(outputs.observations)
-            controller.take(beliefs)
-        order, ordered = outputs.order, record.orders[index]
-        is_other = ordered is not None and (
+        outputs, order = core.step(index, given)
+        ordered = record.orders[index]
+        is_other = (order is not None and ordered is not None) and (
             order.brake != ordered.brake or not abs(order.payout_rate - ordered.payout_rate) <= REPRODUCED
         )
         if is_other and math.isinf(parted):
             parted, mode, was = float(record.time[index]), outputs.mode, record.modes[index]
         if on_tick is not None:
             on_tick(index + 1)
-    return Again(beliefs, parted, mode, was)
+    return Again(core.beliefs, parted, mode, was)

@@ -17,13 +17,12 @@ from cable_sim_node.winch.component import WinchState
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.interface.alarm import Alarm
 from heave_node.numerics.arrays import Array
-from winch_controller_node.adviser.component import Adviser
-from winch_controller_node.component import WinchController
-from winch_controller_node.interface.readings import Measurements, Outputs, ScalarReading, WinchReading
+from winch_controller_node.interface.readings import Measurements, Outputs, ScalarReading, WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.whatif.signals.record import Flags, SensorRecord
 from heave_bringup.whatif.signals.tip import Tip
+from heave_bringup.whatif.twin.core import Core
 from heave_bringup.whatif.twin.plant import PlantMotion, TwinPlant, driven
 from heave_bringup.whatif.twin.winch import PastWinch, TwinWinch
 
@@ -118,9 +117,7 @@ class Replay:
     def __init__(self, past: Past, asked: Asked) -> None:
         record = past.record
         dt, self._past, self._index = record.tick_period, past, 0
-        self._controller = WinchController(asked.controller, tick_period=dt)
-        self._controller.skip_programme((record.first - 1) * dt)
-        self._adviser = Adviser(asked.controller, tick_period=dt) if asked.has_adviser else None
+        self._core = Core(record, asked.controller, has_adviser=asked.has_adviser)
         self._winch = TwinWinch(asked.winch or past.winch_parameters, tick_period=dt)
         self._is_other = asked.winch is not None and asked.winch != past.winch_parameters
         payout, rate = float(past.winch.payout[0]), float(past.winch.rate[0])
@@ -135,26 +132,23 @@ class Replay:
         index, past = self._index, self._past
         tick = past.record.first + index
         given = past.record.measurements[index]
-        outputs = self._controller.step(tick, self._as_read(given, index) if self._is_other else given)
-        if outputs.observations is not None and self._adviser is not None:
-            self._controller.take(self._adviser.advise(outputs.observations))
-        self._compare(outputs, index)
+        outputs, order = self._core.step(index, self._as_read(given, index) if self._is_other else given)
+        self._compare(order, index)
         unit, _, tension, _ = self._plant.columns
         limits = self._winch.state.limits_hit if self._is_other else past.record.limits_hit[index]
         row = np.array(
             [self._payout, self._rate, outputs.depth_set_point, unit, tension, outputs.authority, int(limits)]
         )
         if index + 1 < past.record.ticks:
-            self._advance(self._winch.step(tick, outputs.order, tension), index + 1)
+            self._advance(self._winch.step(tick, order, tension), index + 1)
         self._index += 1
         return outputs, row
 
-    def _compare(self, outputs: Outputs, index: int) -> None:
-        """Note how far the order is from that of the record."""
+    def _compare(self, order: WinchOrder | None, index: int) -> None:
+        """Note how far the `order` is from that of the record."""
         was = self._past.record.orders[index]
-        if was is None:
+        if was is None or order is None:
             return
-        order = outputs.order
         self.order_error = max(self.order_error, abs(order.payout_rate - was.payout_rate))
         self._is_other |= order != was
 
