@@ -8,14 +8,14 @@ from winch_controller_node.interface.alarms import ALARMS
 pytest.importorskip("rclpy")
 pytest.importorskip("heave_msgs")
 
-from heave_node.interface.codes import OPERATOR, SensorLevel, timed_words
+from heave_node.interface.codes import SensorLevel
 from heave_node.ros.diagnostics import Level
 from winch_controller_node.interface.readings import SensorState
 from winch_controller_node.node import ADVISER, WinchControllerNode
 from winch_controller_node.supervision.modes import Event
 
 
-def parts_of(mode, *, is_inhibited=False, reason="", sensors=(), asked=None, adviser=None):
+def parts_of(mode, *, is_inhibited=False, reason="", sensors=(), adviser=None):
     """Return the parts that `diagnose` says, the mode first."""
     report = SimpleNamespace(
         mode=mode, is_inhibited=is_inhibited, reason=reason, authority=0.0, sensors=sensors, solver_status="free"
@@ -26,7 +26,6 @@ def parts_of(mode, *, is_inhibited=False, reason="", sensors=(), asked=None, adv
         controller=SimpleNamespace(depth=300.0, preview=SimpleNamespace(has_come=False), crane=crane),
         _changes={},
         _reported={},
-        _asked=asked or {},
         _has_adviser=adviser is not None,
         adviser=adviser,
         _diagnose_commands=lambda: None,
@@ -74,13 +73,6 @@ def test_a_lost_sensor_says_what_to_do_and_one_that_is_well_is_ok():
     words = {part.part: part.message for part in parts_of("compensating", sensors=(lost, well)) if part is not None}
     assert words["sensor mru"] == str(ALARMS.alarm("MRU_FROZEN"))
     assert words["sensor depth"] == "ok"
-
-
-def test_what_an_operator_asked_for_is_told_with_its_time_and_is_no_warning():
-    asked = {"t = 1.20 s": "factor 0.8", "t = 1.55 s": "speed +0.20 m/s"}
-    (part,) = [one for one in parts_of("compensating", asked=asked) if one is not None and one.part == OPERATOR]
-    assert (part.level, part.values) == (Level.OK, asked)
-    assert timed_words(part.message) == [(1.2, "factor 0.8"), (1.55, "speed +0.20 m/s")]
 
 
 @pytest.mark.parametrize(("is_well", "level"), [(True, Level.OK), (False, Level.WARN)])

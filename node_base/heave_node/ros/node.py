@@ -461,9 +461,9 @@ class HeaveNode(LifecycleNode):
         """Return the number of messages published so far on each output."""
         return [output.published for output in self._ports.outputs]
 
-    def reset_run(self) -> None:
-        """Drop what was received in the previous run, and make a new component."""
-        self.gate.clear()
+    def reset_run(self, published: Sequence[int] = ()) -> None:
+        """Drop what was received in the previous run, see `TickGate.clear`, and make a new component."""
+        self.gate.clear(published)
         self._asked.clear()
         for port in self._ports.inputs:
             port.reset()

@@ -241,10 +241,20 @@ class TickGate:
         """Return the new messages on `topic`; in lockstep those of the next tick stay in the inbox."""
         return self.inboxes[topic].take(self._due(topic))
 
-    def clear(self) -> None:
-        """Drop the messages of a run that was reset."""
+    def clear(self, published: Sequence[int] = ()) -> None:
+        """Drop the messages of a run that was reset.
+
+        Parameters
+        ----------
+        published : messages sent before the next run began, per entry of the roster: later ones are of the next run,
+            which others may be in already; empty: nobody is
+        """
         for topic, inbox in self.inboxes.items():
-            inbox.take(self._due(topic))
+            publishers = self._publishers.get(topic)
+            if self.lockstep and publishers and published:
+                inbox.take(sum(published[entry] for _, entry, _ in publishers))
+            else:
+                inbox.take(self._due(topic))
 
     def end_run(self) -> None:
         """Note that the run is over and all its messages have come."""

@@ -39,7 +39,7 @@ def execute(options: argparse.Namespace) -> None:
     """Write the FMUs that `options` name, and say what they have."""
     chosen = list(dict.fromkeys(options.part or PARTS))
     if options.language == "c" and "controller" not in chosen:
-        raise CommandError("--language c: only the controller can be in C: --part controller")
+        raise ParameterError("--language c: only the controller can be in C: --part controller")
     if find_spec("pythonfmu") is None:
         raise CommandError(f"heave fmu: needs the package pythonfmu; {how_to_install('fmu')}")
     from heave_bringup.fmu.export import export_part, make_parts, write_system
