@@ -352,7 +352,7 @@ def test_messages_of_a_run_that_was_reset_are_dropped_and_those_of_the_next_stay
     gate.begin(1, 1, [0, 1, 0])
     for number in (1, 2):
         gate.inboxes["/mru"].put(message(number))
-    gate.clear()
+    gate.end_run()
     gate.begin(2, 1, [0, 2, 0])
     assert gate.take("/mru") == [message(2)]
 
@@ -360,15 +360,17 @@ def test_messages_of_a_run_that_was_reset_are_dropped_and_those_of_the_next_stay
 def test_what_a_peer_has_sent_in_the_next_run_already_stays_when_the_last_one_is_dropped():
     """It begins the next run before this node does, and its first message and its answer may both be here by then."""
     gate = make_gate()
-    gate.begin(1, 1, [0, 0, 0])
-    gate.peer_done("sea", 1, 1, [0, 1])
+    gate.begin(1, 2, [0, 1, 0])
     gate.inboxes["/mru"].put(message(1))
-    gate.inboxes["/mru"].put(message(2))
+    for number in (2, 3):
+        gate.inboxes["/mru"].put(message(number))
+    gate.inboxes["/load"].put(message(1))
     gate.peer_done("sea", 2, 1, [0, 2])
-    gate.clear([0, 1, 0])
-    gate.begin(2, 1, [0, 1, 0])
+    gate.end_run()
+    gate.begin(2, 1, [0, 1, 1])
     assert gate.is_complete()
     assert gate.take("/mru") == [message(2)]
+    assert gate.take("/load") == [message(1)], "of the clock master, which counts it in the start of the tick"
 
 
 def test_a_topic_that_nobody_counts_gives_what_has_come_in_lockstep_too():

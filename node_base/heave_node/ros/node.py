@@ -461,9 +461,10 @@ class HeaveNode(LifecycleNode):
         """Return the number of messages published so far on each output."""
         return [output.published for output in self._ports.outputs]
 
-    def reset_run(self, published: Sequence[int] = ()) -> None:
-        """Drop what was received in the previous run, see `TickGate.clear`, and make a new component."""
-        self.gate.clear(published)
+    def reset_run(self) -> None:
+        """Drop what came late of the previous run, in real time, and make a new component."""
+        if not self.run.is_lockstep:
+            self.gate.clear()
         self._asked.clear()
         for port in self._ports.inputs:
             port.reset()

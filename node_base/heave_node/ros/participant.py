@@ -211,7 +211,7 @@ class ParticipantNode(HeaveNode):
         start = self._starts[0]
         if start.epoch > self.epoch:
             if self.epoch > 0:
-                self.reset_run(start.published)
+                self.reset_run()
             self.epoch = start.epoch
         self.tick = Tick(start.tick, start.epoch, self.run.tick_nanoseconds)
         self.gate.begin(start.epoch, start.tick, start.published)

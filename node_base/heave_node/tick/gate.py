@@ -241,24 +241,20 @@ class TickGate:
         """Return the new messages on `topic`; in lockstep those of the next tick stay in the inbox."""
         return self.inboxes[topic].take(self._due(topic))
 
-    def clear(self, published: Sequence[int] = ()) -> None:
-        """Drop the messages of a run that was reset.
+    def clear(self) -> None:
+        """Drop the messages of this tick."""
+        for topic, inbox in self.inboxes.items():
+            inbox.take(self._due(topic))
 
-        Parameters
-        ----------
-        published : messages sent before the next run began, per entry of the roster: later ones are of the next run,
-            which others may be in already; empty: nobody is
+    def end_run(self) -> None:
+        """Note that the run is over and all its messages have come: those that nobody took are dropped.
+
+        Others may be in the next run already. In lockstep the counts of the last start say what is of this one.
         """
         for topic, inbox in self.inboxes.items():
             publishers = self._publishers.get(topic)
-            if self.lockstep and publishers and published:
-                inbox.take(sum(published[entry] for _, entry, _ in publishers))
-            else:
-                inbox.take(self._due(topic))
-
-    def end_run(self) -> None:
-        """Note that the run is over and all its messages have come."""
-        for inbox in self.inboxes.values():
+            counts = self._started if self.lockstep else ()
+            inbox.take(sum(counts[entry] for _, entry, _ in publishers) if counts and publishers else inbox.received)
             inbox.end_run()
 
     def _due(self, topic: str) -> int:
