@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL
+from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL, safety_factor
 from heave_node.numerics.arrays import Array
 from scipy.optimize import brentq
 
@@ -115,7 +115,6 @@ def expected_largest(means: Array, swings: Sequence[Swing], durations: Array) ->
     if not sigma.any():
         return float(means.max())
     spread = np.maximum(sigma, 1e-9 * sigma.max())
-
     width = np.array([one.width for one in swings])
     hardening = (GAUSSIAN - np.array([one.kurtosis for one in swings])) / 24.0
 
@@ -188,10 +187,10 @@ Formula = Callable[[Places, Capacity], float]
 PLANNED: Mapping[str, Formula] = {
     "dynamic_amplification": lambda places, _: _amplification(places, 1.0),
     "tension_ratio_min": lambda places, _: -_amplification(places, -1.0),
-    ROPE: lambda places, capacity: capacity.rope / _load(places),
-    WINCH_PULL: lambda places, capacity: capacity.winch / _load(places),
-    ATTACHMENT: lambda places, capacity: (
-        capacity.attachment / _largest(places, lambda one: one.attachment, lambda one: one.weight + one.drag)
+    ROPE: lambda places, capacity: safety_factor(capacity.rope, _load(places)),
+    WINCH_PULL: lambda places, capacity: safety_factor(capacity.winch, _load(places)),
+    ATTACHMENT: lambda places, capacity: safety_factor(
+        capacity.attachment, _largest(places, lambda one: one.attachment, lambda one: one.weight + one.drag)
     ),
     "tension_max_n": lambda places, _: _load(places),
     "slack_percent": lambda places, _: _slack(places),

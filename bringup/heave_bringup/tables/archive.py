@@ -6,8 +6,9 @@ import hashlib
 import io
 import zipfile
 import zlib
-from collections.abc import Mapping
-from pathlib import PurePath, PurePosixPath
+from collections.abc import Iterator, Mapping
+from pathlib import Path, PurePath, PurePosixPath
+from typing import BinaryIO
 
 MOST_MEMBERS = 1000
 """Files of an archive: a bag has one for each split."""
@@ -39,25 +40,45 @@ def unpack(packed: bytes, name: str, size: int) -> dict[PurePosixPath, bytes]:
 
     Raises ValueError, in words, where the archive holds anything else, or anything twice.
     """
-    try:
-        with zipfile.ZipFile(io.BytesIO(packed)) as archive:
-            members = [member for member in archive.infolist() if not member.is_dir()]
-            if len(members) > MOST_MEMBERS or sum(member.file_size for member in members) != size:
-                raise ValueError(f"it does not hold the {size} bytes that it should")
-            contents = {_checked_path(member.filename, name): archive.read(member) for member in members}
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError) as error:
-        raise ValueError(" ".join(str(error).split())) from error
-    if len(contents) != len(members):
-        raise ValueError("it holds a file twice")
-    if any(folder in contents for path in contents for folder in path.parents):
-        raise ValueError("it holds a file that is a folder, too")
+    contents = dict(files_in(io.BytesIO(packed), size))
+    if sum(map(len, contents.values())) != size:
+        raise ValueError(f"it does not hold the {size} bytes that it should")
+    for path in contents:
+        if path.parts[0] != name:
+            raise ValueError(f"it holds {str(path)[:80]!r}, which is no part of {name}")
     return contents
 
 
-def _checked_path(member: str, name: str) -> PurePosixPath:
+def files_in(file: Path | BinaryIO, room: int) -> Iterator[tuple[PurePosixPath, bytes]]:
+    """Yield path and content of each file in an archive, one after the other; before the first one all are checked.
+
+    Parameters
+    ----------
+    file : the archive
+    room : for its contents together [bytes]; no more is ever unpacked
+
+    Raises ValueError, in words, where it is no archive, holds more, has a name that leads elsewhere or one twice.
+    """
+    try:
+        with zipfile.ZipFile(file) as archive:
+            members = [member for member in archive.infolist() if not member.is_dir()]
+            if len(members) > MOST_MEMBERS or sum(member.file_size for member in members) > room:
+                raise ValueError(f"it holds more than {MOST_MEMBERS} files or {room} bytes")
+            paths = {_checked_path(member.filename): member for member in members}
+            if len(paths) != len(members):
+                raise ValueError("it holds a file twice")
+            if any(folder in paths for path in paths for folder in path.parents):
+                raise ValueError("it holds a file that is a folder, too")
+            for path, member in paths.items():
+                yield path, archive.read(member)  # no more bytes than the archive says: else it is broken
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError) as error:
+        raise ValueError(" ".join(str(error).split())) from error
+
+
+def _checked_path(member: str) -> PurePosixPath:
     parts = member.split("/")
-    if parts[0] != name or not all(map(is_plain_name, parts)):
-        raise ValueError(f"it holds {member[:80]!r}, which is no part of {name}")
+    if not all(map(is_plain_name, parts)):
+        raise ValueError(f"it holds {member[:80]!r}, which is no name of a file in it")
     return PurePosixPath(*parts)
 
 
