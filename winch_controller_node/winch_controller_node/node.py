@@ -26,6 +26,7 @@ from heave_node.interface.codes import (
     SENSOR,
     SensorLevel,
     time_key,
+    timed_message,
 )
 from heave_node.interface.sensors import SENSORS, Water
 from heave_node.interface.topic import Topic
@@ -243,8 +244,7 @@ class WinchControllerNode(ParticipantNode):
         if report.solver_status.startswith("not solved"):
             parts.append(alarm_health("solver", ALARM_TABLE.alarm("SOLVER_FAILED", status=report.solver_status)))
         reported, self._reported = {time: "; ".join(words) for time, words in self._reported.items()}, {}
-        words = "; ".join(f"{time}: {what}" for time, what in reported.items())
-        parts.append(Health(ALARMS, Level.WARN, words, reported) if reported else Health(ALARMS))
+        parts.append(Health(ALARMS, Level.WARN, timed_message(reported), reported) if reported else Health(ALARMS))
         return parts
 
     def diagnose_timing(self) -> list[Health]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import enum
 import re
+from collections.abc import Mapping
 
 
 class WinchFault(enum.IntEnum):
@@ -104,6 +105,11 @@ def time_of(key: str) -> float | None:
     """Return the simulated time [s] of the event of a `key`; None for any other key."""
     found = TIME_KEY.fullmatch(key)
     return None if found is None else float(found[1])
+
+
+def timed_message(events: Mapping[str, str]) -> str:
+    """Return the message, for `timed_words`, of what happened: `events` in words by the key of their time."""
+    return "; ".join(f"{time}: {what}" for time, what in events.items())
 
 
 def timed_words(message: str) -> list[tuple[float, str]]:

@@ -30,7 +30,7 @@ from rclpy.timer import Timer
 
 from heave_node.errors import NodeError, one_line
 from heave_node.interface import topics
-from heave_node.interface.codes import OPERATOR, time_key
+from heave_node.interface.codes import OPERATOR, time_key, timed_message
 from heave_node.interface.messages import message_type
 from heave_node.interface.node_alarms import NODE_ALARMS
 from heave_node.interface.topic import Topic
@@ -484,8 +484,7 @@ class HeaveNode(LifecycleNode):
         every = max(1, round(DIAGNOSTICS_PERIOD / self.run.tick_period))
         if self.has_urgent_news() or tick.number % every == 1 % every or self.strangers.has_news:
             asked, self._asked = self._asked, {}
-            words = "; ".join(f"{time}: {what}" for time, what in asked.items())
-            requests = [Health(OPERATOR, Level.OK, words, asked)] if asked else []
+            requests = [Health(OPERATOR, Level.OK, timed_message(asked), asked)] if asked else []
             inputs = [*self.diagnose_inputs(), *self.diagnose_timing(), *self.strangers.health()]
             parts = [*self.diagnose(), *requests, *inputs] or [Health("node")]
             self._diagnostics.publish_deferred(lambda: diagnostic_array(self.name, tick.stamp, parts))
