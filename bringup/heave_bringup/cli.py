@@ -13,7 +13,7 @@ from pathlib import Path
 from heave_bags.errors import BagError, NoBagError
 from heave_node.parameters import ParameterError
 from heave_node.ros.transport.parents_death import exit_at_once
-from heave_node.ros.transport.start_watchdog import check_memory
+from heave_node.ros.transport.watchdog import check_memory
 
 from heave_bringup.commands.completion import complete
 from heave_bringup.errors import CommandError, ExitStatus

@@ -93,7 +93,7 @@ def test_of_two_runs_in_one_domain_the_second_is_told_and_after_the_first_it_may
 def test_an_interrupt_that_comes_in_a_callback_of_the_middleware_ends_the_run_at_the_next_look():
     """The middleware swallows what a callback raises."""
     before = signal.getsignal(signal.SIGINT)
-    watchdog = SimpleNamespace(beat=lambda: None, close=lambda: None)
+    watchdog = SimpleNamespace(beat=lambda: None, has_started=lambda: None)
     with run.interrupts_noted() as was_interrupted:
         look = run._until_started(watchdog, was_interrupted, None)
         look(None, None)

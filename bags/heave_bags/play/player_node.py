@@ -18,9 +18,10 @@ from heave_msgs.srv import PlaybackControl
 from heave_node.cdr.definitions import is_installed
 from heave_node.interface.messages import message_type
 from heave_node.ros.node import steady_clock
+from heave_node.ros.process import leave_ros
 from heave_node.ros.spin import spin
 from heave_node.ros.transport.environment import prepare_environment
-from heave_node.ros.transport.start_watchdog import watched_start
+from heave_node.ros.transport.watchdog import watched_start
 from rclpy.exceptions import InvalidNamespaceException, InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -183,7 +184,7 @@ def play(
             player = Player(bag, options, delay=delay)
         spin(player, player.finished, lambda: progress(player.playback.time * 1e-9) if progress else None)
         played = Played(player.published, player.left_out, player.playback.remarks)
-        player.destroy_node()
+        leave_ros(player)
     finally:
         rclpy.try_shutdown()
     return played

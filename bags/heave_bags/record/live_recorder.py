@@ -20,9 +20,10 @@ from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Health, Level, alarm_health, diagnostic_array
 from heave_node.ros.node import steady_clock
 from heave_node.ros.node_parameters import read_parameters
+from heave_node.ros.process import leave_ros
 from heave_node.ros.spin import spin
 from heave_node.ros.transport.environment import prepare_environment
-from heave_node.ros.transport.start_watchdog import watched_start
+from heave_node.ros.transport.watchdog import watched_start
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
@@ -168,8 +169,7 @@ def record(args: list[str] | None = None) -> int:
     finally:
         problems = recorder.close()
         written = recorder.session.state.written
-        recorder.destroy_node()
-        rclpy.try_shutdown()
+        leave_ros(recorder)
     sys.stderr.write("".join(f"recorder: {line}\n" for line in [*problems, f"{written} messages recorded"]))
     return 1 if problems else 0
 

@@ -8,14 +8,13 @@ import sys
 import time
 from collections.abc import Sequence
 
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from heave_node.devices.live.wiggle import Verdict
 from heave_node.devices.maps.device_map import DeviceMap
 from heave_node.interface import topics
 from heave_node.interface.codes import without_figures
 from heave_node.ros.diagnostics import Health, Level, diagnostic_array
-from heave_node.ros.process import node_beside
+from heave_node.ros.process import leave_ros, node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
 from rclpy.parameter import Parameter
@@ -123,5 +122,4 @@ class Session:
     def _leave(self) -> None:
         for device in self.devices:
             device.close()
-        self._node.destroy_node()
-        rclpy.try_shutdown()
+        leave_ros(self._node)

@@ -11,11 +11,11 @@ from typing import Any
 import rclpy
 from heave_node.interface import topics
 from heave_node.interface.messages import message_type
-from heave_node.ros.process import in_namespace
+from heave_node.ros.process import in_namespace, leave_ros
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.qos import qos_of, reader_qos_of
-from heave_node.ros.transport.start_watchdog import watched_start
+from heave_node.ros.transport.watchdog import watched_start
 from heave_node.tick.clock_rule import ClockRule
 from heave_node.tick.tick import seconds_of, stamp_of_seconds
 from rclpy.node import Node
@@ -84,8 +84,7 @@ class _Listener:
 
     def close(self) -> None:
         self._spinner.close()
-        self._node.destroy_node()
-        rclpy.try_shutdown()
+        leave_ros(self._node)
 
     def listen(self, rule: ClockRule) -> list[Finding]:
         """Go through the plan and judge what came from a node whose clock has a `rule`."""

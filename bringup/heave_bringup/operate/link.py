@@ -6,7 +6,6 @@ import os
 import time
 from typing import Any
 
-import rclpy
 from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal
 from diagnostic_msgs.msg import DiagnosticArray
@@ -15,7 +14,7 @@ from heave_bags.analyse.events import MODE_PART
 from heave_msgs.action import MoveToDepth
 from heave_msgs.msg import CompensationKpi, ControllerState, LoadCell, TickStatus, WinchState
 from heave_node.interface import topics
-from heave_node.ros.process import node_beside
+from heave_node.ros.process import leave_ros, node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.qos import qos_of
@@ -95,8 +94,7 @@ class RunLink:
         """Leave ROS."""
         self._spinner.close()
         self._mover.destroy()
-        self._node.destroy_node()
-        rclpy.try_shutdown()
+        leave_ros(self._node)
 
     @property
     def place(self) -> str:

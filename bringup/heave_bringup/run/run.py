@@ -18,7 +18,7 @@ from heave_node.parameters import ParameterError
 from heave_node.ros.master import STOP_RECORDING_TIME
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.shared_memory import remove_dead_segments
-from heave_node.ros.transport.start_watchdog import StartWatchdog, watched_start
+from heave_node.ros.transport.watchdog import Watchdog, watched_start
 from heave_node.scenario import write_sections
 
 from heave_bringup.errors import CommandError, InterruptedCommandError
@@ -183,7 +183,11 @@ def run_scenario(
                 watchdog.end_too(node.process.pid)
             look = _until_started(watchdog, was_interrupted, on_look)
             status = _watch(scenario, folder, launcher, monitor, progress, look)
+            watchdog.will_say(f"the nodes are done, and ROS did not come back; {_where_to_look(folder)}")
             return Outcome(status, monitor.alarms, list(monitor.strangers))
+        except CommandError as error:
+            watchdog.will_say(str(error))
+            raise
         except KeyboardInterrupt:
             raise InterruptedCommandError(f"interrupted; {_where_to_look(folder)}") from None
         finally:
@@ -194,18 +198,21 @@ def run_scenario(
                 remove_dead_segments()
 
 
-def _until_started(watchdog: StartWatchdog, was_interrupted: threading.Event, on_look: OnLook | None) -> OnLook:
-    """Return what is to be called at each look: it keeps the `watchdog` until the clock master has been heard, and
-    raises KeyboardInterrupt where the run was interrupted.
+def _until_started(watchdog: Watchdog, was_interrupted: threading.Event, on_look: OnLook | None) -> OnLook:
+    """Return what is to be called at each look: it lets the `watchdog` know when the clock master is heard, and raises
+    KeyboardInterrupt where the run was interrupted.
     """
+    has_started = False
 
     def look(launcher: Launcher, status: TickStatus | None) -> None:
+        nonlocal has_started
         if was_interrupted.is_set():
             raise KeyboardInterrupt
         if status is None:
             watchdog.beat()
-        else:
-            watchdog.close()
+        elif not has_started:
+            has_started = True
+            watchdog.has_started()
         if on_look is not None:
             on_look(launcher, status)
 

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import rclpy
 from foxglove import Schema, start_server
 from foxglove.channels import FrameTransformChannel
 from foxglove.messages import FrameTransform, Quaternion, Timestamp, Vector3
@@ -18,7 +17,7 @@ from heave_bags.record.topic_watch import TopicWatch
 from heave_node.cdr.definitions import DefinitionError, schema_text
 from heave_node.interface import topics
 from heave_node.interface.messages import message_type
-from heave_node.ros.process import node_beside
+from heave_node.ros.process import leave_ros, node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
 from nav_msgs.msg import Odometry
@@ -160,8 +159,7 @@ class Stream:
 
     def _leave(self) -> None:
         self._spinner.close()
-        self._node.destroy_node()
-        rclpy.try_shutdown()
+        leave_ros(self._node)
 
 
 def layout_file() -> Path | None:

@@ -26,7 +26,7 @@ from heave_node.ros.transport.exchange import Exchange
 from heave_node.ros.transport.exposure import exposed_ports
 from heave_node.ros.transport.parents_death import close_with, end_with, launcher_of
 from heave_node.ros.transport.real_time import between_looks
-from heave_node.ros.transport.start_watchdog import watched_start
+from heave_node.ros.transport.watchdog import watched_end, watched_start
 
 RCLError = rclpy_implementation.RCLError
 
@@ -146,6 +146,13 @@ def node_beside(name: str, namespace: str, **options: Any) -> Node:
         return Node(
             name, namespace=namespace, cli_args=in_namespace(namespace), start_parameter_services=False, **options
         )
+
+
+def leave_ros(node: Node) -> None:
+    """Destroy the `node` of a command whose work is done, and shut ROS down."""
+    with watched_end():
+        node.destroy_node()
+        rclpy.try_shutdown()
 
 
 def shut_down(nodes: Sequence[HeaveNode]) -> None:

@@ -9,12 +9,11 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-import rclpy
 from heave_node.devices.live.adapter import WINCH_STATE
 from heave_node.devices.live.winch_handshake import WinchOrder
 from heave_node.devices.maps.device_map import DeviceMap
 from heave_node.parameters import ParameterError
-from heave_node.ros.process import node_beside
+from heave_node.ros.process import leave_ros, node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
 
@@ -115,5 +114,4 @@ def real_winch(device: DeviceMap) -> Iterator[RealPart]:
             live.close()
             spinner.close()
     finally:
-        node.destroy_node()
-        rclpy.try_shutdown()
+        leave_ros(node)

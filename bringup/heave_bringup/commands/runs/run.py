@@ -114,7 +114,7 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Run, check, analyse, report, as `options` say."""
-    from heave_node.ros.transport.start_watchdog import check_memory
+    from heave_node.ros.transport.watchdog import check_memory
 
     check_memory()  # before the libraries that want most of it
     from heave_bringup.network import set_up_transport

@@ -13,7 +13,7 @@ import sys
 from importlib import resources
 from pathlib import Path
 
-from heave_node.ros.transport.start_watchdog import check_memory
+from heave_node.ros.transport.watchdog import check_memory
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 STATIC_PEERS = "ROS_STATIC_PEERS"

@@ -1,4 +1,4 @@
-"""A start that never comes back ends with a line that names it, and one without memory is refused."""
+"""A start or an end that never comes back ends with a line that names it; a start without memory is refused."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import subprocess
 import sys
 
 import pytest
-from heave_node.ros.transport.start_watchdog import LEAST_ADDRESS_SPACE, watched_start
+from heave_node.ros.transport.watchdog import LEAST_ADDRESS_SPACE, watched_start
 
 NAMED = "heave: ROS failed to start: the middleware did not come back within 1 s"
 
 STUCK = """
 import ctypes
-from heave_node.ros.transport.start_watchdog import watched_start
+from heave_node.ros.transport.watchdog import watched_start
 with watched_start(1.0):
     ctypes.PyDLL(None).sleep(600)  # holds the interpreter, as the middleware does: no handler has a turn
 """
@@ -22,7 +22,7 @@ with watched_start(1.0):
 STUCK_NODE = """
 import ctypes
 from heave_node.ros import process
-from heave_node.ros.transport.start_watchdog import watched_start
+from heave_node.ros.transport.watchdog import watched_start
 
 process.watched_start = lambda: watched_start(1.0)
 
@@ -36,13 +36,26 @@ process.run_node(Stuck, [])
 
 STUCK_AFTER_A_WHILE = """
 import ctypes, subprocess, sys, time
-from heave_node.ros.transport.start_watchdog import StartWatchdog
-watchdog = StartWatchdog(2.0)
+from heave_node.ros.transport.watchdog import Watchdog
+watchdog = Watchdog(2.0)
 watchdog.end_too(subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"], stdout=1).pid)
 for _ in range(8):
     time.sleep(0.5)
     watchdog.beat()
 print("alive", flush=True)
+ctypes.PyDLL(None).sleep(600)
+"""
+
+STUCK_AT_ITS_END = """
+import ctypes, subprocess, sys
+from heave_node.ros.transport.watchdog import Watchdog
+watchdog = Watchdog(1.0)
+node = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(4)"], stdout=1)
+watchdog.end_too(node.pid)
+watchdog.has_started()
+watchdog.will_say("recorder was killed by SIGKILL")
+ctypes.PyDLL(None).sleep(3)
+print("lives while a node does", flush=True)
 ctypes.PyDLL(None).sleep(600)
 """
 
@@ -65,6 +78,14 @@ def test_a_start_of_several_steps_is_watched_to_its_end_and_the_processes_that_i
     assert done.returncode == -signal.SIGKILL
     assert done.stdout == "alive\n"
     assert "did not come back within 2 s" in done.stderr
+
+
+def test_a_command_that_never_leaves_ros_ends_once_its_nodes_have_and_says_what_it_was_to_say():
+    """Fast DDS waits for a lock in shared memory that a killed process holds, where a publisher is removed."""
+    done = run(STUCK_AT_ITS_END)
+    assert done.returncode == -signal.SIGKILL
+    assert done.stdout == "lives while a node does\n"
+    assert done.stderr.strip() == "heave: recorder was killed by SIGKILL"
 
 
 def test_a_start_that_succeeds_or_fails_leaves_no_watchdog_behind():
