@@ -123,7 +123,10 @@ def type_page(path: Path, folder: Path, change: Callable[[str], str]) -> None:
             assert done.returncode == 0, f"{text}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
 
 
-STUDIES = ("my_campaign.md", "my_cable.md", "wrong_winch.md", "less_power.md", "which_winch.md", "can_i_land_it.md")
+STUDIES = (
+    *("my_campaign.md", "my_cable.md", "wrong_winch.md", "less_power.md", "which_winch.md", "can_i_land_it.md"),
+    *("plan_a_lift.md", "fmu.md", "lower_through_the_splash_zone.md"),
+)
 """Pages of minutes, even with shorter runs: `make validate` runs them."""
 
 

@@ -31,7 +31,7 @@ def test_a_landing_on_a_soft_wire_is_known_and_held_at_constant_tension(one):
     assert found.tension_share == pytest.approx(0.2, abs=0.06)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_landing_is_known_through_friction_of_the_sheaves_and_the_tension_held_swings_by_it():
     """5 % between load cell and cable: touchdown as early as without. Held is the reading, so the cable's tension may
     be off by e^f either way, beside the 4.6 kN by which it swings without friction.

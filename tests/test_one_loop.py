@@ -82,6 +82,7 @@ def test_so_it_is_in_water_and_gravity_other_than_believed_and_at_the_limits_of_
     compare(run_scenario(tmp_path / "run", duration=25.0, options=options))
 
 
+@pytest.mark.long
 def test_so_it_is_with_the_sea_on_cable_and_unit_and_with_that_sea_from_its_bag(tmp_path):
     """First with all nodes in one process, then in a process each with the bag in the place of the vessel."""
     options = [part for name, value in WAVES.items() for part in ("--set", f"{name}={value}")]

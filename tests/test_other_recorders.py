@@ -54,7 +54,7 @@ def test_the_figures_of_a_run_are_the_same_to_every_digit_whoever_recorded_it(ba
     assert found["unit_sigma_m"] > 0.0
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_another_recorder_says_of_itself_is_no_part_of_a_run_in_lockstep(bags):
     """`heave record` reports its health each second, by the host's clock."""
     stamps = [header_stamp(message.data) for message in Bag(bags["suite"]).messages(topics=["/diagnostics"])]

@@ -67,7 +67,7 @@ def test_a_ships_own_record_is_met_under_the_default_belief_as_well_as_under_tha
     assert "fade_out" not in found.modes
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_kappa_on_a_record_is_at_least_one_and_no_belief_moves_its_bounds(log, as_assumed):
     """The bound is that of the record's own spectrum, not of the sea that the controller assumes."""
     scenario, record = as_assumed

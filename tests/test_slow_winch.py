@@ -65,7 +65,7 @@ def test_a_winch_that_is_known_to_be_slow_blames_no_encoder(time_constant, seed,
     assert np.std(record.column("unit")[after]) < 0.05 * np.std(record.column("uncompensated")[after])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_slow_winch_in_a_high_sea_is_sent_no_more_than_it_takes_and_holds_the_unit():
     """At the limits of a servo of 1.5 s the set-point is far ahead of the speed, and ends at the speed limit: plans
     that did not know left the unit worse than off (2.7, against 1 with the winch known).

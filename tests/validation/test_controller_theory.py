@@ -157,7 +157,7 @@ def test_the_response_is_reconstructed_as_in_the_thesis(gallery) -> None:
     assert found["quadratic"].fit > found["linear"].fit
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_lqg_on_the_lumped_mass_plant_leaves_what_the_lyapunov_equation_predicts() -> None:
     """Deep-900 keeps the winch inside its limits: the run against the prediction of the design, same sensors."""
     from heave_bringup.closed_loop import ClosedLoop, LoopParameters  # noqa: PLC0415
