@@ -7,8 +7,8 @@ from tests.campaigns import damaged_bags, killed_processes
 
 @pytest.mark.slow
 def test_no_damaged_and_no_hostile_bag_gets_a_command_into_trouble_and_stated_losses_are_true(tmp_path):
-    results = damaged_bags.campaign(16, 2, lambda _: None)
-    assert len(results) > 16 + 40
+    results = damaged_bags.campaign(8, 2, lambda _: None)
+    assert len(results) > 8 + 40
     assert {result.bag: result.wrong for result in results if result.wrong} == {}
     assert max(result.memory for result in results) < damaged_bags.MEMORY
     assert sum(result.lost for result in results) > 0
