@@ -87,16 +87,16 @@ class Controller(ParticipantNode):
         self.command = self.add_output(topics.WINCH_COMMAND)
         self.ports = {topic.name: self.add_input(topic) for topic in HEARD}
         self.heard = {name: [] for name in self.ports}
-        self.answers = []
+        self.fault_answers = []
         faults = [words.split() for words in self.parameters.inject.split(",") if words]
-        self.faults = [(self.create_client(InjectFault, f"{node}/inject_fault"), *fault) for node, *fault in faults]
+        self.injected = [(self.create_client(InjectFault, f"{node}/inject_fault"), *fault) for node, *fault in faults]
 
     def on_tick(self, tick: Tick) -> None:
         if tick.number == self.parameters.die_in_tick:
             os.kill(os.getpid(), signal.SIGKILL)
         for name, port in self.ports.items():
             self.heard[name] += self.take(port)
-        for client, device, kind in self.faults if tick.number == 10 else ():
+        for client, device, kind in self.injected if tick.number == 10 else ():
             request = InjectFault.Request(device=device, kind=kind, duration=0.0, magnitude=1.0)
             client.call_async(request).add_done_callback(self._on_answer)
         self.command.publish(
@@ -104,7 +104,7 @@ class Controller(ParticipantNode):
         )
 
     def _on_answer(self, future: object) -> None:
-        self.answers.append(future.result().message)
+        self.fault_answers.append(future.result().message)
 
     def on_run_ended(self, status: TickStatus) -> None:
         cable, winch = self.heard["cable/state"], self.heard["winch/state"]
@@ -132,7 +132,7 @@ class Controller(ParticipantNode):
             "cable_marker": [[p.x, p.y, p.z] for p in markers[-1].markers[0].points] if markers else [],
             "marker_stamp": nanoseconds_of(markers[-1].markers[0].header.stamp) if markers else 0,
             "cable_nodes": {str(nanoseconds_of(m.header.stamp)): [[p.x, p.y, p.z] for p in m.nodes] for m in cable},
-            "answers": sorted(self.answers),
+            "answers": sorted(self.fault_answers),
         }
         sys.stdout.write(json.dumps(result) + "\n")
 
