@@ -7,6 +7,7 @@ import pytest
 from heave_node.numerics.linear_model import (
     NOISE_INTENSITY,
     ModelError,
+    covariance_factor,
     interconnect,
     linear_model,
     output_sigma,
@@ -15,7 +16,6 @@ from heave_node.numerics.linear_model import (
     state_covariance,
     with_feedback,
 )
-from heave_node.numerics.linear_sampling import covariance_factor
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays

@@ -299,3 +299,10 @@ def output_sigma(model: LinearModel) -> dict[str, float]:
     P = state_covariance(model)
     variance = np.einsum("ij,jk,ik->i", model.C, P, model.C)
     return {name: float(np.sqrt(max(value, 0.0))) for name, value in zip(model.output_names, variance, strict=True)}
+
+
+def covariance_factor(covariance: Array) -> Array:
+    """Return L with L L' = `covariance` (n, n), which may be singular: eigenvalues below rounding count as 0."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return np.asarray(scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))

@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.linear_model import LinearModel, ModelError
+from heave_node.numerics.linear_model import LinearModel, ModelError, covariance_factor
 
 
 def discretise(model: LinearModel, dt: float) -> LinearModel:
@@ -132,10 +132,3 @@ def _append_chain(model: LinearModel, name: str, effects: Mapping[int, Array]) -
     states = model.state_names + tuple(f"{name}_{i + 1}" for i in range(length))
     G = np.vstack([model.G, np.zeros((length, model.G.shape[1]))])
     return replace(model, A=A, B=B, C=C, D=D, G=G, state_names=states)
-
-
-def covariance_factor(covariance: Array) -> Array:
-    """Return L with L L' = `covariance` (n, n), which may be singular: eigenvalues below rounding count as 0."""
-    scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
-    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
-    return np.asarray(scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
