@@ -159,8 +159,8 @@ def test_without_commands_the_drive_is_told_to_stop_and_its_own_watchdog_is_fed(
         ("opcua", ("s=Winch.Reset", "s=Winch.Resets"), "s=Winch.Resets: "),
     ],
 )
-def test_a_map_that_names_what_the_plc_does_not_have_is_told_in_one_line(kind, change, words, plc, bench_of):
-    if kind == plc.kind:
+def test_a_map_that_names_what_the_plc_does_not_have_is_told_in_one_line(kind, change, words, bench_of):
+    with emulated(kind) as plc:
         bench = bench_of(plc.text_of_map().replace(*change))
         bench.command(lambda: words in bench.health.message, brake=True)
         assert bench.health.level is Level.ERROR
@@ -174,30 +174,27 @@ def test_a_map_that_names_what_the_plc_does_not_have_is_told_in_one_line(kind, c
         (("scale: 10.0", "scale: 100.0"), "braked: "),
     ],
 )
-def test_a_move_of_millimetres_shows_a_wrong_sign_and_stops_at_a_wrong_scale(change, words, plc, bench_of):
-    if plc.kind != "modbus":
-        return
-    bench = bench_of(plc.text_of_map().replace(*change))
-    plc.drum()
-    try:
-        found = "; ".join(
-            verdict.words for verdict in Wiggle(bench.device, time.sleep, 0.02).run() if not verdict.is_good
-        )
-    except CommandError as error:
-        found = str(error)
-    assert words in found if words else found == ""
-    assert plc.drum()["fastest"] < 0.12, "2 d / T is 0.01 m/s, and ten times as much is stopped at once"
+def test_a_move_of_millimetres_shows_a_wrong_sign_and_stops_at_a_wrong_scale(change, words, bench_of):
+    with emulated("modbus") as plc:
+        bench = bench_of(plc.text_of_map().replace(*change))
+        plc.drum()
+        try:
+            verdicts = Wiggle(bench.device, time.sleep, 0.02).run()
+            found = "; ".join(verdict.words for verdict in verdicts if not verdict.is_good)
+        except CommandError as error:
+            found = str(error)
+        assert words in found if words else found == ""
+        assert plc.drum()["fastest"] < 0.12, "2 d / T is 0.01 m/s, and ten times as much is stopped at once"
 
 
-def test_a_drum_that_turns_against_the_command_is_held_within_the_time_of_its_supervision(plc, bench_of):
-    if plc.kind != "modbus":
-        return
-    bench = bench_of(plc.text_of_map().replace("scale: 10.0, positive: in", "scale: 10.0, positive: out"))
-    bench.release()
-    plc.drum()
-    bench.command(lambda: bench.device.orders.handshake.fault == WinchFault.DRIVE, rate=0.1)
-    assert "stopped: the drum turns against the command" in bench.health.message
-    bench.command(bench.says(brake=True, fault=int(WinchFault.DRIVE)), rate=0.1)
+def test_a_drum_that_turns_against_the_command_is_held_within_the_time_of_its_supervision(bench_of):
+    with emulated("modbus") as plc:
+        bench = bench_of(plc.text_of_map().replace("scale: 10.0, positive: in", "scale: 10.0, positive: out"))
+        bench.release()
+        plc.drum()
+        bench.command(lambda: bench.device.orders.handshake.fault == WinchFault.DRIVE, rate=0.1)
+        assert "stopped: the drum turns against the command" in bench.health.message
+        bench.command(bench.says(brake=True, fault=int(WinchFault.DRIVE)), rate=0.1)
 
 
 @pytest.mark.parametrize("kind", ["modbus", "udp"])

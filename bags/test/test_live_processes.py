@@ -84,7 +84,7 @@ def call(node: Node, kind, name: str, request):
 def test_a_bag_that_is_played_and_recorded_again_is_the_same(processes, made_up_bag, tmp_path):
     original = Bag(made_up_bag(run=MadeUpRun(duration=10.0)))
     recorder = processes.record(tmp_path / "again")
-    player = processes.start("play.player_node", str(original.path), "--rate", "5", "--delay", "2")
+    player = processes.start("play.player_node", str(original.path), "--rate", "10", "--delay", "2")
     assert player.wait(WAIT) == 0
     time.sleep(0.5)
     recorder.send_signal(signal.SIGINT)
@@ -171,7 +171,7 @@ def test_a_live_recorder_that_is_killed_leaves_what_it_had_acknowledged(processe
     for number in range(500):
         publisher.publish(String(data=f"{number}"))
     publisher.wait_for_all_acked(rclpy.duration.Duration(seconds=5))
-    time.sleep(1.5)  # some times the 0.2 s after which what has come is journalled
+    time.sleep(0.8)  # some times the 0.2 s after which what has come is journalled
     recorder.kill()
     recorder.wait()
     node.destroy_node()
@@ -197,13 +197,13 @@ def test_a_recorder_that_was_stopped_for_a_while_says_what_it_missed(processes, 
             time.sleep(0.0005)
 
     say(20)
-    time.sleep(1.0)
+    time.sleep(0.5)
     recorder.send_signal(signal.SIGSTOP)
-    say(5000)
+    say(2000)
     recorder.send_signal(signal.SIGCONT)
-    time.sleep(2.0)
-    say(20)
     time.sleep(1.0)
+    say(20)
+    time.sleep(0.5)
     recorder.send_signal(signal.SIGINT)
     assert recorder.wait(WAIT) == 1
     assert "dropped by the middleware before the recorder took them: /chatter" in recorder.stderr.read()

@@ -61,8 +61,7 @@ def residual_of(law: str, omega: float) -> float:
     return float(abs(1.0 / (1.0 + states[3] * per_error)))
 
 
-@pytest.mark.parametrize("law", ["published:pid", "published:lqi"])
-@pytest.mark.parametrize("period", [6.0, 12.0])
+@pytest.mark.parametrize(("law", "period"), [("published:pid", 6.0), ("published:lqi", 12.0)])
 def test_published_laws_leave_of_a_sine_what_their_transfer_functions_say(law: str, period: float) -> None:
     duration, sample_time = 60.0, 0.002
     winch = WinchFacts(1.0, 0.0, 1.125, 225.0, math.inf, -50.0, 50.0)

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from heave_node.loads.strength import SAFETY_FACTOR
 from heave_node.numerics import hydrostatics
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
-from heave_node.parameters import check_ranges, group, parameter
+from heave_node.parameters import Checked, check_ranges, group, parameter
 
 from cable_sim_node.unit_parameters import UnitParameters
 
 
 @dataclass(frozen=True)
-class CableParameters:
+class CableParameters(Checked):
     """The main cable. The tension law is T = EA e (1 + quadratic e + cubic e^2) at strain e > 0, none when slack."""
 
     diameter: float = parameter(
@@ -81,9 +81,6 @@ class CableParameters:
         description="Breaking force over largest tension that is required: less is a warning, less than 1 a failure. "
         "The default is 1.3 x 1.3 x 1.5 of GL Noble Denton 0027/ND for steel wire rope.",
     )
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     @property
     def displaced_area(self) -> float:
@@ -177,7 +174,7 @@ class SeabedProfileParameters:
 
 
 @dataclass(frozen=True)
-class SeabedParameters:
+class SeabedParameters(Checked):
     """The seabed, elastic with friction. Contact forces of the cable are per unstretched metre.
 
     Stiffness and damping hold along the bottom as well, up to the Coulomb force: what stands within it stays at rest.
@@ -195,9 +192,6 @@ class SeabedParameters:
     friction: float = parameter(0.5, unit="", minimum=0.0, maximum=5.0, description="Coulomb coefficient.")
     unit_stiffness: float = parameter(1e6, unit="N/m", minimum=1.0, description="Normal stiffness under the unit.")
     unit_damping: float = parameter(1e5, unit="N s/m", minimum=0.0, description="Normal damping under the unit.")
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
 
 @dataclass(frozen=True)
@@ -248,7 +242,7 @@ class WaveKinematicsParameters:
 
 
 @dataclass(frozen=True)
-class CompensatorParameters:
+class CompensatorParameters(Checked):
     """A passive compensator that carries the sheave: spring and damper with end stops, working along the vertical."""
 
     stiffness: float = parameter(0.0, unit="N/m", minimum=0.0, description="Spring stiffness; 0 means no compensator.")
@@ -267,9 +261,6 @@ class CompensatorParameters:
         minimum=0.0,
         description="Force at mid-stroke; 0 means the static top tension at the start of the run.",
     )
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
 
 @dataclass(frozen=True)
@@ -300,7 +291,7 @@ class RopePathParameters:
 
 
 @dataclass(frozen=True)
-class SolverParameters:
+class SolverParameters(Checked):
     """Settings of the time integration (generalised-alpha)."""
 
     time_step: float = parameter(
@@ -328,9 +319,6 @@ class SolverParameters:
     iterations: int = parameter(
         12, unit="", minimum=2, maximum=100, description="Newton iterations before a step is halved."
     )
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ class SeaParameters:
 class ControllerParameters:
     rate: float = parameter(0.1, unit="m/s", description="Requested payout rate.")
     die_in_tick: int = parameter(0, unit="", description="Tick in which the controller is killed; 0: it lives.")
-    inject: str = parameter("", unit="", description="NODE DEVICE KIND: a fault to ask for in tick 10.")
+    inject: str = parameter("", unit="", description="NODE DEVICE KIND, ...: faults to ask for in tick 10.")
 
 
 class Sea(ParticipantNode):
@@ -87,25 +87,24 @@ class Controller(ParticipantNode):
         self.command = self.add_output(topics.WINCH_COMMAND)
         self.ports = {topic.name: self.add_input(topic) for topic in HEARD}
         self.heard = {name: [] for name in self.ports}
-        self.answer = ""
-        words = self.parameters.inject.split()
-        self.fault = self.create_client(InjectFault, f"{words[0]}/inject_fault") if words else None
+        self.fault_answers = []
+        faults = [words.split() for words in self.parameters.inject.split(",") if words]
+        self.injected = [(self.create_client(InjectFault, f"{node}/inject_fault"), *fault) for node, *fault in faults]
 
     def on_tick(self, tick: Tick) -> None:
         if tick.number == self.parameters.die_in_tick:
             os.kill(os.getpid(), signal.SIGKILL)
         for name, port in self.ports.items():
             self.heard[name] += self.take(port)
-        if tick.number == 10 and self.fault is not None:
-            _, device, kind = self.parameters.inject.split()
+        for client, device, kind in self.injected if tick.number == 10 else ():
             request = InjectFault.Request(device=device, kind=kind, duration=0.0, magnitude=1.0)
-            self.fault.call_async(request).add_done_callback(self._on_answer)
+            client.call_async(request).add_done_callback(self._on_answer)
         self.command.publish(
             WinchCommand(header=Header(stamp=tick.stamp), sequence=tick.number, payout_rate=self.parameters.rate)
         )
 
     def _on_answer(self, future: object) -> None:
-        self.answer = future.result().message
+        self.fault_answers.append(future.result().message)
 
     def on_run_ended(self, status: TickStatus) -> None:
         cable, winch = self.heard["cable/state"], self.heard["winch/state"]
@@ -133,7 +132,7 @@ class Controller(ParticipantNode):
             "cable_marker": [[p.x, p.y, p.z] for p in markers[-1].markers[0].points] if markers else [],
             "marker_stamp": nanoseconds_of(markers[-1].markers[0].header.stamp) if markers else 0,
             "cable_nodes": {str(nanoseconds_of(m.header.stamp)): [[p.x, p.y, p.z] for p in m.nodes] for m in cable},
-            "answer": self.answer,
+            "answers": sorted(self.fault_answers),
         }
         sys.stdout.write(json.dumps(result) + "\n")
 

@@ -121,9 +121,12 @@ def test_markers_show_the_cable_where_it_is(heard: dict[str, Any]) -> None:
 
 
 @pytest.mark.slow
-def test_fault_injected_by_service_stops_the_winch(domain: int, tmp_path: Path) -> None:
-    heard, _ = run(domain, tmp_path, winch_controller={"inject": "virtual_winch winch emergency_stop"})
-    assert heard["answer"].startswith("winch: emergency_stop from t = ")
+def test_faults_are_injected_and_cleared_by_service(domain: int, tmp_path: Path) -> None:
+    faults = {"inject": "virtual_winch winch emergency_stop, cable_sim depth clear"}
+    heard, _ = run(domain, tmp_path, winch_controller=faults)
+    depth, winch = heard["answers"]
+    assert depth.startswith("depth: clear from t = ")
+    assert winch.startswith("winch: emergency_stop from t = ")
     assert heard["fault"][-1] == WinchFault.EMERGENCY_STOP
     assert heard["brake"][-1]
 
@@ -152,12 +155,6 @@ def test_winch_stops_by_itself_when_the_controller_is_killed(domain: int, tmp_pa
     assert rates[times < 2.6].max() == pytest.approx(1.0, abs=0.01)
     assert np.abs(np.diff(rates) / np.diff(times)).max() <= 1.5 + 1e-6
     assert (rates[-1], heard["brakes"][-1], faults[-1]) == (0.0, True, WinchFault.COMMAND_TIMEOUT)
-
-
-@pytest.mark.slow
-def test_faults_of_a_sensor_can_be_cleared(domain: int, tmp_path: Path) -> None:
-    heard, _ = run(domain, tmp_path, winch_controller={"inject": "cable_sim depth clear"})
-    assert heard["answer"].startswith("depth: clear from t = ")
 
 
 def test_plant_that_cannot_start_ends_with_one_line(domain: int, tmp_path: Path) -> None:

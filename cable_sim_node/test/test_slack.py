@@ -54,7 +54,7 @@ def lay_down_and_move_off(plant, heave, period):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("bending", [0.0, 2000.0])
-@pytest.mark.parametrize("heave", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("heave", [0.5, pytest.param(1.0, marks=pytest.mark.long), 2.0])
 @pytest.mark.parametrize("segments", [20, pytest.param(50, marks=pytest.mark.long)])
 def test_a_cable_laid_down_exactly_vertically_can_be_moved_off_and_drawn_taut(heave, segments, bending):
     """The 300 m system with heave alone and no current: nodes come to lie in one point.

@@ -211,6 +211,13 @@ def _infos(parameters_type: type, prefix: str, defaults: object) -> Iterator[Par
         yield _info(field, hint, prefix + field.name, default)
 
 
+class Checked:
+    """A parameter set whose values are in range wherever it is made; checks of its own follow `check_ranges`."""
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+
+
 def check_ranges(parameters: object) -> None:
     """Raise ParameterError for a value of a set's own that is of a wrong type or out of range; for `__post_init__`.
 

@@ -4,7 +4,6 @@ import subprocess
 import sys
 
 import pytest
-from loop_processes import start_all
 
 EXTERNAL = """
 import sys
@@ -93,16 +92,19 @@ def test_commands_that_become_best_effort_during_the_run_are_an_alarm_with_topic
     assert "/hardware and /virtual_winch do not match on /winch/command: Best effort publisher" in heard
 
 
-def test_a_quality_of_service_that_the_user_chose_is_in_force(loop):
-    topic = "qos_overrides./winch/state.publisher"
-    start_all(loop, **{f"{topic}.reliability": "best_effort"})
+@pytest.mark.parametrize(
+    ("override", "refusal"),
+    [
+        ({"qos_overrides./winch/state.publisher.reliability": "best_effort"}, "lockstep needs reliability: reliable"),
+        (
+            {"qos_overrides./winch/stat.publisher.depth": 7},
+            "qos_overrides./winch/stat.publisher.depth: virtual_winch has no such publisher",
+        ),
+    ],
+    ids=["in force", "of no topic"],
+)
+def test_a_quality_of_service_that_the_user_chose_is_in_force_or_refused(loop, override, refusal):
+    loop.start("virtual_winch", **override)
     status, _, err = loop.end("virtual_winch")
     assert status == 1
-    assert "lockstep needs reliability: reliable" in err.splitlines()[-1]
-
-
-def test_a_quality_of_service_for_a_topic_that_the_node_has_not_is_refused(loop):
-    loop.start("virtual_winch", **{"qos_overrides./winch/stat.publisher.depth": 7})
-    status, _, err = loop.end("virtual_winch")
-    assert status == 1
-    assert "qos_overrides./winch/stat.publisher.depth: virtual_winch has no such publisher" in err.splitlines()[-1]
+    assert refusal in err.splitlines()[-1]

@@ -19,7 +19,7 @@ def test_every_node_has_exactly_the_messages_of_its_tick(loop):
 
 
 def test_a_missing_participant_is_named_and_ends_the_start(loop):
-    loop.start("cable_sim", "wave_vessel", "virtual_winch", start_timeout=3.0)
+    loop.start("cable_sim", "wave_vessel", "virtual_winch", start_timeout=2.0)
     status, _, err = loop.end("cable_sim")
     assert status == 1
     assert "winch_controller (not seen)" in err.splitlines()[-1]
@@ -42,13 +42,6 @@ def test_a_participant_that_raises_says_why_in_one_line(loop):
     assert err.splitlines()[-1] == "virtual_winch: the solver gave up at t = 1.000 s"
 
 
-def test_a_participant_that_hangs_is_named(loop):
-    start_all(loop, "wave_vessel", fault="hang", participant_timeout=2.0)
-    status, _, err = loop.end("cable_sim")
-    assert status == 1
-    assert "wave_vessel has not finished tick 20" in err.splitlines()[-1]
-
-
 def test_participants_leave_when_the_master_dies(loop):
     start_all(loop, "cable_sim", fault="die", participant_timeout=2.0)
     for name in PEERS:
@@ -64,29 +57,15 @@ def test_a_participant_without_a_master_says_that_there_is_none(loop):
     assert err.splitlines()[-1].endswith("s: there is none in this ROS domain")
 
 
-def test_lockstep_waits_for_a_late_participant_and_asks_again(loop):
-    start_all(loop, "winch_controller", fault="late")
+def test_messages_that_come_late_twice_or_not_at_all_change_nothing(loop):
+    faults = {"winch_controller:fault": "late", "wave_vessel:fault": "duplicate", "virtual_winch:fault": "lose"}
+    start_all(loop, **faults, **{"virtual_winch:fault_tick": 30})
     status, out, err = loop.end("cable_sim")
     assert status == 0
     assert f"sum={SUM_OF_40_TICKS}" in out
     assert "resends=0" not in out
     late = err.index("PARTICIPANT_LATE (high): waiting for 1 s: winch_controller has not finished tick 20")
     assert err.index("all nodes answer again", late) > late, "an alarm that stayed would hide the next one"
-
-
-def test_a_duplicated_message_is_dropped(loop):
-    start_all(loop, "wave_vessel", fault="duplicate")
-    status, out, _ = loop.end("cable_sim")
-    assert status == 0
-    assert f"sum={SUM_OF_40_TICKS}" in out
-
-
-def test_a_lost_message_is_sent_again(loop):
-    start_all(loop, "wave_vessel", fault="lose")
-    status, out, _ = loop.end("cable_sim")
-    assert status == 0
-    assert f"sum={SUM_OF_40_TICKS}" in out
-    assert "resends=0" not in out
 
 
 def test_a_message_lost_for_ever_is_named_with_its_publisher(loop):
@@ -96,12 +75,12 @@ def test_a_message_lost_for_ever_is_named_with_its_publisher(loop):
     assert "winch_controller has not finished tick 20 (waiting for /mru from wave_vessel (19 of 20 messages)" in err
 
 
-@pytest.mark.parametrize("fault", ["future_stamp", "old_stamp"])
-def test_a_wrong_stamp_is_refused(loop, fault):
-    start_all(loop, "wave_vessel", fault=fault, strict=False)
+def test_a_wrong_stamp_is_refused(loop):
+    faults = {"wave_vessel:fault": "future_stamp", "virtual_winch:fault": "old_stamp", "virtual_winch:fault_tick": 30}
+    start_all(loop, strict=False, **faults)
     status, out, _ = loop.end("cable_sim")
     assert status == 0
-    assert f"sum={SUM_OF_40_TICKS - 20 - 1}" in out, "the controller saw no sample of tick 20, and said so by -1"
+    assert f"sum={SUM_OF_40_TICKS - 20 - 1 - 30}" in out, "the controller saw no sample of tick 20, and said so by -1"
 
 
 def test_different_tick_periods_are_refused(loop):
@@ -113,13 +92,13 @@ def test_different_tick_periods_are_refused(loop):
 
 
 def test_real_time_follows_the_wall_clock(loop):
-    start_all(loop, pacing="realtime", duration=3.0, strict=False)
+    start_all(loop, pacing="realtime", strict=False)
     began = time.monotonic()
     status, out, _ = loop.end("cable_sim")
     assert status == 0
-    assert "ended=True ticks=61 " in out
+    assert "ended=True ticks=41 " in out
     assert "collector=False" in out, "garbage is collected between ticks, not by Python whenever it likes"
-    assert time.monotonic() - began > 3.0, "sixty ticks of 0.05 s cannot be faster than the wall clock"
+    assert time.monotonic() - began > 2.0, "forty ticks of 0.05 s cannot be faster than the wall clock"
 
 
 def test_real_time_does_not_wait_for_a_late_participant(loop):
@@ -181,7 +160,7 @@ except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
 
 
 def test_an_external_node_that_never_comes_is_named(loop):
-    start = {"pacing": "realtime", "external": "[virtual_winch]", "start_timeout": 3.0}
+    start = {"pacing": "realtime", "external": "[virtual_winch]", "start_timeout": 1.5}
     loop.start("cable_sim", "wave_vessel", "winch_controller", **start)
     status, _, err = loop.end("cable_sim")
     assert status == 1
@@ -190,8 +169,7 @@ def test_an_external_node_that_never_comes_is_named(loop):
 
 @pytest.mark.parametrize("pacing", ["lockstep", "realtime"])
 def test_pause_step_reset_by_service(loop, pacing):
-    start_all(loop, duration=1e4, pacing=pacing, strict=pacing == "lockstep")
-    words = ask(loop, PAUSE_STEP_RESET).split()
+    words = ask(loop, PAUSE_STEP_RESET, duration=1e4, pacing=pacing, strict=pacing == "lockstep").split()
     paused, still_paused, stepped, resumed, epoch, after_reset = (int(word) for word in words)
     assert still_paused == paused, "time stands still"
     assert stepped == paused + 5
@@ -206,42 +184,41 @@ def test_pause_step_reset_by_service(loop, pacing):
 
 
 def test_a_run_in_real_time_that_was_paused_and_reset_runs_to_its_end(loop):
-    start_all(loop, duration=6.0, pacing="realtime", strict=False)
-    ask(loop, PAUSE_AND_RESET)
+    ask(loop, PAUSE_AND_RESET, duration=4.0, pacing="realtime", strict=False)
     status, out, err = loop.end("cable_sim")
     assert status == 0, err
-    assert "ended=True ticks=121 epoch=2" in out
+    assert "ended=True ticks=81 epoch=2" in out
 
 
 @pytest.mark.parametrize("pacing", ["lockstep", "realtime"])
 def test_an_inactive_node_publishes_nothing_while_the_others_go_on(loop, pacing):
-    start_all(loop, duration=1e4, pacing=pacing, strict=False)
-    before, while_inactive, after = (int(word) for word in ask(loop, DEACTIVATE_AND_ACTIVATE).split())
+    words = ask(loop, DEACTIVATE_AND_ACTIVATE, duration=1e4, pacing=pacing, strict=False).split()
+    before, while_inactive, after = map(int, words)
     assert before > 0
     assert while_inactive == 0
     assert after > 0
 
 
 def test_an_inactive_clock_master_pauses_the_run(loop):
-    start_all(loop, duration=1e4)
-    paused, still_paused, refused, again = ask(loop, DEACTIVATE_THE_CLOCK).split()
+    paused, still_paused, refused, again = ask(loop, DEACTIVATE_THE_CLOCK, duration=1e4).split()
     assert still_paused == paused
     assert refused == "refused"
     assert int(again) > int(paused)
 
 
-def ask(loop: Loop, script: str) -> str:
-    """Return what a client prints that talks to the loop."""
-    client = subprocess.run(
+def ask(loop: Loop, script: str, **parameters: object) -> str:
+    """Start the loop, and return what a client prints that talks to it and was there before it was busy."""
+    client = subprocess.Popen(
         [sys.executable, "-c", CLIENT + script],
         env=loop.environment,
-        capture_output=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
         text=True,
-        timeout=60,
-        check=False,
     )
-    assert client.returncode == 0, client.stderr
-    return client.stdout
+    start_all(loop, **parameters)
+    out, err = client.communicate(timeout=60.0)
+    assert client.returncode == 0, err
+    return out
 
 
 CLIENT = """
@@ -265,7 +242,7 @@ node.create_subscription(WinchCommand, topics.WINCH_COMMAND.name, commands.appen
 spinner = Spinner(node)
 listen = spinner.spin_for
 def until(condition):
-    end = time.monotonic() + 20
+    end = time.monotonic() + 40
     while not (seen and condition(seen[-1])):
         listen(0.05)
         assert time.monotonic() < end, seen[-1:]
@@ -330,8 +307,7 @@ print(paused, still, "obeyed" if refused else "refused", seen[-1].tick)
 
 
 def test_a_node_that_comes_into_a_run_under_way_says_so(loop):
-    start_all(loop, duration=1e5)
-    time.sleep(6.0)
+    ask(loop, "", duration=1e5)  # it runs
     late = Loop(int(loop.environment["ROS_DOMAIN_ID"]))
     late.start("virtual_winch", duration=1e5)
     try:

@@ -278,10 +278,10 @@ def test_readings_come_in_whole_steps_of_the_resolution():
 
 def test_noise_that_wanders_has_its_deviation_and_time_and_disturbs_no_other_number():
     time = 1.0
-    plain, wandering = run(MruParameters(), 60_000), run(MruParameters(wander=0.05, wander_time=time), 60_000)
+    plain, wandering = run(MruParameters(), 20_000), run(MruParameters(wander=0.05, wander_time=time), 20_000)
     error = np.array([one.heave - other.heave for one, other in zip(wandering, plain, strict=True)])
-    # 3,000 s hold 1,500 independent samples of a Gauss-Markov process of 1 s: 5 sigma are 5 / sqrt(2 * 1500)
-    assert error.std() == pytest.approx(0.05, rel=5 / math.sqrt(3000))
+    # 1,000 s hold 500 independent samples of a Gauss-Markov process of 1 s: 5 sigma are 5 / sqrt(2 * 500)
+    assert error.std() == pytest.approx(0.05, rel=5 / math.sqrt(1000))
     late = round(time / DT)
-    assert np.corrcoef(error[:-late], error[late:])[0, 1] == pytest.approx(math.exp(-1.0), abs=5 / math.sqrt(1500))
+    assert np.corrcoef(error[:-late], error[late:])[0, 1] == pytest.approx(math.exp(-1.0), abs=5 / math.sqrt(500))
     assert [one.heave_rate for one in wandering] == [one.heave_rate for one in plain]

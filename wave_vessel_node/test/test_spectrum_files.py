@@ -165,17 +165,22 @@ def test_the_newer_historical_header_with_minutes_is_read(tmp_path):
 
 
 @pytest.mark.skipif(not MEASURED.is_dir(), reason=f"the measured files are not beside the checkout ({MEASURED})")
-def test_the_measured_files_of_two_buoys_are_read():
+@pytest.mark.parametrize(
+    ("name", "count", "warnings"),
+    [
+        ("ndbc_41010.data_spec", 149, ""),
+        pytest.param("ndbc_46042w1996.txt.gz", 8600, "112 times", marks=pytest.mark.long),
+    ],
+    ids=["atlantic", "pacific"],
+)
+def test_the_measured_files_of_two_buoys_are_read(name, count, warnings):
     # counts as in the files: 149 rows; 8712 rows of which 112 are fill values
-    atlantic = read_spectra(MEASURED / "ndbc_41010.data_spec")
-    pacific = read_spectra(MEASURED / "ndbc_46042w1996.txt.gz")
-    assert len(atlantic.records) == 149
-    assert len(pacific.records) == 8600
-    assert "112 times" in pacific.warnings[0]
-    for file in (atlantic, pacific):
-        heights = [record.spectrum.significant_wave_height for record in file.records[:200]]
-        assert min(heights) > 0.3
-        assert max(heights) < 12.0
+    file = read_spectra(MEASURED / name)
+    assert len(file.records) == count
+    assert warnings in " ".join(file.warnings)
+    heights = [record.spectrum.significant_wave_height for record in file.records[:200]]
+    assert min(heights) > 0.3
+    assert max(heights) < 12.0
 
 
 GRID = np.concatenate(([0.02], np.arange(0.03, 0.485, 0.005)))

@@ -103,18 +103,16 @@ def _write_all(descriptor: int, data: bytes, position: int | None = None) -> Non
 class DirectStorage:
     """Writes to the file `path` and its journal at once, without buffers of its own.
 
-    Raises StorageError if the files cannot be made. Without `journal` there is none.
+    Raises StorageError if the files cannot be made.
     """
 
-    def __init__(self, path: Path, *, journal: bool = True) -> None:
+    def __init__(self, path: Path) -> None:
         self.path = path
         self._size = 0
         self._ending = interim_ending()
-        self._journal: int | None = None
         try:
             self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
-            if journal:
-                self._journal = os.open(journal_path(path), os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
+            self._journal = os.open(journal_path(path), os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
         except OSError as error:
             raise StorageError(f"{path}: cannot be created: {error.strerror}") from error
 
@@ -153,8 +151,6 @@ class DirectStorage:
             raise StorageError(_refusal(self.path.parent, error)) from error
 
     def _restart_journal(self) -> None:
-        if self._journal is None:
-            return
         try:
             os.ftruncate(self._journal, 0)
             os.lseek(self._journal, 0, os.SEEK_SET)
@@ -164,7 +160,7 @@ class DirectStorage:
 
     def acknowledge(self, pending: bytes) -> None:
         """See Storage."""
-        if self._journal is None or not pending:
+        if not pending:
             return
         try:
             _write_all(self._journal, pending)
@@ -174,9 +170,8 @@ class DirectStorage:
     def close(self) -> None:
         """Close the file and remove the journal."""
         os.close(self._file)
-        if self._journal is not None:
-            os.close(self._journal)
-            journal_path(self.path).unlink(missing_ok=True)
+        os.close(self._journal)
+        journal_path(self.path).unlink(missing_ok=True)
 
 
 def _refusal(path: Path, error: OSError) -> str:
@@ -256,3 +251,8 @@ class BackgroundStorage:
         self._storage.close()
         if self._error is not None:
             raise self._error
+
+
+def open_in_background(path: Path) -> Storage:
+    """Return what writes the file at `path` in a thread."""
+    return BackgroundStorage(DirectStorage(path))

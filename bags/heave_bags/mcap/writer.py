@@ -112,10 +112,10 @@ class McapWriter:
     Schemas and channels are in the chunk that needs them first and again in the chunk after it, so that no
     single damage takes them from a file that has no summary yet. Those known before the first message have a chunk of
     their own, so that any reader opens a file whose writer is killed before its first chunk of messages is full.
-    `profile` is written to the header; `chunks` says when a chunk is full and how it is compressed.
+    `chunks` says when a chunk is full and how it is compressed.
     """
 
-    def __init__(self, sink: Sink, *, profile: str = "ros2", chunks: ChunkPolicy | None = None) -> None:
+    def __init__(self, sink: Sink, *, chunks: ChunkPolicy | None = None) -> None:
         self._sink = sink
         self._chunks = chunks or ChunkPolicy()
         self._zstd = zstandard.ZstdCompressor(level=self._chunks.level)
@@ -133,7 +133,7 @@ class McapWriter:
         self.size = 0
         self._checksum = 0
         self._to_repeat: list[bytes] = []
-        self._put(MAGIC + _encode(Header(profile=profile, library=LIBRARY)))
+        self._put(MAGIC + _encode(Header(profile="ros2", library=LIBRARY)))
 
     @property
     def pending_bytes(self) -> int:
@@ -157,12 +157,12 @@ class McapWriter:
         self._define(schema)
         return schema.id
 
-    def add_channel(self, topic: str, schema_id: int, metadata: Mapping[str, str], *, encoding: str = "cdr") -> int:
-        """Register a channel for `topic`, of `schema_id`, with `metadata`, messages in an `encoding`; return its id."""
+    def add_channel(self, topic: str, schema_id: int, metadata: Mapping[str, str]) -> int:
+        """Register a channel for `topic`, of `schema_id`, with `metadata`, messages in CDR; return its id."""
         channel = Channel(
             id=len(self._channels) + 1,
             topic=topic,
-            message_encoding=encoding,
+            message_encoding="cdr",
             schema_id=schema_id,
             metadata=dict(metadata),
         )

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -106,10 +105,10 @@ class SubstituteMaster(Substitute, ClockMasterNode):
         self.play(tick)
 
 
-def substitute_type(node: str, after: Sequence[str] = ()) -> type[Any]:
-    """Return the class of the substitute of `node`; `after` are nodes whose part of a tick the node waits for."""
+def substitute_type(node: str) -> type[Any]:
+    """Return the class of the substitute of `node`."""
     base = SubstituteMaster if node == MASTER else SubstituteParticipant
-    return type(f"Substitute_{node}", (base,), {"name": node, "after": tuple(after)})
+    return type(f"Substitute_{node}", (base,), {"name": node})
 
 
 def command(node: str, bag: Path, start: float = 0.0) -> list[str]:

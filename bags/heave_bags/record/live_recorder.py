@@ -31,7 +31,7 @@ from rclpy.task import Future
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.files import COMPLETE
-from heave_bags.mcap.storage import BackgroundStorage, DirectStorage
+from heave_bags.mcap.storage import open_in_background
 from heave_bags.record.alarms import ALARMS
 from heave_bags.record.parameters import RecorderParameters
 from heave_bags.record.provenance import describe_run, scenario_attachment
@@ -85,7 +85,7 @@ class LiveRecorder(Node):
             run={**description, "host_time_minus_log_time_ns": str(time.time_ns() - now)},
             attachments=[scenario_attachment(Path(parameters.scenario_file))] if parameters.scenario_file else [],
             ros_distro=os.environ.get("ROS_DISTRO", "kilted"),
-            opener=lambda path: BackgroundStorage(DirectStorage(path)),
+            opener=open_in_background,
         )
 
     def _look(self) -> None:

@@ -33,7 +33,7 @@ from heave_bags.cdr.canonical import Canonical
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
 from heave_bags.mcap.files import COMPLETE
-from heave_bags.mcap.storage import BackgroundStorage, DirectStorage, Storage
+from heave_bags.mcap.storage import DirectStorage, open_in_background
 from heave_bags.record.alarms import ALARMS
 from heave_bags.record.parameter_survey import ParameterSurvey
 from heave_bags.record.parameters import RecorderParameters
@@ -112,7 +112,7 @@ class RecorderNode(ParticipantNode):
                 run=description,
                 attachments=attachments,
                 ros_distro=os.environ.get("ROS_DISTRO", "kilted"),
-                opener=_open_at_once if run.is_lockstep else _open_in_background,
+                opener=DirectStorage if run.is_lockstep else open_in_background,
                 closing_attachments=self._parameter_attachment,
             )
 
@@ -422,14 +422,6 @@ class RecorderNode(ParticipantNode):
 
 def _is_start_of_another(name: str, own: str) -> bool:
     return name.endswith(f"/{topics.TICK_START.name}") and name != own
-
-
-def _open_at_once(path: Path) -> Storage:
-    return DirectStorage(path)
-
-
-def _open_in_background(path: Path) -> Storage:
-    return BackgroundStorage(DirectStorage(path))
 
 
 def main() -> None:

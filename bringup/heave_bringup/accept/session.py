@@ -87,7 +87,7 @@ class Session:
         winch = self._scenario.parameters["winch_controller"].winch
         self.nominal = Nominal(winch.speed_limit, winch.acceleration_limit, winch.command_delay + winch.time_constant)
         procedure = read_procedure(head, Limits(self.nominal.speed, self.nominal.acceleration))
-        given = {change.place: change.value for change in map(_placed, settings)}
+        given = {text.partition("=")[0]: parse_setting(text).value for text in settings}
         self.procedure = replace(
             procedure, scenario=scenario or procedure.scenario, settings={**procedure.settings, **given}
         )
@@ -178,18 +178,6 @@ class Session:
 
     def _loop(self, step: Step, test: RunTest) -> Scenario:
         return scenario_of(self.procedure, test, step.event, self._parts.external)
-
-
-@dataclass(frozen=True)
-class _Placed:
-    """A change of the command line: place and value."""
-
-    place: str
-    value: object
-
-
-def _placed(text: str) -> _Placed:
-    return _Placed(text.partition("=")[0], parse_setting(text).value)
 
 
 def _judged(step: Step, measured: Measured, path: Path, part: str, breaches: Sequence[str] = ()) -> StepResult:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from winch_controller_node.interface.readings import Measurements, Outputs
@@ -18,20 +18,17 @@ WARM_UP = 60.0
 """Simulated time before the first step that counts [s]."""
 
 
-def measure_controller(
-    duration: float, say: Callable[[str], None], laws: Sequence[str] = LAWS
-) -> list[dict[str, object]]:
+def measure_controller(duration: float, say: Callable[[str], None]) -> list[dict[str, object]]:
     """Measure the controller's step under each law.
 
     Parameters
     ----------
     duration : simulated time of each measurement [s]
     say : called with what is being measured
-    laws : names of the laws
 
     Returns `law`, `step_p50_s`, `step_p99_s`, `step_max_s` and `steps` for each law.
     """
-    return [_measure(law, duration, say) for law in laws]
+    return [_measure(law, duration, say) for law in LAWS]
 
 
 def _measure(law: str, duration: float, say: Callable[[str], None]) -> dict[str, object]:

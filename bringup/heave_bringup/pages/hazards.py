@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
 
 from heave_node.interface.faults import FAULTS, faults_of
 from winch_controller_node.supervision.modes import TABLE, Event
@@ -38,9 +37,9 @@ def page() -> str:
 def _section(number: int, one: Hazard) -> str:
     kinds = [f"{device}: `{kind}`, {FAULTS[kind].of(device)}" for device, kinds in one.causes.items() for kind in kinds]
     modes = [
-        f"{_event_words(event)}: {', '.join(row.sources_words)} to {row.target}"
+        f"{event.value}: {', '.join(sources)} to {target}"
         for event in one.events
-        for row in _rows(event)
+        for target, sources in _changes(event).items()
     ]
     rows = [
         ("cause", "; ".join([*kinds, *([one.others] if one.others else [])]) or "see detection"),
@@ -54,26 +53,14 @@ def _section(number: int, one: Hazard) -> str:
     return "\n".join([f"## {number}. {one.name}", "", "| | |", "| --- | --- |", *lines, ""])
 
 
-@dataclass(frozen=True)
-class _Reaction:
-    """A change of mode: from which modes, and to which."""
-
-    sources_words: tuple[str, ...]
-    target: str
-
-
-def _rows(event: Event) -> list[_Reaction]:
-    """Return the rows of the table of modes that an event begins and that change the mode."""
+def _changes(event: Event) -> dict[str, list[str]]:
+    """Return the modes that an event changes, by the mode that it changes them to."""
     found: dict[str, list[str]] = {}
     for row in TABLE:
         if row.event is event:
             of = found.setdefault(row.target.value, [])
             of += [mode.value for mode in row.sources if mode is not row.target and mode.value not in of]
-    return [_Reaction(tuple(sources), target) for target, sources in found.items() if sources]
-
-
-def _event_words(event: Event) -> str:
-    return str(event.value)
+    return {target: sources for target, sources in found.items() if sources}
 
 
 def _coverage() -> str:

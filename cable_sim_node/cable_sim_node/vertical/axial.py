@@ -15,17 +15,11 @@ from heave_node.numerics.arrays import Array
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
-from cable_sim_node.errors import PlantError
-from cable_sim_node.vertical import axial_layout as at
-from cable_sim_node.vertical.axial_kernel import integrate
 from cable_sim_node.vertical.axial_line import AxialLine
+from cable_sim_node.vertical.axial_stepper import AxialError, AxialInput, AxialStepper
 
 LARGEST_STEP = 0.01
 """Integration step [s] unless a caller sets another: 0.005 % amplitude error at 1.26 rad/s (BDF2, (w h)^2 / 3)."""
-
-
-class AxialError(PlantError, ValueError):
-    """An axial run that cannot be done or did not converge; the message says what and when."""
 
 
 @dataclass(frozen=True)
@@ -89,47 +83,20 @@ def simulate_axial(
         )
     substeps = max(1, math.ceil(sample_period / largest_step - 1e-9))
     time = sample_period * np.arange(len(heave), dtype=np.float64)
-    fine = np.linspace(0.0, time[-1], (len(heave) - 1) * substeps + 1, dtype=np.float64)
-    top, top_velocity = _interpolate(time, heave, fine)
-    feed, feed_rate = _interpolate(time, paid, fine)
-    shortest = length + float(feed.min())
-    if not shortest > 0.0:
-        raise AxialError(f"the cable is hauled in to {shortest:g} m: its length must stay positive")
-    motion = np.column_stack((top, top_velocity, length + feed, feed_rate))
-    answer = np.empty((len(heave), at.ANSWER_COLUMNS))
-    failed = integrate(
-        axial_arrays(line, segments, allow_slack=allow_slack), motion, sample_period / substeps, substeps, answer
+    ends = np.column_stack(
+        [series for values in (heave, paid) for series in (values, CubicSpline(time, values)(time, 1))]
     )
-    if failed >= 0:
-        raise AxialError(
-            f"the axial cable has no solution at {fine[failed]:.3f} s: check the motion at that time or use "
-            "shorter steps"
-        )
-    return _response(time, answer, -length - line.static_stretch(length))
-
-
-def _response(time: Array, answer: Array, datum: float) -> AxialResponse:
-    """Return what the kernel's `answer` at each `time` says, the unit's heave about its place at rest, `datum` [m]."""
-    return AxialResponse(
-        time=time,
-        unit_heave=answer[:, at.UNIT_ELEVATION] - datum,
-        unit_velocity=answer[:, at.UNIT_VELOCITY].copy(),
-        top_tension=answer[:, at.TOP_TENSION].copy(),
-        least_tension=answer[:, at.LEAST_TENSION].copy(),
+    stepper = AxialStepper(
+        line,
+        length,
+        AxialInput(*ends[0]),
+        segments=segments,
+        duration=sample_period,
+        substeps=substeps,
+        allow_slack=allow_slack,
     )
-
-
-def axial_arrays(line: AxialLine, segments: int, *, allow_slack: bool = True) -> at.AxialArrays:
-    """Return a `line` of so many `segments` as the kernels take it; without `allow_slack` as a linear material."""
-    nodes, elements = at.allocate_nodes(segments)
-    return at.AxialArrays(
-        sections=line.section_table(),
-        bodies=np.array([(b.label, b.inertia, b.weight, b.drag) for b in line.clumps]).reshape(-1, 4),
-        unit=np.array([line.unit.inertia, line.unit.weight, line.unit.drag]),
-        nodes=nodes,
-        elements=elements,
-        is_linear=not allow_slack,
-    )
+    states = np.vstack([stepper.state, stepper.follow(ends[1:])])
+    return AxialResponse(time, *np.ascontiguousarray(states.T))
 
 
 def _samples(values: ArrayLike, name: str, count: int | None = None) -> Array:
@@ -143,9 +110,3 @@ def _samples(values: ArrayLike, name: str, count: int | None = None) -> Array:
             f"{name} has {len(samples)} samples and boom_tip_heave {count}: both must have the same number"
         )
     return samples
-
-
-def _interpolate(time: Array, samples: Array, fine: Array) -> tuple[Array, Array]:
-    """Return values and rates of the spline through the samples at the times `fine`."""
-    spline = CubicSpline(time, samples)
-    return np.ascontiguousarray(spline(fine)), np.ascontiguousarray(spline(fine, 1))

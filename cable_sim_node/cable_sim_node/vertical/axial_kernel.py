@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.compiled import inner_kernel, kernel
+from heave_node.numerics.compiled import inner_kernel
 
 from cable_sim_node.vertical import axial_layout as at
 
@@ -247,27 +247,3 @@ def write_answer(line: at.AxialArrays, motion: Array, h: float, is_first: bool, 
     answer[at.LEAST_TENSION] = line.elements[0, at.TENSION]
     for element in line.elements:
         answer[at.LEAST_TENSION] = min(answer[at.LEAST_TENSION], element[at.TENSION])
-
-
-@kernel
-def integrate(line: at.AxialArrays, motion: Array, h: float, substeps: int, answer: Array) -> int:
-    """Integrate the axial cable from steady motion; return -1, or the number of the step that Newton could not solve.
-
-    Parameters
-    ----------
-    line : cable, unit and bodies; nodes and elements are filled
-    motion : of the top at every step, columns TOP to LENGTH_RATE
-    h : step [s]
-    substeps : steps from sample to sample
-    answer : out, a row for every sample
-    """
-    start_steadily(line, motion[0], h)
-    for step in range(len(motion)):
-        is_first = step == 0
-        if not is_first:
-            begin_step(line, motion[step])
-            if not solve_step(line, motion[step], h):
-                return step
-        if step % substeps == 0:
-            write_answer(line, motion[step], h, is_first, answer[step // substeps])
-    return -1

@@ -1,4 +1,4 @@
-"""The axial cable tick by tick, for a loop that is closed over it: the model of `simulate_axial`."""
+"""The axial cable from end to end of intervals: over a whole record, or tick by tick in a closed loop."""
 
 from __future__ import annotations
 
@@ -8,14 +8,18 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel, kernel
 
+from cable_sim_node.errors import PlantError
 from cable_sim_node.vertical import axial_layout as at
-from cable_sim_node.vertical.axial import AxialError, axial_arrays
 from cable_sim_node.vertical.axial_kernel import begin_step, solve_step, start_steadily, write_answer
 from cable_sim_node.vertical.axial_line import AxialLine
 
 INPUT = [at.TOP, at.TOP_VELOCITY, at.LENGTH, at.LENGTH_RATE]
 STATE = [at.UNIT_ELEVATION, at.UNIT_VELOCITY, at.TOP_TENSION, at.LEAST_TENSION]
 """Columns of the kernels in the order of AxialInput, its payout as a length, and of AxialState."""
+
+
+class AxialError(PlantError, ValueError):
+    """An axial run that cannot be done or did not converge; the message says what and when."""
 
 
 class AxialInput(NamedTuple):
@@ -63,14 +67,24 @@ class AxialStepper:
     segments : elements along the cable
     duration : of an interval [s]
     substeps : steps in an interval
+    allow_slack : False lets the cable carry compression (a linear material, for comparison with linear theory)
 
     Raises AxialError where the cable is hauled in to nothing, or a step has no solution.
     """
 
     def __init__(
-        self, line: AxialLine, length: float, start: AxialInput, *, segments: int, duration: float, substeps: int
+        self,
+        line: AxialLine,
+        length: float,
+        start: AxialInput,
+        *,
+        segments: int,
+        duration: float,
+        substeps: int,
+        allow_slack: bool = True,
     ) -> None:
-        self._arrays = axial_arrays(line, segments)
+        self._arrays = _arrays(line, segments, allow_slack=allow_slack)
+        self._time = 0.0
         self._length, self._duration, self._substeps = length, duration, substeps
         self._rest = -length - line.static_stretch(length)
         (self._end,), self._answer = self._rows(np.array([start])), np.zeros(at.ANSWER_COLUMNS)
@@ -96,8 +110,12 @@ class AxialStepper:
     def _go_on(self, ends: Array) -> Array:
         """Integrate over intervals that end with these rows, and return the answers there."""
         rows, answers = np.vstack((self._end, ends)), np.empty((len(ends), at.ANSWER_COLUMNS))
-        if not _advance(self._arrays, rows, self._duration, self._substeps, answers):
-            raise AxialError("the axial cable has no solution: its top end moves too fast")
+        solved = advance(self._arrays, rows, self._duration, self._substeps, answers)
+        self._time += solved * self._duration
+        if solved < len(ends):
+            raise AxialError(
+                f"the axial cable has no solution after {self._time:.3f} s: check the motion there or use shorter steps"
+            )
         self._end, self._answer = rows[-1], answers[-1] if len(answers) else self._answer
         return answers
 
@@ -108,6 +126,19 @@ class AxialStepper:
         for row in rows[~(np.isfinite(rows).all(axis=1) & (rows[:, at.LENGTH] > 0.0))]:
             raise AxialError(f"the cable cannot have a length of {row[at.LENGTH]:g} m under a top at {row[at.TOP]:g} m")
         return rows
+
+
+def _arrays(line: AxialLine, segments: int, *, allow_slack: bool) -> at.AxialArrays:
+    """Return a `line` of so many `segments` as the kernels take it; without `allow_slack` as a linear material."""
+    nodes, elements = at.allocate_nodes(segments)
+    return at.AxialArrays(
+        sections=line.section_table(),
+        bodies=np.array([(b.label, b.inertia, b.weight, b.drag) for b in line.clumps]).reshape(-1, 4),
+        unit=np.array([line.unit.inertia, line.unit.weight, line.unit.drag]),
+        nodes=nodes,
+        elements=elements,
+        is_linear=not allow_slack,
+    )
 
 
 @kernel
@@ -129,14 +160,23 @@ def _between(begin: Array, end: Array, duration: float, share: float, motion: Ar
 
 
 @kernel
-def _advance(line: at.AxialArrays, rows: Array, duration: float, substeps: int, answers: Array) -> bool:
-    """Integrate from row to row, and write the answer at each but the first; return whether every step was solved."""
+def advance(line: at.AxialArrays, rows: Array, duration: float, substeps: int, answers: Array) -> int:
+    """Integrate from row to row, and write the answer at each but the first; return how many intervals were solved.
+
+    Parameters
+    ----------
+    line : cable, unit and bodies
+    rows : motion of the top at the ends of the intervals, columns TOP to LENGTH_RATE
+    duration : of an interval [s]
+    substeps : steps in an interval
+    answers : out, a row for every interval
+    """
     motion, h = np.zeros(4), duration / substeps
     for end in range(1, len(rows)):
         for step in range(1, substeps + 1):
             _between(rows[end - 1], rows[end], duration, step / substeps, motion)
             begin_step(line, motion)
             if not solve_step(line, motion, h):
-                return False
+                return end - 1
         write_answer(line, motion, h, False, answers[end - 1])
-    return True
+    return len(rows) - 1

@@ -9,10 +9,10 @@ where that is negative.
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import PointMotion
 from numpy.typing import ArrayLike
-from scipy.linalg import expm
 
 from cable_sim_node.errors import BadMotionError, refuse_jump
 from cable_sim_node.parameters import CableSimParameters
@@ -173,7 +173,7 @@ class LinearPlant:
     def _transition_over(self, duration: float) -> Array:
         if duration != self._duration:
             self._duration = duration
-            self._transition = np.asarray(expm(self._system * duration))
+            self._transition = np.asarray(scipy.linalg.expm(self._system * duration))
         return self._transition
 
 

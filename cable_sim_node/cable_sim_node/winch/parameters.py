@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from heave_node.interface.faults import EncoderFaultParameters, FaultParameters, WinchFaultParameters
-from heave_node.parameters import check_ranges, group, parameter
+from heave_node.parameters import Checked, check_ranges, group, parameter
 from heave_node.winch.position_loop import check_position_gain
 
 from cable_sim_node.winch.drive_parameters.electric import ElectricParameters
@@ -36,7 +36,7 @@ class EncoderParameters:
 
 
 @dataclass(frozen=True)
-class WinchDriftParameters:
+class WinchDriftParameters(Checked):
     """What changes slowly while the winch works: a supply that runs down, oil that grows warm.
 
     Each value goes in a straight line over `duration` from that of the start to a factor of it, and stays there.
@@ -57,9 +57,6 @@ class WinchDriftParameters:
     acceleration: float = parameter(
         1.0, unit="", minimum=0.05, maximum=2.0, description="Factor on acceleration_limit at the end of the change."
     )
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def share(self, time: float) -> float:
         """Return how much of the drift has come about at `time` [s], 0 to 1."""

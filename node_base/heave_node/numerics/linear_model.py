@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import scipy.linalg
+import scipy
 from numpy.typing import ArrayLike
 
 from heave_node.numerics.arrays import Array
@@ -93,8 +93,7 @@ class LinearModel:
         """Return the row of C of `output`, shape (n,)."""
         if output not in self.output_names:
             raise ModelError(f"the model has no output {output}; it has {', '.join(self.output_names)}")
-        row: Array = self.C[self.output_names.index(output)]
-        return row
+        return np.asarray(self.C[self.output_names.index(output)])
 
     def select_states(self, names: Sequence[str]) -> LinearModel:
         """Return the subsystem of the states `names`, outputs that need other states left out.
@@ -108,17 +107,15 @@ class LinearModel:
             i, j = driven[0]
             raise ModelError(f"state {names[i]} is driven by {self.state_names[drop[j]]}, which is left out")
         outputs = [i for i in range(len(self.output_names)) if not np.any(self.C[i, drop])]
-        return LinearModel(
+        return replace(
+            self,
             A=self.A[np.ix_(keep, keep)],
             B=self.B[keep],
             C=self.C[np.ix_(outputs, keep)],
             D=self.D[outputs],
             G=self.G[keep],
             state_names=tuple(names),
-            input_names=self.input_names,
             output_names=tuple(self.output_names[i] for i in outputs),
-            noise_names=self.noise_names,
-            dt=self.dt,
         )
 
     def with_outputs(self, rows: Mapping[str, Mapping[str, float] | Array]) -> LinearModel:
@@ -205,20 +202,11 @@ def interconnect(blocks: Sequence[LinearModel]) -> LinearModel:
     steps = {block.dt for block in blocks}
     if len(steps) != 1:
         raise ModelError(f"blocks with different steps cannot be connected: {steps}")
-    A = scipy.linalg.block_diag(*[block.A for block in blocks])
-    B = scipy.linalg.block_diag(*[block.B for block in blocks])
-    C = scipy.linalg.block_diag(*[block.C for block in blocks])
-    D = scipy.linalg.block_diag(*[block.D for block in blocks])
-    G = scipy.linalg.block_diag(*[block.G for block in blocks])
+    A, B, C, D, G = (scipy.linalg.block_diag(*[getattr(block, name) for block in blocks]) for name in "ABCDG")
     all_inputs = [name for block in blocks for name in block.input_names]
     outputs = [name for block in blocks for name in block.output_names]
     external = list(dict.fromkeys(name for name in all_inputs if name not in outputs))
-    from_output = np.array([[float(name == output) for output in outputs] for name in all_inputs]).reshape(
-        len(all_inputs), len(outputs)
-    )
-    from_external = np.array([[float(name == other) for other in external] for name in all_inputs]).reshape(
-        len(all_inputs), len(external)
-    )
+    from_output, from_external = _routes(outputs, all_inputs), _routes(external, all_inputs)
     loop = np.eye(len(outputs)) - D @ from_output
     if abs(np.linalg.det(loop)) < 1e-12:
         raise ModelError("the blocks form an algebraic loop: some output depends on itself without a state between")
@@ -235,6 +223,13 @@ def interconnect(blocks: Sequence[LinearModel]) -> LinearModel:
         output_names=tuple(outputs),
         noise_names=tuple(name for block in blocks for name in block.noise_names),
         dt=steps.pop(),
+    )
+
+
+def _routes(sources: Sequence[str], inputs: Sequence[str]) -> Array:
+    """Return 1 where an input has the name of a source, else 0, shape (inputs, sources)."""
+    return np.array([[float(name == source) for source in sources] for name in inputs]).reshape(
+        len(inputs), len(sources)
     )
 
 

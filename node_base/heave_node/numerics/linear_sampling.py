@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel, ModelError, covariance_factor

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
@@ -16,11 +17,11 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 
 from heave_node.parameters import ParameterError
-from heave_node.ros.composed import spin_composed
 from heave_node.ros.node import HeaveNode
-from heave_node.ros.spin import spin
+from heave_node.ros.spin import IDLE_PERIOD, Spinner, spin
 from heave_node.ros.transport.environment import is_bound_to_loopback, prepare_environment
 from heave_node.ros.transport.exchange import Exchange
 from heave_node.ros.transport.exposure import exposed_ports
@@ -35,6 +36,9 @@ EXIT_FAILED = 1
 EXIT_REFUSED = 2
 EXIT_STUCK = -signal.SIGALRM
 """Exit status, as a parent sees it, of a node that had done its work but was held up by the middleware."""
+
+DELIVERY_SLICE = 0.02
+"""Wall time for which messages in memory are handed over before services and timers are served again [s]."""
 
 SHUTDOWN_TIMEOUT = 5
 """Wall time that the middleware has to deliver a node's last message and to shut it down [s]."""
@@ -71,7 +75,7 @@ def run_composed(node_types: Sequence[type[HeaveNode]], args: list[str], *, is_p
     """
     exchange = Exchange(is_public=is_public)
     HeaveNode.exchange = exchange
-    return _run(node_types, args, lambda nodes: spin_composed(nodes, exchange, _on_idle, _leave))
+    return _run(node_types, args, lambda nodes: _spin_composed(nodes, exchange))
 
 
 def _run(
@@ -121,6 +125,31 @@ def _spin_one(nodes: Sequence[HeaveNode]) -> None:
     (node,) = nodes
     node.fail_on_error(lambda: spin(node, node.finished, lambda: _on_idle(node), node.service_pause))
     _leave(node)
+
+
+def _spin_composed(nodes: Sequence[HeaveNode], exchange: Exchange) -> None:
+    """Hand over messages and serve callbacks until every node has finished. One that has failed ends the others."""
+    spinner = Spinner(*nodes)
+    staying, looked_at = list(nodes), time.monotonic()
+    try:
+        while staying and rclpy.ok():
+            if exchange.wake.done():
+                spinner.spin_for(0.0, until=Future())
+            else:
+                spinner.spin_for(IDLE_PERIOD, until=exchange.wake)
+            exchange.deliver(DELIVERY_SLICE)
+            if time.monotonic() - looked_at >= IDLE_PERIOD:
+                looked_at = time.monotonic()
+                for node in staying:
+                    _on_idle(node)
+            for node in [node for node in staying if node.finished.done()]:
+                staying.remove(node)
+                _leave(node)
+                if node.failure:
+                    for other in staying:
+                        other.fail(f"{node.name} has failed")
+    finally:
+        spinner.close()
 
 
 def _leave(node: HeaveNode) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import expm
+import scipy
 
 
 class DrivenOscillator:
@@ -28,7 +28,7 @@ class DrivenOscillator:
         generator[1, :4] = -self._stiffness, -self._damping, value_gain, rate_gain
         generator[1, 6] = 1.0
         generator[2, 3] = generator[3, 4] = generator[4, 5] = 1.0
-        self._transition = expm(generator * period)[:2]
+        self._transition = scipy.linalg.expm(generator * period)[:2]
 
     def start(self, value: float, rate: float, state: tuple[float, float] = (0.0, 0.0)) -> None:
         """Begin at u = `value`, u' = `rate`, with (y, y') = `state`."""

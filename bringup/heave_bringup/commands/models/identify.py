@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Identify and print a and b with their uncertainty, and draw the response by them, as `options` say."""
     from cable_sim_node.errors import PlantError
-    from cable_sim_node.vertical.axial_kernel import integrate
+    from cable_sim_node.vertical.axial_stepper import advance
     from heave_node.numerics.compiled import is_compiled
     from winch_controller_node.identification.cable import IdentificationError
     from winch_controller_node.identification.cable_response import draw_identification, identify_simulated
@@ -38,7 +38,7 @@ def execute(options: argparse.Namespace) -> None:
 
     check_output("--picture", options.picture, (".png", ".svg", ".pdf"), makes_folder=True)
     check_lengths("--lengths", options.lengths or ())
-    if not Path(options.source).is_dir() and not is_compiled(integrate):
+    if not Path(options.source).is_dir() and not is_compiled(advance):
         ProgressLine().tell("compiling the axial model: a few seconds, once after installation")
     try:
         if Path(options.source).is_dir():

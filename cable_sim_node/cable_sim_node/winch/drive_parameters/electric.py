@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.parameters import check_ranges, group, parameter
+from heave_node.parameters import Checked, check_ranges, group, parameter
 
 from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
 from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
 
 
 @dataclass(frozen=True)
-class ElectricParameters:
+class ElectricParameters(Checked):
     """Motor, gear, drum and speed loop of an electric winch. The defaults are a 20 t winch of 400 kW."""
 
     friction: FrictionParameters = group(FrictionParameters, coulomb=1e3, load=0.02, viscous=500.0)
@@ -61,9 +61,6 @@ class ElectricParameters:
     tension_feed_forward: float = parameter(
         0.0, unit="", minimum=0.0, maximum=1.0, description="Fraction of the measured tension that is fed forward."
     )
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     @property
     def inertia(self) -> float:

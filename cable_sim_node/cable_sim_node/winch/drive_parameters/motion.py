@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.parameters import check_ranges, parameter
+from heave_node.parameters import Checked, check_ranges, parameter
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class MotionParameters:
 
 
 @dataclass(frozen=True)
-class FrictionParameters:
+class FrictionParameters(Checked):
     """Friction of bearings, gear and sheaves, as a force at the rope, against the motion."""
 
     coulomb: float = parameter(0.0, unit="N", minimum=0.0, maximum=1e9, description="Friction independent of load.")
@@ -71,9 +71,6 @@ class FrictionParameters:
     viscous: float = parameter(
         0.0, unit="N s/m", minimum=0.0, maximum=1e9, description="Friction proportional to speed."
     )
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def rate(self, tension: float, mass: float) -> float:
         """Return how fast friction alone would stop `mass` [kg] near rest under `tension` [N], as 1/time [1/s]."""

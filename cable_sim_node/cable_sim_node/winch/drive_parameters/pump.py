@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.parameters import check_ranges, group, parameter
+from heave_node.parameters import Checked, group, parameter
 
 from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
 
 
 @dataclass(frozen=True)
-class PumpControlledParameters:
+class PumpControlledParameters(Checked):
     """Pump, motors, drum and speed loop of a pump-controlled hydraulic winch. The defaults are a 10 t winch."""
 
     friction: FrictionParameters = group(FrictionParameters, coulomb=1e3, slip_speed=0.05, viscous=2e3)
@@ -108,9 +108,6 @@ class PumpControlledParameters:
         maximum=1e3,
         description="Integral time of the speed loop; unused if its gain is 0.",
     )
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     @property
     def full_speed(self) -> float:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from heave_node.parameters import check_ranges, parameter
+from heave_node.parameters import Checked, parameter
 
 LAYER_PITCH = 0.5 * math.sqrt(3.0)
 """Radius from layer to layer, in rope diameters: round rope in the grooves of the layer below."""
 
 
 @dataclass(frozen=True)
-class SpoolParameters:
+class SpoolParameters(Checked):
     """Drum, rope and reeving."""
 
     drum_radius: float = parameter(
@@ -28,9 +28,6 @@ class SpoolParameters:
     falls: int = parameter(
         1, unit="", minimum=1, maximum=32, description="Falls of rope that carry the load (reeving)."
     )
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def check_rope(self, payout_maximum: float) -> None:
         """Raise ValueError where `payout_maximum` [m] needs more rope than there is on the drum."""

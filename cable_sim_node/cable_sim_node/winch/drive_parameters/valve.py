@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heave_node.parameters import check_ranges, group, parameter
+from heave_node.parameters import Checked, check_ranges, group, parameter
 
 from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
 
 
 @dataclass(frozen=True)
-class FluidParameters:
+class FluidParameters(Checked):
     """Oil in the lines between valve and motors."""
 
     bulk_modulus: float = parameter(
@@ -30,12 +30,9 @@ class FluidParameters:
         description="Leakage of the motors per unit pressure difference.",
     )
 
-    def __post_init__(self) -> None:
-        check_ranges(self)
-
 
 @dataclass(frozen=True)
-class ServoValveParameters:
+class ServoValveParameters(Checked):
     """All servo valves together, on one set-point."""
 
     rated_flow: float = parameter(
@@ -62,9 +59,6 @@ class ServoValveParameters:
         maximum=1e7,
         description="Pressure drop below which the flow of an edge is linear in it.",
     )
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
 
 @dataclass(frozen=True)
@@ -115,7 +109,7 @@ class SupplyParameters:
 
 
 @dataclass(frozen=True)
-class ValveControlledParameters:
+class ValveControlledParameters(Checked):
     """Supply, servo valves, motors and speed loop of a valve-controlled hydraulic winch.
 
     The defaults are a drawworks of 24 t on six parts of rope.
@@ -162,9 +156,6 @@ class ValveControlledParameters:
     integral_time: float = parameter(
         0.01, unit="s", minimum=1e-3, maximum=1e9, description="Integral time of the speed loop."
     )
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     @property
     def area(self) -> float:

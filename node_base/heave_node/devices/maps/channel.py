@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -18,6 +19,15 @@ DEFAULT_CUT_OFF = 2.0 * math.pi / 40.0
 
 class MapError(ValueError):
     """An entry of a map that cannot be; the message says which, and what is allowed, without the file's name."""
+
+
+@contextmanager
+def placed(where: str) -> Iterator[None]:
+    """Turn a ValueError into a MapError that opens with its place in the map, `where`; "" opens with nothing."""
+    try:
+        yield
+    except ValueError as error:
+        raise MapError(f"{where}: {error}" if where else str(error)) from None
 
 
 @dataclass(frozen=True)

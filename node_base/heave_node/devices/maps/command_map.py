@@ -11,7 +11,8 @@ from typing import Any
 
 from heave_node.devices.formats.datagram import CLOCKS, Layout, layout_of
 from heave_node.devices.formats.number_kinds import split_bit, with_bits, wrapped
-from heave_node.devices.maps.channel import MapError, as_kind, read_channel, refuse_unknown
+from heave_node.devices.formats.pattern import CHECKSUMS
+from heave_node.devices.maps.channel import MapError, as_kind, placed, read_channel, refuse_unknown
 from heave_node.devices.maps.field_path import FieldPath
 from heave_node.devices.maps.link import Link, read_link
 
@@ -78,10 +79,8 @@ class CommandMap:
         """Return the bytes to be sent for the `values` of ORDERS."""
         text = self.line.format_map(values)
         if self.checksum:
-            value = 0
-            for letter in text.lstrip("$").encode():
-                value ^= letter
-            text += f"*{value:02X}"
+            compute, _ = CHECKSUMS[self.checksum]
+            text += f"*{compute(text.lstrip('$').encode()):02X}"
         return f"{text}\r\n".encode()
 
     def datagram_of(self, values: Mapping[str, float | int], count: int, time: float) -> bytes:
@@ -161,10 +160,8 @@ def read_layout(where: str, entry: Mapping[str, Any]) -> Layout | None:
         return None
     if not isinstance(fields, dict) or not all(isinstance(kind, str) for kind in fields.values()):
         raise MapError(f"{where}layout must list its fields with their kinds: {{sequence: uint16, speed: int32}}")
-    try:
+    with placed(f"{where}layout"):
         return layout_of({str(name): kind for name, kind in fields.items()}, str(entry.get("byte_order", "big")))
-    except ValueError as error:
-        raise MapError(f"{where}layout: {error}") from None
 
 
 def _check(command: CommandMap) -> None:
@@ -184,18 +181,12 @@ def _check(command: CommandMap) -> None:
         raise MapError(f"command: checksum = {command.checksum!r} must be xor, or be left out")
     if ways == ["topic"]:
         for order in command.orders:
-            _check_path(order.path)
+            with placed(f"command: set: {order.path}"):
+                FieldPath(order.path)
     if command.layout is not None:
         for order in command.orders:
             refuse_unknown("command: set", {split_bit(order.path)[0]: None}, list(command.layout.fields))
     _check_line(command)
-
-
-def _check_path(path: str) -> None:
-    try:
-        FieldPath(path)
-    except ValueError as error:
-        raise MapError(f"command: set: {path}: {error}") from None
 
 
 def _check_line(command: CommandMap) -> None:
@@ -208,11 +199,9 @@ def _check_line(command: CommandMap) -> None:
             if form and _FORM.fullmatch(form) is None:
                 raise MapError(f"command: line: the form {form[:20]!r} must be one such as .4f, +8.3f or 05d")
         command.line_of(_EXAMPLE)
-    except (TypeError, LookupError) as error:
-        raise MapError(f"command: line: {error}") from None
     except MapError:
         raise
-    except ValueError as error:
+    except (TypeError, LookupError, ValueError) as error:
         raise MapError(f"command: line: {error}") from None
 
 

@@ -21,7 +21,7 @@ from heave_node.devices.formats.pattern import PatternDecoder
 from heave_node.devices.formats.registers import WRITABLE, register_of
 from heave_node.devices.formats.sample import Decoder
 from heave_node.devices.formats.table import FORMATS, LINE
-from heave_node.devices.maps.channel import Channel, MapError, as_kind, read_channel, refuse_unknown
+from heave_node.devices.maps.channel import Channel, MapError, as_kind, placed, read_channel, refuse_unknown
 from heave_node.devices.maps.command_map import CommandMap, read_command, read_layout
 from heave_node.devices.maps.field_path import FieldPath
 from heave_node.devices.maps.link import Link, read_link
@@ -233,7 +233,8 @@ def _check(device: DeviceMap) -> None:
                 raise MapError(
                     f"{quantity} needs either a topic or a column, or the map a format: {', '.join(_FORMATS)}"
                 )
-            _check_path(quantity, channel)
+            with placed(quantity):
+                _ = [FieldPath(path) for path in (channel.field, channel.valid) if path and channel.topic]
 
 
 def _check_live(device: DeviceMap) -> None:
@@ -254,37 +255,21 @@ def _check_polled(device: DeviceMap) -> None:
         if channel.topic or channel.column:
             raise MapError(f"{quantity}: has a topic or a column, but the map's source is a PLC")
         if device.link.kind == "modbus":
-            _check_register(quantity, channel.field)
-            if channel.valid:
-                _check_register(f"{quantity}: valid", channel.valid)
+            for where, name in ((quantity, channel.field), (f"{quantity}: valid", channel.valid)):
+                with placed(where):
+                    _ = register_of(name) if name else None
     if command is not None and device.link.kind == "modbus":
         for order in command.orders:
-            if _check_register("command: set", order.path) not in WRITABLE:
-                raise MapError(f"command: set: {order.path}: only {' and '.join(WRITABLE)} can be written")
-
-
-def _check_register(where: str, name: str) -> str:
-    """Return the table of the register called `name`."""
-    try:
-        return register_of(name).table
-    except ValueError as error:
-        raise MapError(f"{where}: {error}") from None
-
-
-def _check_path(quantity: str, channel: Channel) -> None:
-    try:
-        _ = [FieldPath(path) for path in (channel.field, channel.valid) if path and channel.topic]
-    except ValueError as error:
-        raise MapError(f"{quantity}: {error}") from None
+            with placed("command: set"):
+                if register_of(order.path).table not in WRITABLE:
+                    raise ValueError(f"{order.path}: only {' and '.join(WRITABLE)} can be written")
 
 
 def _check_fields(device: DeviceMap) -> None:
     """Raise MapError for a field that the format does not have, or whose sign must be said."""
     if device.format == LINE:
-        try:
+        with placed(""):
             known = sorted(PatternDecoder(device.pattern, device.checksum).fields)
-        except ValueError as error:
-            raise MapError(str(error)) from None
     elif device.layout is not None:
         if device.link is not None and device.link.kind != "udp":
             raise MapError(f"format: {DATAGRAM} needs a source by udp")
