@@ -120,7 +120,6 @@ class ControllerDesign:
             gate=estimator.gate,
             gate_limit=estimator.gate_limit,
             largest_age=round(estimator.largest_age / self.tick_period),
-            implementation=estimator.implementation,
             drag=self.drag,
             slack=self.slack,
         )

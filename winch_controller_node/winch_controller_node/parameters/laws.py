@@ -116,13 +116,6 @@ class LagParameters:
     window: float = parameter(
         20.0, unit="s", minimum=5.0, maximum=600.0, description="Length of the record by which the winch is identified."
     )
-    step: float = parameter(
-        0.008,
-        unit="s",
-        minimum=1e-4,
-        maximum=1.0,
-        description="Smallest change of time constant or delay that triggers a redesign.",
-    )
     largest: float = parameter(
         0.3,
         unit="s",

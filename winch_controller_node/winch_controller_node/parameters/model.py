@@ -262,12 +262,6 @@ class WeightParameters:
 class EstimatorParameters:
     """The Kalman filter."""
 
-    implementation: str = parameter(
-        "compiled",
-        unit="",
-        choices=("compiled", "filterpy"),
-        description="Implementation of a step: compiled, or filterpy: the same estimate, many times slower.",
-    )
     gate: float = parameter(
         25.0,
         unit="",
