@@ -251,14 +251,6 @@ class AlarmParameters:
 class EntryParameters:
     """What must hold before the winch begins to follow the sea."""
 
-    innovation: float = parameter(
-        4.0,
-        unit="",
-        minimum=1.0,
-        maximum=1000.0,
-        description="No compensation while a sensor deviates from its estimate by more than this, in standard "
-        "deviations.",
-    )
     peak_use: float = parameter(
         0.8,
         unit="",
