@@ -59,7 +59,7 @@ LAGS = (0.4, 1.0, 2.5, 6.0)
 """Lags over the assumed one at which a fit is restarted where much is left."""
 
 UNEXPLAINED = 4e-3
-"""Standard deviation that is much [m]."""
+"""Standard deviation that is much [m]: no more may be left of what was before a sudden change of the encoder."""
 
 ONSETS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 11.0, 15.0)
 """Times before the end of the record from which on the encoder may read otherwise [s]."""
@@ -67,9 +67,8 @@ ONSETS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 11.0, 15.0)
 LIMITED = 0.1
 """Share of the ticks since then in which a limit may have acted: it has the drum do less than it was ordered."""
 
-LEAST_BEFORE, KNOWN = 1.0, 4e-3
-"""Time before a sudden change of the encoder that must be on record [s], and the most that may be left of it [m]: only
-then is it sudden."""
+LEAST_BEFORE = 1.0
+"""Time before a sudden change of the encoder that must be on record [s]."""
 
 ROUNDS = 5
 """Largest number of groups that are freed."""
@@ -276,7 +275,10 @@ def _sudden(record: DrumRecord, prior: DrumPrior, assumed: Array) -> list[int]:
         if onset < round(LEAST_BEFORE / record.dt) or np.mean(record.limited[onset:]) > LIMITED:
             continue
         before = record.until(onset)
-        if np.count_nonzero(before.seen) > 2 and fit_drum(before, prior, begun(before, assumed), ()).residual < KNOWN:
+        if (
+            np.count_nonzero(before.seen) > 2
+            and fit_drum(before, prior, begun(before, assumed), ()).residual < UNEXPLAINED
+        ):
             found.append(onset)
     return found
 
@@ -389,11 +391,10 @@ def _without_held(prior: DrumPrior, best: DrumFit, held: set[int]) -> DrumFit:
     """
     shown = shown_limits(best.record)
     for index in sorted(held - set(best.free)):
-        start = best.theta.copy()
-        start[index] = min(max(shown[index], start[index]), prior.nominal[index])
-        if start[index] == best.theta[index]:
+        raised = min(max(shown[index], float(best.theta[index])), float(prior.nominal[index]))
+        if raised == best.theta[index]:
             continue
-        other = fit_drum(best.record, prior, start, best.free)
+        other = _with_limit(prior, best, index, raised)
         if other.loss + HELD < best.loss:
             best = other
     return best
@@ -404,8 +405,11 @@ def needs(prior: DrumPrior, found: DrumFit, limit: int) -> bool:
 
     `prior` is what can be, `limit` one of LIMITS.
     """
-    if limit in found.free:
-        return True
+    return limit in found.free or _with_limit(prior, found, limit, prior.nominal[limit]).loss > found.loss + HELD
+
+
+def _with_limit(prior: DrumPrior, found: DrumFit, limit: int, value: float) -> DrumFit:
+    """Return what was `found`, fitted again with another `value` of a `limit` that is not free."""
     start = found.theta.copy()
-    start[limit] = prior.nominal[limit]
-    return fit_drum(found.record, prior, start, found.free).loss > found.loss + HELD
+    start[limit] = value
+    return fit_drum(found.record, prior, start, found.free)
