@@ -64,8 +64,8 @@ REFLEXES = {
     ],
     "exclusion after jumps": lambda: [Switch("estimation.observation:Observer._exclude_first", _gives(None))],
     "sensor noise": lambda: [Switch("estimation.sensor_noise:SensorNoise.add", _gives(None))],
-    "share by the drum": lambda: [Switch("supervision.watch.winch_watch:CAUTIOUS_SHARE", 1.0)],
-    "share by the sea": lambda: [Switch("supervision.supervisor:UNKNOWN_SEA_SHARE", 1.0)],
+    "share by the drum": lambda: [Switch("supervision.watch.winch_watch:CAUTIOUS", 1.0)],
+    "share by the sea": lambda: [Switch("supervision.supervisor:CAUTIOUS", 1.0)],
     "share by the limits": lambda: [Switch("supervision.guard:HarmGuard.authority_limit", _gives(1.0))],
 }
 """Reflexes of the core within a tick."""

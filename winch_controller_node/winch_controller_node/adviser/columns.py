@@ -23,7 +23,7 @@ SLOPE_OVER = 0.4
 """Time over which readings tell by how much they change [s]: a small part of a wave."""
 
 TINY = 1e-12
-"""Readings of one and the same moment tell no slope."""
+"""Least divisor: readings of one and the same moment tell no slope, a column without information no weight."""
 
 KINDS = {"mru": (FACTOR, STEP, DELAY), "depth": (FACTOR,), "encoder": (FACTOR,)}
 """Columns of each sensor."""

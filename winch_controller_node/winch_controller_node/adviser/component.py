@@ -25,8 +25,9 @@ from winch_controller_node.adviser.judge import (
 from winch_controller_node.adviser.record import Record, SensorHistory
 from winch_controller_node.adviser.report import Report
 from winch_controller_node.adviser.sea import SeaLooks, likeliest_sea
-from winch_controller_node.adviser.winch import WinchAnswer, WinchIdentifier
+from winch_controller_node.adviser.winch import CHECKED, WinchAnswer, WinchIdentifier
 from winch_controller_node.beliefs.beliefs import (
+    CAUTIOUS,
     Adopted,
     Belief,
     Beliefs,
@@ -50,9 +51,6 @@ MINUTE = 60.0
 SHORTEST = 25.0
 """Shortest record that is judged [s]: its first part settles the state."""
 
-JUDGED_EVERY = 5
-"""Seconds from one look at the sensors to the next; each second while a sensor is set aside, or not trusted."""
-
 WORSE, RESTS = 1.3, 60
 """Hypotheses that explained nothing are tried again when the misfit is so many times larger, or after some seconds."""
 
@@ -61,9 +59,6 @@ MISFIT = 1.8
 
 UNCERTAIN_GAIN = 0.25
 """Logarithm of a gain over the nominal one from which on it may as well be the encoder's scale."""
-
-CAUTIOUS = 0.3
-"""Authority over the sea while a change of the winch and one of its encoder cannot be distinguished (0 to 1)."""
 
 
 class Looks:
@@ -85,7 +80,7 @@ class Looks:
         """Return that of the last look, where the `best` in this `second` blames the same as it for long enough."""
         if self._before is None or self._before.culprits != best.culprits:
             self._best_since = second
-        return self._before if second - self._best_since >= JUDGED_EVERY else None
+        return self._before if second - self._best_since >= CHECKED else None
 
     def note(self, best: Hypothesis | None) -> None:
         """Remember the best hypothesis of this look that was not accepted; None: the present beliefs were the best."""
@@ -246,8 +241,9 @@ class Adviser:
     def _is_time_to_judge(self, observations: Observations) -> bool:
         if self._record.duration < SHORTEST:
             return False
+        # each second while a sensor is set aside, or not trusted
         is_urgent = bool(observations.excluded) or not observations.is_trusted
-        return is_urgent or self._seconds % JUDGED_EVERY == 0
+        return is_urgent or self._seconds % CHECKED == 0
 
     def _assumed(self) -> Assumed:
         values = {name: belief.value for name, belief in self._beliefs.values.items()}

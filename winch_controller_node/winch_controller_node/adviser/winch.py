@@ -30,6 +30,7 @@ from winch_controller_node.adviser.drum_fit import (
 )
 from winch_controller_node.adviser.drum_prior import prior_of
 from winch_controller_node.adviser.drum_record import FACTOR, FIELDS, drum_record
+from winch_controller_node.adviser.judge import SHARE_LEFT
 from winch_controller_node.adviser.record import Excerpt, SensorHistory
 from winch_controller_node.beliefs.beliefs import Belief
 from winch_controller_node.beliefs.drum import QUANTITY_OF, drum_of
@@ -45,7 +46,7 @@ TURNS_WITHIN = 2.0
 WORTH = 6.0
 """Least gain in likelihood of a new model of the winch over the present one [nats]."""
 
-EXPLAINED, SHARE_LEFT = 6e-3, 0.25
+EXPLAINED = 6e-3
 """A record of which no more is left is explained [m]; where more is, and no such share of before, nothing is learnt."""
 
 STEPS = {
@@ -83,7 +84,7 @@ OFF = 2e-3
 """Residual under the present beliefs [m]; a record that leaves less is evaluated every CHECKED seconds only."""
 
 CHECKED = 5
-"""Seconds."""
+"""Seconds from one look to the next, of a record that is near to its prediction; at the sensors as well."""
 
 
 @dataclass(frozen=True)

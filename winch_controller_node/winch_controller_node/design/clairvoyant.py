@@ -26,9 +26,6 @@ SMALL = 1e-9
 UNLIMITED = 1e6
 """Stands for a bound that is infinite [SI]."""
 
-X, PAYOUT, RATE = 0, 2, 3
-"""Indices in the states unit heave, its rate, payout, payout rate."""
-
 
 def clairvoyant_heave(cable: CableModel, bounds: tuple[float, float, float], tip: Array, step: float) -> Array:
     """Return unit heave under the best payout, shape (n,) [m].
@@ -53,7 +50,7 @@ def clairvoyant_heave(cable: CableModel, bounds: tuple[float, float, float], tip
     states, settled = _solve(F, G, push, limits)
     if not settled:
         raise DesignError("the bound of the actuator could not be computed: the interior point method did not settle")
-    return np.asarray(states[:, X])
+    return np.asarray(states[:, 0])
 
 
 def _first_order_hold(cable: CableModel, h: float) -> tuple[Array, Array, Array]:
@@ -67,7 +64,10 @@ def _first_order_hold(cable: CableModel, h: float) -> tuple[Array, Array, Array]
 
 @kernel
 def _solve(F: Array, G: Array, push: Array, limits: Array) -> tuple[Array, bool]:
-    """Return the states, shape (n, 4), and whether the method has settled. Bounds: payout, rate, acceleration."""
+    """Return the states, shape (n, 4), and whether the method has settled. Bounds: payout, rate, acceleration.
+
+    States: unit heave, its rate, payout, payout rate.
+    """
     n = len(push) + 1
     states, inputs = np.zeros((n, 4)), np.zeros(n - 1)
     for k in range(n - 1):

@@ -20,7 +20,6 @@ from winch_controller_node.estimation.sensor_health import (
     EncoderGate,
     SensorGate,
     judge_mru,
-    judge_scalar,
 )
 from winch_controller_node.estimation.sensor_noise import SensorNoise, SensorTiming
 from winch_controller_node.interface.alarms import ALARMS
@@ -325,7 +324,7 @@ class Observer:
         """Gate the readings of a sensor and return them in the estimator's terms: about their zero, in its sign."""
         taken = []
         for reading in readings:
-            if not judge_scalar(self.gates[name], now, reading):
+            if not self.gates[name].judge(now, reading.time, (reading.value,)):
                 continue
             read: float | None = reading.value
             if name == "depth":

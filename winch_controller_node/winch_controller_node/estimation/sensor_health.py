@@ -350,11 +350,6 @@ def judge_mru(gate: SensorGate, now: float, reading: MruReading, steps: MruSteps
     return passes
 
 
-def judge_scalar(gate: SensorGate, now: float, reading: ScalarReading) -> bool:
-    """Tell whether `gate` lets a scalar `reading` pass at `now` [s]."""
-    return gate.judge(now, reading.time, (reading.value,))
-
-
 class EncoderGate:
     """Gate of the drum encoder: finds jumps against the rate the drum is known to have, and takes them off.
 

@@ -259,6 +259,16 @@ class KalmanEstimator:
             if name in self._which:
                 self._filter.streams[self._which[name]] = stream
 
+    def continue_at(
+        self, tick: int, estimate: Array, covariance: Array, streams: Mapping[str, float] | None = None
+    ) -> None:
+        """Go on after `tick` from another `estimate`, shape (n,), and `covariance`, shape (n, n).
+
+        `streams` are those of the estimator that this one takes the place of; None: its own.
+        """
+        self.reset(estimate, covariance, self.streams if streams is None else streams)
+        self.step(tick, 0.0, [])
+
     def step(self, tick: int, command: float, readings: Sequence[Measurement]) -> Array:
         """Advance to `tick` and take in the readings delivered at it; return the estimate, shape (n,).
 
