@@ -13,15 +13,16 @@ from types import MappingProxyType
 
 import numpy as np
 
-from winch_controller_node.adviser.judge import (
+from winch_controller_node.adviser.hypothesis import (
     AGAIN,
     SEA,
     Assumed,
     Change,
     Hypothesis,
-    Judge,
     accepted,
+    rules_out_encoder,
 )
+from winch_controller_node.adviser.judge import Judge
 from winch_controller_node.adviser.record import Record, SensorHistory
 from winch_controller_node.adviser.report import Report
 from winch_controller_node.adviser.sea import SeaLooks, likeliest_sea
@@ -277,7 +278,7 @@ class Adviser:
         if not ranked:
             # what was read is beyond every model
             return
-        self._gain_is_winch = judge.rules_out_encoder(ranked)
+        self._gain_is_winch = rules_out_encoder(ranked)
         found = accepted(ranked, present, looks.held_before(ranked[0], self._seconds), used)
         looks.note(ranked[0] if ranked[0].changes or ranked[0].excluded != present.excluded else None)
         # while the encoder is set aside what it reads makes others look wrong

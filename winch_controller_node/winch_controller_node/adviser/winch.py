@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from heave_node.numerics.arrays import Array
 
-from winch_controller_node.adviser.drum_fit import (
+from winch_controller_node.adviser.drum.drum_fit import (
     ACCELERATION_IN,
     ACCELERATION_OUT,
     DELAY,
@@ -17,20 +17,15 @@ from winch_controller_node.adviser.drum_fit import (
     GAIN,
     LAG,
     LIMITS,
-    PRICES,
     SPEED_IN,
     SPEED_OUT,
     DrumFit,
-    begun,
     fit_drum,
-    identify,
-    needs,
-    price_of,
-    shown_limits,
 )
-from winch_controller_node.adviser.drum_prior import prior_of
-from winch_controller_node.adviser.drum_record import FACTOR, FIELDS, drum_record
-from winch_controller_node.adviser.judge import SHARE_LEFT
+from winch_controller_node.adviser.drum.drum_prior import prior_of
+from winch_controller_node.adviser.drum.drum_record import FACTOR, FIELDS, drum_record
+from winch_controller_node.adviser.drum.drum_search import PRICES, begun, identify, needs, price_of, shown_limits
+from winch_controller_node.adviser.hypothesis import SHARE_LEFT
 from winch_controller_node.adviser.record import Excerpt, SensorHistory
 from winch_controller_node.beliefs.beliefs import Belief
 from winch_controller_node.beliefs.drum import QUANTITY_OF, drum_of
