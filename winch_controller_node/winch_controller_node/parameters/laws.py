@@ -11,12 +11,6 @@ from heave_node.parameters import ParameterError, parameter
 class LimitParameters:
     """How much of the winch the controller uses, and what the cable must keep."""
 
-    speed_use: float = parameter(
-        1.0, unit="", minimum=0.05, maximum=1.0, description="Fraction of the winch's speed limit that is used."
-    )
-    acceleration_use: float = parameter(
-        1.0, unit="", minimum=0.05, maximum=1.0, description="Fraction of the winch's acceleration limit that is used."
-    )
     payout_margin: float = parameter(
         1.0, unit="m", minimum=0.0, maximum=100.0, description="Margin kept to the ends of the payout range."
     )
@@ -186,13 +180,6 @@ class TensionLawParameters:
         minimum=0.0,
         maximum=0.99,
         description="The unit has landed when, lowering, the cable carries less than this fraction of its weight.",
-    )
-    lift_off_ratio: float = parameter(
-        1.0,
-        unit="",
-        minimum=0.1,
-        maximum=1.0,
-        description="The unit is suspended when the cable carries this fraction again.",
     )
     lift_height: float = parameter(
         2.0, unit="m", minimum=0.0, maximum=100.0, description="Height to which the unit is raised after lift-off."

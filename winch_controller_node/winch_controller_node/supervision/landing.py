@@ -168,7 +168,7 @@ class Landing:
         if not self.unit_stands and self._touches_down(time, sensed, share, mode):
             self.unit_stands, self.may_stand, self._is_lifting = True, False, False
             return LandingEvent.TOUCHDOWN
-        if self._is_lifting and share > self._parameters.lift_off_ratio:
+        if self._is_lifting and share > 1.0:
             self.unit_stands, self._is_lifting = False, False
             return LandingEvent.LIFTED_OFF
         return None
