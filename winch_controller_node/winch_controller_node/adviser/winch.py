@@ -66,9 +66,6 @@ OTHER_DIRECTION = {
 }
 """Limits that are alike in most winches."""
 
-ASSUMED = 0.0
-"""Nats of what no record says: it is not reported."""
-
 PATIENCE = 60.0
 """Time for which a limit that is not reached and that no record needs stands before it is raised [s]."""
 
@@ -229,7 +226,7 @@ class WinchIdentifier:
                 QUANTITY_OF[Drum._fields[i]],
                 value,
                 self._sigma(found, i),
-                ASSUMED if i in alike else nats,
+                0.0 if i in alike else nats,  # what no record says is not reported
                 excerpt.last,
             )
             for i, value in values.items()
