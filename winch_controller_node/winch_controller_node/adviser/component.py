@@ -52,8 +52,8 @@ MINUTE = 60.0
 SHORTEST = 25.0
 """Shortest record that is judged [s]: its first part settles the state."""
 
-WORSE, RESTS = 1.3, 60
-"""Hypotheses that explained nothing are tried again when the misfit is so many times larger, or after some seconds."""
+WORSE = 1.3
+"""Hypotheses that explained nothing are tried again when the misfit is so many times larger, or on another minute."""
 
 MISFIT = 1.8
 """Mean squared normalised innovation of a sensor above which hypotheses are tried."""
@@ -67,11 +67,11 @@ class Looks:
 
     def __init__(self) -> None:
         self._before: Hypothesis | None = None
-        self._best_since, self._tried, self._misfit = 0, -RESTS, 1.0
+        self._best_since, self._tried, self._misfit = 0, -MINUTE, 1.0
 
     def is_due(self, misfit: float, second: int, *, is_asked: bool) -> bool:
         """Tell whether hypotheses are tried in a `second` with a `misfit`, or where that `is_asked`; note that."""
-        is_news = misfit > WORSE * self._misfit or second >= self._tried + RESTS
+        is_news = misfit > WORSE * self._misfit or second >= self._tried + MINUTE
         if not (is_news or self._before is not None or is_asked):
             return False
         self._tried, self._misfit = second, misfit

@@ -23,8 +23,6 @@ GAP = 1e-9
 """Duality gap per sample at which the plan counts as the best [m^2]: a standard deviation within 0.03 mm."""
 SMALL = 1e-9
 """Weight of all that is not the unit's heave: keeps the recursion regular."""
-UNLIMITED = 1e6
-"""Stands for a bound that is infinite [SI]."""
 
 
 def clairvoyant_heave(cable: CableModel, bounds: tuple[float, float, float], tip: Array, step: float) -> Array:
@@ -33,7 +31,7 @@ def clairvoyant_heave(cable: CableModel, bounds: tuple[float, float, float], tip
     Parameters
     ----------
     cable : two-state
-    bounds : of payout [m], payout rate [m/s] and payout acceleration [m/s^2], either way
+    bounds : finite, of payout [m], payout rate [m/s] and payout acceleration [m/s^2], either way
     tip : boom-tip heave [m], shape (n,)
     step : from one sample to the next [s]
 
@@ -46,8 +44,7 @@ def clairvoyant_heave(cable: CableModel, bounds: tuple[float, float, float], tip
     G[:2], G[2], G[3] = -0.5 * step**2 * at_end, 0.5 * step**2, step
     push = np.zeros((len(tip) - 1, 4))
     push[:, :2] = np.outer(tip[:-1], at_start) + np.outer(tip[1:], at_end)
-    limits = np.minimum(bounds, UNLIMITED)
-    states, settled = _solve(F, G, push, limits)
+    states, settled = _solve(F, G, push, np.array(bounds, dtype=float))
     if not settled:
         raise DesignError("the bound of the actuator could not be computed: the interior point method did not settle")
     return np.asarray(states[:, 0])
