@@ -10,30 +10,21 @@ VESSEL_MODELS = ("second_order", "rao", "fitted", "direct")
 
 
 @dataclass(frozen=True)
-class VesselParameters:
-    """How the vessel answers the sea."""
+class VesselAnswer:
+    """What sea and controller state alike of how the vessel answers the sea."""
 
     model: str = parameter(
         "second_order",
         unit="",
         choices=VESSEL_MODELS,
-        description="second_order (thesis Eq. 6.25), rao (table, 6 DOF), fitted (second order, to the rao), direct.",
+        description="second_order (thesis Eq. 6.25), rao (table, 6 DOF; to a controller as fitted), fitted (second "
+        "order, to the rao), direct.",
     )
     natural_frequency: float = parameter(
         0.9, unit="rad/s", minimum=0.01, maximum=10.0, description="omega_v of the second-order vessel."
     )
     damping_ratio: float = parameter(
         0.4, unit="", minimum=0.01, maximum=5.0, description="xi_v of the second-order vessel."
-    )
-    gain: float = parameter(
-        1.0, unit="", minimum=0.0, maximum=10.0, description="K_v: boom-tip heave per wave elevation at low frequency."
-    )
-    pitch_gain: float = parameter(
-        0.0,
-        unit="",
-        minimum=0.0,
-        maximum=5.0,
-        description="Pitch of the second-order vessel per wave slope at low frequency (odometry, lever-arm error).",
     )
     rao_file: str = parameter(
         "",
@@ -48,6 +39,22 @@ class VesselParameters:
         maximum=500.0,
         length=3,
         description="Boom tip from the vessel's reference point (x forward, y port, z up); models rao, fitted.",
+    )
+
+
+@dataclass(frozen=True)
+class VesselParameters(VesselAnswer):
+    """How the vessel answers the sea."""
+
+    gain: float = parameter(
+        1.0, unit="", minimum=0.0, maximum=10.0, description="K_v: boom-tip heave per wave elevation at low frequency."
+    )
+    pitch_gain: float = parameter(
+        0.0,
+        unit="",
+        minimum=0.0,
+        maximum=5.0,
+        description="Pitch of the second-order vessel per wave slope at low frequency (odometry, lever-arm error).",
     )
 
 

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from winch_controller_node.estimation.sensor_health import largest_step
+from winch_controller_node.estimation.gates.depth_jumps import largest_step
 from winch_controller_node.supervision.checks import (
     AmplitudeCheck,
     AmplitudeLimit,

@@ -61,4 +61,4 @@ def test_the_plan_is_the_optimum_that_osqp_finds(bounds: tuple[float, float, flo
 
 
 def test_within_all_bounds_nothing_is_left() -> None:
-    assert np.abs(clairvoyant_heave(CABLE, (np.inf, 20.0, 20.0), TIP, STEP)).max() < 1e-3
+    assert np.abs(clairvoyant_heave(CABLE, (1e4, 20.0, 20.0), TIP, STEP)).max() < 1e-3

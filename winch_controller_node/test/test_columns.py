@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from winch_controller_node.adviser.columns import DELAY, FACTOR, KINDS, STEP, in_columns
+from winch_controller_node.adviser.columns import DELAY, FACTOR, JUDGED, STEP, in_columns
 from winch_controller_node.adviser.record import SensorHistory
 from winch_controller_node.beliefs.corrections import Correction
 from winch_controller_node.design.design import design_controller
@@ -49,7 +49,7 @@ def test_each_sensor_has_its_columns_from_each_onset_on_and_the_encoder_for_the_
     assert columns.onsets == (0, TICKS - 1 - 200, TICKS - 1 - 100)
     assert set(columns.index) == {
         (s, kind, first)
-        for s, kinds in KINDS.items()
+        for s, kinds in JUDGED.items()
         for kind in kinds
         for first in ((0,) if s == "encoder" else columns.onsets)
     }

@@ -9,9 +9,10 @@ from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from heave_node.interface.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from winch_controller_node.adviser.drum_fit import FACTOR, LIMITS, PRICES, _improbability, begun, fit_drum, identify
-from winch_controller_node.adviser.drum_prior import prior_of
-from winch_controller_node.adviser.drum_record import DrumRecord
+from winch_controller_node.adviser.drum.drum_fit import LIMITS, _improbability, fit_drum
+from winch_controller_node.adviser.drum.drum_prior import prior_of
+from winch_controller_node.adviser.drum.drum_record import FACTOR, DrumRecord
+from winch_controller_node.adviser.drum.drum_search import PRICES, begun, identify
 from winch_controller_node.adviser.record import SensorHistory
 from winch_controller_node.adviser.winch import WinchIdentifier
 from winch_controller_node.beliefs.drum import drum_of

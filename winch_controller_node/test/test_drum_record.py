@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from winch_controller_node.adviser.drum_record import FACTOR, START_PAYOUT, DrumRecord, drum_record, lateness
+from winch_controller_node.adviser.drum.drum_record import FACTOR, START_PAYOUT, DrumRecord, drum_record, lateness
 from winch_controller_node.adviser.record import SensorHistory
 from winch_controller_node.beliefs.beliefs import EncoderScale
 from winch_controller_node.beliefs.drum import drum_of

@@ -9,7 +9,6 @@ from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from winch_controller_node.estimation.loop_tick import Motion
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
-from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.parameters.laws import EntryParameters
 from winch_controller_node.supervision.entry_gates import EntryGates
 from winch_controller_node.supervision.supervisor import Supervisor
@@ -18,45 +17,12 @@ DT = 0.05
 LIMITS = WinchLimits(2.0, 1.5, -50.0, 50.0)
 
 
-def observe(gates, nis, readings):
-    """Let the gates see readings of the depth sensor in every fourth tick."""
-    for number in range(4 * readings):
-        innovations = {"unit_heave": Innovation(nis**0.5, 1.0, nis, True)} if number % 4 == 0 else {}
-        gates.observe(SimpleNamespace(boom_tip=Motion(0.0, 0.0), sensed=SimpleNamespace(innovations=innovations)))
-
-
-def test_readings_far_off_close_the_gate_for_as_long_as_it_says():
-    """Mean squares of 30 fall to 16 with a memory of 50 readings, 0.2 s apart: 50 ln(29/15) 0.2 s."""
-    gates = EntryGates(EntryParameters(innovation=4.0), window=60.0, tick_period=DT)
-    observe(gates, 30.0, 600)
-    words = gates.for_compensation(0.0, LIMITS, 0.1, 2.0)
-    assert [float(one) for one in re.findall(r"\d+\.?\d*", words)] == [5.5, 4.0, 7.0]
-    waited = 0
-    while gates.for_compensation(0.0, LIMITS, 0.1, 2.0):
-        observe(gates, 1.0, 1)
-        waited += 1
-    assert waited * 4 * DT == pytest.approx(6.6, abs=0.3)
-
-
-def test_readings_that_come_no_more_keep_no_gate_closed():
-    """An excluded sensor is not predicted: one reversed from the start closed the gate for good."""
-    gates = EntryGates(EntryParameters(innovation=4.0), window=60.0, tick_period=DT)
-    observe(gates, 200.0, 200)
-    # readings 0.2 s apart: 1 s is five of them, 4 s are twenty
-    for seconds, is_closed in ((1.0, True), (3.0, False)):
-        for _ in range(round(seconds / DT)):
-            gates.observe(SimpleNamespace(boom_tip=Motion(0.0, 0.0), sensed=SimpleNamespace(innovations={})))
-        assert bool(gates.for_compensation(0.0, LIMITS, 0.1, 2.0)) == is_closed
-    observe(gates, 200.0, 200)
-    assert "unit_heave" in gates.for_compensation(0.0, LIMITS, 0.1, 2.0)
-
-
 def gates_over(sigma, **thresholds):
     """Return gates that have watched a boom tip of a standard deviation `sigma` [m] for five minutes."""
     gates = EntryGates(EntryParameters(**thresholds), window=60.0, tick_period=DT)
     for number in range(round(300.0 / DT)):
         heave = sigma * math.sqrt(2.0) * math.sin(0.7 * number * DT)
-        gates.observe(SimpleNamespace(boom_tip=Motion(heave, 0.0), sensed=SimpleNamespace(innovations={})))
+        gates.observe(SimpleNamespace(boom_tip=Motion(heave, 0.0)))
     return gates
 
 

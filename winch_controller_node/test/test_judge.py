@@ -8,7 +8,7 @@ import pytest
 from heave_node.parameters import build_parameters
 from hypothesis import given
 from hypothesis import strategies as st
-from winch_controller_node.adviser.judge import (
+from winch_controller_node.adviser.hypothesis import (
     ACCEPTED,
     AGAIN,
     CLEARLY,
@@ -18,10 +18,11 @@ from winch_controller_node.adviser.judge import (
     Assumed,
     Change,
     Hypothesis,
-    Judge,
     accepted,
-    pass_model,
+    rules_out_encoder,
 )
+from winch_controller_node.adviser.judge import Judge
+from winch_controller_node.adviser.pass_model import pass_model
 from winch_controller_node.adviser.record import SensorHistory
 from winch_controller_node.beliefs.corrections import Correction
 from winch_controller_node.beliefs.quantities import QUANTITIES
@@ -194,14 +195,14 @@ def test_a_belief_that_is_wrong_by_now_goes_back_to_nominal(belief, drawn_from):
 def test_the_encoder_is_ruled_out_where_the_sensors_agree_with_it(belief, drawn_from):
     """A winch of half the gain moves the unit by what the encoder reads."""
     _, ranked, _ = found_in(drawn_from(belief), belief, drum_gain=1.0)
-    assert Judge.rules_out_encoder(ranked)
+    assert rules_out_encoder(ranked)
 
 
 def test_the_encoder_is_not_ruled_out_where_it_reads_half_of_what_all_others_show(belief, drawn_from):
     record = drawn_from(belief, size=0.6, change=scaled("encoder", 0.5))
     _, ranked, _ = found_in(record, belief, drum_gain=0.5)
     assert ranked[0].changes["encoder.scale"].value == pytest.approx(0.5, rel=0.05)
-    assert not Judge.rules_out_encoder(ranked)
+    assert not rules_out_encoder(ranked)
 
 
 def test_the_state_goes_on_from_where_the_truth_is(belief, drawn_from):

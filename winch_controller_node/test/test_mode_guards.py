@@ -2,9 +2,9 @@
 
 import pytest
 from heave_node.interface.codes import WinchFault
+from winch_controller_node.estimation.loop_estimation import BACK_TIME
 from winch_controller_node.parameters.laws import ModeParameters
 from winch_controller_node.supervision.modes import (
-    BACK_TIME,
     BRAKE_HELD,
     GATES_OPEN,
     HAS_ENCODER,

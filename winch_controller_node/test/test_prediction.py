@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from heave_node.parameters import build_parameters
-from winch_controller_node.design.bounds import WinchLimits, actuator_bound, boom_tip_realisation
+from winch_controller_node.design.bounds import actuator_bound, boom_tip_realisation
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.margins import frequencies, margins, output_feedback_loop, state_feedback_loop
 from winch_controller_node.design.prediction import error_covariances, estimation_bound, predict_loop, sensor_periods
@@ -14,7 +14,7 @@ from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.estimator import Measurement
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
-from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
+from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters, WinchModelParameters
 
 DT = 0.05
 
@@ -134,27 +134,33 @@ def test_the_kalman_filter_costs_margin():
     assert output.gain_up > 1.2
 
 
+def winch(speed, acceleration):
+    """Return a winch with these limits [m/s], [m/s^2], and as much payout as there may be."""
+    limits = {"speed_limit": speed, "acceleration_limit": acceleration}
+    return WinchModelParameters(payout_minimum=-2e4, payout_maximum=2e4, **limits)
+
+
 def tip(duration=120.0):
     sea = SeaModelParameters(significant_wave_height=3.0, peak_period=8.0)
     return boom_tip_realisation(sea, VesselModelParameters(), duration=duration, step=0.2, seed=1)
 
 
 def test_the_clairvoyant_leaves_nothing_without_limits_and_more_with_tighter_ones():
-    bounds = [actuator_bound(CableModel(7.0, 0.05), WinchLimits(10.0, a), tip(), 0.2) for a in (20.0, 0.5, 0.1)]
+    bounds = [actuator_bound(CableModel(7.0, 0.05), winch(10.0, a), tip(), 0.2) for a in (20.0, 0.5, 0.1)]
     assert bounds[0] < 1e-4
     assert bounds == sorted(bounds)
 
 
 def test_a_winch_that_cannot_move_leaves_the_uncompensated_motion():
-    still = actuator_bound(CableModel(2.0, 1.0), WinchLimits(1e-6, 1e-6), tip(), 0.2)
-    free = actuator_bound(CableModel(2.0, 1.0), WinchLimits(10.0, 20.0), tip(), 0.2)
+    still = actuator_bound(CableModel(2.0, 1.0), winch(1e-3, 1e-3), tip(), 0.2)
+    free = actuator_bound(CableModel(2.0, 1.0), winch(10.0, 20.0), tip(), 0.2)
     assert still > 0.3
     assert free < 1e-3 * still
 
 
 def test_all_of_a_record_counts_in_the_bound_of_the_actuator_its_ends_too():
     quiet, loud = 0.001 * tip(), tip()
-    limits = WinchLimits(10.0, 0.1)
+    limits = winch(10.0, 0.1)
     for group in (slice(0, 40), slice(len(quiet) - 40, None)):
         record = quiet.copy()
         record[group] = loud[group]

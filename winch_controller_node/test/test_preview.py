@@ -8,7 +8,8 @@ from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters
 from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.laws.parts.preview import PreviewReader, feedforward
-from winch_controller_node.model.regulator import output_gain
+from winch_controller_node.model.lqr import output_cost
+from winch_controller_node.model.regulator import full_gain
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT, AHEAD = 0.05, 120
@@ -70,7 +71,7 @@ def test_the_commands_for_what_is_seen_are_the_best_ones(design):
     """Any other commands for the same known disturbance cost more: the cost summed over a run, not the costate."""
     model, p = design.model, MpcParameters(preview_time=4.0)
     sizes = {"unit_heave": p.unit_heave, "payout": p.payout, "payout_acceleration": p.payout_acceleration}
-    gain = output_gain(model, sizes, p.command)
+    gain = full_gain(model, output_cost(model, sizes, p.command))
     disturbances = PreviewReader(model, 4.0, 0.05).disturbances
     innovation = np.sin(0.7 * np.arange(disturbances.shape[2]))
     best = feedforward(model, gain, sizes, p.command, disturbances) @ innovation

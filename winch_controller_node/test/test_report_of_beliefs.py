@@ -7,7 +7,7 @@ from types import MappingProxyType
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from winch_controller_node.adviser.report import ABSOLUTE, LONGEST, RELATIVE, SETTLED, Report
+from winch_controller_node.adviser.report import LONGEST, SETTLED, Report
 from winch_controller_node.beliefs.beliefs import Belief, Beliefs
 from winch_controller_node.beliefs.quantities import QUANTITIES
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -80,13 +80,13 @@ def test_what_cannot_be_designed_for_is_told_once_of_each_owner():
     assert found == [(0, "refused", "winch"), (2, "refused", "cable")]
 
 
-@pytest.mark.parametrize("name", [*RELATIVE, *ABSOLUTE])
+@pytest.mark.parametrize("name", [name for name, one in QUANTITIES.items() if one.relative or one.absolute])
 @given(share=st.floats(-0.95, 0.95))
 def test_a_change_of_less_than_is_worth_a_report_is_never_told(name, share):
-    nominal = QUANTITIES[name].nominal_in(NOMINAL)
-    value = nominal * (1.0 + share * RELATIVE[name] * 0.9) if name in RELATIVE else nominal + share * ABSOLUTE[name]
-    if name in RELATIVE and nominal == 0.0:
+    quantity, nominal = QUANTITIES[name], QUANTITIES[name].nominal_in(NOMINAL)
+    if quantity.relative and nominal == 0.0:
         return
+    value = nominal * (1.0 + share * quantity.relative * 0.9) + share * quantity.absolute
     assert told([beliefs(**{name.replace(".", "__"): value})] * 60) == []
 
 

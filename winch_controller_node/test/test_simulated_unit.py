@@ -119,7 +119,7 @@ def test_what_drag_is_in_doubt_of_makes_the_estimate_of_a_fast_unit_less_sure():
     ],
 )
 def test_the_uncompensated_unit_is_that_of_the_lumped_mass_model(scenario, seed):
-    settings = ["all.duration=270", f"all.seed={seed}"]
+    settings = ["all.duration=180", f"all.seed={seed}"]
     loop = ClosedLoop(loop_parameters(load_scenario(scenario, settings=settings)))
     foreseen = []
     record = loop.run(lambda _, outputs: foreseen.append(outputs.report.predicted_uncompensated_heave))

@@ -11,7 +11,7 @@ from heave_node.interface.codes import WinchFault, WinchLimit
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
-from winch_controller_node.supervision.watch.winch_watch import CAUTIOUS_SHARE, CAUTIOUS_TIME, WinchWatch
+from winch_controller_node.supervision.watch.winch_watch import CAUTIOUS, CAUTIOUS_TIME, WinchWatch
 
 DT = 0.05
 PARAMETERS = WinchControllerParameters()
@@ -66,7 +66,7 @@ def test_a_winch_that_does_what_is_foreseen_may_do_all(design):
 def test_a_weaker_winch_is_noticed_within_three_seconds_and_may_do_less(design, winch):
     """A drum of 0.4 m/s that is sent 0.8 m/s is 4 cm off after 0.1 s of that."""
     found, _ = shares(design, WinchParameters(**winch))
-    assert np.argmax(found == CAUTIOUS_SHARE) * DT < 3.0 + 2.0 * np.pi / 0.7 / 4.0
+    assert np.argmax(found == CAUTIOUS) * DT < 3.0 + 2.0 * np.pi / 0.7 / 4.0
 
 
 def test_the_share_comes_back_once_the_winch_is_believed_as_it_is(design):
@@ -78,7 +78,7 @@ def test_the_share_comes_back_once_the_winch_is_believed_as_it_is(design):
 def test_it_comes_back_some_seconds_after_the_drum_was_last_off(design):
     """A cable that slips by 0.1 m on its drum at 8 s."""
     found, _ = shares(design, WinchParameters(), slips_at=160)
-    cut = np.flatnonzero(found == CAUTIOUS_SHARE)
+    cut = np.flatnonzero(found == CAUTIOUS)
     assert cut[0] == pytest.approx(160, abs=2)
     # the two seconds of readings that are compared hold the slip
     assert (cut[-1] - 160) * DT <= 2.0 + CAUTIOUS_TIME + DT
@@ -196,7 +196,7 @@ def test_a_fault_stays_known_while_no_state_comes_and_its_cause_is_told(design):
 def test_a_braked_drum_is_not_compared_and_begins_where_it_stands(design):
     link = Link(design)
     link.run(200, rate=0.5)  # ordered to move, and the encoder stands
-    assert link.watch.share == CAUTIOUS_SHARE
+    assert link.watch.share == CAUTIOUS
     link.run(200, brake=True)
     assert link.watch.drum.error() == 0.0
     assert link.watch.given.brake
@@ -211,7 +211,7 @@ def test_before_the_first_order_nothing_is_compared(design):
 def test_three_seconds_after_the_drum_was_last_off_all_is_allowed_again(design):
     """A slip at 8 s: it is in the two seconds of readings that are compared until 10 s."""
     found, _ = shares(design, WinchParameters(), slips_at=160)
-    assert np.flatnonzero(found == CAUTIOUS_SHARE)[-1] * DT == pytest.approx(13.0, abs=1.0)
+    assert np.flatnonzero(found == CAUTIOUS)[-1] * DT == pytest.approx(13.0, abs=1.0)
 
 
 def test_what_was_ordered_at_the_end_of_the_payout_still_counts_for_what_the_drum_does_from_there(design):

@@ -73,31 +73,14 @@ class DesignInForce:
         Raises DesignError where the states of the active design have changed meanwhile; that stays.
         """
         self._check_states(prepared.design)
-        carried = self._carried(prepared)
         self._schedule = prepared.schedule
-        self._put_in_force(prepared)
-        return carried
-
-    def _carried(self, prepared: PreparedDesign) -> tuple[Array, Array]:
-        """Return the matrix that takes a present state to one of another design, and the covariance that this adds.
-
-        Waves of another sea are carried by the boom-tip motion that they cause; every other state keeps its meaning,
-        the chain of commands its newest.
-        """
-        old, new = self.design, prepared.design
-        if prepared.parameters.sea != self.parameters.sea:
-            self._check_states(new)
-            return carry_sea(old, new)
-        return carry_by_name(old, new), np.zeros((new.model.order, new.model.order))
+        return self.take_design(prepared.parameters, prepared.design, prepared.law)
 
     def _check_states(self, design: ControllerDesign) -> None:
         old, new = self.design.model.state_names, design.model.state_names
         if old != new:
             changed = ", ".join(sorted(set(old) ^ set(new))) or "their order"
             raise DesignError(f"the redesign changes the states of the model ({changed}): restart the controller")
-
-    def _put_in_force(self, prepared: PreparedDesign) -> None:
-        self.parameters, self.design, self.law = prepared.parameters, prepared.design, prepared.law
 
     def follow_length(self, payout: float) -> bool:
         """Take the scheduled design of the length that is out at a mean payout [m], when it has changed enough.
@@ -113,15 +96,20 @@ class DesignInForce:
         self.law = self.design.make_law()
         return True
 
-    def take_design(self, parameters: WinchControllerParameters, design: ControllerDesign) -> tuple[Array, Array]:
+    def take_design(
+        self, parameters: WinchControllerParameters, design: ControllerDesign, law: ControlLaw | None = None
+    ) -> tuple[Array, Array]:
         """Activate a `design` for other `parameters`: another winch, cable, sensor or sea is assumed.
 
+        Waves of another sea are carried by the boom-tip motion that they cause; every other state keeps its meaning,
+        the chain of commands its newest.
+
         Returns the matrix that takes a present state to one of the new design, shape (n_new, n), and the covariance
-        that this adds, shape (n_new, n_new).
+        that this adds, shape (n_new, n_new). `law` is that of the design at its initial state; None: it is made.
         """
         old, is_other_sea = self.design, parameters.sea != self.parameters.sea
         has_same_states = design.model.state_names == old.model.state_names
-        self.parameters, self.design, self.law = parameters, design, design.make_law()
+        self.parameters, self.design, self.law = parameters, design, law or design.make_law()
         if is_other_sea and has_same_states:
             return carry_sea(old, design)
         return carry_by_name(old, design), np.zeros((design.model.order, design.model.order))

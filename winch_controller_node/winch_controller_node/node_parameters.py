@@ -11,7 +11,7 @@ from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import ParameterError, group, parameter
 
 from winch_controller_node.interface.sensors import KNOWN_SENSORS, SensorsModelParameters
-from winch_controller_node.laws.registry import LAWS, describe_laws
+from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.parameters.crane import CraneModelParameters
 from winch_controller_node.parameters.laws import (
     AlarmParameters,
@@ -61,7 +61,7 @@ class WinchControllerParameters(LawGroups):
         "mpc",
         unit="",
         choices=tuple(LAWS),
-        description=f"The control law. {describe_laws()}.",
+        description=f"The control law. {'; '.join(f'{law.name}: {law.summary}' for law in LAWS.values())}.",
     )
     factor: float = parameter(
         1.0,

@@ -12,7 +12,7 @@ from pathlib import Path
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment
 
-LIBRARIES = ("heave", "heave_bags", "ros-rclpy", "rclpy", "numpy", "scipy", "numba", "mcap", "control", "filterpy")
+LIBRARIES = ("heave", "heave_bags", "ros-rclpy", "rclpy", "numpy", "scipy", "numba", "mcap", "control")
 SCENARIO_ATTACHMENT = "scenario.yaml"
 PARAMETERS_ATTACHMENT = "parameters.yaml"
 """The parameters that all nodes had in a run, defaults included."""

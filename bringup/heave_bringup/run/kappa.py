@@ -14,7 +14,6 @@ from heave_node.numerics.arrays import Array
 from heave_node.parameters import build_parameters, describe, flatten
 from winch_controller_node.design.bounds import (
     BOUND_STEP,
-    WinchLimits,
     actuator_bound,
     recorded_spectrum,
     sensor_bound,
@@ -93,9 +92,7 @@ def bounds_of(scenario: Scenario, boom_tip: Array, step: float) -> tuple[float, 
         vessel=VesselModelParameters(model="direct"),
     )
     cable = assumed_cable(truth, truth.length)
-    winch = truth.winch
-    limits = WinchLimits(winch.speed_limit, winch.acceleration_limit, min(-winch.payout_minimum, winch.payout_maximum))
-    return sensor_bound(truth, scenario.run.tick_period, spectrum), actuator_bound(cable, limits, heave, step)
+    return sensor_bound(truth, scenario.run.tick_period, spectrum), actuator_bound(cable, truth.winch, heave, step)
 
 
 def true_parameters(scenario: Scenario) -> WinchControllerParameters:

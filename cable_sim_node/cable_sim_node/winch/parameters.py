@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from heave_node.interface.faults import EncoderFaultParameters, FaultParameters, WinchFaultParameters
 from heave_node.parameters import Checked, check_ranges, group, parameter
+from heave_node.winch.parameters import WinchFigures
 from heave_node.winch.position_loop import check_position_gain
 
 from cable_sim_node.winch.drive_parameters.electric import ElectricParameters
@@ -64,11 +65,10 @@ class WinchDriftParameters(Checked):
 
 
 @dataclass(frozen=True)
-class WinchParameters:
+class WinchParameters(WinchFigures):
     """The winch: how it answers a command, what it cannot exceed, and when it stops by itself.
 
-    The defaults are the winch of the benchmark scenarios: a speed servo of 0.15 s, 2 m/s, 1.5 m/s^2, a command
-    delay of 0.2 s and an encoder of 1 mm.
+    The defaults are the winch of the benchmark scenarios, with an encoder of 1 mm.
     """
 
     drive: str = parameter(
@@ -78,27 +78,12 @@ class WinchParameters:
         description="What moves the drum: an ideal servo (with law), or a drive with its physics: electric.*, "
         "pump_controlled.* or valve_controlled.*.",
     )
-    law: str = parameter(
-        "speed_servo",
-        unit="",
-        choices=("speed_servo", "first_order"),
-        description="Speed servo, or the first-order position law of thesis Eq. 6.1.",
-    )
-    time_constant: float = parameter(
-        0.15, unit="s", minimum=1e-3, maximum=60.0, description="Speed servo: time constant T of the speed loop."
-    )
     position_gain: float = parameter(
         0.0,
         unit="1/s",
         minimum=0.0,
         maximum=100.0,
         description="Gain k_p from payout error to speed; 0 follows the rate set-point alone.",
-    )
-    position_rate: float = parameter(
-        1.0, unit="1/s", minimum=1e-3, maximum=1000.0, description="First-order law: K of thesis Eq. 6.1."
-    )
-    command_delay: float = parameter(
-        0.2, unit="s", minimum=0.0, maximum=60.0, description="Time from the start of a command's tick to its effect."
     )
     command_jitter: float = parameter(
         0.0,
@@ -108,7 +93,6 @@ class WinchParameters:
         description="Largest deviation of each command's delay from command_delay, either way, uniform; none overtakes "
         "another.",
     )
-    speed_limit: float = parameter(2.0, unit="m/s", minimum=1e-3, maximum=100.0, description="Largest payout speed.")
     acceleration_limit: float = parameter(
         1.5,
         unit="m/s^2",
@@ -148,13 +132,6 @@ class WinchParameters:
         maximum=1.0,
         description="Speed servo: dead zone; only the part of a set-point beyond it takes effect.",
     )
-    creep: float = parameter(
-        0.0,
-        unit="m/s",
-        minimum=-1.0,
-        maximum=1.0,
-        description="Speed servo: speed at a set-point of 0, added at every other; the brake holds all the same.",
-    )
     drum_radius_error: float = parameter(
         0.0,
         unit="",
@@ -162,19 +139,6 @@ class WinchParameters:
         maximum=0.5,
         description="Radius that the cable has on the drum over the nominal one, less 1: the cable moves by so much "
         "more than the drum, by whose nominal radius drive and encoder count.",
-    )
-    payout_minimum: float = parameter(
-        -50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Lower end of the payout range."
-    )
-    payout_maximum: float = parameter(
-        50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Upper end of the payout range."
-    )
-    power_limit: float = parameter(
-        0.0,
-        unit="W",
-        minimum=0.0,
-        maximum=1e9,
-        description="Speed servo: largest product of tension and speed in either direction; 0 means no limit.",
     )
     rated_pull: float = parameter(
         0.0,

@@ -28,9 +28,8 @@ def _gives(value: Any) -> Callable[..., Any]:
 
 def _unpriced(*names: str) -> list[Switch]:
     """Return the switches with which no quantity of these `names` of the judge is found."""
-    judge = import_module(f"{PACKAGE}.adviser.judge")
-    prices = dict(judge.PRICES)
-    return [Switch("adviser.judge:PRICES", {**prices, **{getattr(judge, name): NEVER for name in names}})]
+    held = import_module(f"{PACKAGE}.adviser.hypothesis")
+    return [Switch("adviser.hypothesis:PRICES", {**held.PRICES, **{getattr(held, name): NEVER for name in names}})]
 
 
 def _nothing() -> property:
@@ -46,7 +45,7 @@ LEARNING = {
     "mru": lambda: _unpriced("MRU_SCALE", "MRU_OFFSET", "MRU_DELAY", "DRIFT", "HIGH_PASS"),
     "depth scale": lambda: _unpriced("DEPTH_SCALE"),
     "cable": lambda: _unpriced("INERTIA", "DAMPING"),
-    "exclusion": lambda: [Switch("adviser.judge:EXCLUSION", NEVER)],
+    "exclusion": lambda: [Switch("adviser.hypothesis:EXCLUSION", NEVER)],
     "sea": lambda: [Switch("adviser.component:Adviser._look_at_sea", _gives(None))],
     "all learning": lambda: [
         Switch(f"adviser.component:Adviser.{name}", _gives(False))
@@ -64,8 +63,8 @@ REFLEXES = {
     ],
     "exclusion after jumps": lambda: [Switch("estimation.observation:Observer._exclude_first", _gives(None))],
     "sensor noise": lambda: [Switch("estimation.sensor_noise:SensorNoise.add", _gives(None))],
-    "share by the drum": lambda: [Switch("supervision.watch.winch_watch:CAUTIOUS_SHARE", 1.0)],
-    "share by the sea": lambda: [Switch("supervision.supervisor:UNKNOWN_SEA_SHARE", 1.0)],
+    "share by the drum": lambda: [Switch("supervision.watch.winch_watch:CAUTIOUS", 1.0)],
+    "share by the sea": lambda: [Switch("supervision.supervisor:CAUTIOUS", 1.0)],
     "share by the limits": lambda: [Switch("supervision.guard:HarmGuard.authority_limit", _gives(1.0))],
 }
 """Reflexes of the core within a tick."""

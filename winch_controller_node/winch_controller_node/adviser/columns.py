@@ -9,6 +9,7 @@ from heave_node.numerics.arrays import Array
 
 from winch_controller_node.adviser.filter_pass import PassInput
 from winch_controller_node.adviser.record import OFFSET, ROW, SHARE, SIGMA, TICK, Excerpt, SensorHistory
+from winch_controller_node.beliefs.quantities import DEPTH_SCALE, ENCODER_SCALE, MRU_DELAY, MRU_OFFSET, MRU_SCALE
 from winch_controller_node.model.estimator import MeasurementModel
 
 ONSETS = (42.0, 29.0, 20.0, 14.0, 10.0, 7.0, 5.0)
@@ -23,10 +24,14 @@ SLOPE_OVER = 0.4
 """Time over which readings tell by how much they change [s]: a small part of a wave."""
 
 TINY = 1e-12
-"""Readings of one and the same moment tell no slope."""
+"""Least divisor: readings of one and the same moment tell no slope, a column without information no weight."""
 
-KINDS = {"mru": (FACTOR, STEP, DELAY), "depth": (FACTOR,), "encoder": (FACTOR,)}
-"""Columns of each sensor."""
+JUDGED = {
+    "mru": {FACTOR: MRU_SCALE, STEP: MRU_OFFSET, DELAY: MRU_DELAY},
+    "depth": {FACTOR: DEPTH_SCALE},
+    "encoder": {FACTOR: ENCODER_SCALE},
+}
+"""Kinds of column of each sensor, with the quantity that it shows."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +74,7 @@ def in_columns(
     firsts = (excerpt.first, *(excerpt.last - round(onset / dt) for onset in onsets))
     firsts = tuple(dict.fromkeys(max(first, excerpt.first) for first in firsts))
     columns, index = [value - readings[:, SHARE] + delays * _slope(excerpt, value, time)], {}
-    for sensor, kinds in KINDS.items():
+    for sensor, kinds in JUDGED.items():
         mine = excerpt.is_of(sensor)
         if not np.any(mine):
             continue

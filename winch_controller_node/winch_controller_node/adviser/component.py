@@ -13,20 +13,22 @@ from types import MappingProxyType
 
 import numpy as np
 
-from winch_controller_node.adviser.judge import (
+from winch_controller_node.adviser.hypothesis import (
     AGAIN,
     SEA,
     Assumed,
     Change,
     Hypothesis,
-    Judge,
     accepted,
+    rules_out_encoder,
 )
+from winch_controller_node.adviser.judge import Judge
 from winch_controller_node.adviser.record import Record, SensorHistory
 from winch_controller_node.adviser.report import Report
 from winch_controller_node.adviser.sea import SeaLooks, likeliest_sea
-from winch_controller_node.adviser.winch import WinchAnswer, WinchIdentifier
+from winch_controller_node.adviser.winch import CHECKED, WinchAnswer, WinchIdentifier
 from winch_controller_node.beliefs.beliefs import (
+    CAUTIOUS,
     Adopted,
     Belief,
     Beliefs,
@@ -50,11 +52,8 @@ MINUTE = 60.0
 SHORTEST = 25.0
 """Shortest record that is judged [s]: its first part settles the state."""
 
-JUDGED_EVERY = 5
-"""Seconds from one look at the sensors to the next; each second while a sensor is set aside, or not trusted."""
-
-WORSE, RESTS = 1.3, 60
-"""Hypotheses that explained nothing are tried again when the misfit is so many times larger, or after some seconds."""
+WORSE = 1.3
+"""Hypotheses that explained nothing are tried again when the misfit is so many times larger, or on another minute."""
 
 MISFIT = 1.8
 """Mean squared normalised innovation of a sensor above which hypotheses are tried."""
@@ -62,20 +61,17 @@ MISFIT = 1.8
 UNCERTAIN_GAIN = 0.25
 """Logarithm of a gain over the nominal one from which on it may as well be the encoder's scale."""
 
-CAUTIOUS = 0.3
-"""Authority over the sea while a change of the winch and one of its encoder cannot be distinguished (0 to 1)."""
-
 
 class Looks:
     """When hypotheses are tried: where the sensors read otherwise than predicted, and something is new about it."""
 
     def __init__(self) -> None:
         self._before: Hypothesis | None = None
-        self._best_since, self._tried, self._misfit = 0, -RESTS, 1.0
+        self._best_since, self._tried, self._misfit = 0, -MINUTE, 1.0
 
     def is_due(self, misfit: float, second: int, *, is_asked: bool) -> bool:
         """Tell whether hypotheses are tried in a `second` with a `misfit`, or where that `is_asked`; note that."""
-        is_news = misfit > WORSE * self._misfit or second >= self._tried + RESTS
+        is_news = misfit > WORSE * self._misfit or second >= self._tried + MINUTE
         if not (is_news or self._before is not None or is_asked):
             return False
         self._tried, self._misfit = second, misfit
@@ -85,7 +81,7 @@ class Looks:
         """Return that of the last look, where the `best` in this `second` blames the same as it for long enough."""
         if self._before is None or self._before.culprits != best.culprits:
             self._best_since = second
-        return self._before if second - self._best_since >= JUDGED_EVERY else None
+        return self._before if second - self._best_since >= CHECKED else None
 
     def note(self, best: Hypothesis | None) -> None:
         """Remember the best hypothesis of this look that was not accepted; None: the present beliefs were the best."""
@@ -246,8 +242,9 @@ class Adviser:
     def _is_time_to_judge(self, observations: Observations) -> bool:
         if self._record.duration < SHORTEST:
             return False
+        # each second while a sensor is set aside, or not trusted
         is_urgent = bool(observations.excluded) or not observations.is_trusted
-        return is_urgent or self._seconds % JUDGED_EVERY == 0
+        return is_urgent or self._seconds % CHECKED == 0
 
     def _assumed(self) -> Assumed:
         values = {name: belief.value for name, belief in self._beliefs.values.items()}
@@ -281,7 +278,7 @@ class Adviser:
         if not ranked:
             # what was read is beyond every model
             return
-        self._gain_is_winch = judge.rules_out_encoder(ranked)
+        self._gain_is_winch = rules_out_encoder(ranked)
         found = accepted(ranked, present, looks.held_before(ranked[0], self._seconds), used)
         looks.note(ranked[0] if ranked[0].changes or ranked[0].excluded != present.excluded else None)
         # while the encoder is set aside what it reads makes others look wrong

@@ -10,6 +10,8 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
+from winch_controller_node.adviser.columns import TINY
+
 FACTORS = np.concatenate([-np.geomspace(4.0, 0.2, 30), np.geomspace(0.2, 4.0, 90)])
 """Readings over the truth that are tried first: also a sign error [-]."""
 
@@ -21,9 +23,6 @@ TIE = 0.5
 
 NEAR = (np.linspace(0.9, 1.1, 21), np.linspace(0.992, 1.008, 9))
 """Factors about that of least squares that are tried, and then about the best of them."""
-
-TINY = 1e-12
-"""Least divisor, for a column without information."""
 
 
 class Fitted(NamedTuple):

@@ -11,38 +11,6 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 SETTLED, LONGEST = 10.0, 40.0
 """A change of the winch is reported once it has been steady for the first time, at the latest after the second [s]."""
 
-RELATIVE = {
-    "winch.speed_out": 0.1,
-    "winch.speed_in": 0.1,
-    "winch.acceleration_out": 0.1,
-    "winch.acceleration_in": 0.1,
-    "winch.power_limit": 0.1,
-    "winch.speed_gain": 0.02,
-    "winch.hauling_gain": 0.05,
-    "mru.scale": 0.05,
-    "encoder.scale": 0.03,
-    "depth.scale": 0.05,
-    "mru.high_pass_period": 0.15,
-    "cable.inertia_factor": 0.05,
-    "cable.damping_factor": 0.3,
-    "sea.significant_wave_height": 0.1,
-    "sea.peak_period": 0.05,
-    "sea.swell.significant_wave_height": 0.1,
-    "sea.swell.peak_period": 0.05,
-}
-"""Changes that are worth a report, relative."""
-
-ABSOLUTE = {
-    "winch.time_constant": 0.02,
-    "winch.command_delay": 0.02,
-    "winch.creep": 0.02,
-    "winch.deadband": 0.01,
-    "winch.backlash": 5e-3,
-    "mru.offset": 0.05,
-    "mru.delay": 0.03,
-}
-"""Changes that are worth a report, in the unit of the quantity; of a quantity in neither table any change is."""
-
 
 class Report:
     """Says what has changed since it last said so.
@@ -104,6 +72,7 @@ class Report:
 
 def _differs(name: str, value: float, before: float) -> bool:
     """Tell whether two values of a quantity differ by what is worth a report."""
-    if name in RELATIVE and value * before > 0.0:
-        return abs(math.log(value / before)) > RELATIVE[name]
-    return abs(value - before) > ABSOLUTE.get(name, 0.0)
+    quantity = QUANTITIES[name]
+    if quantity.relative > 0.0 and value * before > 0.0:
+        return abs(math.log(value / before)) > quantity.relative
+    return abs(value - before) > quantity.absolute

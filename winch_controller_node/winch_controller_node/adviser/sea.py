@@ -14,7 +14,7 @@ from wave_vessel_node.vessel.second_order import boom_tip_model
 
 from winch_controller_node.adviser.columns import in_columns
 from winch_controller_node.adviser.filter_pass import SETTLING, run_pass
-from winch_controller_node.adviser.judge import pass_model
+from winch_controller_node.adviser.pass_model import linear, pass_model
 from winch_controller_node.adviser.record import TICK, Excerpt, SensorHistory
 from winch_controller_node.design.design import ControllerDesign, measurement_models
 from winch_controller_node.design.seas import (
@@ -105,9 +105,9 @@ def likeliest_sea(
     excerpt : the record; one too short is not evaluated, and what the moments say is returned
     history : assumed corrections of the sensors over the record
     """
-    # its scale and lever arm are known by the motion of the unit alone
-    mru = replace(parameters.sensors.mru, scale_sigma=0.0, lever_arm_sigma=0.0)
-    assumed = replace(parameters, sensors=replace(parameters.sensors, use=SENSORS, mru=mru))
+    # scale and lever arm of the MRU are known by the motion of the unit alone
+    assumed = linear(parameters)
+    assumed = replace(assumed, sensors=replace(assumed.sensors, use=SENSORS))
 
     def fits(sea: SeaModelParameters) -> float:
         likelihood = _likelihood(replace(assumed, sea=sea), design, excerpt, history)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from heave_node.numerics.arrays import Array
 
-from winch_controller_node.adviser.drum_fit import (
+from winch_controller_node.adviser.drum.drum_fit import (
     ACCELERATION_IN,
     ACCELERATION_OUT,
     DELAY,
@@ -17,19 +17,15 @@ from winch_controller_node.adviser.drum_fit import (
     GAIN,
     LAG,
     LIMITS,
-    PRICES,
     SPEED_IN,
     SPEED_OUT,
     DrumFit,
-    begun,
     fit_drum,
-    identify,
-    needs,
-    price_of,
-    shown_limits,
 )
-from winch_controller_node.adviser.drum_prior import prior_of
-from winch_controller_node.adviser.drum_record import FACTOR, FIELDS, drum_record
+from winch_controller_node.adviser.drum.drum_prior import prior_of
+from winch_controller_node.adviser.drum.drum_record import FACTOR, FIELDS, drum_record
+from winch_controller_node.adviser.drum.drum_search import PRICES, begun, identify, needs, price_of, shown_limits
+from winch_controller_node.adviser.hypothesis import SHARE_LEFT
 from winch_controller_node.adviser.record import Excerpt, SensorHistory
 from winch_controller_node.beliefs.beliefs import Belief
 from winch_controller_node.beliefs.drum import QUANTITY_OF, drum_of
@@ -45,7 +41,7 @@ TURNS_WITHIN = 2.0
 WORTH = 6.0
 """Least gain in likelihood of a new model of the winch over the present one [nats]."""
 
-EXPLAINED, SHARE_LEFT = 6e-3, 0.25
+EXPLAINED = 6e-3
 """A record of which no more is left is explained [m]; where more is, and no such share of before, nothing is learnt."""
 
 STEPS = {
@@ -70,9 +66,6 @@ OTHER_DIRECTION = {
 }
 """Limits that are alike in most winches."""
 
-ASSUMED = 0.0
-"""Nats of what no record says: it is not reported."""
-
 PATIENCE = 60.0
 """Time for which a limit that is not reached and that no record needs stands before it is raised [s]."""
 
@@ -83,7 +76,7 @@ OFF = 2e-3
 """Residual under the present beliefs [m]; a record that leaves less is evaluated every CHECKED seconds only."""
 
 CHECKED = 5
-"""Seconds."""
+"""Seconds from one look to the next, of a record that is near to its prediction; at the sensors as well."""
 
 
 @dataclass(frozen=True)
@@ -233,7 +226,7 @@ class WinchIdentifier:
                 QUANTITY_OF[Drum._fields[i]],
                 value,
                 self._sigma(found, i),
-                ASSUMED if i in alike else nats,
+                0.0 if i in alike else nats,  # what no record says is not reported
                 excerpt.last,
             )
             for i, value in values.items()

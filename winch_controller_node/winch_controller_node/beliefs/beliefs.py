@@ -25,6 +25,9 @@ from winch_controller_node.beliefs.quantities import (
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.node_parameters import WinchControllerParameters
 
+CAUTIOUS = 0.3
+"""Authority while winch or sea are not known: they are predicted badly, or may as well be a sensor with an error."""
+
 LATENCY = 1.0
 """Time from the observations of a tick until the answer is active [s]: in lockstep, campaigns and real time alike."""
 

@@ -28,12 +28,19 @@ class Quantity:
     unit : SI; empty for a ratio
     path : of the parameter that holds it; empty: none does, and `nominal` is its nominal value
     nominal : without a parameter
+    relative, absolute : change that is worth a report: of its logarithm, or in its unit; neither: any change
+    label : in words, where all that is new of its owner is one report
+    code : of the alarm that it differs from nominal, where it has one of its own
     """
 
     name: str
     unit: str
     path: str = ""
     nominal: float = 0.0
+    relative: float = 0.0
+    absolute: float = 0.0
+    label: str = ""
+    code: str = ""
 
     @property
     def owner(self) -> str:
@@ -48,32 +55,48 @@ class Quantity:
 QUANTITIES = {
     quantity.name: quantity
     for quantity in (
-        Quantity("winch.time_constant", "s", "winch.time_constant"),
-        Quantity("winch.command_delay", "s", "winch.command_delay"),
-        Quantity("winch.speed_gain", "", "winch.speed_gain"),
-        Quantity("winch.hauling_gain", "", "winch.hauling_gain"),
-        Quantity("winch.creep", "m/s", "winch.creep"),
-        Quantity(SPEED_OUT, "m/s", "winch.speed_limit"),
-        Quantity(SPEED_IN, "m/s", "winch.speed_limit"),
-        Quantity(ACCELERATION_OUT, "m/s^2", "winch.acceleration_limit"),
-        Quantity(ACCELERATION_IN, "m/s^2", "winch.acceleration_limit"),
-        Quantity(DEADBAND, "m/s"),
-        Quantity(BACKLASH, "m"),
-        Quantity(POWER_LIMIT, "W", "winch.power_limit"),
-        Quantity(ENCODER_SCALE, "", nominal=1.0),
-        Quantity(DEPTH_SCALE, "", nominal=1.0),
-        Quantity(MRU_SCALE, "", nominal=1.0),
-        Quantity(MRU_OFFSET, "m"),
-        Quantity(MRU_DELAY, "s"),
-        Quantity("mru.high_pass_period", "s", "sensors.mru.high_pass_period"),
-        Quantity("mru.bias_drift", "m/sqrt(s)", "sensors.mru.bias_drift"),
+        Quantity("winch.time_constant", "s", "winch.time_constant", absolute=0.02, label="time constant"),
+        Quantity("winch.command_delay", "s", "winch.command_delay", absolute=0.02, label="command delay"),
+        Quantity("winch.speed_gain", "", "winch.speed_gain", relative=0.02, label="gain by the encoder"),
+        Quantity("winch.hauling_gain", "", "winch.hauling_gain", relative=0.05, label="gain of hauling in over that"),
+        Quantity("winch.creep", "m/s", "winch.creep", absolute=0.02, label="creep"),
+        Quantity(SPEED_OUT, "m/s", "winch.speed_limit", relative=0.1, label="speed limit paying out"),
+        Quantity(SPEED_IN, "m/s", "winch.speed_limit", relative=0.1, label="speed limit hauling in"),
+        Quantity(
+            ACCELERATION_OUT, "m/s^2", "winch.acceleration_limit", relative=0.1, label="acceleration limit paying out"
+        ),
+        Quantity(
+            ACCELERATION_IN, "m/s^2", "winch.acceleration_limit", relative=0.1, label="acceleration limit hauling in"
+        ),
+        Quantity(DEADBAND, "m/s", absolute=0.01, label="dead zone"),
+        Quantity(BACKLASH, "m", absolute=0.005, label="encoder play"),
+        Quantity(POWER_LIMIT, "W", "winch.power_limit", relative=0.1, label="power limit"),
+        Quantity(ENCODER_SCALE, "", nominal=1.0, relative=0.03, code="ENCODER_SCALE_ERROR"),
+        Quantity(DEPTH_SCALE, "", nominal=1.0, relative=0.05, code="DEPTH_SCALE_ERROR"),
+        Quantity(MRU_SCALE, "", nominal=1.0, relative=0.05, code="MRU_SCALE_ERROR"),
+        Quantity(MRU_OFFSET, "m", absolute=0.05, code="MRU_OFFSET"),
+        Quantity(MRU_DELAY, "s", absolute=0.03, code="MRU_DELAYED"),
+        Quantity("mru.high_pass_period", "s", "sensors.mru.high_pass_period", relative=0.15, code="MRU_HIGH_PASS"),
+        Quantity("mru.bias_drift", "m/sqrt(s)", "sensors.mru.bias_drift", code="MRU_DRIFT"),
         Quantity("mru.bias_sigma", "m", "sensors.mru.bias_sigma"),
-        Quantity("cable.inertia_factor", "", "cable_model.inertia_factor"),
-        Quantity("cable.damping_factor", "", "cable_model.damping_factor"),
-        Quantity("sea.significant_wave_height", "m", "sea.significant_wave_height"),
-        Quantity("sea.peak_period", "s", "sea.peak_period"),
-        Quantity("sea.swell.significant_wave_height", "m", "sea.swell.significant_wave_height"),
-        Quantity("sea.swell.peak_period", "s", "sea.swell.peak_period"),
+        Quantity("cable.inertia_factor", "", "cable_model.inertia_factor", relative=0.05, code="CABLE_INERTIA"),
+        Quantity("cable.damping_factor", "", "cable_model.damping_factor", relative=0.3, code="CABLE_DAMPING"),
+        Quantity(
+            "sea.significant_wave_height",
+            "m",
+            "sea.significant_wave_height",
+            relative=0.1,
+            label="significant wave height",
+        ),
+        Quantity("sea.peak_period", "s", "sea.peak_period", relative=0.05, label="peak period"),
+        Quantity(
+            "sea.swell.significant_wave_height",
+            "m",
+            "sea.swell.significant_wave_height",
+            relative=0.1,
+            label="swell, significant wave height",
+        ),
+        Quantity("sea.swell.peak_period", "s", "sea.swell.peak_period", relative=0.05, label="swell, peak period"),
     )
 }
 """All of them, by name."""

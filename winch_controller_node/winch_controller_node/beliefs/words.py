@@ -8,42 +8,11 @@ from collections.abc import Sequence
 from heave_node.interface.alarm import Alarm
 
 from winch_controller_node.beliefs.beliefs import Finding
+from winch_controller_node.beliefs.quantities import QUANTITIES
 from winch_controller_node.interface.alarms import ALARMS
 
-WINCH_LABELS = {
-    "winch.time_constant": "time constant",
-    "winch.command_delay": "command delay",
-    "winch.speed_gain": "gain by the encoder",
-    "winch.hauling_gain": "gain of hauling in over that",
-    "winch.creep": "creep",
-    "winch.speed_out": "speed limit paying out",
-    "winch.speed_in": "speed limit hauling in",
-    "winch.acceleration_out": "acceleration limit paying out",
-    "winch.acceleration_in": "acceleration limit hauling in",
-    "winch.power_limit": "power limit",
-    "winch.deadband": "dead zone",
-    "winch.backlash": "encoder play",
-}
-
-SEA_LABELS = {
-    "sea.significant_wave_height": "significant wave height",
-    "sea.peak_period": "peak period",
-    "sea.swell.significant_wave_height": "swell, significant wave height",
-    "sea.swell.peak_period": "swell, peak period",
-}
-
-CODES = {
-    "mru.scale": "MRU_SCALE_ERROR",
-    "mru.offset": "MRU_OFFSET",
-    "mru.delay": "MRU_DELAYED",
-    "mru.high_pass_period": "MRU_HIGH_PASS",
-    "mru.bias_drift": "MRU_DRIFT",
-    "depth.scale": "DEPTH_SCALE_ERROR",
-    "encoder.scale": "ENCODER_SCALE_ERROR",
-    "cable.inertia_factor": "CABLE_INERTIA",
-    "cable.damping_factor": "CABLE_DAMPING",
-}
-"""Alarm of a quantity that differs from nominal."""
+DIGITS = {"winch": 3, "sea": 1}
+"""Parts of which all that is new is one alarm, and the digits of its values."""
 
 ENDS = {"excluded": "EXCLUDED", "recovered": "RECOVERED", "refused": "NOT_DESIGNABLE", "nominal": "NOMINAL"}
 """End of the alarm code of any other finding, after the part that it is about."""
@@ -51,13 +20,12 @@ ENDS = {"excluded": "EXCLUDED", "recovered": "RECOVERED", "refused": "NOT_DESIGN
 
 def alarms_of(findings: Sequence[Finding]) -> list[Alarm]:
     """Return the `findings` as alarms; all that is new of the winch is one, and so is that of the sea."""
-    models: dict[str, list[str]] = {"winch": [], "sea": []}
+    models: dict[str, list[str]] = {part: [] for part in DIGITS}
     found = []
     for one in findings:
-        if one.quantity in WINCH_LABELS:
-            models["winch"].append(_change(WINCH_LABELS[one.quantity], one, 3))
-        elif one.quantity in SEA_LABELS:
-            models["sea"].append(_change(SEA_LABELS[one.quantity], one, 1))
+        quantity = QUANTITIES.get(one.quantity)
+        if quantity is not None and quantity.owner in DIGITS:
+            models[quantity.owner].append(_change(quantity.label, one, DIGITS[quantity.owner]))
         else:
             found.append(_alarm(one))
     updated = [
@@ -82,7 +50,7 @@ def _alarm(finding: Finding) -> Alarm:
     if finding.code in ENDS:
         owner = finding.quantity.partition(".")[0]
         return ALARMS.alarm(f"{owner.upper()}_{ENDS[finding.code]}")
-    row = ALARMS[CODES[finding.quantity]]
+    row = ALARMS[QUANTITIES[finding.quantity].code]
     nominal = finding.nominal if math.isfinite(finding.nominal) else 0.0
     values = {"value": finding.value, "nominal": nominal}
     return row.alarm(**{name: values[name] for name in row.names})

@@ -6,8 +6,7 @@ controller that knows the whole future. kappa = s(z) / sqrt(s_est^2 + s_act^2).
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -31,6 +30,7 @@ from winch_controller_node.parameters.model import (
     SeaModelParameters,
     VesselModelParameters,
     WeightParameters,
+    WinchModelParameters,
 )
 
 BOUND_STEP = 0.2
@@ -39,15 +39,6 @@ HIGHEST_FREQUENCY = 4.0
 """End of the spectrum of a record that counts [rad/s]; no vessel moves above it."""
 FILTER_STATES = 8
 """States of the filter that models a record's spectrum: two peaks and their flanks."""
-
-
-@dataclass(frozen=True)
-class WinchLimits:
-    """Limits of the winch: speed [m/s], acceleration [m/s^2], payout either way of its mean [m]."""
-
-    speed: float
-    acceleration: float
-    payout: float = math.inf
 
 
 def boom_tip_realisation(
@@ -74,7 +65,7 @@ def boom_tip_realisation(
     return heave
 
 
-def actuator_bound(cable: CableModel, limits: WinchLimits, boom_tip_heave: Array, step: float) -> float:
+def actuator_bound(cable: CableModel, winch: WinchModelParameters, boom_tip_heave: Array, step: float) -> float:
     """Return s_act [m]: the least unit sigma within the winch's limits for one who knows the boom tip beforehand.
 
     See `clairvoyant`. All of the record counts, its ends too, where the plan is free to begin and end as suits it.
@@ -82,13 +73,13 @@ def actuator_bound(cable: CableModel, limits: WinchLimits, boom_tip_heave: Array
     Parameters
     ----------
     cable : two-state
-    limits : of the winch
+    winch : whose limits are kept, of payout the nearer end of its range either way
     boom_tip_heave : the record [m]
     step : between its samples [s]
 
     Raises DesignError where the plan is not found.
     """
-    bounds = limits.payout, limits.speed, limits.acceleration
+    bounds = min(-winch.payout_minimum, winch.payout_maximum), winch.speed_limit, winch.acceleration_limit
     return float(np.std(clairvoyant_heave(cable, bounds, np.ascontiguousarray(boom_tip_heave, dtype=float), step)))
 
 

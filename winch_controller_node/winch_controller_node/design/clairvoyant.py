@@ -23,11 +23,6 @@ GAP = 1e-9
 """Duality gap per sample at which the plan counts as the best [m^2]: a standard deviation within 0.03 mm."""
 SMALL = 1e-9
 """Weight of all that is not the unit's heave: keeps the recursion regular."""
-UNLIMITED = 1e6
-"""Stands for a bound that is infinite [SI]."""
-
-X, PAYOUT, RATE = 0, 2, 3
-"""Indices in the states unit heave, its rate, payout, payout rate."""
 
 
 def clairvoyant_heave(cable: CableModel, bounds: tuple[float, float, float], tip: Array, step: float) -> Array:
@@ -36,7 +31,7 @@ def clairvoyant_heave(cable: CableModel, bounds: tuple[float, float, float], tip
     Parameters
     ----------
     cable : two-state
-    bounds : of payout [m], payout rate [m/s] and payout acceleration [m/s^2], either way
+    bounds : finite, of payout [m], payout rate [m/s] and payout acceleration [m/s^2], either way
     tip : boom-tip heave [m], shape (n,)
     step : from one sample to the next [s]
 
@@ -49,11 +44,10 @@ def clairvoyant_heave(cable: CableModel, bounds: tuple[float, float, float], tip
     G[:2], G[2], G[3] = -0.5 * step**2 * at_end, 0.5 * step**2, step
     push = np.zeros((len(tip) - 1, 4))
     push[:, :2] = np.outer(tip[:-1], at_start) + np.outer(tip[1:], at_end)
-    limits = np.minimum(bounds, UNLIMITED)
-    states, settled = _solve(F, G, push, limits)
+    states, settled = _solve(F, G, push, np.array(bounds, dtype=float))
     if not settled:
         raise DesignError("the bound of the actuator could not be computed: the interior point method did not settle")
-    return np.asarray(states[:, X])
+    return np.asarray(states[:, 0])
 
 
 def _first_order_hold(cable: CableModel, h: float) -> tuple[Array, Array, Array]:
@@ -67,7 +61,10 @@ def _first_order_hold(cable: CableModel, h: float) -> tuple[Array, Array, Array]
 
 @kernel
 def _solve(F: Array, G: Array, push: Array, limits: Array) -> tuple[Array, bool]:
-    """Return the states, shape (n, 4), and whether the method has settled. Bounds: payout, rate, acceleration."""
+    """Return the states, shape (n, 4), and whether the method has settled. Bounds: payout, rate, acceleration.
+
+    States: unit heave, its rate, payout, payout rate.
+    """
     n = len(push) + 1
     states, inputs = np.zeros((n, 4)), np.zeros(n - 1)
     for k in range(n - 1):

@@ -25,7 +25,7 @@ from winch_controller_node.interface.sensors import (
 from winch_controller_node.laws.law import ControlLaw, LawDesign
 from winch_controller_node.laws.parts.governor import CommandGovernor
 from winch_controller_node.laws.parts.winch_limits import WinchLimits, winch_limits
-from winch_controller_node.laws.registry import LAWS, make_law, own_gains
+from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.drag_kernel import Drag
 from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
@@ -120,7 +120,6 @@ class ControllerDesign:
             gate=estimator.gate,
             gate_limit=estimator.gate_limit,
             largest_age=round(estimator.largest_age / self.tick_period),
-            implementation=estimator.implementation,
             drag=self.drag,
             slack=self.slack,
         )
@@ -151,19 +150,24 @@ class ControllerDesign:
             raise DesignError(
                 f"law {p.law} needs the sensor {missing[0]}: add it to sensors.use, or choose another law"
             )
-        return make_law(p.law, self._for_law, p)
+        return LAWS[p.law](self._for_law, self._of_law)
 
     def with_own_gains(self) -> ControllerDesign:
         """Return it with the law's own gains: of such a design a law is made within a tick.
 
         Raises DesignError where there are none.
         """
-        return replace(self, own_gains=own_gains(self.parameters.law, self._for_law, self.parameters))
+        return replace(self, own_gains=LAWS[self.parameters.law].own_gains(self._for_law, self._of_law))
 
     @property
     def _for_law(self) -> LawDesign:
         p = self.parameters
         return LawDesign(self.model, p.winch, self.limits, p.weights, self.gain, self.own_gains)
+
+    @property
+    def _of_law(self) -> object:
+        """The law's own parameters, the group of its name; None: it has none."""
+        return getattr(self.parameters, self.parameters.law, None)
 
     def make_governor(self) -> CommandGovernor:
         """Return the governor that keeps the active limits."""

@@ -11,7 +11,7 @@ from heave_node.kpi import kappa
 from heave_node.numerics.arrays import Array, ComplexArray
 from heave_node.numerics.linear_model import with_feedback
 
-from winch_controller_node.design.bounds import BOUND_STEP, WinchLimits, actuator_bound, boom_tip_realisation
+from winch_controller_node.design.bounds import BOUND_STEP, actuator_bound, boom_tip_realisation
 from winch_controller_node.design.design import ControllerDesign, design_controller, error_of_two_states
 from winch_controller_node.design.feasibility import (
     WinchDemand,
@@ -210,15 +210,12 @@ def _uncompensated(design: ControllerDesign) -> float:
 
 def _actuator_bound(design: ControllerDesign, seed: int) -> float:
     """Return the root mean square of the clairvoyant's bound over some records: rare high waves make it scatter."""
-    parameters = design.parameters
-    winch = parameters.winch
-    limits = WinchLimits(winch.speed_limit, winch.acceleration_limit, min(-winch.payout_minimum, winch.payout_maximum))
-    bounds = []
+    parameters, bounds = design.parameters, []
     for record in range(BOUND_RECORDS):
         tip = boom_tip_realisation(
             parameters.sea, parameters.vessel, duration=BOUND_DURATION, step=BOUND_STEP, seed=seed + record
         )
-        bounds.append(actuator_bound(design.cable, limits, tip, BOUND_STEP))
+        bounds.append(actuator_bound(design.cable, parameters.winch, tip, BOUND_STEP))
     return float(np.sqrt(np.mean(np.square(bounds))))
 
 

@@ -19,8 +19,8 @@ from winch_controller_node.estimation.handover import hand_over, hand_over_seen,
 from winch_controller_node.estimation.loop_tick import CommandShares, LoopTick, Sensed
 from winch_controller_node.estimation.observation import Observed, Observer
 from winch_controller_node.estimation.observation_log import ObservationLog
-from winch_controller_node.estimation.tension import MeanTension, TensionFilter
-from winch_controller_node.interface.readings import Measurements
+from winch_controller_node.estimation.tension import MEMORY, MeanTension, TensionFilter
+from winch_controller_node.interface.readings import Measurements, WinchReading
 from winch_controller_node.interface.sensors import DEPTH_BIAS
 from winch_controller_node.model.estimator import Measurement, RecordedTick, begin_anew
 from winch_controller_node.model.loop_rows import loop_rows
@@ -28,14 +28,12 @@ from winch_controller_node.model.simulated_unit import SimulatedUnit
 from winch_controller_node.model.slack_kernel import missing_push
 from winch_controller_node.motion.mean_motion import MeanMotion
 
-TIP_MEMORY = 30.0
-"""Time over which the motion of the boom tip is averaged [s]: a few waves."""
-
 NOISE_SWING = 4.0
 """Motion of the boom tip that may be noise, for a unit that swings freely, over the error of its estimate."""
 
-TIP_BACK = 1.0
-"""Time for which an MRU that was lost must deliver again before the boom tip counts as measured [s]."""
+BACK_TIME = 1.0
+"""Time for which a sensor that was lost must deliver again [s]: before the boom tip counts as measured, and before a
+fade-out ends that its loss has caused."""
 
 TAUT_TIME = 20.0
 """Time in which a unit that had a taut cable goes over to one that had not [s]: near the resonance of the cable it
@@ -59,7 +57,7 @@ class TipWatch:
 
     def __init__(self, tick_period: float) -> None:
         self._dt = tick_period
-        self._lost, self._back = 0.0, TIP_BACK
+        self._lost, self._back = 0.0, BACK_TIME
         self.knows_tip = True
 
     def update(self, coast_time: float, *, is_lost: bool, is_excluded: bool) -> None:
@@ -75,7 +73,7 @@ class TipWatch:
             self._lost, self._back = math.inf if is_excluded else self._lost + self._dt, 0.0
         else:
             self._back += self._dt
-            self._lost = 0.0 if self._back > TIP_BACK else self._lost
+            self._lost = 0.0 if self._back > BACK_TIME else self._lost
         self.knows_tip = self._lost <= coast_time
 
 
@@ -160,8 +158,7 @@ class LoopEstimation:
         """
         streams = self.estimator.streams
         self.estimator = design.make_estimator()
-        self.estimator.reset(adopted.estimate, adopted.covariance, streams)
-        self.estimator.step(adopted.tick, 0.0, [])
+        self.estimator.continue_at(adopted.tick, adopted.estimate, adopted.covariance, streams)
         self.estimator.follow(
             [
                 RecordedTick(
@@ -193,12 +190,11 @@ class LoopEstimation:
 
         The depth sensor's mean was compared with that; how far it is off is not known any more.
         """
-        model, estimator, streams = self._design.model, self.estimator, self.estimator.streams
+        model, estimator = self._design.model, self.estimator
         if model.has_state(DEPTH_BIAS):
             bias, covariance = model.state(DEPTH_BIAS), estimator.covariance.copy()
             begin_anew(covariance, bias, self._design.parameters.sensors.depth.bias_sigma)
-            estimator.reset(estimator.estimate.copy(), covariance, streams)
-            estimator.step(tick, 0.0, [])
+            estimator.continue_at(tick, estimator.estimate, covariance)
         self.reset_readings()
 
     def rescale_encoder(self, encoder: EncoderScale, tick: int, *, is_adopted: bool) -> None:
@@ -215,12 +211,8 @@ class LoopEstimation:
 
         `payout` is that of the drum [m], `unit` heave [m] and rate [m/s], shape (2,).
         """
-        estimator, streams = self.estimator, self.estimator.streams
-        estimator.reset(
-            *hand_over_seen(self._design.model, estimator.estimate, estimator.covariance, payout=payout, unit=unit),
-            streams,
-        )
-        estimator.step(tick, 0.0, [])
+        now = (self._design.model, self.estimator.estimate, self.estimator.covariance)
+        self.estimator.continue_at(tick, *hand_over_seen(*now, payout=payout, unit=unit))
         self._hanging_unit.continue_at(unit)
 
     def _take_unit(self, unit: Array) -> None:
@@ -260,11 +252,8 @@ class LoopEstimation:
         command : of the last tick
         unit_stands : the unit stands on the seabed: what rides on it says nothing of a hanging one
         """
-        winch = measurements.winch
-        if not self._has_begun and winch is not None and math.isfinite(winch.encoder_payout):
-            self._begin(winch.encoder_payout)
-            if not self._has_begun:
-                measurements = replace(measurements, winch=None)
+        if not self._begin(measurements.winch):
+            measurements = replace(measurements, winch=None)
         mean_state, estimator = self.motion.state, self.estimator
         self.observer.terms.remember_share(number, mean_state)
         rows = self._rows
@@ -276,11 +265,8 @@ class LoopEstimation:
         self.observer.learn(estimator, self.consistency)
         tip = rows.tip @ estimate
         self._follow_sea(tip)
-        if measurements.of("load_cell") and math.isfinite(self.observer.tension):
-            self._tension.add(self.observer.tension)
-        if math.isfinite(self.observer.tension) and not self._is_load_cell_lost:
-            self.mean_tension.add(self.observer.tension, self.motion.set_point, unit_stands=unit_stands)
-        self._tip_power += (float(tip[0]) ** 2 - self._tip_power) * self._design.tick_period / TIP_MEMORY
+        self._note_tension(is_new=bool(measurements.of("load_cell")), unit_stands=unit_stands)
+        self._tip_power += (float(tip[0]) ** 2 - self._tip_power) * self._design.tick_period / MEMORY
         uncompensated = self._shadow.step(tip)
         self._taut_shadow.step(tip)
         self._taut_shadow.go_over_to(uncompensated, TAUT_TIME)
@@ -312,19 +298,32 @@ class LoopEstimation:
             missing_push=missing_push(self._slack, estimate),
         )
 
-    def _begin(self, payout: float) -> None:
-        """Take the `payout` [m] at which the drum stands when the encoder is first read for the mean one.
+    def _begin(self, winch: WinchReading | None) -> bool:
+        """Take the payout at which the drum stands when the encoder is first read for the mean one.
 
         Drum and unit may hang anywhere: cable has been paid out by hand, or a controller is restarted. A payout
-        that is not near 0 must be read twice.
+        that is not near 0 must be read twice. Returns whether what the `winch` reports may be used.
         """
-        before, self._first_payout = self._first_payout, payout
+        if self._has_begun or winch is None or not math.isfinite(winch.encoder_payout):
+            return True
+        before, payout = self._first_payout, winch.encoder_payout
+        self._first_payout = payout
         is_near = abs(payout) <= NEAR
         self._has_begun = is_near or abs(payout - before) <= NEAR
-        if is_near or not self._has_begun:
+        if self._has_begun and not is_near:
+            self.motion.begin_at(payout, self._design.model, self._design.parameters.winch)
+            self.observer.terms.begin_at(payout)
+        return self._has_begun
+
+    def _note_tension(self, *, is_new: bool, unit_stands: bool) -> None:
+        """Average the tension, of which a reading `is_new` in this tick; the unit may stand on the seabed."""
+        tension, gate = self.observer.tension, self.observer.gates.get("load_cell")
+        if not math.isfinite(tension):
             return
-        self.motion.begin_at(payout, self._design.model, self._design.parameters.winch)
-        self.observer.terms.begin_at(payout)
+        if is_new:
+            self._tension.add(tension)
+        if gate is None or not gate.is_lost:
+            self.mean_tension.add(tension, self.motion.set_point, unit_stands=unit_stands)
 
     def _sensed(self, readings: list[Measurement]) -> Sensed:
         observer = self.observer
@@ -347,11 +346,6 @@ class LoopEstimation:
             lost=observer.lost(),
             faults=(*observer.new_faults(), *self.consistency.news()),
         )
-
-    @property
-    def _is_load_cell_lost(self) -> bool:
-        gate = self.observer.gates.get("load_cell")
-        return gate is not None and gate.is_lost
 
     @property
     def knows_tip(self) -> bool:
@@ -385,13 +379,10 @@ class LoopEstimation:
         """Tell whether some waves have been seen, where the sea is followed."""
         return not self._design.parameters.estimator.sea_adaptation or self._sea.waves >= FIRST_WAVES
 
-    def _error_variance(self, row: Array) -> float:
-        """Return the variance of the estimate of what a `row` of the model gives, about the true one."""
-        return float(row @ self.estimator.covariance @ row)
-
     def _wave_share(self) -> float:
         """Return the share of the boom tip's estimated motion that is not noise."""
-        noise = NOISE_SWING**2 * self._error_variance(self._rows.tip[0])
+        row = self._rows.tip[0]
+        noise = NOISE_SWING**2 * float(row @ self.estimator.covariance @ row)
         return 1.0 - noise / self._tip_power if self._tip_power > noise else 0.0
 
     def advance_mean(self, command: float, *, is_braked: bool) -> None:
@@ -438,8 +429,7 @@ class LoopEstimation:
             after = hand_over(*now)
         self.motion.continue_at(after.mean_state, after.lowered)
         self.reset_readings()
-        self.estimator.reset(after.estimate, after.covariance)
-        self.estimator.step(tick.number, 0.0, [])
+        self.estimator.continue_at(tick.number, after.estimate, after.covariance, {})
         self._hanging_unit.continue_at(self.estimator.estimate[tick.rows.unit_states])
 
     # depth

@@ -12,16 +12,11 @@ from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.consistency import Consistency
+from winch_controller_node.estimation.gates.depth_jumps import DepthJumps
+from winch_controller_node.estimation.gates.encoder_gate import EncoderGate
 from winch_controller_node.estimation.mru_steps import MruSteps
 from winch_controller_node.estimation.reading_terms import ReadingTerms, SensorsWatched, tick_of
-from winch_controller_node.estimation.sensor_health import (
-    CONTRADICTS,
-    DepthJumps,
-    EncoderGate,
-    SensorGate,
-    judge_mru,
-    judge_scalar,
-)
+from winch_controller_node.estimation.sensor_health import CONTRADICTS, SensorGate, judge_mru
 from winch_controller_node.estimation.sensor_noise import SensorNoise, SensorTiming
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Measurements, ScalarReading, SensorState
@@ -325,7 +320,7 @@ class Observer:
         """Gate the readings of a sensor and return them in the estimator's terms: about their zero, in its sign."""
         taken = []
         for reading in readings:
-            if not judge_scalar(self.gates[name], now, reading):
+            if not self.gates[name].judge(now, reading.time, (reading.value,)):
                 continue
             read: float | None = reading.value
             if name == "depth":

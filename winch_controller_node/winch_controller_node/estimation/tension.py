@@ -10,7 +10,8 @@ import math
 from typing import NamedTuple
 
 MEMORY = 30.0
-"""Time constant of the mean [s]: of a wave it leaves 1/(w T), as much as a plain mean over twice the time may."""
+"""Time constant of the mean [s]: of a wave it leaves 1/(w T), as much as a plain mean over twice the time may. It holds
+a wave and a half of the longest swell, of 20 s; the motion of the boom tip is averaged over it as well."""
 
 FILTER_SHARE = 0.25
 """Time constant of the low-pass over that of the tension loop."""

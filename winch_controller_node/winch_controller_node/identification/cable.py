@@ -1,4 +1,4 @@
-"""Identification of the two-state cable from a response (thesis 6.2.3): Gauss-Newton with the sensitivity equations.
+"""Identification of the two-state cable from a response (thesis 6.2.3): least squares with the sensitivity equations.
 
 Models: a x'' + b x' + x = e (Eq. 6.2) and a x'' + b x' abs(x') + x = e (Eq. 6.3), with e = boom-tip heave less payout.
 Besides a and b the start of the record and the mean of the sensor are found, so that any piece of a recording will do.
@@ -13,12 +13,12 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
+from scipy.optimize import least_squares
 
 from winch_controller_node.identification.cable_kernel import respond
 
-ITERATIONS = 60
-STEP_HALVINGS = 12
 CONVERGED = 1e-9
+"""Relative change of the sum of squares with which the fit ends."""
 SMALLEST_RECORD = 50
 POOR_FIT = 0.7
 """Fit below which a and b are not worth much."""
@@ -39,7 +39,7 @@ class Identification:
     covariance : of (a, b), shape (2, 2); it allows for the time correlation of the residual
     fit : 1 - norm(residual)/norm(response about its mean); 1 is perfect
     residual_sigma : [m]
-    iterations : Gauss-Newton steps taken
+    iterations : steps taken
     time, measured, model : the record and the model's answer [s], [m], [m]
     note : reservation about the figures, in words; empty: none
     """
@@ -114,7 +114,7 @@ def identify(
         raise IdentificationError(f"drag must be linear or quadratic; got {drag!r}")
     problem = _Problem(t, tip - paid, unit, drag == "quadratic", starts_at_rest)
     theta = problem.start(guess)
-    theta, iterations = _gauss_newton(problem, theta)
+    theta, iterations = _fitted(problem, theta)
     return problem.result(theta, iterations, drag)
 
 
@@ -145,14 +145,14 @@ class _Problem:
         middle = CubicSpline(time, outlet)(time[:-1] + 0.5 * self._period)
         self._middle = np.ascontiguousarray(middle)
         self._is_quadratic = is_quadratic
-        self._free = 3 if starts_at_rest else 5
+        self.free = 3 if starts_at_rest else 5
 
     def evaluate(self, theta: Array) -> tuple[Array, Array]:
         """Return the residual, shape (N,), and its derivatives with the sign of the model, shape (N, free)."""
         a, b, mean, x, v = theta
         traces = respond(a, b, x, v, self._outlet, self._middle, self._period, self._is_quadratic)
         sensitivities = np.column_stack((traces[:, 1], traces[:, 2], np.ones(len(traces)), traces[:, 3], traces[:, 4]))
-        return self.unit - (traces[:, 0] + mean), sensitivities[:, : self._free]
+        return self.unit - (traces[:, 0] + mean), sensitivities[:, : self.free]
 
     def cost(self, theta: Array) -> float:
         """Return the sum of squares, infinite where the model runs away or its numbers make no sense."""
@@ -217,28 +217,28 @@ def _correlation_factor(residual: Array) -> float:
     return 1.0 + 2.0 * float(np.sum(weights * (covariance[lags] / covariance[0]) ** 2))
 
 
-def _gauss_newton(problem: _Problem, theta: Array) -> tuple[Array, int]:
-    """Return the solution and the number of steps; a step that makes it worse is halved."""
-    cost = problem.cost(theta)
-    if not math.isfinite(cost):
+def _fitted(problem: _Problem, start: Array) -> tuple[Array, int]:
+    """Return the solution and the number of steps, by scipy's trust region within a > 0, b >= 0."""
+    if not math.isfinite(problem.cost(start)):
         raise IdentificationError("the model diverges from the first guess: choose another guess")
-    for iteration in range(1, ITERATIONS + 1):
-        residual, sensitivities = problem.evaluate(theta)
-        step = np.zeros_like(theta)
-        scale = np.linalg.norm(sensitivities, axis=0)
-        scale[scale == 0.0] = 1.0
-        solution = np.linalg.lstsq(sensitivities / scale, residual, rcond=None)[0]
-        step[: len(scale)] = solution / scale
-        for halving in range(STEP_HALVINGS):
-            trial = theta + step / 2.0**halving
-            trial[1] = max(trial[1], 0.0)
-            trial_cost = problem.cost(trial)
-            if trial_cost <= cost:
-                break
-        else:
-            return theta, iteration
-        change = cost - trial_cost
-        theta, cost = trial, trial_cost
-        if change <= CONVERGED * max(cost, 1e-12 * float(problem.unit @ problem.unit)):
-            return theta, iteration
-    raise IdentificationError(f"no convergence in {ITERATIONS} Gauss-Newton steps: the response is not that of a cable")
+    theta, free = start.copy(), problem.free
+
+    def at(values: Array) -> tuple[Array, Array]:
+        theta[:free] = values
+        return problem.evaluate(theta)
+
+    lowest = np.full(free, -np.inf)
+    lowest[:2] = np.finfo(float).tiny, 0.0
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = least_squares(
+            lambda values: at(values)[0],
+            start[:free],
+            lambda values: -at(values)[1],
+            bounds=(lowest, np.inf),
+            x_scale="jac",
+            ftol=CONVERGED,
+        )
+    if not found.success:
+        raise IdentificationError(f"no convergence in {found.nfev} steps: the response is not that of a cable")
+    theta[:free] = found.x
+    return theta, int(found.njev)

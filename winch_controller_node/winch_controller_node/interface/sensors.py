@@ -23,11 +23,9 @@ LEVER_ARM_X, LEVER_ARM_Y = "lever_arm_x", "lever_arm_y"
 DEPTH_BIAS = "depth_bias"
 LOAD_CELL_BIAS = "load_cell_bias"
 
-SCALE_DRIFT = 1e-5
-"""Random walk of the MRU's scale [1/sqrt(s)]: 0.1 % in three hours; keeps the filter awake."""
-
-LEVER_ARM_DRIFT = 1e-5
-"""Random walk of the lever arm [m/sqrt(s)]."""
+CALIBRATION_DRIFT = 1e-5
+"""Random walk of the MRU's scale [1/sqrt(s)], 0.1 % in three hours, and of its lever arm [m/sqrt(s)]: keeps the filter
+awake."""
 
 
 class MeasurementRow(NamedTuple):
@@ -196,11 +194,11 @@ class MruModelParameters(SampledSensorParameters):
         """Follow scale, mean and lever arm, where they are uncertain."""
         states: list[SlowState] = []
         if self.scale_sigma > 0.0:
-            states.append(SlowState(MRU_SCALE, SCALE_DRIFT, self.scale_sigma))
+            states.append(SlowState(MRU_SCALE, CALIBRATION_DRIFT, self.scale_sigma))
         if self.bias_sigma > 0.0:
             states.append(SlowState(MRU_BIAS, self.bias_drift, self.bias_sigma))
         if self.lever_arm_sigma > 0.0:
-            states += [SlowState(name, LEVER_ARM_DRIFT, self.lever_arm_sigma) for name in (LEVER_ARM_X, LEVER_ARM_Y)]
+            states += [SlowState(name, CALIBRATION_DRIFT, self.lever_arm_sigma) for name in (LEVER_ARM_X, LEVER_ARM_Y)]
         return tuple(states)
 
 

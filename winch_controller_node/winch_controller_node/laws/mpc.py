@@ -30,8 +30,8 @@ from winch_controller_node.laws.parts.loop_state import LoopState
 from winch_controller_node.laws.parts.plan import Planned, PlanRows, PlanSolver, correction_knots, hat_functions
 from winch_controller_node.laws.parts.preview import STEP, PreviewReader, feedforward
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
-from winch_controller_node.model.lqr import DesignError
-from winch_controller_node.model.regulator import acceleration_size, output_gain
+from winch_controller_node.model.lqr import DesignError, output_cost
+from winch_controller_node.model.regulator import acceleration_size, full_gain
 
 FREE = "free"
 """Status of a command that no limit shapes."""
@@ -124,7 +124,7 @@ def free_gain(model: LinearModel, parameters: MpcParameters) -> Array:
 
 
 def _gain(model: LinearModel, parameters: MpcParameters, acceleration: float, command: float) -> Array:
-    return output_gain(model, _sizes(model, parameters, acceleration), command)
+    return full_gain(model, output_cost(model, _sizes(model, parameters, acceleration), command))
 
 
 def _sizes(model: LinearModel, parameters: MpcParameters, acceleration: float) -> dict[str, float]:

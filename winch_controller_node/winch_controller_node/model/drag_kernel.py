@@ -10,7 +10,7 @@ from heave_node.numerics.compiled import kernel
 
 UNCERTAINTY = 0.3
 """Standard deviation of the drag that is more than the design's damping, as a share of it: coefficients of bodies that
-oscillate are known to a third."""
+oscillate are known to a third. So it is with the push of a slack cable that is missing: shocks catch it again."""
 
 UNCERTAINTY_TIME = 1.0
 """Time over which it errs in one direction [s]: a fraction of a wave."""

@@ -2,7 +2,7 @@
 
 A reading is used at the tick it was measured: the filter keeps its recent past, goes back to that tick, takes the
 reading in, and runs forward again with everything it knew. The estimate is then what it would have been had the
-reading come at once. The filter of one step is one of `kalman`.
+reading come at once.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.model.drag_kernel import Drag
-from winch_controller_node.model.kalman import IMPLEMENTATIONS, KalmanFilter
+from winch_controller_node.model.kalman import KalmanFilter
 from winch_controller_node.model.kalman_kernel import WEIGHTS, FilterModel, Gate, RunInputs
 from winch_controller_node.model.slack_kernel import Slack, no_slack
 
@@ -120,7 +120,6 @@ class KalmanEstimator:
     gate : normalised innovation squared above which a reading of a gated measurement is refused
     gate_limit : refusals in a row after which the next reading is taken, and the initial covariance added
     largest_age : ticks; older readings are refused
-    implementation : of the filter: "compiled", or "filterpy" for the reference
     drag : of the unit, whose damping then follows the speed it is seen to have; None: that of the model alone
     slack : of the cable, which then pulls the unit no further down than that sinks; None: it always pulls
 
@@ -137,13 +136,11 @@ class KalmanEstimator:
         gate: float = 25.0,
         gate_limit: int = 100,
         largest_age: int = 20,
-        implementation: str = "compiled",
         drag: Drag | None = None,
         slack: Slack | None = None,
     ) -> None:
         self._gate = Gate(gate, gate_limit, np.ascontiguousarray(initial_covariance, dtype=float))
         self._kept = largest_age + 1
-        self._implementation = IMPLEMENTATIONS[implementation]
         self.innovations: dict[str, Innovation] = {}
         self._refer_to(model, measurements, drag, slack)
         self.reset()
@@ -250,7 +247,7 @@ class KalmanEstimator:
 
         `streams` are those of an estimator that this one takes the place of.
         """
-        self._filter: KalmanFilter = self._implementation(
+        self._filter = KalmanFilter(
             self._filter_model,
             self._gate,
             self._kept,
@@ -261,6 +258,16 @@ class KalmanEstimator:
         for name, stream in (streams or {}).items():
             if name in self._which:
                 self._filter.streams[self._which[name]] = stream
+
+    def continue_at(
+        self, tick: int, estimate: Array, covariance: Array, streams: Mapping[str, float] | None = None
+    ) -> None:
+        """Go on after `tick` from another `estimate`, shape (n,), and `covariance`, shape (n, n).
+
+        `streams` are those of the estimator that this one takes the place of; None: its own.
+        """
+        self.reset(estimate, covariance, self.streams if streams is None else streams)
+        self.step(tick, 0.0, [])
 
     def step(self, tick: int, command: float, readings: Sequence[Measurement]) -> Array:
         """Advance to `tick` and take in the readings delivered at it; return the estimate, shape (n,).

@@ -5,7 +5,6 @@ States that belong to a sensor alone (high-pass, scale, bias) are moved by no co
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -69,20 +68,6 @@ def full_gain(model: LinearModel, cost: QuadraticCost) -> Array:
     reduced = QuadraticCost(cost.Q[np.ix_(keep, keep)], cost.N[keep], cost.R)
     gain = np.zeros(model.order)
     gain[keep] = lqr_gain(plant, reduced)[0]
-    return gain
-
-
-def output_gain(model: LinearModel, sizes: Mapping[str, float], command_size: float) -> Array:
-    """Return the LQR gain over all states of `model`, shape (n,), for a cost of outputs by `sizes` and `command_size`.
-
-    See `lqr.output_cost`.
-
-    Raises DesignError where there is no stabilising gain.
-    """
-    moved = [name for name in model.state_names if not is_sensor_state(name)]
-    plant = model.select_states(moved)
-    gain = np.zeros(model.order)
-    gain[[model.state(name) for name in moved]] = lqr_gain(plant, output_cost(plant, sizes, command_size))[0]
     return gain
 
 

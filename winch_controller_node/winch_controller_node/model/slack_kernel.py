@@ -15,11 +15,7 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import kernel
 
-UNCERTAINTY = 0.3
-"""Standard deviation of the push that is missing, as a share of it: the cable is caught again by shocks."""
-
-UNCERTAINTY_TIME = 1.0
-"""Time over which it errs in one direction [s]: a fraction of a wave."""
+from winch_controller_node.model.drag_kernel import UNCERTAINTY, UNCERTAINTY_TIME
 
 
 class Slack(NamedTuple):

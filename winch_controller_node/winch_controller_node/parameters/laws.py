@@ -11,12 +11,6 @@ from heave_node.parameters import ParameterError, parameter
 class LimitParameters:
     """How much of the winch the controller uses, and what the cable must keep."""
 
-    speed_use: float = parameter(
-        1.0, unit="", minimum=0.05, maximum=1.0, description="Fraction of the winch's speed limit that is used."
-    )
-    acceleration_use: float = parameter(
-        1.0, unit="", minimum=0.05, maximum=1.0, description="Fraction of the winch's acceleration limit that is used."
-    )
     payout_margin: float = parameter(
         1.0, unit="m", minimum=0.0, maximum=100.0, description="Margin kept to the ends of the payout range."
     )
@@ -116,13 +110,6 @@ class LagParameters:
     window: float = parameter(
         20.0, unit="s", minimum=5.0, maximum=600.0, description="Length of the record by which the winch is identified."
     )
-    step: float = parameter(
-        0.008,
-        unit="s",
-        minimum=1e-4,
-        maximum=1.0,
-        description="Smallest change of time constant or delay that triggers a redesign.",
-    )
     largest: float = parameter(
         0.3,
         unit="s",
@@ -194,13 +181,6 @@ class TensionLawParameters:
         maximum=0.99,
         description="The unit has landed when, lowering, the cable carries less than this fraction of its weight.",
     )
-    lift_off_ratio: float = parameter(
-        1.0,
-        unit="",
-        minimum=0.1,
-        maximum=1.0,
-        description="The unit is suspended when the cable carries this fraction again.",
-    )
     lift_height: float = parameter(
         2.0, unit="m", minimum=0.0, maximum=100.0, description="Height to which the unit is raised after lift-off."
     )
@@ -258,14 +238,6 @@ class AlarmParameters:
 class EntryParameters:
     """What must hold before the winch begins to follow the sea."""
 
-    innovation: float = parameter(
-        4.0,
-        unit="",
-        minimum=1.0,
-        maximum=1000.0,
-        description="No compensation while a sensor deviates from its estimate by more than this, in standard "
-        "deviations.",
-    )
     peak_use: float = parameter(
         0.8,
         unit="",

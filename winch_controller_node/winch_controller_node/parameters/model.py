@@ -9,9 +9,10 @@ import math
 from dataclasses import dataclass, replace
 
 from heave_node.parameters import ParameterError, parameter
+from heave_node.winch.parameters import WinchFigures
 from heave_node.winch.position_loop import check_position_gain
 from wave_vessel_node.parameters import FILTER_CHOICES, SeaParameters
-from wave_vessel_node.vessel_parameters import VESSEL_MODELS
+from wave_vessel_node.vessel_parameters import VesselAnswer
 
 
 @dataclass(frozen=True)
@@ -56,28 +57,14 @@ class CableModelParameters:
 
 
 @dataclass(frozen=True)
-class WinchModelParameters:
+class WinchModelParameters(WinchFigures):
     """The winch as the controller assumes it: law, lags, delay and limits."""
 
-    law: str = parameter(
-        "speed_servo",
-        unit="",
-        choices=("speed_servo", "first_order"),
-        description="speed_servo: v' = (v_set - v)/T; first_order: u' = K (u_0 - u), thesis Eq. 6.1.",
-    )
-    time_constant: float = parameter(0.15, unit="s", minimum=1e-3, maximum=60.0, description="T of the speed servo.")
     speed_gain: float = parameter(
         1.0, unit="", minimum=0.1, maximum=10.0, description="Speed that the servo settles at over its set-point."
     )
     hauling_gain: float = parameter(
         1.0, unit="", minimum=0.1, maximum=10.0, description="Factor on speed_gain while it hauls in."
-    )
-    creep: float = parameter(
-        0.0,
-        unit="m/s",
-        minimum=-1.0,
-        maximum=1.0,
-        description="Speed at a set-point of 0: a load moves a drum whose speed loop has no integral part.",
     )
     position_gain: float = parameter(
         0.0,
@@ -86,13 +73,6 @@ class WinchModelParameters:
         maximum=1e3,
         description="k_p of the servo's position loop; the payout set-point is then the mean payout.",
     )
-    position_rate: float = parameter(
-        1.0, unit="1/s", minimum=1e-3, maximum=1e3, description="K of the first-order winch."
-    )
-    command_delay: float = parameter(
-        0.2, unit="s", minimum=0.0, maximum=60.0, description="From the start of a command's tick to its effect."
-    )
-    speed_limit: float = parameter(2.0, unit="m/s", minimum=1e-3, maximum=100.0, description="Largest payout speed.")
     set_point_reach: float = parameter(
         1.0,
         unit="",
@@ -103,15 +83,6 @@ class WinchModelParameters:
     )
     acceleration_limit: float = parameter(
         1.5, unit="m/s^2", minimum=1e-3, maximum=1e6, description="Largest payout acceleration."
-    )
-    payout_minimum: float = parameter(
-        -50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Lower end of the payout range."
-    )
-    payout_maximum: float = parameter(
-        50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Upper end of the payout range."
-    )
-    power_limit: float = parameter(
-        0.0, unit="W", minimum=0.0, maximum=1e9, description="Largest power of the winch; 0 means no limit."
     )
     disturbance: float = parameter(
         0.01,
@@ -178,34 +149,11 @@ class SeaModelParameters(SeaParameters):
 
 
 @dataclass(frozen=True)
-class VesselModelParameters:
+class VesselModelParameters(VesselAnswer):
     """The vessel as the controller assumes it: of second order (thesis Eq. 6.25), also where fitted to RAOs."""
 
-    model: str = parameter(
-        "second_order",
-        unit="",
-        choices=VESSEL_MODELS,
-        description="second_order (thesis Eq. 6.25), rao or fitted (second order, fitted to the RAO), direct.",
-    )
-    natural_frequency: float = parameter(
-        0.9, unit="rad/s", minimum=0.01, maximum=10.0, description="omega_v of the vessel."
-    )
-    damping_ratio: float = parameter(0.4, unit="", minimum=0.01, maximum=5.0, description="xi_v of the vessel.")
     gain: float = parameter(1.0, unit="", minimum=1e-3, maximum=10.0, description="K_v of the vessel.")
-    rao_file: str = parameter(
-        "",
-        unit="",
-        description="RAO table (models rao, fitted), .csv or Capytaine .nc; empty is the hull form shipped.",
-    )
     accept_implausible: bool = parameter(False, unit="", description="Take implausible RAOs of rao_file as they are.")
-    boom_tip_arm: tuple[float, ...] = parameter(
-        (-20.0, 10.0, 15.0),
-        unit="m",
-        minimum=-500.0,
-        maximum=500.0,
-        length=3,
-        description="Boom tip from the vessel's reference point (x forward, y port, z up); models rao, fitted.",
-    )
     heading: float = parameter(
         0.0,
         unit="rad",
@@ -262,12 +210,6 @@ class WeightParameters:
 class EstimatorParameters:
     """The Kalman filter."""
 
-    implementation: str = parameter(
-        "compiled",
-        unit="",
-        choices=("compiled", "filterpy"),
-        description="Implementation of a step: compiled, or filterpy: the same estimate, many times slower.",
-    )
     gate: float = parameter(
         25.0,
         unit="",

@@ -8,7 +8,8 @@ from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.parameters.laws import GuardParameters
 
 CAUSE_TIME, KNOWN_HOLD = 20.0, 5.0
-"""Harm whose cause is known and corrected within the first time [s] keeps compensation off for the second [s] only."""
+"""Harm whose cause is known and corrected within the first time [s] keeps compensation off for the second [s] only; so
+do commands that were late for long: the transport is not the loop's harm."""
 
 HOLD_GROWTH = 4.0
 """The hold time grows by this factor each time: what all tries do together stays little."""

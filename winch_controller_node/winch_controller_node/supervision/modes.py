@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 from heave_node.interface.codes import REQUESTED, WinchFault, fault_words
 
+from winch_controller_node.estimation.loop_estimation import BACK_TIME
 from winch_controller_node.parameters.laws import ModeParameters
 
 
@@ -49,9 +50,6 @@ RELEASE_TIME = 0.5
 
 RELEASED_TIME = 2.0
 """Time after release of the brake for which a latched fault may still be reported [s]: commands take time."""
-
-BACK_TIME = 1.0
-"""A lost sensor that has been back for so long [s] ends the fade-out that its loss has caused."""
 
 SETTLING_LIMIT = 30.0
 """Longest time that a unit may take to settle after a fade-out [s]."""

@@ -8,15 +8,17 @@ from typing import NamedTuple
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, REQUESTED
 
+from winch_controller_node.beliefs.beliefs import CAUTIOUS
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.estimation.loop_tick import LoopTick, free_swing
-from winch_controller_node.estimation.tension import TensionMean
+from winch_controller_node.estimation.tension import MEMORY, TensionMean
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.supervision.command_timeouts import Advice, CommandTimeouts
 from winch_controller_node.supervision.entry_gates import PEAK_OVER_SIGNIFICANT, EntryGates
 from winch_controller_node.supervision.guard import HarmGuard
 from winch_controller_node.supervision.guard_checks import GuardedLoop, GuardedMotions
+from winch_controller_node.supervision.guard_hold import KNOWN_HOLD
 from winch_controller_node.supervision.landing import LEAST_RATE, HangingLoad, HangingUnit, Landing, LandingEvent
 from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import BRAKED, Mode, ModeOutput, Situation
@@ -36,22 +38,12 @@ ENDED = (*BRAKED, Mode.FADE_OUT, Mode.STOPPING)
 HANGING_SHARES = (0.7, 1.3)
 """A unit hangs whose cable carries on average a share of its weight between these, and that has not landed."""
 
-STANDING_TIME = 30.0
-"""Averaging time of the tension after which it shows that a unit stands whose landing was not detected [s]:
-it holds a wave and a half of the longest swell, of 20 s."""
-
 MEAN_ERROR = 0.3
-"""Error of the mean over that time, over the standard deviation of the tension: a swell of 20 s leaves
+"""Error of the mean tension over its memory, over the standard deviation of the tension: a swell of 20 s leaves
 sqrt(2)/(w t) = 0.15 of its own, and a group of waves, or a cable that goes slack and snaps, twice that."""
 
 ASK_AGAIN = "check the cause, then request compensation"
 """Ends the reason of an inhibition that only an operator can end."""
-
-TRANSPORT_HOLD = 5.0
-"""Time for which compensation stays off after commands were late for long [s]: the transport is not the loop's harm."""
-
-UNKNOWN_SEA_SHARE = 0.3
-"""Authority of compensation while the sea is predicted badly."""
 
 SETTLED_AT_REST = 0.01
 """Swing of the unit at which a fade-out may end in calm water [m]; a sea adds its own, up to what a law can settle."""
@@ -178,7 +170,7 @@ class Supervisor:
         hanging = HangingUnit(-tick.hanging_heave, tick.hanging_stretch)
         self.landing.observe(time, tick.sensed, float(tick.rows.payout @ tick.mean_state), hanging)
         if winch.inhibition:
-            self.guard.inhibit(winch.inhibition, TRANSPORT_HOLD)
+            self.guard.inhibit(winch.inhibition, KNOWN_HOLD)
         alarms = self._judge(tick, winch.mean_acceleration) + self._resume_after_timeout(tick, winch)
         self._gates.observe(tick)
         alarms += self._watch_highest_tension(tick)
@@ -357,7 +349,7 @@ class Supervisor:
                 f"the unit is suspended: the cable carries {100.0 * share:.0f} % of its weight, and constant tension "
                 "would drop it; land it first, or set tension.hanging"
             )
-        wait = STANDING_TIME - tension.time
+        wait = MEMORY - tension.time
         if wait > 0.0:
             return (
                 f"averaging the tension for {wait:.0f} s more, to know whether the unit is suspended: request it again "
@@ -417,7 +409,7 @@ class Supervisor:
 
 def _known_share(tick: LoopTick) -> float:
     """Return the largest authority by what is known of it."""
-    return UNKNOWN_SEA_SHARE if tick.is_sea_refuted else 1.0
+    return CAUTIOUS if tick.is_sea_refuted else 1.0
 
 
 def mode_alarm(mode: ModeOutput) -> Alarm:

@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array, ComplexArray
-from winch_controller_node.adviser.judge import HIGH_PASS, HIGH_PASSES, PRICES
+from winch_controller_node.adviser.hypothesis import HIGH_PASS, PRICES
+from winch_controller_node.adviser.judge import HIGH_PASSES
 
 from heave_bringup.whatif.identify.evidence import INDEPENDENT, Evidence, Values
 from heave_bringup.whatif.identify.prior import (

@@ -94,7 +94,7 @@ def feedforward(
     Parameters
     ----------
     model : sampled augmented model
-    gain : LQR gain over its states for the cost that follows, see `output_gain`
+    gain : LQR gain over its states for the cost that follows, see `full_gain`
     sizes, command_size : of outputs by name and of the command, that have equal weight in the cost
     disturbances : see `PreviewReader`
     """

@@ -50,8 +50,8 @@ def winch_limits(winch: WinchModelParameters, limits: LimitParameters, static_te
     highest = limits.maximum_tension_ratio
     margin = min(limits.payout_margin, 0.25 * span)
     return WinchLimits(
-        speed=winch.speed_limit * limits.speed_use,
-        acceleration=winch.acceleration_limit * limits.acceleration_use,
+        speed=winch.speed_limit,
+        acceleration=winch.acceleration_limit,
         payout_minimum=winch.payout_minimum + margin,
         payout_maximum=winch.payout_maximum - margin,
         power=winch.power_limit if winch.power_limit > 0.0 else math.inf,

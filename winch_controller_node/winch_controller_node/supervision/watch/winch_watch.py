@@ -8,6 +8,7 @@ from typing import NamedTuple
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault, WinchLimit
 
+from winch_controller_node.beliefs.beliefs import CAUTIOUS
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.schedule import identifies_winch
 from winch_controller_node.identification.late_commands import CUT_TIME, LateCommands
@@ -22,9 +23,6 @@ TOLERATED_SHARE = 0.5
 
 ALARMING = 0.04
 """Error of the drum after a second that cuts authority [m]."""
-
-CAUTIOUS_SHARE = 0.3
-"""Authority of compensation with a winch whose behaviour is unexplained."""
 
 CAUTIOUS_TIME = 3.0
 """Time that the share stays cut after the drum was last off [s]."""
@@ -86,7 +84,7 @@ class WinchWatch:
     @property
     def share(self) -> float:
         """Largest authority with the winch as it is known."""
-        return CAUTIOUS_SHARE if self._cautious > 0.0 else 1.0
+        return CAUTIOUS if self._cautious > 0.0 else 1.0
 
     def fault_cause(self, lateness: Lateness) -> str:
         """Return why the winch has the fault it has, in words, with the `lateness` of the ticks; empty: unknown."""

@@ -1,4 +1,4 @@
-"""The drum that explains a record: a Gauss-Newton fit with a prior about the nominal one, freed group by group.
+"""Which drum a record shows: its fit is freed group by group.
 
 Lag, delay and gain are always free. A limit, a dead zone, play, another gain of hauling in, or another factor of the
 encoder is freed only where the record is likelier by more than its price, and dropped again where it is a passenger.
@@ -7,22 +7,32 @@ A limit has no slope where it is not reached: each is begun at the largest speed
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 from heave_node.numerics.arrays import Array
 
-from winch_controller_node.adviser.drum_record import FACTOR, FIELDS, START_PAYOUT, START_RATE, DrumRecord
-from winch_controller_node.model.drum_kernel import NO_POWER_LIMIT, Drum
-
-LAG, DELAY, GAIN, DEADBAND, BACKLASH, HAULING, CREEP = (
-    Drum._fields.index(name) for name in ("lag", "delay", "gain", "deadband", "backlash", "hauling", "creep")
+from winch_controller_node.adviser.drum.drum_fit import (
+    ACCELERATION_IN,
+    ACCELERATION_OUT,
+    BACKLASH,
+    CREEP,
+    DEADBAND,
+    DELAY,
+    GAIN,
+    HAULING,
+    LAG,
+    LIMITS,
+    POWER,
+    SPEED_IN,
+    SPEED_OUT,
+    DrumFit,
+    DrumPrior,
+    fit_drum,
 )
-SPEED_OUT, SPEED_IN, ACCELERATION_OUT, ACCELERATION_IN, POWER = LIMITS = tuple(
-    Drum._fields.index(name) for name in ("speed_out", "speed_in", "acceleration_out", "acceleration_in", "power")
-)
+from winch_controller_node.adviser.drum.drum_record import FACTOR, START_PAYOUT, DrumRecord
+from winch_controller_node.model.drum_kernel import NO_POWER_LIMIT
 
 ALWAYS = (LAG, DELAY, GAIN)
 
@@ -40,18 +50,6 @@ PRICES: dict[tuple[int, ...], float] = {
 HELD = 3.0
 """Prior of a further change of a limit that was identified before [nats]."""
 
-FLOOR = 1e-3
-"""Least standard deviation of what is left [m]: no drum is known better, and an encoder reads in millimetres."""
-
-ITERATIONS, CONVERGED = 12, 1e-4
-"""Largest number of Gauss-Newton steps; they end with a step of every parameter below the second."""
-
-DIFFERENCE = 1e-4
-"""Step of the sensitivities; of a power relative."""
-
-SHARES_OF_STEP = (1.0, 0.5, 0.25, 0.1, 0.03)
-"""Shares of a Gauss-Newton step of which the best is taken."""
-
 SHOWN_OVER = 0.3
 """Time over which speeds are taken that a drum has shown [s]."""
 
@@ -59,7 +57,7 @@ LAGS = (0.4, 1.0, 2.5, 6.0)
 """Lags over the assumed one at which a fit is restarted where much is left."""
 
 UNEXPLAINED = 4e-3
-"""Standard deviation that is much [m]."""
+"""Standard deviation that is much [m]: no more may be left of what was before a sudden change of the encoder."""
 
 ONSETS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 11.0, 15.0)
 """Times before the end of the record from which on the encoder may read otherwise [s]."""
@@ -67,151 +65,11 @@ ONSETS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 11.0, 15.0)
 LIMITED = 0.1
 """Share of the ticks since then in which a limit may have acted: it has the drum do less than it was ordered."""
 
-LEAST_BEFORE, KNOWN = 1.0, 4e-3
-"""Time before a sudden change of the encoder that must be on record [s], and the most that may be left of it [m]: only
-then is it sudden."""
+LEAST_BEFORE = 1.0
+"""Time before a sudden change of the encoder that must be on record [s]."""
 
 ROUNDS = 5
 """Largest number of groups that are freed."""
-
-
-@dataclass(frozen=True)
-class DrumPrior:
-    """What is known of a drum before it has moved: fields of `Drum` and the factor, shape (FIELDS + 1,) each.
-
-    Attributes
-    ----------
-    nominal, sigmas, lowest, highest : the nominal one, how sure that is, and what can be at all
-    """
-
-    nominal: Array
-    sigmas: Array
-    lowest: Array
-    highest: Array
-
-
-@dataclass(frozen=True)
-class DrumFit:
-    """A drum.
-
-    Attributes
-    ----------
-    theta : shape (FIELDS + 3,)
-    squares : sum of squared residuals [m^2]; count : of them
-    record : it was found in
-    free : what was found
-    sigmas : standard deviation of each of `free`
-    prior : how unlikely that is [nats]
-    """
-
-    theta: Array
-    squares: float
-    count: int
-    record: DrumRecord = field(repr=False)
-    free: tuple[int, ...]
-    sigmas: Array
-    prior: float
-
-    @property
-    def residual(self) -> float:
-        """Standard deviation of what is left [m]."""
-        return math.sqrt(self.squares / max(self.count, 1))
-
-    @property
-    def loss(self) -> float:
-        """Of the record, the noise profiled out, one independent value a second, and of the prior [nats]."""
-        return self.record.duration * math.log(math.hypot(self.residual, FLOOR) / FLOOR) + self.prior
-
-
-def fit_drum(record: DrumRecord, prior: DrumPrior, start: Array, free: Sequence[int]) -> DrumFit:
-    """Return the drum that fits a record best; payout and rate at the start of it are always found.
-
-    Parameters
-    ----------
-    record, prior : what was read, and what can be
-    start : theta at which it begins, shape (FIELDS + 3,)
-    free : places of theta that are found; the others stay
-    """
-    theta = start.copy()
-    columns = [*free, START_PAYOUT, START_RATE]
-    lowest = np.concatenate([prior.lowest, [-np.inf, -np.inf]])
-    highest = np.concatenate([prior.highest, [np.inf, np.inf]])
-    nominal = np.concatenate([prior.nominal, [0.0, 0.0]])
-    sigmas = np.concatenate([prior.sigmas, [np.inf, 2.0]])
-    nominal, sigmas = nominal[columns], sigmas[columns]
-    count = int(np.count_nonzero(record.seen))
-    # readings in a row that are off are not independent
-    per_second = count / max(record.duration, record.dt)
-    information = np.eye(len(columns))
-    for _ in range(ITERATIONS):
-        residual, slopes = _linearised(record, theta, columns)
-        squares = float(residual @ residual)
-        weight = 1.0 / (per_second * (squares / count + FLOOR**2))
-        precision = _precision(theta[columns] - nominal, sigmas)
-        information = weight * slopes.T @ slopes + np.diag(precision)
-        pull = weight * slopes.T @ residual + precision * (nominal - theta[columns])
-        step = _solved(information, pull)
-        blocked = ((theta[columns] <= lowest[columns]) & (step < 0.0)) | (
-            (theta[columns] >= highest[columns]) & (step > 0.0)
-        )
-        if np.any(blocked):
-            # what cannot go further must not shape the step of the others
-            step[blocked] = 0.0
-            step[~blocked] = _solved(information[np.ix_(~blocked, ~blocked)], pull[~blocked])
-        trials = np.tile(theta, (len(SHARES_OF_STEP), 1))
-        trials[:, columns] += np.outer(SHARES_OF_STEP, step)
-        trials = np.clip(trials, lowest, highest)
-        costs = 0.5 * weight * np.sum(np.square(record.residuals(trials)), axis=1)
-        costs += _improbability(trials[:, columns] - nominal, sigmas)
-        before = 0.5 * weight * squares + float(_improbability(theta[columns] - nominal, sigmas))
-        best = int(np.argmin(costs))
-        if costs[best] >= before:
-            break
-        moved = float(np.max(np.abs(trials[best] - theta) / _sizes(theta)))
-        theta = trials[best]
-        if moved < CONVERGED:
-            break
-    squares = float(np.sum(np.square(record.residuals(theta[None, :]))))
-    spread = np.sqrt(np.abs(np.diag(np.linalg.pinv(information, hermitian=True))))
-    unlikely = float(_improbability(theta[:FIELDS] - prior.nominal[:FIELDS], prior.sigmas[:FIELDS]))
-    return DrumFit(theta, squares, count, record, tuple(free), spread[: len(free)], unlikely)
-
-
-def _improbability(off: Array, sigmas: Array) -> Array:
-    """Return log(1 + z^2/2) of what is `off` by z sigmas, summed over the last axis [nats].
-
-    Near nominal it is a normal distribution's; but what is far off is seldom, not impossible: a servo may be ten times
-    as slow as stated.
-    """
-    return np.asarray(np.sum(np.log1p(0.5 * np.square(off / sigmas)), axis=-1))
-
-
-def _precision(off: Array, sigmas: Array) -> Array:
-    """Return the weights of squares that have its slope there: of reweighted least squares."""
-    return np.asarray(1.0 / (np.square(sigmas) * (1.0 + 0.5 * np.square(off / sigmas))))
-
-
-def _solved(information: Array, pull: Array) -> Array:
-    """Return the step of an information matrix, which may be singular."""
-    size = np.sqrt(np.diag(information)) + 1e-12
-    step = np.linalg.pinv(information / np.outer(size, size), hermitian=True) @ (pull / size)
-    return np.asarray(step / size)
-
-
-def _sizes(theta: Array) -> Array:
-    """Return what a step of each place of `theta` is to be compared with: a power with itself."""
-    sizes = np.ones(len(theta))
-    sizes[POWER] = theta[POWER]
-    return sizes
-
-
-def _linearised(record: DrumRecord, theta: Array, columns: Sequence[int]) -> tuple[Array, Array]:
-    """Return the residuals, shape (count,), and how the record goes with each of `columns`, (count, columns)."""
-    steps = np.array([-DIFFERENCE if column in LIMITS else DIFFERENCE for column in columns]) * _sizes(theta)[columns]
-    thetas = np.tile(theta, (len(columns) + 1, 1))
-    thetas[np.arange(1, len(thetas)), list(columns)] += steps
-    left = record.residuals(thetas)
-    return left[0], ((left[0] - left[1:]) / steps[:, None]).T
 
 
 def identify(record: DrumRecord, prior: DrumPrior, assumed: Array) -> DrumFit:
@@ -276,7 +134,10 @@ def _sudden(record: DrumRecord, prior: DrumPrior, assumed: Array) -> list[int]:
         if onset < round(LEAST_BEFORE / record.dt) or np.mean(record.limited[onset:]) > LIMITED:
             continue
         before = record.until(onset)
-        if np.count_nonzero(before.seen) > 2 and fit_drum(before, prior, begun(before, assumed), ()).residual < KNOWN:
+        if (
+            np.count_nonzero(before.seen) > 2
+            and fit_drum(before, prior, begun(before, assumed), ()).residual < UNEXPLAINED
+        ):
             found.append(onset)
     return found
 
@@ -389,11 +250,10 @@ def _without_held(prior: DrumPrior, best: DrumFit, held: set[int]) -> DrumFit:
     """
     shown = shown_limits(best.record)
     for index in sorted(held - set(best.free)):
-        start = best.theta.copy()
-        start[index] = min(max(shown[index], start[index]), prior.nominal[index])
-        if start[index] == best.theta[index]:
+        raised = min(max(shown[index], float(best.theta[index])), float(prior.nominal[index]))
+        if raised == best.theta[index]:
             continue
-        other = fit_drum(best.record, prior, start, best.free)
+        other = _with_limit(prior, best, index, raised)
         if other.loss + HELD < best.loss:
             best = other
     return best
@@ -404,8 +264,11 @@ def needs(prior: DrumPrior, found: DrumFit, limit: int) -> bool:
 
     `prior` is what can be, `limit` one of LIMITS.
     """
-    if limit in found.free:
-        return True
+    return limit in found.free or _with_limit(prior, found, limit, prior.nominal[limit]).loss > found.loss + HELD
+
+
+def _with_limit(prior: DrumPrior, found: DrumFit, limit: int, value: float) -> DrumFit:
+    """Return what was `found`, fitted again with another `value` of a `limit` that is not free."""
     start = found.theta.copy()
-    start[limit] = prior.nominal[limit]
-    return fit_drum(found.record, prior, start, found.free).loss > found.loss + HELD
+    start[limit] = value
+    return fit_drum(found.record, prior, start, found.free)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from heave_node.numerics.arrays import Array
 
-from winch_controller_node.adviser.drum_fit import DrumPrior
-from winch_controller_node.adviser.drum_record import FIELDS
+from winch_controller_node.adviser.drum.drum_fit import DrumPrior
+from winch_controller_node.adviser.drum.drum_record import FIELDS
 from winch_controller_node.beliefs.drum import drum_of
 from winch_controller_node.model.drum_kernel import Drum
 from winch_controller_node.parameters.model import WinchModelParameters

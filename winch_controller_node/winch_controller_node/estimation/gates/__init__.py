@@ -1,0 +1,1 @@
+"""Jumps that one sensor alone can make: what finds them and takes them off its readings."""
