@@ -25,8 +25,6 @@ from heave_bringup.lift.plan import Phase, Plan
 from heave_bringup.operability.exposure import limit_at
 from heave_bringup.operability.record import HS, TP, SeaRecord, read_record
 
-GO, WAIT, NO_GO = "go", "wait", "no window"
-
 
 @dataclass(frozen=True)
 class Window:
@@ -35,14 +33,12 @@ class Window:
     Attributes
     ----------
     phase : its name
-    state : GO where nobody waits for it, WAIT where one does, NO_GO where the forecast has no window
     start : of it; None: there is no window
     waiting : before it [h]
     utilisation : largest forecast height over what is allowed, in its reference period; NaN without a window
     """
 
     phase: str
-    state: str
     start: pandas.Timestamp | None = None
     waiting: float = math.nan
     utilisation: float = math.nan
@@ -51,7 +47,6 @@ class Window:
         """Return it as plain data."""
         return {
             "phase": self.phase,
-            "state": self.state,
             "start": None if self.start is None else self.start.isoformat(),
             "waiting_h": self.waiting,
             "utilisation": self.utilisation,
@@ -94,11 +89,11 @@ def windows(plan: Plan, limits: Mapping[str, Sequence[PeriodLimits]], forecast: 
         tried = (clock, *(step * n for n in range(math.floor(clock / step) + 1, times.size)))
         start = next((at for at in tried if all(worst(n, at) <= 1.0 for n in range(len(group)))), None)
         if start is None:
-            return [*found, *(Window(phase.name, NO_GO) for phase in plan.phases[len(found) :])]
+            return [*found, *(Window(phase.name) for phase in plan.phases[len(found) :])]
         for n, phase in enumerate(group):
             waited = 0.0 if n else start - clock
             when = times[0] + pandas.Timedelta(hours=start + hours[n])
-            found.append(Window(phase.name, WAIT if waited > 0.0 else GO, when, waited, worst(n, start)))
+            found.append(Window(phase.name, when, waited, worst(n, start)))
         clock = start + hours[-1]
     return found
 

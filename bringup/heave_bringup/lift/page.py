@@ -37,15 +37,14 @@ FOOTER = (
 def render(study: LiftStudy) -> str:
     """Return the page of a `study` as HTML."""
     drawn: list[Figure] = []
-    is_bad = any(planned_state(study, phase) == FAILED for phase in study.plan.phases)
-    is_bad = is_bad or any(one.start is None for one in study.windows) or any(one.failures for one in study.built)
+    is_bad = bool(study.failures) or any(planned_state(study, phase) == FAILED for phase in study.plan.phases)
     items = "".join(f"<li>{html.escape(unbroken(words))}</li>" for words in summary(study))
     body = [
         f"<h1>{html.escape(study.plan.title)}</h1>",
         f'<p class="lead">One lift, {"plan to as built" if study.built else "as planned"}</p>',
         f'<div class="verdict {"bad" if is_bad else "good"}"><ul>{items}</ul></div>',
         f"<h2>Phases at Hs {study.height:g} m, Tp {study.period:g} s</h2>",
-        _html(phase_table(study), texts=3),
+        _html(phase_table(study), texts=4),
         "<h2>Criteria</h2>",
         _html(judged_rows(study), texts=4),
         "<h2>Largest Hs of each phase, and what ends it</h2>",

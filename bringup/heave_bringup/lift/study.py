@@ -45,6 +45,12 @@ class LiftStudy:
         """Return the limit of a `phase` in seas of its period, the way that it is planned, with the figures in it."""
         return next(one for one in self.limits[phase.name] if one.period == self.period).planned(phase)
 
+    @property
+    def failures(self) -> list[str]:
+        """What the forecast does not allow, and what the bag misses, in words."""
+        without = [f"{one.phase}: no window in the forecast" for one in self.windows if one.start is None]
+        return [*without, *(words for one in self.built for words in one.failures)]
+
     def to_json(self) -> dict[str, object]:
         """Return it as plain data."""
         return {

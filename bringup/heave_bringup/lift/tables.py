@@ -17,19 +17,14 @@ Table = tuple[list[str], list[list[str]]]
 
 def phase_table(study: LiftStudy) -> Table:
     """Return head and rows of the phases of a `study`, with the verdicts on plan and bag."""
-    head = ["phase", "winch", "depth m", "min", "planned", *(["as built"] if study.built else [])]
+    head = ["phase", "way", "planned", *(["as built"] if study.built else [])]
     built = {one.phase.name: one.state for one in study.built}
-    rows = [
-        [
-            phase.name,
-            "compensated" if phase.does.compensated else "locked",
-            " to ".join(f"{depth:g}" for depth in dict.fromkeys(phase.does.depth)),
-            f"{phase.duration / 60.0:.0f}",
-            planned_state(study, phase),
-            *([built[phase.name]] if study.built else []),
-        ]
-        for phase in study.plan.phases
-    ]
+    rows = []
+    for phase in study.plan.phases:
+        depths = " to ".join(f"{depth:g}" for depth in dict.fromkeys(phase.does.depth))
+        winch = "compensated" if phase.does.compensated else "locked"
+        row = [phase.name, f"{depths} m, {phase.duration / 60.0:.0f} min, {winch}", planned_state(study, phase)]
+        rows.append([*row, *([built[phase.name]] if built else [])])
     return head, rows
 
 

@@ -37,7 +37,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.lift.plan import read_plan
     from heave_bringup.lift.study import study_lift
     from heave_bringup.lift.tables import judged_rows, limit_table, phase_table, summary, weather_table
-    from heave_bringup.output import FittedTable, Part, check_output, warn, write_result
+    from heave_bringup.output import check_output, make_table, warn, write_result
 
     check_output("--report", options.report, (".html",))
     if options.processes is not None and options.processes < 1:
@@ -56,18 +56,13 @@ def execute(options: argparse.Namespace) -> None:
         page.write_text(render(study), "utf-8")
     except OSError as error:
         raise CommandError(f"{page}: cannot be written: {error.strerror}") from error
-    texts, seen = ("winch", "depth m", "criterion", "planned", "as built", "start (UTC)"), f"they are in {page}"
-    limits = FittedTable(*limit_table(study), texts=("Hs m, compensated", "Hs m, winch locked"), elsewhere=seen)
-    phases = FittedTable(*phase_table(study), texts=texts, optional=("depth m", "min"), elsewhere=seen)
-    weather: list[Part] = [FittedTable(*weather_table(study), texts=texts)] if study.windows else []
-    criteria = FittedTable(*judged_rows(study), texts=texts, elsewhere=seen)
+    texts = ("way", "criterion", "planned", "as built", "start (UTC)", "Hs m, compensated", "Hs m, winch locked")
+    tables = [limit_table, phase_table, *([weather_table] if study.windows else []), judged_rows]
+    found = [make_table(*of(study), texts=texts) for of in tables]
     ends = ["\n".join(summary(study)), f"report    {page}"]
-    write_result(
-        options, [plan.title, limits, phases, *weather, criteria, *ends], {**study.to_json(), "report": str(page)}
-    )
-    no_go = [f"{one.phase}: no window in the forecast" for one in study.windows if one.start is None]
-    if missed := [*no_go, *(words for one in study.built for words in one.failures)]:
-        raise VerdictError(missed)
+    write_result(options, [plan.title, *found, *ends], {**study.to_json(), "report": str(page)})
+    if study.failures:
+        raise VerdictError(study.failures)
 
 
 def _record(bag: Path) -> RunRecord:
