@@ -127,6 +127,7 @@ class ClosedLoop:
     Parameters
     ----------
     parameters : of all components
+    has_adviser : False leaves the adviser out, as `--without winch_adviser` does
 
     Attributes
     ----------
@@ -134,7 +135,7 @@ class ClosedLoop:
     tick : number of the next tick, from 1
     """
 
-    def __init__(self, parameters: LoopParameters) -> None:
+    def __init__(self, parameters: LoopParameters, *, has_adviser: bool = True) -> None:
         seed, dt = parameters.seed, parameters.tick_period
         self._dt = dt
         self._parameters = parameters
@@ -142,7 +143,7 @@ class ClosedLoop:
         self.plant = CableSim(parameters.plant, seed=seed, tick_period=dt)
         self.winch = VirtualWinch(parameters.winch, tick_period=dt, seed=seed)
         self.controller = WinchController(parameters.controller, tick_period=dt, seed=seed)
-        self.adviser = Adviser(parameters.controller, tick_period=dt)
+        self.adviser = Adviser(parameters.controller, tick_period=dt) if has_adviser else None
         self._assumed_water = Water(parameters.controller.water_density, parameters.controller.gravity)
         self._tick_nanoseconds = round(dt * 1e9)
         self.tick = 1
@@ -158,7 +159,7 @@ class ClosedLoop:
             self.plant.set_waves(self.sea.waves())
         delivered = self._deliver(readings, vessel)
         outputs = self.controller.step(tick, delivered)
-        if outputs.observations is not None:
+        if outputs.observations is not None and self.adviser is not None:
             self.controller.take(self.adviser.advise(outputs.observations))
         row = np.array(
             [

@@ -1,7 +1,7 @@
 """Limits of `heave lift` beside brute force: runs of the plant and of the whole loop along each phase, many seeds.
 
 The brute-force limit is where the mean over the seeds of the figure that ends the limit reaches its bound, on the line
-through runs at two heights, about the predicted limit or, where the winch ends it, below. Locked: the plant with its
+from a calm sea through runs at the predicted limit or, where the winch ends it, below. Locked: the plant with its
 winch at the mean speed. Compensated: the whole loop, sea to winch, with the move of the phase as its programme.
 
     python -m tests.campaigns.lift_limits module_1500 --phases resonance landing --periods 9 --seeds 8
@@ -12,35 +12,36 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 from heave_bags.analyse.kpi_set import evaluate
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
-from heave_bringup.lift.figures import Capacity
 from heave_bringup.lift.limits import phase_limits
-from heave_bringup.lift.loop import Loops
+from heave_bringup.lift.loop import Runs
 from heave_bringup.lift.plan import WATER, Phase, Plan, read_plan
+from heave_bringup.lift.plant import Way, cross, crossings
 from heave_bringup.lift.response import HEIGHT, PhaseScene, phase_scene
-from heave_bringup.lift.surface import Crossing, cross, crossing
+from heave_bringup.operability.limits import CALM
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.settings import Setting
 from heave_node.criteria import Criterion
 from heave_node.scenario import WILDCARD
 
-ABOUT, BELOW = (0.9, 1.1), (0.6, 0.8)
-"""Heights of the runs over the predicted limit; those of a limit of the winch, beyond which its figure stays."""
+ABOUT, BELOW = 1.0, 0.55
+"""Height of the runs over the predicted limit; that of a limit of the winch, beyond which its figure stays."""
 FIRST_SEED = 101
 """Of the runs: the predictions use those from 1 on."""
-LEAD = 60.0
-"""Time before the move of a run of the loop [s]."""
+LEAD = 180.0
+"""Time before the move of a run of the loop [s]: until then the controller may limit its authority to learn the sea."""
 
 
 @cache
-def _way(plan: Plan, phase: Phase, period: float, seed: int) -> Crossing:
-    return crossing(plan, phase_scene(plan, phase, period), seed, {})
+def _way(plan: Plan, phase: Phase, period: float, seed: int) -> Way:
+    scene = phase_scene(plan, phase, period)
+    return crossings(plan, scene, [seed], segments=scene.plant.segments)[0]
 
 
 def plant_figure(plan: Plan, scene: PhaseScene, kpi: str, height: float, seed: int) -> float:
@@ -53,7 +54,7 @@ def plant_figure(plan: Plan, scene: PhaseScene, kpi: str, height: float, seed: i
     height : significant wave height [m]
     seed : of the sea
     """
-    return cross(_way(plan, scene.phase, scene.period, seed), height, 1.0, Capacity())[kpi]
+    return cross(_way(plan, scene.phase, scene.period, seed), height)[kpi]
 
 
 def loop_figure(plan: Plan, scene: PhaseScene, kpi: str, height: float, seed: int) -> float:
@@ -80,7 +81,7 @@ def loop_figure(plan: Plan, scene: PhaseScene, kpi: str, height: float, seed: in
 
 
 def brute_force(
-    figure: Callable[[float, int], float], criterion: Criterion, heights: Sequence[float], seeds: int
+    figure: Callable[[float, int], float], criterion: Criterion, height: float, seeds: int
 ) -> tuple[float, float]:
     """Return the limit by runs, and its standard error over the seeds.
 
@@ -88,15 +89,16 @@ def brute_force(
     ----------
     figure : of a height and a seed
     criterion : that ends the limit
-    heights : of the runs, two [m]
+    height : of the runs [m]
     seeds : number of them
     """
-    numbers = range(FIRST_SEED, FIRST_SEED + seeds)
-    values = np.array([[figure(height, seed) for height in heights] for seed in numbers])
-    low, high = values.mean(axis=0)
-    slope = (high - low) / (heights[1] - heights[0])
-    error = float(values[:, 1].std(ddof=1)) / math.sqrt(seeds) / abs(slope) if seeds > 1 else math.nan
-    return float(heights[0] + (criterion.bound - low) / slope), error
+    values = np.array([figure(height, seed) for seed in range(FIRST_SEED, FIRST_SEED + seeds)])
+    _say(f"  {criterion.kpi} at {height:.3f} m by seed: {', '.join(f'{value:.4g}' for value in values)}")
+    calm = CALM.get(criterion.kpi, 0.0)
+    mean = float(values.mean())
+    reached = height * (criterion.bound - calm) / (mean - calm)
+    error = float(values.std(ddof=1)) / math.sqrt(seeds) / abs(mean - calm) if seeds > 1 else math.nan
+    return reached, error * reached
 
 
 def compare(plan: Plan, phase: Phase, period: float, seeds: int, *, is_compensated: bool) -> str:
@@ -109,7 +111,7 @@ def compare(plan: Plan, phase: Phase, period: float, seeds: int, *, is_compensat
     seeds : of the runs
     is_compensated : of the loop, not the locked winch
     """
-    found = phase_limits(Loops(plan), phase, period, 1.0)
+    found = phase_limits(plan, phase, period, 1.0, Runs())
     limit = found.compensated if is_compensated else found.locked
     way = "compensated" if is_compensated else "locked"
     if limit is None or not limit.governs:
@@ -127,8 +129,8 @@ def compare(plan: Plan, phase: Phase, period: float, seeds: int, *, is_compensat
     def figure(height: float, seed: int) -> float:
         return run(plan, scene, limit.governs, height, seed)
 
-    shares = BELOW if limit.governs in bounds and limit.governs not in known else ABOUT
-    reached, error = brute_force(figure, criterion, [share * limit.height for share in shares], seeds)
+    share = BELOW if limit.governs in bounds and limit.governs not in known else ABOUT
+    reached, error = brute_force(figure, criterion, share * limit.height, seeds)
     difference = 100.0 * (limit.height / reached - 1.0)
     return (
         f"{phase.name:12s} {period:5.1f} {way:12s} {limit.governs:28s} predicted {limit.height:.3f} m, "

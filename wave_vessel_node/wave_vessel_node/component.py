@@ -113,6 +113,10 @@ class WaveVessel:
         """
         return self._boom_tip
 
+    def boom_tip_at(self, tick: int) -> PointMotion:
+        """Return the motion of the boom tip at a `tick`, from 1 in order: instead of `step`, where no MRU is read."""
+        return self._point(self._source.motion(tick))
+
     def step(self, tick: int) -> WaveVesselOutputs:
         """Return the MRU reading of t_k and the motions of t_{k+1}.
 

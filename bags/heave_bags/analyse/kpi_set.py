@@ -34,6 +34,9 @@ UNIT, TENSION, WINCH, ENERGY, WEAR, ESTIMATE, TIMING, LANDING, CHANGES, DRIVEN =
     "Driven motion",
 )
 
+HEAVE = "the heave of the unit, or its depth where waves do not reach"
+"""What figures of the unit need."""
+
 
 def _figure(
     key: str,
@@ -89,7 +92,8 @@ def _mean(values: Array) -> float:
 
 KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     *_of(UNIT,
-        _figure("unit_sigma_m", "unit heave, standard deviation", lambda w: w.unit_sigma, "s(z)", heading="s(z)"),
+        _figure("unit_sigma_m", "unit heave, standard deviation", lambda w: w.unit_sigma, "s(z)", heading="s(z)",
+                needs=HEAVE),
         _figure("uncompensated_sigma_m", "uncompensated unit heave, standard deviation",
                 lambda w: kpi.sigma(w.uncompensated_heave), "s(z_off)", heading="s(z_off)"),
         _figure("unit_efficiency", "unit efficiency", lambda w: w.unit_efficiency, "1 - s(z)/s(z_off)",
@@ -100,9 +104,10 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
                 lambda w: w.baseline_efficiency, "law industrial", heading="baseline"),
         _figure("outlet_efficiency", "outlet efficiency, cable at the boom tip",
                 lambda w: w.outlet_efficiency, "1 - s(z0-p)/s(z0)", heading="outlet eff."),
-        _figure("significant_residual_m", "significant residual", lambda w: kpi.significant(w.unit_sigma), "4 s(z)"),
+        _figure("significant_residual_m", "significant residual", lambda w: kpi.significant(w.unit_sigma), "4 s(z)",
+                needs=HEAVE),
         _figure("max_abs_heave_m", "largest unit heave about the mean", lambda w: kpi.max_abs(w.heave),
-                heading="max |z|"),
+                heading="max |z|", needs=HEAVE),
         _figure("uncompensated_max_abs_heave_m", "largest uncompensated unit heave about the mean",
                 lambda w: kpi.max_abs(w.uncompensated_heave)),
         _figure("heave_p999_m", "99.9th percentile of unit heave", lambda w: kpi.percentile_abs(w.heave)),
@@ -118,16 +123,19 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         _figure("tension_max_n", "top tension, largest", lambda w: largest(w.peak_tension.value), heading="T max"),
         _figure("tension_sigma_n", "top tension, standard deviation", lambda w: kpi.sigma(w.tension.value), digits=3),
         _figure("rope_safety_factor", "safety factor of the rope", lambda w: w.factors.get(ROPE, NOT_KNOWN),
-                "breaking force / Tmax"),
+                "breaking force / Tmax", needs="the rope's breaking force"),
         _figure("winch_pull_factor", "rated pull of the winch over largest tension",
-                lambda w: w.factors.get(WINCH_PULL, NOT_KNOWN), "rated pull / Tmax"),
+                lambda w: w.factors.get(WINCH_PULL, NOT_KNOWN), "rated pull / Tmax",
+                needs="the winch's rated pull"),
         _figure("attachment_safety_factor", "safety factor of the unit's attachment",
-                lambda w: w.factors.get(ATTACHMENT, NOT_KNOWN), "breaking force / largest load"),
+                lambda w: w.factors.get(ATTACHMENT, NOT_KNOWN), "breaking force / largest load",
+                needs="the tension at the unit, and what its attachment carries"),
         _figure("tension_ratio_min", "smallest tension over static", lambda w: w.tension_ratios[0],
                 "rT = Tmin/Tstatic"),
         _figure("dynamic_amplification", "largest tension over static", lambda w: w.tension_ratios[1],
                 "DAF = Tmax/Tstatic"),
-        _figure("slack_percent", "time with a slack cable", lambda w: w.slack_percent),
+        _figure("slack_percent", "time with a slack cable", lambda w: w.slack_percent,
+                needs="the tension at the unit"),
         _count("snaps", "snaps", lambda w: w.snaps(w.tension, w.peak_tension)),
         _figure("uncompensated_rope_safety_factor", "safety factor of the rope, uncompensated",
                 lambda w: w.uncompensated_rope_factor),
@@ -142,7 +150,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         _figure("winch_speed_max_mps", "winch speed, largest", lambda w: largest(np.abs(w.rate.value)),
                 heading="max |v|"),
         _figure("winch_acceleration_max_mps2", "winch acceleration, largest",
-                lambda w: largest(np.abs(w.acceleration))),
+                lambda w: largest(np.abs(w.acceleration)), needs="the acceleration of the drum"),
         _figure("time_at_speed_limit_percent", "time at the speed limit", lambda w: kpi.percent_true(w.at_speed_limit)),
         _figure("time_at_acceleration_limit_percent", "time at the acceleration limit",
                 lambda w: kpi.percent_true(w.at_acceleration_limit)),
@@ -194,7 +202,8 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         _count("landings", "landings", lambda w: _events(w.run.touchdown, w.landings)),
         _count("landings_held", "landings after which tension was held",
                lambda w: _events(w.run.touchdown, [time for time in w.times_to_tension if math.isfinite(time)])),
-        _figure("touchdown_speed_mps", "speed of the unit at touchdown", lambda w: w.landed(lambda one: one.speed)),
+        _figure("touchdown_speed_mps", "speed of the unit at touchdown", lambda w: w.landed(lambda one: one.speed),
+                needs="a landing, and the contact with the bottom"),
         _figure("touchdown_rebound_m", "rebound above the place of touchdown",
                 lambda w: w.landed(lambda one: one.rebound)),
         _count("lift_offs", "contact lost before the unit was lifted off",

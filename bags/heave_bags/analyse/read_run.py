@@ -26,6 +26,7 @@ from heave_bags.analyse.reading.stored import (
     stored_scenario,
     stored_title,
 )
+from heave_bags.analyse.reading.unit_height import measured_height, water_of
 from heave_bags.analyse.run_record import ESTIMATED, MEASURED, TRUE, RunRecord
 from heave_bags.errors import BagError
 from heave_bags.mcap.files import COMPLETE, SNAPSHOT
@@ -34,7 +35,7 @@ from heave_bags.signals import RunSignals, Signal
 
 UNIT, UNCOMPENSATED = topics.UNIT_ODOMETRY.name, topics.UNIT_UNCOMPENSATED.name
 BOOM_TIP, WINCH, LOAD_CELL = topics.BOOM_TIP.name, topics.WINCH_STATE.name, topics.LOAD_CELL.name
-MRU = topics.MRU.name
+MRU, PRESSURE = topics.MRU.name, topics.UNIT_PRESSURE.name
 CABLE, CONTROLLER, DIAGNOSTICS = topics.CABLE_STATE.name, topics.CONTROLLER_STATE.name, topics.DIAGNOSTICS.name
 
 SELECTION: dict[str, tuple[str, ...]] = {
@@ -69,6 +70,7 @@ SELECTION: dict[str, tuple[str, ...]] = {
         "sensors",
     ),
     MRU: ("heave",),
+    PRESSURE: ("fluid_pressure",),
     DIAGNOSTICS: ("status[].level", "status[].name", "status[].message"),
 }
 """The topics and fields that KPIs and reports are made from."""
@@ -78,7 +80,6 @@ LONGEST_ARRAY = 4096
 ROOM = 16 << 20
 ROOM_PER_BYTE = 64
 """Bytes of messages that an analysis takes: so many, and so many for each byte of the bag. Runs need a tenth of it."""
-
 
 SHORTEST_WINDOW = 1.0
 """Figures over less than this after the transient would mean nothing [s]."""
@@ -150,7 +151,7 @@ def _name(path: Path) -> str:
 
 def _fill(record: RunRecord, fields: Mapping[str, Fields], parameters: NodeParameters) -> None:
     """Fill a record with what the topics tell."""
-    _fill_motion(record, fields)
+    _fill_motion(record, fields, parameters)
     _note_sources(record)
     _fill_winch(record, fields[WINCH])
     _fill_controller(record, fields[CONTROLLER])
@@ -206,9 +207,10 @@ def _best(record: RunRecord, name: str, known: Sequence[tuple[str, Signal]]) -> 
     return Signal()
 
 
-def _fill_motion(record: RunRecord, fields: Mapping[str, Fields]) -> None:
-    signals = record.signals
-    state = fields[CONTROLLER]
+def _fill_motion(record: RunRecord, fields: Mapping[str, Fields], parameters: NodeParameters) -> None:
+    signals, state = record.signals, fields[CONTROLLER]
+    pressure, payout = fields[PRESSURE].signal("fluid_pressure"), fields[WINCH].signal("encoder_payout")
+    depths = measured_height(pressure, payout, water_of(parameters.get("winch_controller", {})))
     signals.unit_heave = _best(
         record,
         "unit heave",
@@ -227,11 +229,10 @@ def _fill_motion(record: RunRecord, fields: Mapping[str, Fields]) -> None:
         "boom-tip heave",
         ((TRUE, fields[BOOM_TIP].signal("position.z")), (MEASURED, fields[MRU].signal("heave"))),
     )
-    signals.unit_height = fields[UNIT].signal("pose.pose.position.z")
-    force = fields[CABLE].signal("touchdown_force")
-    signals.touchdown = Signal(force.time, (force.value > 0.0).astype(float))
-    slack = fields[CABLE].signal("slack_segments")
-    signals.slack = Signal(slack.time, (slack.value > 0.0).astype(float))
+    heights = ((TRUE, fields[UNIT].signal("pose.pose.position.z")), (MEASURED, depths))
+    signals.unit_height = _best(record, "unit height", heights)
+    force, slack = (fields[CABLE].signal(name) for name in ("touchdown_force", "slack_segments"))
+    signals.touchdown, signals.slack = (Signal(one.time, (one.value > 0.0).astype(float)) for one in (force, slack))
     tensions = (
         (TRUE, fields[CABLE].signal("top_tension")),
         (MEASURED, fields[LOAD_CELL].signal("tension")),
@@ -271,8 +272,7 @@ def _fill_winch(record: RunRecord, winch: Fields) -> None:
 
 def _fill_controller(record: RunRecord, state: Fields) -> None:
     record.modes, record.waits = events.modes(state), events.waits(state)
-    names = state.texts("mode")
-    if names is not None:
+    if (names := state.texts("mode")) is not None:
         events.take_modes(record.signals, state.time, names)
     if record.signals.mode_changes.size:
         lost = [mode.start for mode in events.losses(record.modes)]

@@ -37,8 +37,7 @@ from pathlib import Path
 from typing import Any
 
 from heave_node.criteria import Criterion, parse_criterion
-from heave_node.files.bounded_yaml import YamlError, parse_yaml
-from heave_node.files.given_files import read_given
+from heave_node.files.stated_files import as_list, as_mapping, find_stated, read_stated, refuse_keys, scenario_of
 from heave_node.files.units import UNITS
 from heave_node.interface.faults import FAULTS
 from heave_node.parameters import Given, ParameterError
@@ -48,7 +47,8 @@ from heave_bringup.accept.procedure import BRAKE, COMMAND_LOSS, FAULTS_OF, Event
 from heave_bringup.accept.set_signal import KINDS
 from heave_bringup.pages.alarms import TABLES
 
-FOLDER = "procedures"
+FOLDER = Path(str(resources.files("heave_bringup"))) / "procedures"
+"""Of the procedures that come with the suite."""
 _AMOUNT = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 _KEYS = {"title", "scenario", "set", "signatures", "steps", "description"}
 _STEP_KEYS = {"name", "what", "winch", "run", "record", "event", "alarms", "wanted"}
@@ -64,19 +64,9 @@ class Limits:
     acceleration: float = math.nan
 
 
-def shipped_procedures() -> dict[str, Path]:
-    """Return the procedures that come with the suite, by name."""
-    folder = Path(str(resources.files("heave_bringup"))) / FOLDER
-    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
-
-
 def find_procedure(name: str) -> Path:
     """Return the file of the shipped procedure `name`, or the file `name`; raise ParameterError where neither is."""
-    shipped = shipped_procedures()
-    path = shipped.get(name, Path(name))
-    if not path.is_file():
-        raise ParameterError(f"{name}: no such procedure or file; shipped are: {', '.join(shipped)}")
-    return path
+    return find_stated(name, FOLDER, "procedure")
 
 
 @dataclass(frozen=True)
@@ -95,31 +85,18 @@ class Head:
     @property
     def scenario(self) -> str:
         """Shipped name or file; a file is found beside the procedure."""
-        named = str(self.content["scenario"])
-        beside = self.path.parent / named
-        return str(beside) if beside.suffix in (".yaml", ".yml") and beside.is_file() else named
+        return scenario_of(self.path, self.content)
 
     @property
     def settings(self) -> Mapping[str, object]:
         """Changes of the scenario, by place."""
-        return _mapping(self.content.get("set") or {}, f"{self.path}: set")
+        return as_mapping(self.content.get("set") or {}, f"{self.path}: set")
 
 
 def read_head(path: Path) -> Head:
     """Read the file of a procedure at `path`. Raises ParameterError, in one line, for what is wrong with it."""
-    try:
-        text = read_given(path)
-        content = parse_yaml(text, only_true_and_false=True)
-    except (OSError, ValueError) as error:
-        words = error if isinstance(error, YamlError) else " ".join(str(error).split())
-        raise ParameterError(f"{path}: {words}") from error
-    content = _mapping(content, str(path))
-    refuse_keys(content, _KEYS, str(path))
-    for needed in ("title", "scenario", "steps"):
-        if not content.get(needed):
-            raise ParameterError(f"{path}: {needed} is missing")
-    if not isinstance(content["steps"], list):
-        raise ParameterError(f"{path}: steps must be a list")
+    text, content = read_stated(path, _KEYS, ("title", "scenario", "steps"))
+    as_list(content["steps"], f"{path}: steps")
     return Head(path, text, content)
 
 
@@ -140,9 +117,7 @@ def read_procedure(head: Head, limits: Limits) -> Procedure:
     twice = next((step.name for step in steps if names.count(step.slug) > 1), None)
     if twice is not None:
         raise ParameterError(f"{head.path}: two steps are called {twice}")
-    signatures = head.content.get("signatures") or []
-    if not isinstance(signatures, list):
-        raise ParameterError(f"{head.path}: signatures must be a list")
+    signatures = as_list(head.content.get("signatures") or [], f"{head.path}: signatures")
     return Procedure(
         head.path,
         head.text,
@@ -156,7 +131,7 @@ def read_procedure(head: Head, limits: Limits) -> Procedure:
 
 
 def _step(entry: Any, where: str, limits: Limits) -> Step:
-    entry = _mapping(entry, where)
+    entry = as_mapping(entry, where)
     where = f"{where} ({entry['name']})" if entry.get("name") else where
     refuse_keys(entry, _STEP_KEYS, where)
     if not entry.get("name") or not entry.get("wanted"):
@@ -165,18 +140,18 @@ def _step(entry: Any, where: str, limits: Limits) -> Step:
         raise ParameterError(f"{where}: is a test of a winch or a run, not both")
     test: WinchTest | RunTest | None = None
     if "winch" in entry:
-        test = _winch_test(_mapping(entry["winch"], f"{where}: winch"), f"{where}: winch", limits)
+        test = _winch_test(as_mapping(entry["winch"], f"{where}: winch"), f"{where}: winch", limits)
     elif "run" in entry:
-        test = _run_test(_mapping(entry["run"] or {}, f"{where}: run"), f"{where}: run")
+        test = _run_test(as_mapping(entry["run"] or {}, f"{where}: run"), f"{where}: run")
     event = _event(entry["event"], f"{where}: event", test) if "event" in entry else None
-    record = _mapping(entry.get("record") or {}, f"{where}: record")
+    record = as_mapping(entry.get("record") or {}, f"{where}: record")
     refuse_keys(record, {"from", "to"}, f"{where}: record")
     window = tuple(amount(record.get(name, least), "time", f"{where}: record: {name}")
                    for name, least in (("from", 0.0), ("to", math.inf)))  # fmt: skip
     return Step(
         str(entry["name"]),
         str(entry.get("what", "")),
-        _criteria(_mapping(entry["wanted"], f"{where}: wanted"), where),
+        _criteria(as_mapping(entry["wanted"], f"{where}: wanted"), where),
         test,
         event,
         _alarms(entry.get("alarms") or [], where, event),
@@ -234,12 +209,12 @@ def _run_test(entry: Mapping[str, Any], where: str) -> RunTest:
     seed = entry.get("seed")
     if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int)):
         raise ParameterError(f"{where}: seed = {seed!r}: must be a whole number")
-    settings = _mapping(entry.get("set") or {}, f"{where}: set")
+    settings = as_mapping(entry.get("set") or {}, f"{where}: set")
     return RunTest(str(entry.get("scenario", "")), settings, times.get("duration"), times.get("transient"), seed)
 
 
 def _event(entry: Any, where: str, test: WinchTest | RunTest | None) -> Event:
-    entry = _mapping(entry, where)
+    entry = as_mapping(entry, where)
     refuse_keys(entry, _EVENT_KEYS, where)
     device, fault = entry.get("device", "winch"), entry.get("fault")
     if device not in FAULTS_OF:
@@ -285,16 +260,3 @@ def amount(given: Any, dimension: str, where: str, limits: Limits | None = None)
 
 def _listed(given: Any) -> list[Any]:
     return given if isinstance(given, list) else [given]
-
-
-def _mapping(value: Any, where: str) -> Mapping[str, Any]:
-    if not isinstance(value, Mapping):
-        raise ParameterError(f"{where}: must be a mapping, not {value!r}")
-    return value
-
-
-def refuse_keys(content: Mapping[str, object], known: set[str], where: str) -> None:
-    """Raise ParameterError, naming `where` it stands, for a key of `content` that is not `known`."""
-    unknown = sorted(str(key) for key in set(content) - known)
-    if unknown:
-        raise ParameterError(f"{where}: unknown key {unknown[0]}; known: {', '.join(sorted(known))}")

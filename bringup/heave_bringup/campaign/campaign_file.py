@@ -32,6 +32,7 @@ from pathlib import Path
 from typing import Any
 
 from heave_node.files.bounded_yaml import YamlError, parse_yaml
+from heave_node.files.stated_files import find_stated, refuse_keys
 from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.plan import Campaign, Link
@@ -46,12 +47,7 @@ _DRAW_KEYS = {"count", "seed", "method", "nominal", "uniform", "log_uniform", "c
 
 def find_campaign(name: str) -> Path:
     """Return the file of the shipped campaign `name`, or the file `name`; raise ParameterError where neither is."""
-    folder = Path(str(resources.files("heave_bringup"))) / "campaigns"
-    shipped = {path.stem: path for path in sorted(folder.glob("*.yaml"))}
-    path = shipped.get(name, Path(name))
-    if not path.is_file():
-        raise ParameterError(f"{name}: no such campaign or file; shipped are: {', '.join(shipped)}")
-    return path
+    return find_stated(name, Path(str(resources.files("heave_bringup"))) / "campaigns", "campaign")
 
 
 def read_campaign(path: Path) -> Campaign:
@@ -64,10 +60,10 @@ def read_campaign(path: Path) -> Campaign:
         raise ParameterError(f"{path}: {error}") from error
     if not isinstance(content, Mapping) or "scenario" not in content:
         raise ParameterError(f"{path}: must be a mapping with at least the key scenario")
-    _refuse_unknown(content, _KEYS, str(path))
+    refuse_keys(content, _KEYS, str(path))
     draw = content.get("draw") or {}
     try:
-        _refuse_unknown(_mapping(draw, "draw"), _DRAW_KEYS, f"{path}: draw")
+        refuse_keys(_mapping(draw, "draw"), _DRAW_KEYS, f"{path}: draw")
         return Campaign(
             path=path,
             scenario=str(content["scenario"]),
@@ -140,12 +136,6 @@ def _seeds(value: Any) -> tuple[int, ...]:
     if not seeds:
         raise ValueError("seeds must be a number of at least 1 or a list of seeds")
     return seeds
-
-
-def _refuse_unknown(content: Mapping[str, object], known: set[str], where: str) -> None:
-    unknown = sorted(set(content) - known)
-    if unknown:
-        raise ParameterError(f"{where}: unknown key {unknown[0]}; known: {', '.join(sorted(known))}")
 
 
 def campaign_of(scenario: str, vary: Sequence[str]) -> Campaign:

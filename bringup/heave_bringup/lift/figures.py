@@ -55,6 +55,27 @@ class Swing(NamedTuple):
 STILL = Swing(0.0, 0.1)
 
 
+class Motion(NamedTuple):
+    """How unit, cable and winch swing.
+
+    Attributes
+    ----------
+    tension, attachment : the top tension, and that at the unit [N]
+    unit : heave of the unit [m]
+    winch_speed, winch_acceleration : of compensation [m/s], [m/s^2]
+    """
+
+    tension: Swing
+    attachment: Swing
+    unit: Swing
+    winch_speed: Swing = STILL
+    winch_acceleration: Swing = STILL
+
+    def times(self, factor: float) -> Motion:
+        """Return the same motion a `factor` larger."""
+        return Motion(*(swing.times(factor) for swing in self))
+
+
 @dataclass(frozen=True)
 class Place:
     """A place on the way of a phase, and how unit and cable move there.
@@ -66,9 +87,7 @@ class Place:
     drag : of the mean motion, added to it: negative while lowering [N]
     weight : of the unit in water, which its attachment carries at rest [N]
     speed : mean speed of the unit, positive downwards [m/s]
-    tension, attachment : of the top tension, and of that at the unit [N]
-    unit : of the unit's heave [m]
-    winch_speed, winch_acceleration : of compensation [m/s], [m/s^2]
+    motion : about that
     """
 
     duration: float
@@ -76,26 +95,11 @@ class Place:
     drag: float
     weight: float
     speed: float
-    tension: Swing
-    attachment: Swing
-    unit: Swing
-    winch_speed: Swing = STILL
-    winch_acceleration: Swing = STILL
+    motion: Motion
 
 
-@dataclass(frozen=True)
-class Capacity:
-    """What the parts of the lift can carry; NaN: not stated.
-
-    Attributes
-    ----------
-    rope, winch, attachment : breaking force, rated pull, breaking force [N]
-    """
-
-    rope: float = math.nan
-    winch: float = math.nan
-    attachment: float = math.nan
-
+Capacity = Mapping[str, float]
+"""What the parts of the lift can carry [N], by the key of their safety factor."""
 
 Places = Sequence[Place]
 
@@ -138,6 +142,10 @@ def _largest(places: Places, swing: Callable[[Place], Swing], mean: Callable[[Pl
     )
 
 
+def _factor(capacity: Capacity, part: str, load: float) -> float:
+    return safety_factor(capacity.get(part, math.nan), load)
+
+
 def _two_sided(swing: Swing) -> Swing:
     return swing._replace(rate=2.0 * swing.rate)
 
@@ -148,27 +156,27 @@ def _no_mean(_: Place) -> float:
 
 def _sigma(places: Places) -> float:
     total = sum(one.duration for one in places)
-    return math.sqrt(sum(one.duration * one.unit.sigma**2 for one in places) / total)
+    return math.sqrt(sum(one.duration * one.motion.unit.sigma**2 for one in places) / total)
 
 
 def _amplification(places: Places, sign: float) -> float:
     return _largest(
         places,
-        lambda one: one.tension.times(1.0 / one.static),
+        lambda one: one.motion.tension.times(1.0 / one.static),
         lambda one: sign * (1.0 + one.drag / one.static),
     )
 
 
 def _load(places: Places) -> float:
-    return _largest(places, lambda one: one.tension, lambda one: one.static + one.drag)
+    return _largest(places, lambda one: one.motion.tension, lambda one: one.static + one.drag)
 
 
 def _slack(places: Places) -> float:
     """Return the share of time without tension at the top or the unit [%]; 0 where none is expected in the phase."""
     total = sum(one.duration for one in places)
     ends: tuple[tuple[Callable[[Place], Swing], Callable[[Place], float]], ...] = (
-        (lambda one: one.tension, lambda one: one.static + one.drag),
-        (lambda one: one.attachment, lambda one: one.weight + one.drag),
+        (lambda one: one.motion.tension, lambda one: one.static + one.drag),
+        (lambda one: one.motion.attachment, lambda one: one.weight + one.drag),
     )
     largest = 0.0
     for swing, mean in ends:
@@ -187,26 +195,26 @@ Formula = Callable[[Places, Capacity], float]
 PLANNED: Mapping[str, Formula] = {
     "dynamic_amplification": lambda places, _: _amplification(places, 1.0),
     "tension_ratio_min": lambda places, _: -_amplification(places, -1.0),
-    ROPE: lambda places, capacity: safety_factor(capacity.rope, _load(places)),
-    WINCH_PULL: lambda places, capacity: safety_factor(capacity.winch, _load(places)),
-    ATTACHMENT: lambda places, capacity: safety_factor(
-        capacity.attachment, _largest(places, lambda one: one.attachment, lambda one: one.weight + one.drag)
+    ROPE: lambda places, capacity: _factor(capacity, ROPE, _load(places)),
+    WINCH_PULL: lambda places, capacity: _factor(capacity, WINCH_PULL, _load(places)),
+    ATTACHMENT: lambda places, capacity: _factor(
+        capacity, ATTACHMENT, _largest(places, lambda one: one.motion.attachment, lambda one: one.weight + one.drag)
     ),
     "tension_max_n": lambda places, _: _load(places),
     "slack_percent": lambda places, _: _slack(places),
     "unit_sigma_m": lambda places, _: _sigma(places),
     "significant_residual_m": lambda places, _: 4.0 * _sigma(places),
-    "max_abs_heave_m": lambda places, _: _largest(places, lambda one: _two_sided(one.unit), _no_mean),
+    "max_abs_heave_m": lambda places, _: _largest(places, lambda one: _two_sided(one.motion.unit), _no_mean),
     "touchdown_speed_mps": lambda places, _: max(
-        one.speed + SIGNIFICANT * 2.0 * math.pi * one.unit.rate * one.unit.sigma for one in places
+        one.speed + SIGNIFICANT * 2.0 * math.pi * one.motion.unit.rate * one.motion.unit.sigma for one in places
     ),
     "winch_speed_max_mps": lambda places, _: _largest(
         places,
-        lambda one: one.winch_speed if one.speed else _two_sided(one.winch_speed),
+        lambda one: one.motion.winch_speed if one.speed else _two_sided(one.motion.winch_speed),
         lambda one: abs(one.speed),
     ),
     "winch_acceleration_max_mps2": lambda places, _: _largest(
-        places, lambda one: _two_sided(one.winch_acceleration), _no_mean
+        places, lambda one: _two_sided(one.motion.winch_acceleration), _no_mean
     ),
 }
 """What a plan predicts, by the key of the figure of a bag.

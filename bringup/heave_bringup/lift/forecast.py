@@ -20,12 +20,10 @@ import pandas
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 
-from heave_bringup.lift.limits import PeriodLimits
+from heave_bringup.lift.limits import PeriodLimits, planned_curve
 from heave_bringup.lift.plan import Phase, Plan
 from heave_bringup.operability.exposure import limit_at
 from heave_bringup.operability.record import HS, TP, SeaRecord, read_record
-
-GO, WAIT, NO_GO = "go", "wait", "no window"
 
 
 @dataclass(frozen=True)
@@ -35,14 +33,12 @@ class Window:
     Attributes
     ----------
     phase : its name
-    state : GO where nobody waits for it, WAIT where one does, NO_GO where the forecast has no window
     start : of it; None: there is no window
     waiting : before it [h]
     utilisation : largest forecast height over what is allowed, in its reference period; NaN without a window
     """
 
     phase: str
-    state: str
     start: pandas.Timestamp | None = None
     waiting: float = math.nan
     utilisation: float = math.nan
@@ -51,7 +47,6 @@ class Window:
         """Return it as plain data."""
         return {
             "phase": self.phase,
-            "state": self.state,
             "start": None if self.start is None else self.start.isoformat(),
             "waiting_h": self.waiting,
             "utilisation": self.utilisation,
@@ -72,24 +67,34 @@ def windows(plan: Plan, limits: Mapping[str, Sequence[PeriodLimits]], forecast: 
     Parameters
     ----------
     plan : of the lift
-    limits : of each phase by its name, one for each of the plan's periods
+    limits : of each phase by its name, by period
     forecast : with times
     """
+    step, times, clock = forecast.step, pandas.DatetimeIndex(forecast.states.index), 0.0
     used = {phase.name: _utilisation(plan, phase, limits[phase.name], forecast) for phase in plan.phases}
-    times, clock = pandas.DatetimeIndex(forecast.states.index), 0.0
     found: list[Window] = []
     for group in _groups(plan.phases):
-        start = _start(group, used, clock, forecast.step, plan.whole.contingency)
+        hours = np.cumsum([0.0, *(phase.duration / 3600.0 for phase in group)])
+        late = hours * (1.0 + plan.whole.contingency)
+
+        def worst(
+            number: int, start: float, group: list[Phase] = group, hours: Array = hours, late: Array = late
+        ) -> float:
+            """Return the largest share of what is allowed, from when a phase begins until it is over at the latest."""
+            of_phase = used[group[number].name]
+            first = math.floor((start + hours[number]) / step + 1e-9)
+            last = max(math.ceil((start + late[number + 1]) / step - 1e-9), 1)
+            return float(of_phase[first:last].max()) if last <= of_phase.size else math.inf
+
+        tried = (clock, *(step * n for n in range(math.floor(clock / step) + 1, times.size)))
+        start = next((at for at in tried if all(worst(n, at) <= 1.0 for n in range(len(group)))), None)
         if start is None:
-            left = plan.phases[len(found) :]
-            return [*found, *(Window(phase.name, NO_GO) for phase in left)]
-        waited, ends = start - clock, _ends(group, start, plan.whole.contingency)
-        for phase in group:
-            when = times[0] + pandas.Timedelta(hours=start)
-            worst = float(used[phase.name][_steps(start, ends[phase.name], forecast.step)].max())
-            found.append(Window(phase.name, WAIT if waited > 0.0 else GO, when, waited, worst))
-            start, waited = start + phase.duration / 3600.0, 0.0
-        clock = start
+            return [*found, *(Window(phase.name) for phase in plan.phases[len(found) :])]
+        for n, phase in enumerate(group):
+            waited = 0.0 if n else start - clock
+            when = times[0] + pandas.Timedelta(hours=start + hours[n])
+            found.append(Window(phase.name, when, waited, worst(n, start)))
+        clock = start + hours[-1]
     return found
 
 
@@ -99,12 +104,10 @@ def allowed(plan: Plan, phase: Phase, limits: Sequence[PeriodLimits], forecast: 
     Parameters
     ----------
     plan, phase : of the lift
-    limits : of the phase, one for each of the plan's periods
+    limits : of the phase, by period
     forecast : with times
     """
-    heights = [one.planned(phase)[0].height for one in limits]
-    curve = pandas.DataFrame({"period": [one.period for one in limits], "limit": heights})
-    return plan.whole.alpha * limit_at(curve, forecast.states[TP].to_numpy())
+    return plan.whole.alpha * limit_at(planned_curve(phase, limits), forecast.states[TP].to_numpy())
 
 
 def _utilisation(plan: Plan, phase: Phase, limits: Sequence[PeriodLimits], forecast: SeaRecord) -> Array:
@@ -132,31 +135,3 @@ def _groups(phases: Sequence[Phase]) -> list[list[Phase]]:
         else:
             groups.append([phase])
     return groups
-
-
-def _start(
-    group: Sequence[Phase], used: Mapping[str, Array], clock: float, step: float, contingency: float
-) -> float | None:
-    """Return when a group can begin [h after the first forecast]: now, or at a later step; None: never."""
-    count = len(next(iter(used.values())))
-    for start in (clock, *(step * n for n in range(math.floor(clock / step) + 1, count))):
-        at, is_good, ends = start, True, _ends(group, start, contingency)
-        for phase in group:
-            end = ends[phase.name]
-            is_good = is_good and end <= count * step + 1e-9
-            is_good = is_good and bool((used[phase.name][_steps(at, end, step)] <= 1.0).all())
-            at += phase.duration / 3600.0
-        if is_good:
-            return float(start)
-    return None
-
-
-def _ends(group: Sequence[Phase], start: float, contingency: float) -> dict[str, float]:
-    """Return when each phase of a group that begins at `start` is over at the latest: those before it late as well."""
-    hours = np.cumsum([phase.duration / 3600.0 for phase in group]) * (1.0 + contingency)
-    return {phase.name: start + float(after) for phase, after in zip(group, hours, strict=True)}
-
-
-def _steps(start: float, end: float, step: float) -> slice:
-    """Return the forecast steps that a window touches; a forecast holds from its time to the next."""
-    return slice(math.floor(start / step + 1e-9), max(math.ceil(end / step - 1e-9), 1))

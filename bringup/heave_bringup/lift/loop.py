@@ -1,14 +1,17 @@
 """The lift under compensation: a short run of the whole loop, from which standard deviations go with the wave height.
 
 The loop is nearly linear up to the limits of the winch, which are criteria of their own. One run at one place, near the
-limit, gives every signal over the heave of the boom tip in the same record: most of the scatter of a short record falls
-out.
+limit, gives every signal over the motion of the boom tip in the same record: speeds over its speed, accelerations over
+its acceleration, the rest over its heave. So most of the scatter of a short record falls out. The nominal winch, cable
+and sea are the true ones, so that the adviser has nothing to learn and is left out.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from heave_bags.analyse.events import COMPENSATES
@@ -16,11 +19,12 @@ from heave_node.numerics.arrays import Array
 from heave_node.scenario import WILDCARD
 
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
-from heave_bringup.lift.figures import STILL, Place, Swing
-from heave_bringup.lift.peaks import kurtosis
+from heave_bringup.lift.figures import STILL, Motion, Swing
 from heave_bringup.lift.plan import Plan
 from heave_bringup.lift.response import HEIGHT, OMEGAS, PhaseScene, phase_scene, swing
 from heave_bringup.settings import Setting
+
+T = TypeVar("T")
 
 SETTLE, MEASURE = 60.0, 120.0
 """Time before a record counts, and that of it that counts [s]."""
@@ -31,7 +35,9 @@ LEAST_ACTIVE = 0.98
 """Share of the record in which compensation must be active."""
 TRIES = 3
 SAME_LENGTH = 0.1
-"""Lengths that differ by no more than this share have the same run."""
+"""Lengths that differ by no more than this share have the same runs."""
+SWING = 0.3
+"""A swing goes from so far below to so far above the mean, over the standard deviation: noise does not."""
 
 
 @dataclass(frozen=True)
@@ -40,83 +46,52 @@ class Compensated:
 
     Attributes
     ----------
-    place : at Hs = 1 m; None: compensation was lost in every height that was tried
+    motion : at Hs = 1 m; None: compensation was lost in every height that was tried
     held : largest height at which it was seen to hold, where it was lost in a higher sea [m]; infinite: never lost
     share : of the boom tip's heave that is left at the top of the cable, by standard deviations [-]
     """
 
-    place: Place | None
+    motion: Motion | None
     held: float
     share: float = 1.0
 
 
-class Loops:
-    """The runs of the loop for one peak period: phases share those at nearly the same length.
+class Runs:
+    """What was found by runs, for one peak period: phases at nearly the same length of cable share it."""
+
+    def __init__(self) -> None:
+        self._known: list[tuple[object, float, object]] = []
+
+    def near(self, what: Callable[..., T], plan: Plan, scene: PhaseScene, length: float, *others: float) -> T:
+        """Return `what` of a `plan`, `scene`, `length` of cable [m] and `others`, or what was found of one like it."""
+        key = (what, scene.period, scene.phase.settings, scene.arm)
+        for other, at, found in self._known:
+            if other == key and abs(at - length) <= SAME_LENGTH * length:
+                return found  # type: ignore[return-value]  # of the same function
+        result = what(plan, scene, length, *others)
+        self._known.append((key, length, result))
+        return result
+
+
+def compensated(plan: Plan, scene: PhaseScene, length: float, measure: float = MEASURE) -> Compensated:
+    """Return how unit, cable and winch move at Hs = 1 m under compensation.
 
     Parameters
     ----------
-    plan : of the lift
+    plan, scene : of the phase
+    length : of cable out [m]
+    measure : time that counts [s]
     """
-
-    def __init__(self, plan: Plan) -> None:
-        self.plan = plan
-        self._known: list[tuple[object, float, Compensated]] = []
-        self._kurtoses: list[tuple[object, float, float]] = []
-
-    def kurtosis(self, scene: PhaseScene, length: float, height: float) -> float:
-        """Return the kurtosis of the tension with the winch locked, see `peaks`; phases at nearly one length share it.
-
-        Parameters
-        ----------
-        scene : of the phase
-        length : of cable out [m]
-        height : significant wave height [m]
-        """
-        key = (scene.period, scene.phase.settings, scene.arm)
-        for other, at, found in self._kurtoses:
-            if other == key and abs(at - length) <= SAME_LENGTH * length:
-                return found
-        self._kurtoses.append((key, length, kurtosis(scene, length, height)))
-        return self._kurtoses[-1][2]
-
-    def compensated(self, scene: PhaseScene, governing: Place, length: float, measure: float = MEASURE) -> Compensated:
-        """Return how unit, cable and winch move at Hs = 1 m under compensation.
-
-        Parameters
-        ----------
-        scene : of the phase
-        governing : the place of the phase with the winch locked that stands for it
-        length : of cable out there [m]
-        measure : time that counts [s]
-        """
-        key = (scene.period, scene.phase.settings, scene.arm)
-        for other, at, run in self._known:
-            if other == key and abs(at - length) <= SAME_LENGTH * length:
-                return _at(run, scene, governing)
-        run = self._run(scene, governing, length, measure)
-        self._known.append((key, length, run))
-        return run
-
-    def _run(self, scene: PhaseScene, governing: Place, length: float, measure: float) -> Compensated:
-        height = _height(scene)
-        for attempt in range(TRIES):
-            record = run_loop(self.plan, scene, length, height, SETTLE + measure)
-            works = np.isin(record.modes, COMPENSATES)[record.column("time") >= SETTLE]
-            if float(np.mean(works)) >= LEAST_ACTIVE:
-                tip, payout = (record.column(name, after=SETTLE) for name in ("boom_tip", "payout"))
-                share = float(np.std(tip - payout) / np.std(tip))
-                return Compensated(_measured(scene, record, governing), height if attempt else math.inf, share)
-            height *= 0.5
-        return Compensated(None, 0.0)
-
-
-def _at(run: Compensated, scene: PhaseScene, governing: Place) -> Compensated:
-    """Return what a `run` says of another phase: its motion, with the loads at rest of the `governing` place."""
-    if run.place is None:
-        return run
-    names = ("tension", "attachment", "unit", "winch_speed", "winch_acceleration")
-    moved = {name: getattr(run.place, name) for name in names}
-    return replace(run, place=replace(governing, duration=scene.phase.duration, **moved))
+    height = _height(scene)
+    for attempt in range(TRIES):
+        record = run_loop(plan, scene, length, height, SETTLE + measure)
+        works = np.isin(record.modes, COMPENSATES)[record.column("time") >= SETTLE]
+        if float(np.mean(works)) >= LEAST_ACTIVE:
+            tip, payout = (record.column(name, after=SETTLE) for name in ("boom_tip", "payout"))
+            share = float(np.std(tip - payout) / np.std(tip))
+            return Compensated(_measured(scene, record), height if attempt else math.inf, share)
+        height *= 0.5
+    return Compensated(None, 0.0)
 
 
 def run_loop(plan: Plan, scene: PhaseScene, length: float, height: float, duration: float, seed: int = 1) -> LoopRecord:
@@ -124,8 +99,7 @@ def run_loop(plan: Plan, scene: PhaseScene, length: float, height: float, durati
 
     Parameters
     ----------
-    plan : of the lift
-    scene : of the phase
+    plan, scene : of the phase
     length : of cable out [m]
     height : significant wave height [m]
     duration : simulated time [s]
@@ -144,7 +118,7 @@ def run_loop(plan: Plan, scene: PhaseScene, length: float, height: float, durati
     }
     settings = [Setting(node, name, value, "heave lift") for (node, name), value in values.items()]
     scenario = phase_scene(plan, scene.phase, scene.period, settings).scenario
-    return ClosedLoop(loop_parameters(scenario)).run()
+    return ClosedLoop(loop_parameters(scenario), has_adviser=False).run()
 
 
 def _height(scene: PhaseScene) -> float:
@@ -162,27 +136,24 @@ def most_height(period: float) -> float:
     return min(15.0, 0.09 * period**2)
 
 
-def _measured(scene: PhaseScene, record: LoopRecord, governing: Place) -> Place:
-    tip = record.column("boom_tip", after=SETTLE)
-    scale = swing(scene.density).sigma / float(np.std(tip))
-    time = record.column("time", after=SETTLE)
+def _measured(scene: PhaseScene, record: LoopRecord) -> Motion:
+    time, tip = (record.column(name, after=SETTLE) for name in ("time", "boom_tip"))
 
-    def of(name: str) -> Swing:
-        return _swing(record.column(name, after=SETTLE), float(time[1] - time[0])).times(scale)
+    def of(name: str, derivative: int = 0) -> Swing:
+        like, exact = tip, swing(scene.density * OMEGAS ** (2 * derivative))
+        for _ in range(derivative):
+            like = np.gradient(like, time)
+        found = swing_of(record.column(name, after=SETTLE), float(time[-1] - time[0]))
+        return found.times(exact.sigma / float(np.std(like)))._replace(width=exact.width if derivative else 1.0)
 
-    return replace(
-        governing,
-        duration=scene.phase.duration,
-        tension=of("top_tension"),
-        attachment=of("unit_tension"),
-        unit=of("unit"),
-        winch_speed=of("payout_rate")._replace(width=swing(scene.density * OMEGAS**2).width),
-        winch_acceleration=of("payout_acceleration")._replace(width=swing(scene.density * OMEGAS**4).width),
-    )
+    return Motion(of("top_tension"), of("unit_tension"), of("unit"), of("payout_rate", 1), of("payout_acceleration", 2))
 
 
-def _swing(values: Array, step: float) -> Swing:
-    sigma = float(np.std(values))
+def swing_of(values: Array, duration: float) -> Swing:
+    """Return how a signal of so long a `duration` [s] swings, from its samples: `values`. Noise on it is no swing."""
+    about = values - np.mean(values)
+    sigma = float(np.std(about))
     if sigma <= 0.0:
         return STILL
-    return Swing(sigma, float(np.std(np.diff(values))) / step / sigma / (2.0 * math.pi))
+    signs = np.sign(about[np.abs(about) > SWING * sigma])
+    return Swing(sigma, max(float(np.count_nonzero(np.diff(signs) > 0.0)), 1.0) / duration)

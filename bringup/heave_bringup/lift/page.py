@@ -12,8 +12,18 @@ from heave_bags.report.figure import LIMIT, OTHER, RUN_COLOURS, UNCOMPENSATED, U
 from heave_bags.report.report import place_figure, render_page, unbroken
 
 from heave_bringup.lift.forecast import allowed
+from heave_bringup.lift.limits import planned_curve
 from heave_bringup.lift.study import LiftStudy
-from heave_bringup.lift.tables import Table, judged_rows, limit_table, phase_table, planned_state, summary
+from heave_bringup.lift.tables import (
+    Table,
+    judged_rows,
+    limit_table,
+    phase_table,
+    planned_state,
+    summary,
+    weather_table,
+)
+from heave_bringup.operability.figures import HEIGHT_AXIS, PERIOD_AXIS, curve_traces
 from heave_bringup.operability.page_parts import table
 from heave_bringup.operability.record import HS
 
@@ -27,23 +37,26 @@ FOOTER = (
 def render(study: LiftStudy) -> str:
     """Return the page of a `study` as HTML."""
     drawn: list[Figure] = []
-    lines = summary(study)
-    is_bad = any(planned_state(study, phase) == FAILED for phase in study.plan.phases)
-    is_bad = is_bad or any(one.start is None for one in study.windows) or any(one.failures for one in study.built)
-    items = "".join(f"<li>{html.escape(unbroken(words))}</li>" for words in lines)
+    is_bad = bool(study.failures) or any(planned_state(study, phase) == FAILED for phase in study.plan.phases)
+    items = "".join(f"<li>{html.escape(unbroken(words))}</li>" for words in summary(study))
     body = [
         f"<h1>{html.escape(study.plan.title)}</h1>",
         f'<p class="lead">One lift, {"plan to as built" if study.built else "as planned"}</p>',
         f'<div class="verdict {"bad" if is_bad else "good"}"><ul>{items}</ul></div>',
         f"<h2>Phases at Hs {study.height:g} m, Tp {study.period:g} s</h2>",
-        _html(phase_table(study), texts=3),
-        "<h2>Largest Hs of each phase [m], and what ends it</h2>",
+        _html(phase_table(study), texts=4),
+        "<h2>Criteria</h2>",
+        _html(judged_rows(study), texts=4),
+        "<h2>Largest Hs of each phase, and what ends it</h2>",
         _html(limit_table(study), texts=4),
         place_figure(_limit_figure(study), drawn),
     ]
     if study.forecast is not None:
-        body += ["<h2>Forecast</h2>", place_figure(_forecast_figure(study), drawn)]
-    body += ["<h2>Criteria</h2>", _html(judged_rows(study), texts=4)]
+        body += [
+            "<h2>Forecast</h2>",
+            _html(weather_table(study), texts=2),
+            place_figure(_forecast_figure(study), drawn),
+        ]
     return render_page(study.plan.title, "\n".join(body), drawn, footer=FOOTER)
 
 
@@ -55,18 +68,10 @@ def _html(content: Table, *, texts: int) -> str:
 def _limit_figure(study: LiftStudy) -> Figure:
     """Return the limits of every phase, as it is planned."""
     colours = (*RUN_COLOURS, UNCOMPENSATED, OTHER)
-    traces: list[dict[str, Any]] = [
-        {
-            "name": phase.name,
-            "x": [one.period for one in study.limits[phase.name]],
-            "y": [round(one.planned(phase)[0].height, 3) for one in study.limits[phase.name]],
-            "mode": "lines+markers",
-            "line": {"color": colours[number % len(colours)], "width": 2.5},
-            "marker": {"size": 8},
-            "hovertemplate": "Tp %{x} s: Hs %{y} m<extra>" + html.escape(phase.name) + "</extra>",
-        }
-        for number, phase in enumerate(study.plan.phases)
-    ]
+    traces: list[dict[str, Any]] = []
+    for number, phase in enumerate(study.plan.phases):
+        curve = planned_curve(phase, study.limits[phase.name])
+        traces += curve_traces(phase.name, curve, colours[number % len(colours)])
     traces.append(
         {
             "name": "plan",
@@ -79,13 +84,10 @@ def _limit_figure(study: LiftStudy) -> Figure:
     )
     return Figure(
         "Largest sea of each phase",
-        "As planned, compensated or locked. The cross is the sea of the table of phases.",
+        "As planned, compensated or locked. The cross is the sea of the plan. An open triangle: nothing ends "
+        "the limit up to this height.",
         traces,
-        {
-            "xaxis": {"title": {"text": "peak period Tp [s]"}},
-            "yaxis": {"title": {"text": "significant wave height Hs [m]"}, "rangemode": "tozero"},
-            "hovermode": "closest",
-        },
+        {"xaxis": PERIOD_AXIS, "yaxis": HEIGHT_AXIS, "hovermode": "closest"},
         is_over_time=False,
     )
 

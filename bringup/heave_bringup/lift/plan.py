@@ -20,16 +20,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from heave_node.criteria import Criterion, parse_criterion
-from heave_node.files.bounded_yaml import parse_yaml
-from heave_node.files.given_files import read_given
+from heave_node.files.stated_files import as_list, as_mapping, find_stated, read_stated, refuse_keys, scenario_of
 from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL
 from heave_node.parameters import Given, ParameterError, build_parameters, check_ranges, parameter
 
 from heave_bringup.lift.figures import PLANNED
+from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting, make_setting
+
+P = TypeVar("P")
+
+FOLDER = Path(str(resources.files("heave_bringup"))) / "lifts"
+"""Of the plans that come with the suite."""
 
 AIR, SURFACE, WATER = "air", "surface", "water"
 """Where a phase takes place."""
@@ -149,101 +154,77 @@ class Plan:
     whole: PlanParameters
     phases: tuple[Phase, ...] = field(default_factory=tuple)
 
+    def with_settings(self, settings: Sequence[Setting] = ()) -> Scenario:
+        """Return the scenario of the lift, with further `settings`."""
+        return load_scenario(self.scenario, settings=[*self.settings, *settings])
 
-def shipped_plans() -> dict[str, Path]:
-    """Return the plans that come with the suite, by name."""
-    folder = Path(str(resources.files("heave_bringup"))) / "lifts"
-    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+    @property
+    def sea(self) -> tuple[float, float]:
+        """Hs [m] and Tp [s] in which loads are listed."""
+        sea = self.with_settings().parameters["wave_vessel"]
+        return self.whole.height or sea.significant_wave_height, self.whole.period or sea.peak_period
 
 
 def read_plan(name: str) -> Plan:
     """Return the shipped plan `name`, or that of the file; raise ParameterError, in one line, for what is wrong."""
-    shipped = shipped_plans()
-    path = shipped.get(name, Path(name))
-    if not path.is_file():
-        raise ParameterError(f"{name}: no such plan or file; shipped are: {', '.join(shipped)}")
-    try:
-        content = _mapping(parse_yaml(read_given(path), only_true_and_false=True), str(path))
-    except (OSError, ValueError) as error:
-        raise ParameterError(f"{path}: {' '.join(str(error).split())}") from error
-    _refuse_keys(content, _OF_PLAN, PlanParameters, str(path))
-    for needed in ("scenario", "phases"):
-        if not content.get(needed):
-            raise ParameterError(f"{path}: {needed} is missing")
-    if not isinstance(content["phases"], list):
-        raise ParameterError(f"{path}: phases must be a list")
-    scenario = str(content["scenario"])
-    beside = path.parent / scenario
+    path = find_stated(name, FOLDER, "plan")
+    _, content = read_stated(path, {*_OF_PLAN, *_names(PlanParameters)}, ("scenario", "phases"))
+    entries = as_list(content["phases"], f"{path}: phases")
     common = _criteria(content.get("wanted") or {}, str(path))
-    phases = tuple(_phase(entry, f"{path}: phase {n}", common) for n, entry in enumerate(content["phases"], 1))
+    phases = tuple(_phase(entry, f"{path}: phase {number}", common) for number, entry in enumerate(entries, 1))
     names = [phase.name for phase in phases]
     if twice := next((name for name in names if names.count(name) > 1), ""):
         raise ParameterError(f"{path}: two phases are called {twice}")
     return Plan(
         path,
         str(content.get("title") or path.stem),
-        str(beside) if beside.suffix in (".yaml", ".yml") and beside.is_file() else scenario,
+        scenario_of(path, content),
         _settings(content.get("set") or {}, f"{path}: set"),
-        build_parameters(PlanParameters, _own(content, PlanParameters), where=str(path)),
+        _own(content, PlanParameters, str(path)),
         phases,
     )
 
 
 def _phase(entry: Any, where: str, common: Mapping[str, Criterion]) -> Phase:
-    content = _mapping(entry, where)
+    content = as_mapping(entry, where)
     if not content.get("name"):
         raise ParameterError(f"{where}: name is missing")
     where = f"{where} ({content['name']})"
-    _refuse_keys(content, _OF_PHASE, PhaseParameters, where)
+    refuse_keys(content, {*_OF_PHASE, *_names(PhaseParameters)}, where)
     if "depth" not in content:
         raise ParameterError(f"{where}: depth is missing: the depths of the unit at start and end [m], as [20, 1400]")
-    does = build_parameters(PhaseParameters, _own(content, PhaseParameters), where=where)
+    does = _own(content, PhaseParameters, where)
     if does.duration == 0.0 and (does.speed == 0.0 or does.depth[0] == does.depth[1]):
         raise ParameterError(f"{where}: needs a duration [s], or a speed [m/s] and two depths that differ")
     own = _criteria(content.get("wanted") or {}, where)
-    settings = _settings(content.get("set") or {}, f"{where}: set")
-    phase = Phase(str(content["name"]), does, settings, ())
+    phase = Phase(str(content["name"]), does, _settings(content.get("set") or {}, f"{where}: set"), ())
     if phase.kind != WATER:
         if beyond := next((key for key in own if key not in LOADS), ""):
             raise ParameterError(f"{where}: wanted: {beyond} is known in water alone; here: {', '.join(LOADS)}")
         common = {key: one for key, one in common.items() if key in LOADS}
-    criteria = {**common, **own}
-    if not criteria:
+    if not (criteria := {**common, **own}):
         raise ParameterError(f'{where}: no criteria: add wanted, as in {{dynamic_amplification: "<= 1.3"}}')
-    phase = replace(phase, criteria=tuple(criteria.values()))
     if does.compensated and phase.kind == AIR:
         raise ParameterError(f"{where}: compensated: limits in air are those of the locked winch; leave it out")
-    return phase
+    return replace(phase, criteria=tuple(criteria.values()))
 
 
 def _criteria(wanted: Any, where: str) -> dict[str, Criterion]:
-    found = {}
-    for key, bound in _mapping(wanted, f"{where}: wanted").items():
-        criterion = parse_criterion(Given(bound, key, f"{where}: wanted"))
-        if criterion.kpi not in PLANNED:
-            raise ParameterError(
-                f"{where}: wanted: {criterion.kpi} is no figure that a plan predicts; it takes {', '.join(PLANNED)}"
-            )
-        found[criterion.kpi] = criterion
-    return found
+    where = f"{where}: wanted"
+    criteria = [parse_criterion(Given(bound, key, where)) for key, bound in as_mapping(wanted, where).items()]
+    if strange := next((one.kpi for one in criteria if one.kpi not in PLANNED), ""):
+        raise ParameterError(f"{where}: {strange} is no figure that a plan predicts; it takes {', '.join(PLANNED)}")
+    return {one.kpi: one for one in criteria}
 
 
 def _settings(values: Any, where: str) -> tuple[Setting, ...]:
-    return tuple(make_setting(place, value, f"{where}: {place}") for place, value in _mapping(values, where).items())
+    return tuple(make_setting(place, value, f"{where}: {place}") for place, value in as_mapping(values, where).items())
 
 
-def _own(content: Mapping[str, Any], kind: type) -> dict[str, object]:
-    """Return the values of the `content` that belong to the parameter set `kind`."""
-    return {one.name: content[one.name] for one in fields(kind) if one.name in content}
+def _names(kind: type) -> list[str]:
+    return [one.name for one in fields(kind)]
 
 
-def _mapping(value: Any, where: str) -> Mapping[str, Any]:
-    if not isinstance(value, Mapping):
-        raise ParameterError(f"{where}: must be a mapping, not {value!r}")
-    return value
-
-
-def _refuse_keys(content: Mapping[str, object], others: set[str], kind: type, where: str) -> None:
-    known: Sequence[str] = sorted({*others, *(one.name for one in fields(kind))})
-    if unknown := sorted(str(key) for key in content if key not in known):
-        raise ParameterError(f"{where}: unknown key {unknown[0]}; known: {', '.join(known)}")
+def _own(content: Mapping[str, Any], kind: type[P], where: str) -> P:
+    """Return the parameter set `kind` with its values of the `content`."""
+    return build_parameters(kind, {name: content[name] for name in _names(kind) if name in content}, where=where)

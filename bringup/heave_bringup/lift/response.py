@@ -13,15 +13,16 @@ from cable_sim_node.vertical.axial_line import AxialLine, AxialUnit, axial_line
 from cable_sim_node.vertical.linear import HeaveTransfer
 from cable_sim_node.vertical.random_sea import gaussian_drag, sea_transfer_function
 from heave_node.crane.kinematics import Crane
+from heave_node.loads.strength import Strength, strengths
 from heave_node.numerics.arrays import Array
-from heave_node.parameters import ParameterError
+from heave_node.parameters import ParameterError, flatten
 from heave_node.scenario import WILDCARD
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.sources.scene import Scene, build_scene
 
-from heave_bringup.lift.figures import GAUSSIAN, STILL, Place, Swing
+from heave_bringup.lift.figures import GAUSSIAN, STILL, Motion, Place, Swing
 from heave_bringup.lift.plan import AIR, Phase, Plan
-from heave_bringup.scenarios import Scenario, load_scenario
+from heave_bringup.scenarios import Scenario
 from heave_bringup.settings import Setting
 
 OMEGAS = np.linspace(0.15, 4.0, 250)
@@ -65,6 +66,11 @@ class PhaseScene:
         }
 
     @property
+    def strengths(self) -> tuple[Strength, ...]:
+        """What the parts of the lift can carry, as far as the scenario states it."""
+        return strengths(*(flatten(self.scenario.parameters[node]) for node in ("cable_sim", "virtual_winch")))
+
+    @property
     def plant(self) -> Any:
         """Parameters of cable and unit."""
         return self.scenario.parameters["cable_sim"]
@@ -93,7 +99,7 @@ def phase_scene(plan: Plan, phase: Phase, period: float, extra: Sequence[Setting
     """
     where = f"{plan.path}: {phase.name}"
     sea = [Setting(WILDCARD, HEIGHT, 1.0, where), Setting(WILDCARD, PERIOD, period, where)]
-    scenario = load_scenario(plan.scenario, settings=[*plan.settings, *phase.settings, *sea, *extra])
+    scenario = plan.with_settings([*phase.settings, *sea, *extra])
     first, last = phase.does.depth
     depths = np.linspace(first, last, PLACES if first != last else 1)
     lengths = depths + scenario.parameters["cable_sim"].boom_tip_height
@@ -139,28 +145,21 @@ def locked_places(scene: PhaseScene, height: float, kurtosis: float = GAUSSIAN) 
     kurtosis : of tension and motion
     """
     density = scene.density * height**2
-    duration = scene.phase.duration / scene.lengths.size
-    places = [_place(scene, float(length), density, duration) for length in scene.lengths]
-    return [
-        replace(
-            one, **{name: getattr(one, name)._replace(kurtosis=kurtosis) for name in ("tension", "attachment", "unit")}
-        )
-        for one in places
-    ]
+    return [_place(scene, float(length), density, kurtosis) for length in scene.lengths]
 
 
-def _place(scene: PhaseScene, length: float, density: Array, duration: float) -> Place:
+def _place(scene: PhaseScene, length: float, density: Array, kurtosis: float) -> Place:
     line, rate = scene.line(length), scene.phase.rate
     transfer = sea_transfer_function(line, length, OMEGAS, density, speed=abs(rate))
+    answers = (transfer.top_tension, _at_unit(line, transfer, density, abs(rate)), transfer.unit_heave)
+    swings = (swing(density * np.abs(answer) ** 2)._replace(kurtosis=kurtosis) for answer in answers)
     return Place(
-        duration=duration,
+        duration=scene.phase.duration / scene.lengths.size,
         static=static_tension(scene, length),
         drag=-math.copysign(_towed_drag(line, length) * rate**2, rate),
         weight=line.unit.weight,
         speed=rate,
-        tension=swing(density * np.abs(transfer.top_tension) ** 2),
-        attachment=swing(density * np.abs(_at_unit(line, transfer, density, abs(rate))) ** 2),
-        unit=swing(density * np.abs(transfer.unit_heave) ** 2),
+        motion=Motion(*swings),
     )
 
 

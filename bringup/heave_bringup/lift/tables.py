@@ -1,115 +1,86 @@
-"""The tables of a lift, for terminal and page: limits by phase and period, and phases as planned and as built."""
+"""The tables of a lift, for terminal and page: phases, weather, limits by period, criteria as planned and as built."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bags.analyse.verdict import FAILED, PASSED, Judged, required_words
-from heave_node.loads.strength import ROPE
 
-from heave_bringup.lift.as_built import AsBuilt
-from heave_bringup.lift.limits import Limit
-from heave_bringup.lift.plan import LOADS, WATER, Phase
+from heave_bringup.lift.limits import Limit, curve_of
+from heave_bringup.lift.plan import Phase
 from heave_bringup.lift.study import LiftStudy
-from heave_bringup.operability.limits import title_of
-
-TOUCHDOWN = "touchdown_speed_mps"
-SHOWN = ("dynamic_amplification", "tension_ratio_min", ROPE, "significant_residual_m", TOUCHDOWN)
-"""Figures of the table of phases."""
-HEADINGS = ("DAF", "Tmin / Tstatic", "rope factor", "residual cm", "touchdown m/s")
+from heave_bringup.operability.limits import limit_words, title_of
 
 Table = tuple[list[str], list[list[str]]]
 
 
-def limit_table(study: LiftStudy) -> Table:
-    """Return head and rows of the limits of a `study`."""
-    head = ["phase", "Tp s", "Hs m, compensated", "Hs m, locked"]
-    rows = []
-    for phase in study.plan.phases:
-        for place, one in enumerate(study.limits[phase.name]):
-            cells = [phase.name if place == 0 else "", f"{one.period:g}"]
-            rows.append([*cells, _limit(one.compensated), _limit(one.locked)])
-    return head, rows
-
-
-def _limit(limit: Limit | None) -> str:
-    if limit is None:
-        return "-"
-    return f"{limit.words} ({title_of(limit.governs)})" if limit.governs else limit.words
-
-
 def phase_table(study: LiftStudy) -> Table:
-    """Return head and rows of the phases of a `study`: figures in its sea, the weather, and below them the bag."""
-    head = ["phase", "winch", "depth m", "min", *HEADINGS, "verdict"]
-    head += ["start (UTC)", "wait h", "of allowed %"] if study.windows else []
-    built = {one.phase.name: one for one in study.built}
-    due = {one.phase: one for one in study.windows}
+    """Return head and rows of the phases of a `study`, with the verdicts on plan and bag."""
+    head = ["phase", "way", "planned", *(["as built"] if study.built else [])]
+    built = {one.phase.name: one.state for one in study.built}
     rows = []
     for phase in study.plan.phases:
-        row = [phase.name, _way(phase), _depths(phase), f"{phase.duration / 60.0:.0f}"]
-        row += [*_cells(phase, planned_values(study, phase)), planned_state(study, phase)]
-        if study.windows:
-            window = due[phase.name]
-            start = "none" if window.start is None else f"{window.start:%Y-%m-%d %H:%M}"
-            row += [start, _number(window.waiting, 1), _number(100.0 * window.utilisation, 0)]
-        rows.append(row)
-        if phase.name in built:
-            rows.append(_built_row(built[phase.name], len(head)))
+        depths = " to ".join(f"{depth:g}" for depth in dict.fromkeys(phase.does.depth))
+        winch = "compensated" if phase.does.compensated else "locked"
+        row = [phase.name, f"{depths} m, {phase.duration / 60.0:.0f} min, {winch}", planned_state(study, phase)]
+        rows.append([*row, *([built[phase.name]] if built else [])])
     return head, rows
-
-
-def _way(phase: Phase) -> str:
-    return "compensated" if phase.does.compensated else "locked"
-
-
-def _depths(phase: Phase) -> str:
-    return " to ".join(f"{depth:g}" for depth in dict.fromkeys(phase.does.depth))
-
-
-def planned_values(study: LiftStudy, phase: Phase) -> Mapping[str, float]:
-    """Return the figures of a `phase` of a `study` in its sea, the way that it is planned."""
-    return study.at_sea[phase.name].planned(phase)[1]
 
 
 def planned_state(study: LiftStudy, phase: Phase) -> str:
     """Return the verdict on a `phase` of a `study` in its sea, in a word."""
-    limit, _ = study.at_sea[phase.name].planned(phase)
-    return PASSED if study.height <= limit.height else FAILED
+    return PASSED if study.height <= study.planned(phase).height else FAILED
 
 
-def _built_row(built: AsBuilt, width: int) -> list[str]:
-    minutes = f"{(built.end - built.start) / 60.0:.0f}" if math.isfinite(built.start) else "-"
-    row = ["", "as built", "", minutes, *_cells(built.phase, built.values), built.state]
-    return [*row, *[""] * (width - len(row))]
-
-
-def _cells(phase: Phase, values: Mapping[str, float]) -> list[str]:
-    """Return the figures of a phase that are known where it takes place; a speed at touchdown only as a criterion."""
-    hidden = {TOUCHDOWN} - {one.kpi for one in phase.criteria} | (set() if phase.kind == WATER else {*SHOWN} - {*LOADS})
-    return ["-" if key in hidden else DEFINITION_OF[key].text(values.get(key, math.nan)) for key in SHOWN]
+def weather_table(study: LiftStudy) -> Table:
+    """Return head and rows of when the phases of a `study` can take place."""
+    rows = []
+    for one in study.windows:
+        start = "none" if one.start is None else f"{one.start:%Y-%m-%d %H:%M}"
+        rows.append([one.phase, start, _number(one.waiting, 1), _number(100.0 * one.utilisation, 0)])
+    return ["phase", "start (UTC)", "wait h", "of allowed %"], rows
 
 
 def _number(value: float, digits: int) -> str:
     return f"{value:.{digits}f}" if math.isfinite(value) else "-"
 
 
-def judged_rows(study: LiftStudy) -> Table:
-    """Return head and rows of every criterion of a `study`: required, planned, and reached in the bag."""
-    built = {one.phase.name: one for one in study.built}
-    head = ["phase", "criterion", "planned", *(["as built"] if built else [])]
+def limit_table(study: LiftStudy) -> Table:
+    """Return head and rows of the limits of a `study`."""
     rows = []
     for phase in study.plan.phases:
-        values = planned_values(study, phase)
-        for criterion in phase.criteria:
+        for number, one in enumerate(study.limits[phase.name]):
+            cells = [phase.name if number == 0 else "", f"{one.period:g}"]
+            rows.append([*cells, _words(one.period, one.compensated), _words(one.period, one.locked)])
+    return ["phase", "Tp s", "Hs m, compensated", "Hs m, winch locked"], rows
+
+
+def _words(period: float, limit: Limit | None) -> str:
+    if limit is None:
+        return "-"
+    (row,) = curve_of({period: limit}).to_dict("records")
+    return limit_words(row) + (f" ({title_of(limit.governs)})" if limit.governs else "")
+
+
+def judged_rows(study: LiftStudy) -> Table:
+    """Return head and rows of every criterion of a `study`: required, planned in its sea, and reached in the bag."""
+    built = {one.phase.name: one for one in study.built}
+    rows = []
+    for phase in study.plan.phases:
+        values = study.planned(phase).values
+        for number, criterion in enumerate(phase.criteria):
             planned = Judged(criterion, values.get(criterion.kpi, math.nan))
             cells = [phase.name, f"{title_of(criterion.kpi)} {required_words(criterion)}", planned.got]
             if built:
-                reached = [one for one in built[phase.name].judged if one.criterion == criterion]
-                cells.append(f"{reached[0].got}{'' if reached[0].is_met else ', MISSED'}" if reached else "-")
+                reached = built[phase.name].judged[number : number + 1]
+                cells += [_reached(one) for one in reached] or ["-"]
             rows.append(cells)
-    return head, rows
+    return ["phase", "criterion", "planned", *(["as built"] if built else [])], rows
+
+
+def _reached(one: Judged) -> str:
+    return one.got if one.is_met or math.isnan(one.value) else f"{one.got}, MISSED"
 
 
 def summary(study: LiftStudy) -> Sequence[str]:
@@ -117,14 +88,11 @@ def summary(study: LiftStudy) -> Sequence[str]:
     sea = f"Hs {study.height:g} m, Tp {study.period:g} s"
     failed = [phase.name for phase in study.plan.phases if planned_state(study, phase) == FAILED]
     lines = [f"plan in {sea}: {'beyond the limits in ' + ', '.join(failed) if failed else 'all phases within limits'}"]
-    if study.windows:
-        allowed = f"{100.0 * study.plan.whole.alpha:.0f} % of the limits"
+    if study.forecast is not None:
         missing = [one.phase for one in study.windows if one.start is None]
         waits = sum(one.waiting for one in study.windows if one.start is not None)
         verdict = f"NO-GO: no window for {', '.join(missing)}" if missing else f"GO after {waits:g} h of waiting"
-        assert study.forecast is not None
+        allowed = f"{100.0 * study.plan.whole.alpha:.0f} % of the limits"
         lines.append(f"forecast {study.forecast.name}, {allowed}: {verdict}")
-    for one in study.built:
-        lines += [f"as built, {words}" for words in ([one.phase.name + ": " + one.state] if not one.judged else [])]
-    missed = [words for one in study.built for words in one.failures]
-    return [*lines, *(f"as built, missed: {words}" for words in missed)]
+    lines += [f"as built, {one.phase.name}: {one.state}" for one in study.built if not one.judged]
+    return [*lines, *(f"as built, missed: {words}" for one in study.built for words in one.failures)]

@@ -43,7 +43,7 @@ def limit_figure(situation: Situation, record: SeaRecord | None) -> Figure:
         ("uncompensated", situation.locked_limit, UNCOMPENSATED),
         ("compensated", situation.limit, UNIT),
     ):
-        traces += _curve(name, curve, colour)
+        traces += curve_traces(name, curve, colour)
     return Figure(
         "Largest workable sea",
         "Mean over the seeds, with the confidence interval of the mean (90 %). An open triangle: the limit lies above "
@@ -68,8 +68,15 @@ def _cloud(record: SeaRecord) -> dict[str, Any]:
     }
 
 
-def _curve(name: str, curve: pandas.DataFrame, colour: str) -> list[dict[str, Any]]:
-    periods = curve["period"].tolist()
+def curve_traces(name: str, curve: pandas.DataFrame, colour: str) -> list[dict[str, Any]]:
+    """Return a limit curve as a line, with the band of its confidence.
+
+    Parameters
+    ----------
+    name : in the legend
+    curve : as `limit_curve` gives it
+    colour : of both
+    """
     band = curve[~curve["is_below"]].dropna(subset=["lower"])
     traces = []
     if not band.empty:
@@ -92,7 +99,7 @@ def _curve(name: str, curve: pandas.DataFrame, colour: str) -> list[dict[str, An
         *traces,
         {
             "name": name,
-            "x": periods,
+            "x": curve["period"].tolist(),
             "y": curve["limit"].where(~curve["is_below"], curve["at_most"]).tolist(),
             "text": [f"{limit_words(row)} m, ended by {title_of(row['governs'] or 'nothing')}" for row in rows],
             "hovertemplate": "Tp %{x} s: Hs %{text}<extra></extra>",

@@ -7,6 +7,7 @@ import math
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pandas
 from heave_bags.report.figure import Figure
@@ -148,7 +149,7 @@ def _section(
     title = html.escape(situation.name or "Limits")
     return [
         f"<h2>{title}</h2>",
-        _limits(situation),
+        table(*limit_rows(situation.limit, situation.locked_limit), texts=2),
         *(place_figure(figure, drawn) for figure in parts if figure is not None),
         _spells(situation),
         "<h3>Figures of merit over the seas</h3>",
@@ -156,18 +157,21 @@ def _section(
     ]
 
 
-def _limits(situation: Situation) -> str:
-    locked = situation.locked_limit.set_index("period")
+def limit_rows(limit: pandas.DataFrame, locked: pandas.DataFrame) -> tuple[list[str], list[list[str]]]:
+    """Return head and rows of the table of limits by period, for page and terminal.
+
+    Parameters
+    ----------
+    limit, locked : compensated and with the winch locked, as `limit_curve` gives them, for the same periods
+    """
+    head = ["Tp s", "ended by", "Hs m, compensated", "Hs m, winch locked"]
     rows = []
-    for row in situation.limit.to_dict("records"):
-        other = locked.loc[row["period"]].to_dict()
-        governs = title_of(str(row["governs"])) if row["governs"] else "-"
-        rows.append([f"{row['period']:g}", governs, _limit(row), _limit(other)])
-    head = ["Tp [s]", "ended by", "Hs, compensated [m]", "Hs, winch locked [m]"]
-    return table(head, rows, texts=2)
+    for row, other in zip(limit.to_dict("records"), locked.to_dict("records"), strict=True):
+        rows.append([f"{row['period']:g}", title_of(row["governs"] or "nothing"), _limit(row), _limit(other)])
+    return head, rows
 
 
-def _limit(row: Mapping[Hashable, object]) -> str:
+def _limit(row: Mapping[Hashable, Any]) -> str:
     """Return a limit, with its confidence interval in brackets where there is one."""
     spread = interval(row)
     return limit_words(row) + (f" ({spread})" if spread != "-" else "")

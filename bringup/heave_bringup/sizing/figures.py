@@ -8,7 +8,7 @@ from typing import Any
 
 from heave_bags.report.figure import LIMIT, OTHER, RUN_COLOURS, UNIT, Figure
 
-from heave_bringup.operability.figures import HEIGHT_AXIS, PERIOD_AXIS
+from heave_bringup.operability.figures import HEIGHT_AXIS, PERIOD_AXIS, curve_traces
 from heave_bringup.sizing.candidates import Particular
 from heave_bringup.sizing.study import Knee, Sized, sweep_of
 
@@ -77,15 +77,10 @@ def limits_figure(found: Sequence[Sized], particular: Particular) -> Figure:
     found : winches of a study, the scenario's own first
     particular : that was swept
     """
-    traces = [
-        _line(
-            f"{particular.text(one.winch.value(particular))} {particular.unit}",
-            one.limit["period"].tolist(),
-            one.limit["limit"].tolist(),
-            RUN_COLOURS[number % len(RUN_COLOURS)],
-        )
-        for number, one in enumerate(sweep_of(found, particular))
-    ]
+    traces = []
+    for number, one in enumerate(sweep_of(found, particular)):
+        name = f"{particular.text(one.winch.value(particular))} {particular.unit}"
+        traces += curve_traces(name, one.limit, RUN_COLOURS[number % len(RUN_COLOURS)])
     return Figure(
         f"Largest workable sea by {particular.name}",
         "Mean over the seeds.",

@@ -47,12 +47,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """List or show procedures, or run one and report, as `options` say."""
-    from heave_bringup.accept.procedure_file import find_procedure, read_head, shipped_procedures
+    from heave_node.files.stated_files import shipped_files
+
+    from heave_bringup.accept.procedure_file import FOLDER, find_procedure, read_head
     from heave_bringup.accept.session import Session
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import make_table, write_result
 
-    known = shipped_procedures()
+    known = shipped_files(FOLDER)
     if options.list:
         rows = [[name, str(read_head(path).content["title"])] for name, path in known.items()]
         write_result(options, make_table(("procedure", "title"), rows, texts=("title",)), dict(rows))

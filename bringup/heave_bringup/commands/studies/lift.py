@@ -32,13 +32,12 @@ def execute(options: argparse.Namespace) -> None:
     from heave_node.parameters import ParameterError
 
     from heave_bringup.errors import CommandError, VerdictError
-    from heave_bringup.lift.as_built import failures
     from heave_bringup.lift.forecast import read_forecast, warnings
     from heave_bringup.lift.page import render
     from heave_bringup.lift.plan import read_plan
-    from heave_bringup.lift.study import page_of, study_lift
-    from heave_bringup.lift.tables import judged_rows, limit_table, phase_table, summary
-    from heave_bringup.output import FittedTable, Part, check_output, warn, write_result
+    from heave_bringup.lift.study import study_lift
+    from heave_bringup.lift.tables import judged_rows, limit_table, phase_table, summary, weather_table
+    from heave_bringup.output import check_output, make_table, warn, write_result
 
     check_output("--report", options.report, (".html",))
     if options.processes is not None and options.processes < 1:
@@ -48,29 +47,22 @@ def execute(options: argparse.Namespace) -> None:
     if forecast is not None:
         warn(warnings(plan, forecast))
     record = None if options.bag is None else _record(options.bag)
-    warn([f"lift is experimental: compensated limits are not validated ({GUIDE})"])
+    if record is not None:
+        warn(record.remarks())
+    warn([f"lift is experimental: compensated limits are hardly validated ({GUIDE})"])
     study = study_lift(plan, processes=options.processes, forecast=forecast, record=record)
-    page = options.report or page_of(plan)
+    page = options.report or Path(f"{plan.path.stem}_lift.html")
     try:
         page.write_text(render(study), "utf-8")
     except OSError as error:
         raise CommandError(f"{page}: cannot be written: {error.strerror}") from error
-    phases, limits = phase_table(study), limit_table(study)
-    seen = f"they are in {page}"
-    parts: list[Part] = [
-        plan.title,
-        FittedTable(*limits, texts=("phase", "Hs m, compensated", "Hs m, locked"), elsewhere=seen),
-        FittedTable(
-            *phases, texts=("winch", "depth m", "verdict", "start (UTC)"), optional=("depth m", "min"), elsewhere=seen
-        ),
-        FittedTable(*judged_rows(study), texts=("phase", "criterion", "planned", "as built"), elsewhere=seen),
-        "\n".join(summary(study)),
-        f"report    {page}",
-    ]
-    write_result(options, parts, {**study.to_json(), "report": str(page)})
-    no_go = [f"{one.phase}: no window in the forecast" for one in study.windows if one.start is None]
-    if missed := [*no_go, *failures(study.built)]:
-        raise VerdictError(missed)
+    texts = ("way", "criterion", "planned", "as built", "start (UTC)", "Hs m, compensated", "Hs m, winch locked")
+    tables = [limit_table, phase_table, *([weather_table] if study.windows else []), judged_rows]
+    found = [make_table(*of(study), texts=texts) for of in tables]
+    ends = ["\n".join(summary(study)), f"report    {page}"]
+    write_result(options, [plan.title, *found, *ends], {**study.to_json(), "report": str(page)})
+    if study.failures:
+        raise VerdictError(study.failures)
 
 
 def _record(bag: Path) -> RunRecord:

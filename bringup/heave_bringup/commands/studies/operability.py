@@ -131,21 +131,13 @@ def _remarks(found: list[Situation], place: Place | None) -> list[str]:
 
 
 def _tables(found: list[Situation], place: Place | None) -> list[str | Table]:
-    from heave_bringup.operability.limits import interval, limit_words, title_of
-    from heave_bringup.operability.page import waits
+    from heave_bringup.operability.page import limit_rows, waits
     from heave_bringup.output import make_table
 
     parts: list[str | Table] = []
     for situation in found:
-        head = ["Tp s", "Hs m", "90 % sure", "ended by", "Hs m uncompensated"]
-        rows = []
-        for row, locked in zip(
-            situation.limit.to_dict("records"), situation.locked_limit.to_dict("records"), strict=True
-        ):
-            governs = title_of(str(row["governs"])) if row["governs"] else "nothing"
-            rows.append([f"{row['period']:g}", limit_words(row), interval(row), governs, limit_words(locked)])
-        parts += [situation.name, make_table(head, rows, texts=["ended by"])] if situation.name else []
-        parts += [] if situation.name else [make_table(head, rows, texts=["ended by"])]
+        limits = make_table(*limit_rows(situation.limit, situation.locked_limit), texts=["ended by"])
+        parts += [situation.name, limits] if situation.name else [limits]
         if place is not None and situation.exposure is not None and situation.locked_exposure is not None:
             parts.append(
                 f"workable seas of {place.record.name}: {100 * situation.exposure.share:.1f} % compensated, "
