@@ -16,12 +16,12 @@ from winch_controller_node.beliefs.quantities import DEPTH_SCALE, ENCODER_SCALE
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.modes import Mode
 
-from heave_bringup.whatif.answer import MODEL_LEAST, MODEL_MOST
+from heave_bringup.whatif.answer import MODEL_LEAST, MODEL_MOST, unit_motion
 from heave_bringup.whatif.identify.cable import CableFit, fit_cable
 from heave_bringup.whatif.identify.evidence import BEGINS, Evidence
 from heave_bringup.whatif.identify.prior import STIFFNESS, Prior, prior_of
 from heave_bringup.whatif.signals.disturbance import Disturbance, disturbance
-from heave_bringup.whatif.signals.record import SensorRecord, shortened
+from heave_bringup.whatif.signals.record import SensorRecord, shortened, without_move
 from heave_bringup.whatif.signals.tip import HighPass
 from heave_bringup.whatif.signals.tip_source import tip_source
 from heave_bringup.whatif.twin.again import Again, observed_again
@@ -125,7 +125,8 @@ class Known:
     @property
     def model(self) -> float:
         """Relative error of the twins in what they add to the record: what they left of it over what they explained."""
-        explained = float(np.std(self.past.plant.unit[self.window]))
+        moved = without_move(self.past.record.time, self.past.plant.unit + self.set_point, self.set_point)
+        explained = float(np.std(moved[self.window]))
         left = math.sqrt(max(self.left**2 - self.by_tip**2, 0.0))
         return min(max(left / max(explained, 1e-9), MODEL_LEAST), MODEL_MOST)
 
@@ -235,7 +236,7 @@ def _known(evidence: Evidence, again: Again, fit: CableFit, start: float) -> Kno
     window = slice(int(np.searchsorted(record.time, start)), record.ticks)
     off = locked(past, set_point)
     taut = (record.time >= evidence.start) & ~is_shaken
-    left = float(np.std(unexplained.heave[taut]))
+    left = float(np.std(without_move(record.time, unexplained.heave, set_point)[taut]))
     return Known(nominal, again, fit, past, unexplained, snapped, left, set_point, off, window, evidence)
 
 
@@ -272,7 +273,7 @@ def winch_moved(known: Known) -> bool:
 def off_sigma(known: Known) -> float:
     """Return the standard deviation of the unit with the winch locked, by what is `known` [m]."""
     unexplained = known.unexplained_in(known.off.payout)
-    return known.sigma(known.off.unit + known.off.set_point + unexplained.heave, unexplained)
+    return known.sigma(unit_motion(known.off, unexplained), unexplained)
 
 
 def _slow(payout: Array, tick_period: float) -> Array:

@@ -177,7 +177,9 @@ def _as_recorded(known: Known) -> Replayed:
         unit=past.plant.unit,
         tension=past.plant.tension,
         modes=record.modes,
+        alarms=known.again.alarms,
         limits_hit=record.limits_hit,
+        refused=known.again.refused,
     )
 
 

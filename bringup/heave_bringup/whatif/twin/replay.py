@@ -66,6 +66,7 @@ class Replayed:
     unit, tension : of the twin at each tick (n,) [m], [N]
     authority : authority of compensation (n,) [-]
     modes, alarms : of the controller in each tick; and time [s] and alarm
+    refused : requests of the operator that the controller did not take, in words
     limits_hit : of the winch in each tick, sums of WinchLimit (n,)
     order_error : largest difference of the rate set-point from that of the record so far (n,) [m/s]
     """
@@ -81,6 +82,7 @@ class Replayed:
     alarms: tuple[tuple[float, Alarm], ...]
     limits_hit: Flags
     order_error: Array
+    refused: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,7 @@ class Replay:
         self._differences = np.zeros((record.ticks, 6))
         self._payout, self._rate = payout, rate
         self.order_error = 0.0
+        self.refused = self._core.refused
 
     def step(self) -> tuple[Outputs, Array]:
         """Do one tick; return what the controller gave and the row of it, `COLUMNS` of them."""
@@ -241,6 +244,7 @@ def replay(
         alarms=tuple(alarms),
         limits_hit=limits.astype(int),
         order_error=errors,
+        refused=tuple(loop.refused),
     )
 
 
