@@ -24,7 +24,8 @@ class Again:
     Attributes
     ----------
     beliefs : of the adviser at the end; nominal where there was none
-    parted : time at which its orders or its mode are first other than those of the record [s]; infinite: never
+    parted : time at which its orders or its mode are first other than those of the record [s]; infinite: never; NaN:
+        not asked, as the record's controller was another one
     mode, was : mode there, and that of the record
     alarms : that it raised, with their times [s]
     refused : requests of the operator that it did not take, in words
@@ -54,6 +55,8 @@ def observed_again(
     parameters : nominal, of the run
     on_tick : called with the number of ticks that are done
     """
+    if not record.is_own:
+        return Again(Beliefs(asked=-1), math.nan)
     core = Core(record, parameters, has_adviser=record.has_adviser)
     parted, mode, was = math.inf, "", ""
     alarms: list[tuple[float, Alarm]] = []

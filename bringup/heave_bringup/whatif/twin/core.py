@@ -60,7 +60,7 @@ class Core:
         What came of a tick that is left out is that of the tick before, without its alarms.
         """
         tick = self._record.first + index
-        if self._outputs is not None and self._record.orders[index] is None:
+        if self._outputs is not None and self._record.is_own and self._record.orders[index] is None:
             self._controller.leave_out(tick)
             self._outputs = self._outputs._replace(alarms=(), observations=None)
             return self._outputs, None
