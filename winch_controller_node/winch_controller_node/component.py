@@ -413,7 +413,6 @@ class WinchController:
             depth_set_point=self._estimation.set_point,
             sensors=self.observer.states(tick),
         )
-        requests, self._requests = tuple(self._requests), []
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
         mode, make_report = decision.mode, partial(state_report, reported)
         alarms, authority = tuple(self._alarms), mode.authority
@@ -425,14 +424,15 @@ class WinchController:
             make_report,
             kpi,
             alarms,
-            requests,
+            self._take_requests(),
             observations,
         )
 
-    def leave_out(self, tick: int) -> None:
+    def leave_out(self, tick: int) -> tuple[str, ...]:
         """Let tick k pass, predicted: no readings were taken and no order was given, so the winch has kept the last.
 
-        What was measured meanwhile is given to the next `step`, which reports how many ticks were left out.
+        What was measured meanwhile is given to the next `step`, which reports how many ticks were left out. Returns
+        what an operator has requested since the tick before, in words.
         """
         shares, stands = self._command.last.shares, self._supervisor.landing.unit_stands
         self._estimation.step(tick, Measurements(), shares, unit_stands=stands)
@@ -440,6 +440,11 @@ class WinchController:
         self._winch.keep()
         self._estimation.log.break_record()
         self._next_tick = tick + 1
+        return self._take_requests()
+
+    def _take_requests(self) -> tuple[str, ...]:
+        requests, self._requests = tuple(self._requests), []
+        return requests
 
     def _observe(self, loop: LoopTick, winch: WinchReading | None, mode: ModeOutput) -> Observations | None:
         """Note the tick for the adviser; return the batch that it completes."""

@@ -60,11 +60,11 @@ class Core:
         What came of a tick that is left out is that of the tick before, without its alarms.
         """
         tick = self._record.first + index
+        self._obey(tick)
         if self._outputs is not None and self._record.is_own and self._record.orders[index] is None:
             self._controller.leave_out(tick)
             self._outputs = self._outputs._replace(alarms=(), observations=None)
             return self._outputs, None
-        self._obey(tick)
         self._outputs = outputs = self._controller.step(tick, given)
         observed = outputs.observations
         if observed is not None and self._adviser is not None:
@@ -80,7 +80,7 @@ class Core:
             self._speed = request if request.kind == SPEED else None if request.kind == NO_SPEED else self._speed
             try:
                 REPEATED[request.kind](self._controller, *request.values)
-            except ValueError as error:
+            except (ValueError, TypeError) as error:  # too few values, of a damaged record
                 self.refused.append(f"{tick * self._record.tick_period:.1f} s: {request.words}: {error}")
         if self._speed is not None:
             # a joystick states its speed again and again; where it is not taken, that was said with the first one
