@@ -1,13 +1,17 @@
 """`heave whatif`: only sensors are read, the same law gives it again, what cannot carry an answer is refused."""
 
+import contextlib
 import math
 import random
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
-from heave_bags.mcap.reader import Bag
+from heave_bags.mcap.reader import LOG_TIME, TIME, Bag
+from heave_bringup.errors import CommandError
+from heave_bringup.whatif import fitness
 from heave_bringup.whatif.asked import nominal_of
 from heave_bringup.whatif.known import learn
 from heave_bringup.whatif.signals.from_bag import (
@@ -15,10 +19,12 @@ from heave_bringup.whatif.signals.from_bag import (
     Gate,
     delivered,
     read_record,
+    requests_in,
     scenario_text,
     write_text,
 )
-from heave_bringup.whatif.study import answers, same_again
+from heave_bringup.whatif.signals.record import Loss, without_move
+from heave_bringup.whatif.study import answers, recorded, same_again
 from heave_bringup.whatif.twin.again import observed_again
 from heave_bringup.whatif.twin.replay import Asked, replay
 from heave_msgs.msg import WinchState
@@ -26,6 +32,8 @@ from heave_node.interface.sensors import WireReading
 from rclpy.serialization import deserialize_message, serialize_message
 from winch_controller_node.component import WinchController
 from winch_controller_node.interface.readings import Measurements
+from winch_controller_node.interface.requests import Request, request_of
+from winch_controller_node.supervision.modes import ModeError
 
 from tests.campaigns import whatif as campaign
 from tests.campaigns.in_process import heave, judge
@@ -152,15 +160,83 @@ def test_the_same_law_leaves_out_the_ticks_that_the_controller_left_out(calm_bag
     whole = read_record(Bag(calm_bag), nominal)
     controller, given, orders = WinchController(nominal, tick_period=whole.tick_period), [], []
     for tick, one in enumerate(whole.measurements, start=1):
+        if tick == 81:
+            controller.ask_for_mode("manual")
         if tick in (81, 82):
-            controller.leave_out(tick)
+            assert controller.leave_out(tick) == (("mode manual",) if tick == 81 else ())
             given.append(Measurements())
             orders.append(None)
         else:
             given.append(replace(one, mru=whole.measurements[tick - 2].mru + one.mru) if tick == 83 else one)
             orders.append(controller.step(tick, given[-1]).order)
-    record = replace(whole, measurements=tuple(given), orders=tuple(orders), has_adviser=False)
+    requests = {81: (Request("mode", ("manual",)),)}
+    record = replace(whole, measurements=tuple(given), orders=tuple(orders), requests=requests, has_adviser=False)
     assert observed_again(record, nominal).is_same
+
+
+def test_the_same_law_does_what_the_operator_had_requested(calm_bag, nominal):
+    whole = read_record(Bag(calm_bag), nominal)
+    controller = WinchController(nominal, tick_period=whole.tick_period)
+    acts = {
+        20: lambda: controller.ask_for_mode("manual"),
+        90: lambda: controller.ask_for_mode("standby"),
+        120: lambda: controller.ask_for_mode("constant_tension", 1234.56789),
+        125: lambda: controller.set_factor(0.123456789),
+        130: lambda: controller.ask_for_mode("manual"),
+    }
+    orders, requests = [], {}
+    for tick, one in enumerate(whole.measurements, start=1):
+        with contextlib.suppress(ModeError):
+            acts.get(tick, lambda: "")()
+            if 30 <= tick < 50 or 60 <= tick < 140:
+                controller.operate(0.1 + 1e-9 * tick)
+        done = controller.step(tick, one)
+        orders.append(done.order)
+        requests[tick] = tuple(map(request_of, done.requests))
+    kinds = [request.kind for of_tick in requests.values() for request in of_tick]
+    assert kinds == [
+        *("mode", "speed", "no speed", "speed", "mode", "no speed", "mode", "factor", "mode"),
+        *("speed", "no speed"),
+    ]
+    record = replace(whole, orders=tuple(orders), requests=requests, has_adviser=False)
+    assert max(abs(order.payout_rate) for order in orders) > 0.05
+    assert observed_again(record, nominal).is_same
+    assert not observed_again(replace(record, requests={}), nominal).is_same
+
+
+def test_requests_are_read_of_the_diagnostics_by_their_ticks():
+    said = ["t = 1.00 s: mode stopped; t = 1.05 s: factor 0.8, speed +0.2 m/s", "t = 1.05 s: fault of mru: gap", "ok"]
+    names = ["winch_controller: operator", "wave_vessel: operator", "winch_controller: mode"]
+    columns = {TIME: np.array([2.0]), LOG_TIME: np.array([2 * 10**9])}
+    for number, (name, words) in enumerate(zip(names, said, strict=True)):
+        columns |= {
+            f"status[{number}].level": np.array([0]),
+            f"status[{number}].name": np.array([name], dtype=object),
+            f"status[{number}].message": np.array([words], dtype=object),
+        }
+    assert requests_in(columns, TICK) == {
+        20: (Request("mode", ("stopped",)),),
+        21: (Request("factor", (0.8,)), Request("speed", (0.2,))),
+    }
+
+
+@pytest.mark.parametrize(
+    ("sensor", "words"),
+    [
+        ("encoder", "encoder was lost from 60.0 s to 70.0 s (frozen): what the drum did is not known there"),
+        ("depth", "depth was lost from 60.0 s to 70.0 s (frozen): the unit's motion is not known there; give --end 60"),
+        ("load_cell", ""),
+    ],
+)
+def test_a_record_in_which_the_controller_lost_a_sensor_is_refused_with_the_reason(
+    calm_bag, nominal, monkeypatch, sensor, words
+):
+    monkeypatch.setattr(fitness, "READ_SHARE", 0.0)
+    short = read_record(Bag(calm_bag), nominal)
+    many = {name: getattr(short, name) * 12 for name in ("measurements", "orders", "modes")}
+    record = replace(short, **many, losses=(Loss(sensor, 60.0, 70.0, "frozen"),))
+    with pytest.raises(CommandError, match=re.escape(words)) if words else contextlib.nullcontext():
+        fitness.check_record(record, 40.0, "bag")
 
 
 @pytest.mark.long
@@ -216,15 +292,32 @@ def test_an_answer_is_near_to_what_then_was():
 
 
 @pytest.mark.long
-def test_the_same_law_gives_the_record_again():
+def test_the_same_law_gives_the_record_again_with_what_its_operator_did():
     scenario = scenario_of(make_draw(0, 1), "mpc")
-    _, record = Recording(scenario).record()
+    recording = Recording(scenario)
+    controller, moves = recording.controller, {2000: 6.0, 2900: -9.0, 3000: None, 4200: 1.0}
+
+    def act(tick):
+        if 3400 <= tick < 3520 and tick % 4 == 0:
+            controller.operate(0.2 if tick < 3480 else 0.123456789)
+        if tick in moves:
+            move = moves[tick]
+            controller.cancel_move() if move is None else controller.move_to_depth(controller.depth + move, 0.3)
+
+    truth, record = recording.record(act)
     nominal = scenario.parameters["winch_controller"]
     known = learn(record, nominal, start=90.0)
+    assert np.ptp(record.set_points) > 6.0
     assert known.again.is_same
     assert same_again(known) == (0.0, 0.0)
-    own = Asked("own", nominal)
-    (answered,), closed = answers(known, [own]), replay(known.past, own)
+    # heave is without the move, as in the figures of a run
+    time, point = truth.column("time"), truth.column("depth_set_point")
+    sigma = np.std(without_move(time, truth.column("unit") + point, point)[known.window])
+    assert recorded(known).values["unit_sigma_m"] == pytest.approx(sigma, rel=0.1)
+    own, other = Asked("own", nominal), Asked("lqg", replace(nominal, law="lqg"))
+    (answered, moved), closed = answers(known, [own, other]), replay(known.past, own)
+    assert np.abs(moved.done.set_point - record.set_points)[known.window].max() < 0.05
+    assert moved.done.refused == ()
     # it is not closed for the answer: closing it gives nothing else
     assert np.array_equal(answered.done.unit, closed.unit)
     assert np.array_equal(answered.done.payout, closed.payout)

@@ -15,7 +15,7 @@ import argparse
 import math
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -29,6 +29,7 @@ from heave_bringup.whatif.signals.record import SensorRecord
 from heave_bringup.whatif.study import Answer, answers, recorded, same_again
 from heave_bringup.whatif.twin.replay import Asked
 from winch_controller_node.interface.readings import Measurements, Outputs
+from winch_controller_node.interface.requests import request_of
 
 from tests.campaigns.commit import commit_line
 
@@ -150,9 +151,14 @@ class Recording(ClosedLoop):
         self._given.append(given)
         return given
 
-    def record(self) -> tuple[LoopRecord, SensorRecord]:
-        """Run to the end; return the truth, and what a ship would have."""
-        truth = self.run(lambda _, outputs: self._outputs.append(outputs))
+    def record(self, act: Callable[[int], None] = lambda _: None) -> tuple[LoopRecord, SensorRecord]:
+        """Run to the end, after each tick with what an operator does (`act`); return truth, and what a ship has."""
+
+        def note(tick: int, outputs: Outputs) -> None:
+            self._outputs.append(outputs)
+            act(tick)
+
+        truth = self.run(note)
         done = self._outputs
         return truth, SensorRecord(
             self._dt,
@@ -161,6 +167,10 @@ class Recording(ClosedLoop):
             tuple(one.order for one in done),
             np.array([one.depth_set_point for one in done]),
             tuple(one.mode for one in done),
+            requests={
+                tick: tuple(found for words in one.requests if (found := request_of(words)))
+                for tick, one in enumerate(done, start=1)
+            },
         )
 
 

@@ -45,7 +45,7 @@ def test_an_operator_gets_no_more_than_the_share_and_stays_within_the_range(aske
             assert bounds.payout_minimum - 0.01 <= point.payout <= bounds.payout_maximum + 0.01
 
 
-def test_a_speed_is_told_when_it_begins_and_with_what_it_has_moved_when_it_ends():
+def test_each_speed_is_told_and_with_what_it_has_moved_when_it_ends():
     operator, told = OperatorSpeed(OperatorParameters(timeout=0.5), tick_period=DT), []
     bounds = OperatorRange(speed=0.6, acceleration=0.15, payout_minimum=-5.0, payout_maximum=5.0, lag=2.0)
     for second, speed in enumerate((0.2, 0.3, 0.0, -0.2, None)):
@@ -53,13 +53,18 @@ def test_a_speed_is_told_when_it_begins_and_with_what_it_has_moved_when_it_ends(
             if speed is not None:
                 operator.ask(speed)
             time = second + tick * DT
-            told += [(time, words) for words in operator.news(payout=2.0 * time)]
             operator.advance(MeanPayout(MoveParameters(), tick_period=DT).point, bounds)
-    over = "speed 0 m/s: the mean payout has moved by "
-    assert told[:3] == [(0.0, "speed +0.20 m/s"), (2.0, f"{over}+4.00 m"), (3.0, "speed -0.20 m/s")]
-    ((time, words),) = told[3:]
+            told += [(time, words) for words in operator.news(payout=2.0 * time)]
+    over = ": the mean payout has moved by "
+    assert told[:4] == [
+        (0.0, "speed +0.2 m/s"),
+        (1.0, "speed +0.3 m/s"),
+        (2.0, f"speed +0 m/s{over}+4.00 m"),
+        (3.0, "speed -0.2 m/s"),
+    ]
+    ((time, words),) = told[4:]
     assert time == pytest.approx(4.5, abs=2 * DT)
-    assert words.startswith(over)
+    assert words.startswith(f"no speed{over}")
 
 
 def test_a_speed_beyond_the_share_is_told_once_each_time_that_it_is_asked_for_anew():

@@ -30,6 +30,7 @@ from winch_controller_node.identification.late_commands import LateCommands
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.observations import Observations
 from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
+from winch_controller_node.interface.requests import DEPTH, DESIGN, FACTOR, HOLD, MODE, Request, stated
 from winch_controller_node.laws.constant_tension import TRAVEL
 from winch_controller_node.loop_command import LoopCommand, TickCommand
 from winch_controller_node.model.estimator import KalmanEstimator
@@ -198,6 +199,17 @@ class WinchController:
 
         Returns the mode taken in words, and what follows it. Raises ModeError, saying why, where it cannot be taken.
         """
+        request = Request(MODE, (name, stated(tension)) if tension else (name,))
+        try:
+            words = self._asked_mode(name, stated(tension))
+        except ModeError:
+            self._requests.append(f"{request.words}: refused")
+            raise
+        self._requests.append(request.words)
+        return words
+
+    def _asked_mode(self, name: str, tension: float) -> str:
+        """Take a mode as `ask_for_mode` does."""
         obstacle = self.modes.obstacle
         if name == Mode.COMPENSATING.value and self.mode not in (Mode.OFF, Mode.COMPENSATING) and obstacle:
             raise ModeError(f"mode {name} cannot begin now: {obstacle}")
@@ -215,8 +227,8 @@ class WinchController:
         """
         (info,) = (info for info in describe(WinchControllerParameters) if info.name == "factor")
         info.check(factor, where="winch_controller")
-        self.modes.set_factor(factor)
-        self._requests.append(f"factor {factor:g}")
+        self.modes.set_factor(stated(factor))
+        self._requests.append(Request(FACTOR, (factor,)).words)
 
     def move_to_depth(self, depth: float, speed: float = 0.0) -> None:
         """Move the unit to the mean depth [m] at no more than `speed` [m/s] (0: the default).
@@ -229,8 +241,8 @@ class WinchController:
             raise ModeError(f"a move needs mode compensating; the mode is {self.mode.value}")
         if not math.isfinite(depth):
             raise ModeError(f"a depth must be a number; got {depth} m")
-        self.move_to_payout(self._estimation.payout_at(depth), speed)
-        self._requests.append(f"depth {depth:.2f} m" + (f" at {speed:g} m/s" if speed > 0.0 else ""))
+        self.move_to_payout(self._estimation.payout_at(stated(depth)), stated(speed))
+        self._requests.append(Request(DEPTH, (depth, speed) if speed > 0.0 else (depth,)).words)
 
     def move_to_payout(self, payout: float, speed: float = 0.0) -> None:
         """Move the mean payout to `payout` [m] at no more than `speed` [m/s] (0: the default).
@@ -256,16 +268,22 @@ class WinchController:
             raise ModeError(f"an operator's speed needs mode compensating or manual; the mode is {self.mode.value}")
         if not math.isfinite(speed):
             raise ModeError(f"a speed must be a number; got {speed} m/s")
-        self._operator.ask(speed)
+        self._operator.ask(stated(speed))
+
+    def release_speed(self) -> None:
+        """Let the operator's speed lapse with the next tick."""
+        self._operator.release()
 
     def _follow_operator(self) -> None:
         """Drive the mean payout as the operator asks, and bring it to rest when that has lapsed."""
-        self._requests += self._operator.news(self.mean.point.payout)
-        if not self._operator.is_asked:
-            return
-        if self.mode not in OPERATED:
+        if self._operator.is_asked and self.mode in OPERATED:
+            self._drive_mean()
+        else:
             self._operator.drop()
-            return
+        self._requests += self._operator.news(self.mean.point.payout)
+
+    def _drive_mean(self) -> None:
+        """Drive the mean payout for a tick as the operator asks."""
         limits, shares = self._command.governor.limits, self.parameters.operator
         lowest, highest = self._command.payout_range()
         bounds = OperatorRange(
@@ -281,6 +299,8 @@ class WinchController:
 
     def cancel_move(self) -> None:
         """Bring the mean payout to rest smoothly."""
+        if self.mean.has_target:
+            self._requests.append(Request(HOLD).words)
         self.mean.stop()
 
     def skip_programme(self, time: float) -> None:
@@ -393,7 +413,6 @@ class WinchController:
             depth_set_point=self._estimation.set_point,
             sensors=self.observer.states(tick),
         )
-        requests, self._requests = tuple(self._requests), []
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
         mode, make_report = decision.mode, partial(state_report, reported)
         alarms, authority = tuple(self._alarms), mode.authority
@@ -405,14 +424,15 @@ class WinchController:
             make_report,
             kpi,
             alarms,
-            requests,
+            self._take_requests(),
             observations,
         )
 
-    def leave_out(self, tick: int) -> None:
+    def leave_out(self, tick: int) -> tuple[str, ...]:
         """Let tick k pass, predicted: no readings were taken and no order was given, so the winch has kept the last.
 
-        What was measured meanwhile is given to the next `step`, which reports how many ticks were left out.
+        What was measured meanwhile is given to the next `step`, which reports how many ticks were left out. Returns
+        what an operator has requested since the tick before, in words.
         """
         shares, stands = self._command.last.shares, self._supervisor.landing.unit_stands
         self._estimation.step(tick, Measurements(), shares, unit_stands=stands)
@@ -420,6 +440,11 @@ class WinchController:
         self._winch.keep()
         self._estimation.log.break_record()
         self._next_tick = tick + 1
+        return self._take_requests()
+
+    def _take_requests(self) -> tuple[str, ...]:
+        requests, self._requests = tuple(self._requests), []
+        return requests
 
     def _observe(self, loop: LoopTick, winch: WinchReading | None, mode: ModeOutput) -> Observations | None:
         """Note the tick for the adviser; return the batch that it completes."""
@@ -568,6 +593,8 @@ class WinchController:
         self._estimation.reset_readings()
         self._estimation.reset_sea()
         self._take_law()
+        sea = nominal.sea.significant_wave_height, nominal.sea.peak_period
+        self._requests.append(Request(DESIGN, (*sea, nominal.length)).words)
         return self.design
 
     def redesign(self, parameters: WinchControllerParameters) -> ControllerDesign:

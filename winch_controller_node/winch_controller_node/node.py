@@ -184,7 +184,7 @@ class WinchControllerNode(ParticipantNode):
     def on_left_out(self, tick: Tick) -> None:
         """See ParticipantNode: the estimate is predicted over a `tick` that is jumped over, and no command is given."""
         if self.is_active:
-            self.controller.leave_out(tick.number)
+            self._note_requests(tick, self.controller.leave_out(tick.number))
 
     def _hear(self, answer: Any) -> None:
         """Take an answer of the adviser; one that comes too late or makes no sense is refused and counted."""
@@ -209,8 +209,12 @@ class WinchControllerNode(ParticipantNode):
                 self._changes[time] = "{mode}: {reason}".format_map(alarm.values)
             else:
                 self._reported.setdefault(time, []).append(str(alarm))
-        if outputs.requests:
-            self.note_request(tick.time, ", ".join(outputs.requests))
+        self._note_requests(tick, outputs.requests)
+
+    def _note_requests(self, tick: Tick, requests: Sequence[str]) -> None:
+        """Keep for diagnostics what the controller found requested at a `tick`."""
+        if requests:
+            self.note_request(tick.time, ", ".join(requests))
 
     def on_exit(self) -> None:
         """End without waiting for a design that nobody takes any more."""

@@ -147,8 +147,18 @@ def happenings(record: RunRecord) -> list[Happening]:
     """Return what happened in the run `record`, in order: modes, harm, requests, landings, limits, faults, alarms."""
     found = [*_modes(record.modes), *_landings(record), *_limits(record.limits), *_faults(record)]
     found += [Happening(one.start, one.end, f"worse than off: {one.most}", 2) for one in worse_times(record)]
-    found += [Happening(one.start, one.end, f"operator: {one.name}") for one in record.requests]
+    found += _requests(record.requests)
     return sorted([*found, *_alarms(record.alarms)], key=lambda one: one.start)
+
+
+def _requests(requests: Sequence[Interval]) -> list[Happening]:
+    """Return what an operator has requested; of a joystick's speeds the first, and what ends the motion."""
+    found, drives = [], False
+    for one in requests:
+        drove, drives = drives, one.name.startswith("speed ") and not one.name.startswith("speed +0 m/s")
+        if not (drove and drives):
+            found.append(Happening(one.start, one.end, f"operator: {one.name}"))
+    return found
 
 
 def _faults(record: RunRecord) -> list[Happening]:

@@ -7,16 +7,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from heave_node.interface.codes import WinchLimit
+from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, WinchLimit
 from heave_node.kpi import efficiency, significant
 from heave_node.numerics.arrays import Array
-from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.whatif.signals.disturbance import Disturbance
+from heave_bringup.whatif.signals.record import without_move
 from heave_bringup.whatif.twin.replay import Replayed
 
-LOST = (Mode.FADE_OUT.value, Mode.STOPPING.value, Mode.STOPPED.value, Mode.EMERGENCY_STOP.value)
-"""Modes of a loop that has given up compensation."""
+MODES = (MODE_CHANGED, COMPENSATION_LOST)
+"""Codes of alarms that report a mode, and not why."""
 
 COVERED = 1.645
 """Half the width of a band of 90 % over a standard deviation."""
@@ -63,7 +63,7 @@ class Figures:
 
 def unit_motion(done: Replayed, unexplained: Disturbance) -> Array:
     """Return the heave of the unit about its mean depth at each tick [m]: of the twin as `done`, and `unexplained`."""
-    return np.asarray(done.unit + done.set_point + unexplained.heave)
+    return without_move(done.time, done.unit + done.set_point + unexplained.heave, done.set_point)
 
 
 def figures(
@@ -107,14 +107,11 @@ def figures(
 
 
 def lost(done: Replayed) -> tuple[float, str]:
-    """Return when a loop, as `done`, gave up compensation that had begun [s], and by which alarm; infinite: never."""
-    has_begun = False
-    for index, mode in enumerate(done.modes):
-        has_begun |= mode == Mode.COMPENSATING.value
-        if has_begun and mode in LOST:
-            time = done.time[index]
-            near = [alarm.brief for at, alarm in done.alarms if abs(at - time) < 1.0]
-            return float(time), near[0] if near else mode
+    """Return when a loop, as `done`, gave up compensation unrequested [s], and by which alarm; infinite: never."""
+    for time, lost_one in done.alarms:
+        if lost_one.code == COMPENSATION_LOST:
+            near = [one for at, one in done.alarms if abs(at - time) < 1.0 and one.code not in MODES]
+            return time, near[0].brief if near else str(lost_one.values["reason"])
     return math.inf, ""
 
 

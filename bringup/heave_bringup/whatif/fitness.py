@@ -32,6 +32,16 @@ POOR_CHI2 = 1.5
 WIDE = 0.05
 """Half width of a band of the efficiency above which a report warns [-]."""
 
+NEEDED = {
+    "mru": "the boom tip's motion is not known",
+    "depth": "the unit's motion is not known",
+    "encoder": "what the drum did is not known",
+}
+"""Sensors that every answer needs, and why."""
+
+LOST = 1.0
+"""Longest time without one of them that is bridged [s]."""
+
 SAME_PAYOUT = 1e-3
 """Error of payout up to which the same law gives the record again [m]."""
 
@@ -66,6 +76,12 @@ def check_record(record: SensorRecord, start: float, where: str) -> None:
         raise CommandError(
             f"{where}: the encoder was lost in {silent} of {record.ticks} ticks: the payout is not known"
         )
+    for loss in sorted(record.losses, key=lambda one: one.start):
+        if loss.sensor in NEEDED and min(loss.end, record.time[-1]) - max(loss.start, start) > LOST:
+            raise CommandError(
+                f"{where}: {loss.sensor} was lost from {loss.start:.1f} s to {loss.end:.1f} s ({loss.reason}): "
+                f"{NEEDED[loss.sensor]} there; give --end {loss.start:.0f}"
+            )
     held = Mode.CONSTANT_TENSION.value
     if held in record.modes:
         time = float(record.time[record.modes.index(held)])
@@ -102,14 +118,16 @@ def reported(known: Known) -> list[tuple[str, bool, str]]:
     limits = record.limits_hit[window] & int(~WinchLimit.PAYOUT)
     reached, moved = bool(np.any(limits)), winch_moved(known)
     plant = f"inertia to {100.0 * fit.sigma(INERTIA):.1f} %, chi2 {fit.chi2:.1f}"
-    winch = "it answered orders" if moved else "it stood still"
+    still = "it stood still" if record.has_orders else "its orders are not in the record"
+    winch = "it answered orders" if moved else still
     if moved and not known.again.beliefs.values:
         winch += ", as nominal"
+    unhit = "they were never reached" if record.is_own else "nothing reports them"
     return [
         ("cable and unit", fit.tells(INERTIA), plant),
         ("damping", fit.tells(DAMPING), f"to {100.0 * fit.sigma(DAMPING):.0f} %"),
         ("winch", moved, winch),
-        ("winch limits", reached, "they were reached" if reached else "they were never reached"),
+        ("winch limits", reached, "they were reached" if reached else unhit),
     ]
 
 
@@ -126,18 +144,29 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             f"the cable was slack at its lower end from {known.fit.end:.0f} s on: cable and unit are identified "
             "before, and what the snap left is taken out of other laws"
         )
-    if not known.again.is_same:
+    record = known.past.record
+    if not record.has_orders:
+        lines.append(
+            "the record has no orders to the winch: its lag, delay and limits are those assumed, and spread as a data "
+            "sheet leaves them"
+        )
+    if not record.is_own:
+        lines.append("the record does not say what its operator requested: other laws stay at the depth of its start")
+    elif not known.again.is_same:
         lines.append(
             f"the same law parts from the record at {known.again.parted:.1f} s (mode {known.again.mode}, recorded "
-            f"{known.again.was or 'unknown'}): an operator, a lost message, or another version"
+            f"{known.again.was or 'unknown'}): a lost message, or another version"
         )
     is_reached = next(is_reported for of, is_reported, _ in reported(known) if of == "winch limits")
     for answer in answers:
+        refused = [one for one in answer.done.refused if one not in known.again.refused]
+        if refused:
+            lines.append(f"{answer.asked.name}: does not take what the operator requested: {refused[0]}")
         limit = answer.figures.values["time_at_limit_percent"]
         if limit > 0.0 and not is_reached:
             lines.append(
                 f"{answer.asked.name}: at the winch's limits for {limit:.1f} % of the time, by limits that are "
-                "assumed: the record never reached them"
+                "assumed: the record does not show them"
             )
         low, high = answer.figures.bands["unit_efficiency"]
         if high - low > 2.0 * WIDE:

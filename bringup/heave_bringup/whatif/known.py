@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
+from heave_bags.analyse.reading.depth_programme import running_mean
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
 from winch_controller_node.beliefs.beliefs import Beliefs, parameters_under
@@ -16,12 +17,12 @@ from winch_controller_node.beliefs.quantities import DEPTH_SCALE, ENCODER_SCALE
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.modes import Mode
 
-from heave_bringup.whatif.answer import MODEL_LEAST, MODEL_MOST
+from heave_bringup.whatif.answer import MODEL_LEAST, MODEL_MOST, unit_motion
 from heave_bringup.whatif.identify.cable import CableFit, fit_cable
 from heave_bringup.whatif.identify.evidence import BEGINS, Evidence
 from heave_bringup.whatif.identify.prior import STIFFNESS, Prior, prior_of
 from heave_bringup.whatif.signals.disturbance import Disturbance, disturbance
-from heave_bringup.whatif.signals.record import SensorRecord, shortened
+from heave_bringup.whatif.signals.record import SensorRecord, shortened, without_move
 from heave_bringup.whatif.signals.tip import HighPass
 from heave_bringup.whatif.signals.tip_source import tip_source
 from heave_bringup.whatif.twin.again import Again, observed_again
@@ -125,7 +126,8 @@ class Known:
     @property
     def model(self) -> float:
         """Relative error of the twins in what they add to the record: what they left of it over what they explained."""
-        explained = float(np.std(self.past.plant.unit[self.window]))
+        moved = without_move(self.past.record.time, self.past.plant.unit + self.set_point, self.set_point)
+        explained = float(np.std(moved[self.window]))
         left = math.sqrt(max(self.left**2 - self.by_tip**2, 0.0))
         return min(max(left / max(explained, 1e-9), MODEL_LEAST), MODEL_MOST)
 
@@ -231,11 +233,12 @@ def _known(evidence: Evidence, again: Again, fit: CableFit, start: float) -> Kno
         again.beliefs.value(ENCODER_SCALE, nominal),
         evidence.depth_scale,
     )
-    set_point = np.where(np.isfinite(record.set_points), record.set_points, _slow(winch.payout, dt))
+    is_known = np.isfinite(record.set_points)
+    set_point = np.where(is_known, record.set_points, mean_payout(record.time, winch.payout, tip.heave))
     window = slice(int(np.searchsorted(record.time, start)), record.ticks)
     off = locked(past, set_point)
     taut = (record.time >= evidence.start) & ~is_shaken
-    left = float(np.std(unexplained.heave[taut]))
+    left = float(np.std(without_move(record.time, unexplained.heave, set_point)[taut]))
     return Known(nominal, again, fit, past, unexplained, snapped, left, set_point, off, window, evidence)
 
 
@@ -265,21 +268,32 @@ def other_plants(known: Known, seed: int) -> list[Known]:
 
 
 def winch_moved(known: Known) -> bool:
-    """Return whether the winch of what is `known` has moved in the window, so that its answer to orders was seen."""
-    return float(np.std(known.past.winch.rate[known.window])) > MOVES
+    """Return whether the winch of what is `known` has moved in the window by orders, so that its answer was seen."""
+    return known.past.record.has_orders and float(np.std(known.past.winch.rate[known.window])) > MOVES
 
 
 def off_sigma(known: Known) -> float:
     """Return the standard deviation of the unit with the winch locked, by what is `known` [m]."""
     unexplained = known.unexplained_in(known.off.payout)
-    return known.sigma(known.off.unit + known.off.set_point + unexplained.heave, unexplained)
+    return known.sigma(unit_motion(known.off, unexplained), unexplained)
 
 
-def _slow(payout: Array, tick_period: float) -> Array:
-    """Return the mean payout of a record whose controller did not say it: its mean over a minute."""
-    half = max(1, round(30.0 / tick_period))
-    about = np.ones(2 * half + 1)
-    return np.asarray(np.convolve(payout, about, "same") / np.convolve(np.ones_like(payout), about, "same"))
+def mean_payout(time: Array, payout: Array, heave: Array) -> Array:
+    """Return the payout about which a drum has worked, where no controller states it: that which no wave moves [m].
+
+    What follows the boom tip is taken out first, by a running regression: else waves at the ends of a record would
+    move the mean.
+
+    Parameters
+    ----------
+    time : of each tick (n,) [s]
+    payout : (n,) [m]
+    heave : of the boom tip (n,) [m]
+    """
+    mean = partial(running_mean, time)
+    moved, waves = payout - mean(payout), heave - mean(heave)
+    share = mean(moved * waves) / np.maximum(mean(waves**2), 1e-12)
+    return mean(payout - share * heave)
 
 
 def show_some(show: Show, words: str, done: int, of: int) -> None:

@@ -12,6 +12,7 @@ from heave_node.numerics.arrays import Array
 
 from heave_bringup.whatif.answer import unit_motion
 from heave_bringup.whatif.fitness import warnings
+from heave_bringup.whatif.signals.record import without_move
 from heave_bringup.whatif.words import Result, causes, check_line, headings, identified_rows, report_line, rows
 
 FOOTER = (
@@ -59,7 +60,7 @@ def _unit(result: Result) -> Figure:
     known = result.known
     was = known.past.plant.unit + known.set_point + known.unexplained.heave
     drawn = [
-        ("recorded", was),
+        ("recorded", without_move(known.past.record.time, was, known.set_point)),
         *((one.asked.name, unit_motion(one.done, known.unexplained_in(one.done.payout))) for one in result.answers),
     ]
     moved = [(name, CM * (values - values.mean())) for name, values in drawn]

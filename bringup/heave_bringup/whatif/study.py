@@ -177,7 +177,9 @@ def _as_recorded(known: Known) -> Replayed:
         unit=past.plant.unit,
         tension=past.plant.tension,
         modes=record.modes,
+        alarms=known.again.alarms,
         limits_hit=record.limits_hit,
+        refused=known.again.refused,
     )
 
 
@@ -186,11 +188,14 @@ def same_again(known: Known, *, show: Show = quiet) -> tuple[float, float]:
 
     `known` is by the record; `show` is called with what is done, and the share of it.
 
-    Orders that are those of the record give its readings, and its payout, to the last bit.
+    Orders that are those of the record give its readings, and its payout, to the last bit. NaN: not asked, as the
+    record's controller was another one.
     """
     record = known.past.record
     if known.again.is_same:
         return 0.0, 0.0
+    if not record.is_own:
+        return math.nan, math.nan
     words, ticks = "the same law again, closed", record.ticks
     asked = Asked(words, known.nominal, None, record.has_adviser)
     done = replay(known.past, asked, on_tick=lambda tick: show_some(show, words, tick, ticks))

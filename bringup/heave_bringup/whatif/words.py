@@ -55,7 +55,8 @@ def headings() -> list[str]:
 
 def rows(result: Result) -> list[list[str]]:
     """Return the rows of the table of a `result`: the record itself, then what would have been."""
-    found = [["recorded", *(banded(key, result.recorded) for key in BRIEF), _limits(result.recorded), "-"]]
+    limits = _limits(result.recorded) if result.known.past.record.is_own else "-"
+    found = [["recorded", *(banded(key, result.recorded) for key in BRIEF), limits, "-"]]
     for answer in result.answers:
         cells = [banded(key, answer.figures) for key in BRIEF]
         found.append([answer.asked.name, *cells, _limits(answer.figures), f"{100.0 * answer.fade_out:.0f} %"])
@@ -68,12 +69,18 @@ def _limits(figures: Figures) -> str:
 
 def check_line(result: Result) -> str:
     """Return the line of the check that comes first in a `result`: the same law again."""
+    past, sigma_of_unit = result.known.past, 1e3 * result.known.unexplained.waves
+    if not past.record.is_own:
+        return (
+            "same law again: not asked, the record is of another controller; twin of the unit within "
+            f"{sigma_of_unit:.1f} mm of the depth (sigma)"
+        )
     sigma, largest = result.payout_error
     verdict = "gives the record again" if largest <= SAME_PAYOUT else "DOES NOT GIVE THE RECORD AGAIN"
     return (
         f"same law again: {verdict}: payout within {1e3 * largest:.2f} mm (sigma {1e3 * sigma:.2f} mm); model of the "
-        f"winch alone within {1e3 * result.known.past.winch.error:.1f} mm of the encoder, twin of the unit within "
-        f"{1e3 * result.known.unexplained.waves:.1f} mm of the depth (both sigma)"
+        f"winch alone within {1e3 * past.winch.error:.1f} mm of the encoder, twin of the unit within "
+        f"{sigma_of_unit:.1f} mm of the depth (both sigma)"
     )
 
 

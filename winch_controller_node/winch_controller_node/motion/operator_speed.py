@@ -9,6 +9,7 @@ import numpy as np
 from heave_node.interface.alarm import Alarm
 
 from winch_controller_node.interface.alarms import ALARMS
+from winch_controller_node.interface.requests import NO_SPEED, SPEED, Request
 from winch_controller_node.motion.trajectory import MovePoint, approach_speed
 from winch_controller_node.parameters.laws import OperatorParameters
 
@@ -58,6 +59,7 @@ class OperatorSpeed:
         self._asked = 0.0
         self._age = math.inf
         self._is_limit_reported = False
+        self._reported: float | None = None
         self._begun_at: float | None = None
 
     @property
@@ -74,21 +76,28 @@ class OperatorSpeed:
         """Discard the request."""
         self._asked, self._age = 0.0, math.inf
 
+    def release(self) -> None:
+        """Let the request lapse in the next tick."""
+        self._asked, self._age = 0.0, self._timeout
+
     def advance(self, point: MovePoint, bounds: OperatorRange) -> float:
         """Return the speed of the next tick [m/s] at a `point` of mean payout, within `bounds`; 0 once it lapsed."""
         self._age += self._dt
         return bounds.nearest(self._asked, point.payout) if self.is_asked else 0.0
 
     def news(self, payout: float) -> tuple[str, ...]:
-        """Return in words that an operator's speed has begun, or is over, with the mean `payout` [m] in this tick."""
-        is_under_way = self.is_asked and self._asked != 0.0
-        if is_under_way and self._begun_at is None:
+        """Return in words a speed other than before, or that none is asked for, at the mean `payout` [m] of now."""
+        asked = self._asked if self.is_asked else None
+        if asked == self._reported:
+            return ()
+        self._reported = asked
+        words = Request(NO_SPEED).words if asked is None else Request(SPEED, (asked,)).words
+        if asked and self._begun_at is None:
             self._begun_at = payout
-            return (f"speed {self._asked:+.2f} m/s",)
-        if not is_under_way and self._begun_at is not None:
-            moved, self._begun_at = payout - self._begun_at, None
-            return (f"speed 0 m/s: the mean payout has moved by {moved:+.2f} m",)
-        return ()
+        elif not asked and self._begun_at is not None:
+            words += f": the mean payout has moved by {payout - self._begun_at:+.2f} m"
+            self._begun_at = None
+        return (words,)
 
     def limit_news(self, bounds: OperatorRange) -> Alarm | None:
         """Return that more is requested than `bounds` allow, once until it rests or lapses; else None."""

@@ -22,7 +22,7 @@ def take_out_programme(signals: RunSignals, set_point: Signal, cable_weight: flo
     unit and of the uncompensated unit from their running mean; the static tension goes with the `cable_weight` [N/m]
     in water of what is paid out. Returns whether there was a programme; without one nothing changes.
     """
-    if set_point.size < 2 or np.ptp(set_point.value) < MOVED:
+    if not has_programme(set_point.value):
         return False
     if signals.payout.size:
         signals.payout = Signal(signals.payout.time, signals.payout.value - set_point.at(signals.payout))
@@ -36,6 +36,11 @@ def take_out_programme(signals: RunSignals, set_point: Signal, cable_weight: flo
             straight = heave.value + set_point.at(heave) if follows else heave.value
             setattr(signals, name, Signal(heave.time, straight - running_mean(heave.time, straight)))
     return True
+
+
+def has_programme(set_point: np.ndarray) -> bool:
+    """Return whether a `set_point` of payout [m], shape (n,), moves so much that it is taken out."""
+    return set_point.size > 1 and bool(np.ptp(set_point) >= MOVED)
 
 
 def _moved(heave: Signal) -> float:

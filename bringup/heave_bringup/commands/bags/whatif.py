@@ -13,22 +13,23 @@ from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
-    from heave_bags.mcap.reader import Bag
-
     from heave_bringup.progress import ProgressLine
     from heave_bringup.whatif.words import Result
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
-    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder, or the folder of a run")
+    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder, the folder of a run; with --map, a log too")
     parser.add_argument("--law", default="", help="the law that is asked for (default: that of the record)")
     parser.add_argument("--compare", default="", metavar="LAW,LAW", help="further laws: off,industrial,lqg,mpc")
     add_settings(parser)
     parser.add_argument(
         "--know", action="append", default=[], metavar="NAME=VALUE+-SPREAD", help="cable.axial_stiffness=1.42e7+-2%%"
     )
-    parser.add_argument("--scenario", metavar="SCENARIO", help="of the run, for a bag that carries none")
+    parser.add_argument("--scenario", metavar="SCENARIO", help="of the run, for a record that carries none")
+    parser.add_argument(
+        "--map", type=Path, metavar="FILE", help="where a record of others has what, as for heave adapt"
+    )
     parser.add_argument("--transient", type=float, metavar="S", help="initial time that is left out (the scenario's)")
     parser.add_argument("--end", type=float, metavar="S", help="time at which the record is cut off")
     parser.add_argument("--draws", type=int, default=4, metavar="N", help="plants that are tried for the bands (4)")
@@ -42,7 +43,6 @@ def execute(options: argparse.Namespace) -> None:
     """Answer and write the page, as `options` say."""
     from cable_sim_node.errors import PlantError
     from heave_bags.mcap.read.folder import bag_of
-    from heave_bags.mcap.reader import Bag
     from heave_node.parameters import ParameterError
     from winch_controller_node.model.lqr import DesignError
 
@@ -60,7 +60,7 @@ def execute(options: argparse.Namespace) -> None:
     folder = bag_of(options.bag)
     try:
         with tempfile.TemporaryDirectory(prefix="heave-") as scratch, ProgressLine() as progress:
-            result = _result(Bag(folder), options, Path(scratch), progress)
+            result = _result(folder, options, Path(scratch), progress)
     except (DesignError, PlantError) as error:
         raise CommandError(f"{folder}: {error}") from error
     page = options.output or folder.parent / "whatif.html"
@@ -76,25 +76,34 @@ def execute(options: argparse.Namespace) -> None:
     write_result(options, ["\n".join(lines), table, values, ends], {**json_of(result), "page": str(page.resolve())})
 
 
-def _result(bag: Bag, options: argparse.Namespace, scratch: Path, progress: ProgressLine) -> Result:
-    """Return what the record of a bag answers to what is asked."""
+def _result(source: Path, options: argparse.Namespace, scratch: Path, progress: ProgressLine) -> Result:
+    """Return what a record answers to what is asked."""
+    from heave_bags.mcap.reader import Bag
     from winch_controller_node.beliefs.beliefs import Beliefs
 
+    from heave_bringup.output import warn
     from heave_bringup.whatif.asked import Wish, asked_of, nominal_of
     from heave_bringup.whatif.fitness import check_known, check_record
     from heave_bringup.whatif.identify.prior import prior_of
     from heave_bringup.whatif.known import drawn, learn, other_plants
     from heave_bringup.whatif.signals.from_bag import read_record, scenario_text, write_text
+    from heave_bringup.whatif.signals.from_others import read_others
     from heave_bringup.whatif.study import answers, recorded, same_again
     from heave_bringup.whatif.twin.winch import winch_under
     from heave_bringup.whatif.words import Result
 
-    scenario = options.scenario or write_text(scratch, scenario_text(bag))
+    if options.map is not None and options.scenario is None:
+        raise CommandError(f"{source}: of others: say with --scenario what cable, unit, winch and controller are")
+    scenario = options.scenario or write_text(scratch, scenario_text(Bag(source)))
     nominal, run = nominal_of(scenario)
     wish = Wish(scenario, options.law, options.set, [one for one in options.compare.split(",") if one])
     asked_of(wish, winch_under(Beliefs(-1), nominal), has_adviser=True)
     prior = prior_of(nominal, options.know)
-    record = read_record(bag, nominal, progress=lambda share: progress.show("reading", share))
+    if options.map is None:
+        record = read_record(Bag(source), nominal, progress=lambda share: progress.show("reading", share))
+    else:
+        record, notes = read_others(source, options.map, nominal, run.tick_period)
+        warn(notes)
     record = record if options.end is None else record.part(options.end)
     start = run.transient if options.transient is None else options.transient
     check_record(record, start, str(options.bag))
@@ -110,7 +119,10 @@ def _result(bag: Bag, options: argparse.Namespace, scratch: Path, progress: Prog
 COMMAND = Command(
     name="whatif",
     summary="Experimental: say what another law, gain or winch would have done in the sea of a bag, by its sensors.",
-    examples=("heave whatif runs/b2_calm_300-001/bag --compare off,industrial,lqg,mpc",),
+    examples=(
+        "heave whatif runs/b2_calm_300-001/bag --compare off,industrial,lqg,mpc",
+        "heave whatif log.csv --map log_map.yaml --scenario b2_calm_300 --law mpc --compare off",
+    ),
     add_arguments=add_arguments,
     execute=execute,
 )

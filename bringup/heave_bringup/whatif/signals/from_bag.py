@@ -10,42 +10,48 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from heave_bags.analyse.events import operator_requests
+from heave_bags.analyse.reading.fields import Fields
 from heave_bags.cdr.columns import Columns
 from heave_bags.mcap.reader import LOG_TIME, TIME, Bag, Progress, no_progress
 from heave_bags.record.provenance import SCENARIO_ATTACHMENT
 from heave_node.interface import topics
+from heave_node.interface.codes import SensorLevel
 from heave_node.interface.sensors import MRU, SENSORS, Water, WireReading
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 from winch_controller_node.beliefs.beliefs import latency_ticks
 from winch_controller_node.interface.conversions import WINCH_STATE, measurements, winch_reading_of
 from winch_controller_node.interface.readings import WinchOrder
+from winch_controller_node.interface.requests import Request, request_of
 from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.errors import CommandError
-from heave_bringup.whatif.signals.record import SensorRecord
+from heave_bringup.whatif.signals.record import Loss, SensorRecord
 
 ORDER = ("sequence", "payout", "payout_rate", "brake")
 CONTROLLER = ("mode", "depth_set_point")
 GATE = ("sensor", "accepted", "refused", "age")
+LEVEL = ("level", "reason")
 WINCH, COMMAND, STATE = topics.WINCH_STATE.name, topics.WINCH_COMMAND.name, topics.CONTROLLER_STATE.name
-BELIEFS = topics.CONTROLLER_BELIEFS.name
+BELIEFS, DIAGNOSTICS = topics.CONTROLLER_BELIEFS.name, topics.DIAGNOSTICS.name
 ENCODER = "encoder"
 
 SELECTION: dict[str, tuple[str, ...]] = {
     WINCH: WINCH_STATE,
     COMMAND: ORDER,
-    STATE: (*CONTROLLER, *(f"sensors[].{name}" for name in GATE)),
+    STATE: (*CONTROLLER, *(f"sensors[].{name}" for name in (*GATE, *LEVEL))),
     BELIEFS: ("asked",),
+    DIAGNOSTICS: ("status[].level", "status[].name", "status[].message"),
     **{SENSORS[name].topic.name: SENSORS[name].values for name in INPUTS},
 }
-"""Topics that are read of a bag, and no others: sensors, orders, and the controller's reports."""
+"""Topics that are read of a bag, and no others: sensors, orders, and the controller's reports and requests."""
 
 Stamps = NDArray[np.int64]
 Delivered = dict[int, list[WireReading]]
@@ -92,6 +98,8 @@ def read_record(bag: Bag, nominal: WinchControllerParameters, *, progress: Progr
         modes,
         has_adviser=BELIEFS in columns and len(columns[BELIEFS][TIME]) > 0,
         late=_late(columns[BELIEFS], period) if BELIEFS in columns else frozenset(),
+        requests=requests_in(columns.get(DIAGNOSTICS), period),
+        losses=_losses(columns[STATE]),
     )
 
 
@@ -151,13 +159,42 @@ class Gate(NamedTuple):
 def _gates(state: Columns) -> dict[str, Gate]:
     """Return the gate of each sensor by the controller's reports."""
     stamps, found = _stamps(state), {}
-    for number in itertools.takewhile(lambda n: f"sensors[{n}].sensor" in state, itertools.count()):
+    for number in _sensors(state):
         name, accepted, refused, age = (state[f"sensors[{number}].{field}"] for field in GATE)
         total = accepted.astype(np.int64) + refused
         judged = np.diff(total, prepend=0)
         newest = np.where(np.isnan(age), 0, stamps - np.rint(np.nan_to_num(age) * _SECOND).astype(np.int64))
         # a controller that was started again counts from 0
         found[str(name[0])] = Gate(stamps, np.where(judged < 0, total, judged), newest)
+    return found
+
+
+def _sensors(state: Columns) -> Iterator[int]:
+    """Return the places of sensors in the controller's reports."""
+    return itertools.takewhile(lambda n: f"sensors[{n}].sensor" in state, itertools.count())
+
+
+def _losses(state: Columns) -> tuple[Loss, ...]:
+    """Return when the controller held which sensor as lost, by its reports."""
+    found, time = [], state[TIME]
+    for number in _sensors(state):
+        name, level, reason = (state[f"sensors[{number}].{field}"] for field in ("sensor", *LEVEL))
+        edges = np.diff((level == SensorLevel.LOST).astype(int), prepend=0, append=0)
+        for first, end in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True):
+            found.append(Loss(str(name[0]), float(time[first]), float(time[end - 1]), str(reason[first])))
+    return tuple(found)
+
+
+def requests_in(diagnostics: Columns | None, period: int) -> dict[int, tuple[Request, ...]]:
+    """Return what an operator has requested of the controller, by the tick in which it found that.
+
+    `diagnostics` are the columns of that topic, None: not recorded; `period` is that of the ticks [ns].
+    """
+    found: dict[int, tuple[Request, ...]] = {}
+    for one in operator_requests(Fields(diagnostics)):
+        requests = map(request_of, one.name.split(", "))
+        tick = round(one.start * _SECOND / period)
+        found[tick] = found.get(tick, ()) + tuple(request for request in requests if request is not None)
     return found
 
 

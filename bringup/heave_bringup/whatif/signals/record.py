@@ -2,18 +2,37 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, is_dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from heave_bags.analyse.reading.depth_programme import has_programme, running_mean
 from heave_node.interface.codes import MruStatus
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 from winch_controller_node.interface.readings import Measurements, WinchOrder
+from winch_controller_node.interface.requests import Request
 
 Flags = NDArray[np.int64]
 """Sums of flags, one a tick."""
+
+
+class Loss(NamedTuple):
+    """A time in which the controller did not use a sensor.
+
+    Attributes
+    ----------
+    sensor : by name
+    start, end : [s]
+    reason : in its words
+    """
+
+    sensor: str
+    start: float
+    end: float
+    reason: str
 
 
 @dataclass(frozen=True)
@@ -30,6 +49,9 @@ class SensorRecord:
     modes : of the controller in each, (n,); "": not known
     has_adviser : the controller had one
     late : ticks whose observations it answered too late
+    requests : of an operator that the controller found in a tick, in order, by the tick's number
+    losses : of sensors, by the controller
+    is_own : its controller was one of the suite; else what that did is not known but by the orders, if any
     """
 
     tick_period: float
@@ -40,6 +62,9 @@ class SensorRecord:
     modes: tuple[str, ...]
     has_adviser: bool = True
     late: frozenset[int] = frozenset()
+    requests: Mapping[int, tuple[Request, ...]] = field(default_factory=dict)
+    losses: tuple[Loss, ...] = ()
+    is_own: bool = True
 
     @property
     def ticks(self) -> int:
@@ -50,6 +75,11 @@ class SensorRecord:
     def duration(self) -> float:
         """Length of the record [s]."""
         return self.ticks * self.tick_period
+
+    @cached_property
+    def has_orders(self) -> bool:
+        """Whether it is known what the winch was ordered."""
+        return any(one is not None for one in self.orders)
 
     @cached_property
     def time(self) -> Array:
@@ -118,6 +148,18 @@ def shortened(value: Any, ticks: int, count: int) -> Any:
     if isinstance(value, (tuple, np.ndarray)) and len(value) == ticks:
         return value[:count]
     return value
+
+
+def without_move(time: Array, heave: Array, set_point: Array) -> Array:
+    """Return a `heave` about its running mean where the unit was moved to another depth, as the figures of a run are.
+
+    Parameters
+    ----------
+    time : of each tick (n,) [s]
+    heave : about the mean payout (n,) [m]
+    set_point : mean payout (n,) [m]
+    """
+    return heave - running_mean(time, heave) if has_programme(set_point) else heave
 
 
 def bridged(values: Array) -> Array:

@@ -66,6 +66,7 @@ class Replayed:
     unit, tension : of the twin at each tick (n,) [m], [N]
     authority : authority of compensation (n,) [-]
     modes, alarms : of the controller in each tick; and time [s] and alarm
+    refused : requests of the operator that the controller did not take, in words
     limits_hit : of the winch in each tick, sums of WinchLimit (n,)
     order_error : largest difference of the rate set-point from that of the record so far (n,) [m/s]
     """
@@ -81,6 +82,7 @@ class Replayed:
     alarms: tuple[tuple[float, Alarm], ...]
     limits_hit: Flags
     order_error: Array
+    refused: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -119,13 +121,15 @@ class Replay:
         dt, self._past, self._index = record.tick_period, past, 0
         self._core = Core(record, asked.controller, has_adviser=asked.has_adviser)
         self._winch = TwinWinch(asked.winch or past.winch_parameters, tick_period=dt)
-        self._is_other = asked.winch is not None and asked.winch != past.winch_parameters
+        has_other_winch = asked.winch is not None and asked.winch != past.winch_parameters
+        self._is_other = has_other_winch or not record.is_own
         payout, rate = float(past.winch.payout[0]), float(past.winch.rate[0])
         self._plant = TwinPlant(past.line, past.length, past.tip, payout, rate, tick_period=dt)
         # differences of the twins at each tick: heave, velocity and acceleration of the unit, tension, payout, its rate
         self._differences = np.zeros((record.ticks, 6))
         self._payout, self._rate = payout, rate
         self.order_error = 0.0
+        self.refused = self._core.refused
 
     def step(self) -> tuple[Outputs, Array]:
         """Do one tick; return what the controller gave and the row of it, `COLUMNS` of them."""
@@ -241,6 +245,7 @@ def replay(
         alarms=tuple(alarms),
         limits_hit=limits.astype(int),
         order_error=errors,
+        refused=tuple(loop.refused),
     )
 
 

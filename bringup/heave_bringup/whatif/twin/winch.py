@@ -92,6 +92,8 @@ class PastWinch:
 def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale: float = 1.0) -> PastWinch:
     """Return what the drum did in a `record`: the model of the winch, and what the encoder shows beside it.
 
+    Where nobody knows what it was ordered, it did what the encoder shows.
+
     Parameters
     ----------
     record : with an encoder, and the orders to the winch
@@ -99,6 +101,10 @@ def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale:
     encoder_scale : reading over payout [-]
     """
     dt = record.tick_period
+    if not record.has_orders:
+        payout = smoothed(record.encoder / encoder_scale, dt).values
+        rate = np.gradient(payout, dt)
+        return PastWinch(payout, rate, payout, rate, 0.0)
     twin = TwinWinch(parameters, tick_period=dt)
     tension = tension_at_ticks(record)
     states = np.zeros((record.ticks, 3))
