@@ -13,8 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array, ComplexArray
-from winch_controller_node.adviser.hypothesis import HIGH_PASS, PRICES
-from winch_controller_node.adviser.judge import HIGH_PASSES
+from winch_controller_node.adviser.hypothesis import HIGH_PASS, PRICES, TRIED
 
 from heave_bringup.whatif.identify.evidence import INDEPENDENT, Evidence, Values
 from heave_bringup.whatif.identify.prior import (
@@ -199,7 +198,7 @@ def fit_cable(evidence: Evidence, prior: Prior, near: Values | None = None) -> C
     assumed = evidence.source.high_pass
     x, noise = point_of(fit.values), evidence.noise
     held = Search(evidence, prior, fit.values, noise).at(x).loss
-    for period in HIGH_PASSES:
+    for period in TRIED[HIGH_PASS]:
         if period == assumed.period:
             continue
         source = tip_source(evidence.record, evidence.source.assumed, assumed._replace(period=period))
