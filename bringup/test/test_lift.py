@@ -12,13 +12,13 @@ from heave_bags.analyse.run_record import RunRecord
 from heave_bags.signals import RunSignals, Signal
 from heave_bringup.cli import main
 from heave_bringup.lift.as_built import IN_PART, NOT_REACHED, as_built
-from heave_bringup.lift.figures import PLANNED, Motion, Place, Swing, expected_largest
+from heave_bringup.lift.figures import GAUSSIAN, PLANNED, Motion, Place, Shape, Swing, expected_largest
 from heave_bringup.lift.forecast import read_forecast, warnings, windows
 from heave_bringup.lift.limits import Limit, PeriodLimits, largest_height, phase_limits, scaled
 from heave_bringup.lift.loop import Compensated, Runs, swing_of
 from heave_bringup.lift.page import render
 from heave_bringup.lift.plan import AIR, FOLDER, SURFACE, WATER, Plan, read_plan
-from heave_bringup.lift.plant import cross, crossings, kurtosis
+from heave_bringup.lift.plant import cross, crossings, shape_of_tension
 from heave_bringup.lift.response import OMEGAS, locked_places, phase_scene
 from heave_bringup.lift.study import LiftStudy
 from heave_bringup.lift.tables import judged_rows, phase_table
@@ -358,17 +358,20 @@ def test_groups_and_hard_peaks_lower_the_largest_value() -> None:
     place = np.array([0.0]), np.array([1000.0])
     plain = expected_largest(place[0], [Swing(1.0, 0.1)], place[1])
     narrow = expected_largest(place[0], [Swing(1.0, 0.1, width=0.2)], place[1])
-    hard = expected_largest(place[0], [Swing(1.0, 0.1, kurtosis=2.5)], place[1])
+    hard = expected_largest(place[0], [Swing(1.0, 0.1, shape=Shape(2.5))], place[1])
     assert plain == pytest.approx(3.2192, rel=1e-3)
     assert 0.9 * plain < narrow < 0.97 * plain
     assert hard + (hard**3 - 3.0 * hard) / 48.0 == pytest.approx(plain, rel=1e-3)
+    skewed = expected_largest(place[0], [Swing(1.0, 0.1, shape=Shape(3.0, -0.3))], place[1])
+    assert skewed + 0.05 * (skewed**2 - 1.0) == pytest.approx(plain, rel=1e-2)
+    assert expected_largest(place[0], [Swing(1.0, 0.1, shape=Shape(3.0, -0.3)).mirrored], place[1]) > plain
 
 
 def test_the_peaks_of_a_light_cable_without_drag_are_gaussian(tmp_path: Path) -> None:
     text = HEAD.replace("wanted", "set: {system.unit.drag_coefficient: [0, 0, 0]}\nwanted")
     plan = _plan(tmp_path, text + "  - {name: short, depth: [300, 300], duration: 600}\n")
     scene = phase_scene(plan, plan.phases[0], 9.0)
-    assert kurtosis(plan, scene, 310.0, 1.0) == pytest.approx(3.0, abs=0.4)
+    assert shape_of_tension(plan, scene, 310.0, 1.0) == pytest.approx(GAUSSIAN, abs=0.3)
 
 
 @pytest.mark.slow

@@ -3,12 +3,14 @@
 A phase is a number of places, each with the time that the unit spends there. A Gaussian signal of standard deviation s
 about a mean m crosses the level y upwards nu exp(-(y - m)^2/(2 s^2)) times a second (Rice 1944). The largest value that
 is expected of a phase is the level that is crossed exp(-0.577) times in it: the mean of the extreme value distribution
-(Cartwright and Longuet-Higgins 1956, in the limit of many crests), with the places taken together. Two things lower it:
+(Cartwright and Longuet-Higgins 1956, in the limit of many crests), with the places taken together. Three things change
+it:
 
 - crests that come in groups, which count as fewer (Vanmarcke 1975, J. Applied Mechanics 42, with the width of the
   spectrum to the power of 1.2);
-- a kurtosis below 3: the level y is reached as often as the level x + (3 - kurtosis)/24 (x^3 - 3 x) of a Gaussian
-  signal, x = (y - m)/s (Winterstein 1988, J. Engineering Mechanics 114, hardening response to first order).
+- a kurtosis below 3 and a skewness: the level y is reached as often as the level x + (3 - kurtosis)/24 (x^3 - 3 x) -
+  skewness/6 (x^2 - 1) of a Gaussian signal, x = (y - m)/s (Winterstein 1988, J. Engineering Mechanics 114, hardening
+  response to first order). Quadratic drag holds waves down, and those of a unit that is lowered more on one side.
 """
 
 from __future__ import annotations
@@ -23,8 +25,15 @@ from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL, safety_facto
 from heave_node.numerics.arrays import Array
 from scipy.optimize import brentq
 
-GAUSSIAN = 3.0
-"""Kurtosis of a Gaussian signal."""
+
+class Shape(NamedTuple):
+    """What of a signal's distribution is not its standard deviation: kurtosis and skewness [-]."""
+
+    kurtosis: float = 3.0
+    skewness: float = 0.0
+
+
+GAUSSIAN = Shape()
 EXPECTED = math.exp(-np.euler_gamma)
 """Crossings of the level that is the mean of the largest value."""
 SIGNIFICANT = 2.0
@@ -39,13 +48,18 @@ class Swing(NamedTuple):
     sigma : standard deviation
     rate : upward crossings of its mean [1/s]
     width : of its spectrum, sqrt(1 - m1^2/(m0 m2)): small where crests come in groups [-]
-    kurtosis : fourth moment over the square of the second [-]
+    shape : of its distribution
     """
 
     sigma: float
     rate: float
     width: float = 1.0
-    kurtosis: float = GAUSSIAN
+    shape: Shape = GAUSSIAN
+
+    @property
+    def mirrored(self) -> Swing:
+        """The signal with its sign turned."""
+        return self._replace(shape=Shape(self.shape.kurtosis, -self.shape.skewness))
 
     def times(self, factor: float) -> Swing:
         """Return the same signal a `factor` larger."""
@@ -120,11 +134,13 @@ def expected_largest(means: Array, swings: Sequence[Swing], durations: Array) ->
         return float(means.max())
     spread = np.maximum(sigma, 1e-9 * sigma.max())
     width = np.array([one.width for one in swings])
-    hardening = (GAUSSIAN - np.array([one.kurtosis for one in swings])) / 24.0
+    kurtosis, skewness = np.array([one.shape for one in swings]).T
+    hardening = (GAUSSIAN.kurtosis - kurtosis) / 24.0
 
     def excess(level: float) -> float:
         above = np.maximum(level - means, 0.0) / spread
-        normal = np.maximum(above + hardening * (above**3 - 3.0 * above), 1e-6)
+        gaussian = above + hardening * (above**3 - 3.0 * above) - skewness / 6.0 * (above**2 - 1.0)
+        normal = np.maximum(np.where(above > 0.0, gaussian, 0.0), 1e-6)
         grouped = -np.expm1(-math.sqrt(2.0 * math.pi) * width**1.2 * normal) / -np.expm1(-0.5 * normal**2)
         return float((count * np.minimum(grouped, 1.0)) @ np.exp(-0.5 * normal**2)) - EXPECTED
 
@@ -159,11 +175,17 @@ def _sigma(places: Places) -> float:
     return math.sqrt(sum(one.duration * one.motion.unit.sigma**2 for one in places) / total)
 
 
-def _amplification(places: Places, sign: float) -> float:
+def _amplification(places: Places) -> float:
     return _largest(
+        places, lambda one: one.motion.tension.times(1.0 / one.static), lambda one: 1.0 + one.drag / one.static
+    )
+
+
+def _smallest_ratio(places: Places) -> float:
+    return -_largest(
         places,
-        lambda one: one.motion.tension.times(1.0 / one.static),
-        lambda one: sign * (1.0 + one.drag / one.static),
+        lambda one: one.motion.tension.mirrored.times(1.0 / one.static),
+        lambda one: -1.0 - one.drag / one.static,
     )
 
 
@@ -175,8 +197,8 @@ def _slack(places: Places) -> float:
     """Return the share of time without tension at the top or the unit [%]; 0 where none is expected in the phase."""
     total = sum(one.duration for one in places)
     ends: tuple[tuple[Callable[[Place], Swing], Callable[[Place], float]], ...] = (
-        (lambda one: one.motion.tension, lambda one: one.static + one.drag),
-        (lambda one: one.motion.attachment, lambda one: one.weight + one.drag),
+        (lambda one: one.motion.tension.mirrored, lambda one: one.static + one.drag),
+        (lambda one: one.motion.attachment.mirrored, lambda one: one.weight + one.drag),
     )
     largest = 0.0
     for swing, mean in ends:
@@ -193,8 +215,8 @@ def _below_zero(mean: float, sigma: float) -> float:
 Formula = Callable[[Places, Capacity], float]
 
 PLANNED: Mapping[str, Formula] = {
-    "dynamic_amplification": lambda places, _: _amplification(places, 1.0),
-    "tension_ratio_min": lambda places, _: -_amplification(places, -1.0),
+    "dynamic_amplification": lambda places, _: _amplification(places),
+    "tension_ratio_min": lambda places, _: _smallest_ratio(places),
     ROPE: lambda places, capacity: _factor(capacity, ROPE, _load(places)),
     WINCH_PULL: lambda places, capacity: _factor(capacity, WINCH_PULL, _load(places)),
     ATTACHMENT: lambda places, capacity: _factor(

@@ -15,10 +15,10 @@ from heave_node.criteria import Criterion
 from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL
 from heave_node.parameters import ParameterError
 
-from heave_bringup.lift.figures import GAUSSIAN, PLANNED, Capacity, Place, Places
+from heave_bringup.lift.figures import GAUSSIAN, PLANNED, Capacity, Place, Places, Shape
 from heave_bringup.lift.loop import Compensated, Runs, compensated, most_height
 from heave_bringup.lift.plan import SURFACE, WATER, Phase, Plan
-from heave_bringup.lift.plant import Way, cross, crossings, kurtosis
+from heave_bringup.lift.plant import Way, cross, crossings, shape_of_tension
 from heave_bringup.lift.response import PhaseScene, locked_places, phase_scene
 from heave_bringup.operability.limits import LOST_LIMIT
 
@@ -140,11 +140,11 @@ def phase_limits(plan: Plan, phase: Phase, period: float, height: float, runs: R
         return _at_surface(plan, scene, height, runs)
     locked, places = _settled_limit(scene, capacity)
     worst = int(np.argmax([one.motion.tension.sigma / one.static for one in places]))
-    length, hardness = float(scene.lengths[worst]), GAUSSIAN
+    length, shape = float(scene.lengths[worst]), GAUSSIAN
     if phase.kind == WATER:
-        hardness = runs.near(kurtosis, plan, scene, length, locked.height)
-        locked, places = _settled_limit(scene, capacity, hardness, locked.height)
-    values = figures_of(locked_places(scene, height, hardness), capacity)
+        shape = runs.near(shape_of_tension, plan, scene, length, locked.height)
+        locked, places = _settled_limit(scene, capacity, shape, locked.height)
+    values = figures_of(locked_places(scene, height, shape), capacity)
     found = PeriodLimits(phase.name, period, replace(locked, values=values))
     if phase.kind != WATER or not scene.scenario.moves_winch:
         return found
@@ -216,14 +216,14 @@ def _crossing(criterion: Criterion, figure: Callable[[float], float], guess: flo
 
 
 def _settled_limit(
-    scene: PhaseScene, capacity: Capacity, hardness: float = GAUSSIAN, guess: float | None = None
+    scene: PhaseScene, capacity: Capacity, shape: Shape = GAUSSIAN, guess: float | None = None
 ) -> tuple[Limit, Places]:
     """Return the limit with the winch locked, drag linearised for the height of the limit itself, and that motion."""
     most = most_height(scene.period)
     limit = Limit(0.3 * most if guess is None else guess)
     for _ in range(STEPS):
         before = max(limit.height, 0.1)
-        places = locked_places(scene, before, hardness)
+        places = locked_places(scene, before, shape)
         limit = _linear_limit(scaled(places, 1.0 / before), scene.phase.criteria, capacity, most)
         if abs(limit.height - before) < 0.005 * before:
             break

@@ -5,7 +5,7 @@ each seed is sought with the same waves, so that it depends on the height withou
 of the boom tip's heave; what the winch adds to it is as ideal as that share says.
 
 In water the linear model gives the standard deviation of the tension. Quadratic drag holds its highest waves down,
-which the kurtosis of short runs shows (`figures.expected_largest`): it settles in records that are far too short for
+which kurtosis and skewness of short runs show (`figures.expected_largest`): they settle in records too short for
 their largest value.
 """
 
@@ -29,7 +29,7 @@ from heave_node.numerics.ramp import smooth_ramp
 from heave_node.parameters import ParameterError
 from wave_vessel_node.component import WaveVessel
 
-from heave_bringup.lift.figures import GAUSSIAN
+from heave_bringup.lift.figures import GAUSSIAN, Shape
 from heave_bringup.lift.plan import LOADS, SURFACE, Plan
 from heave_bringup.lift.response import PhaseScene, phase_scene
 from heave_bringup.settings import Setting
@@ -40,8 +40,8 @@ COMPONENTS = 150
 """Waves of a sea."""
 COARSE, FINE = 4, 8
 """Segments of the short cable of a crossing, and of the long one in water."""
-RECORD, RECORDS, SETTLE, STEP = 600.0, 4, 60.0, 0.1
-"""Longest record in water, their number, time of each that does not count, and step of its boom tip [s]."""
+RECORD, COUNTED, SETTLE, STEP = 600.0, 2000.0, 60.0, 0.1
+"""Longest record in water, what counts of all, what does not count of each, and step of its boom tip [s]."""
 LARGEST_CHANGE = 0.1
 """Share by which the cable may get longer in a record."""
 
@@ -149,8 +149,8 @@ def cross(way: Way, height: float, share: float = 1.0) -> Mapping[str, float]:
     return {key: DEFINITION_OF[key].formula(window) for key in LOADS}
 
 
-def kurtosis(plan: Plan, scene: PhaseScene, length: float, height: float) -> float:
-    """Return the kurtosis of the top tension with the winch locked on its mean speed, at most that of a Gaussian.
+def shape_of_tension(plan: Plan, scene: PhaseScene, length: float, height: float) -> Shape:
+    """Return kurtosis, at most that of a Gaussian, and skewness of the top tension, the winch on its mean speed.
 
     Parameters
     ----------
@@ -162,12 +162,15 @@ def kurtosis(plan: Plan, scene: PhaseScene, length: float, height: float) -> flo
     record = min(RECORD, max(LARGEST_CHANGE * length / max(abs(rate), 1e-9), 3.0 * SETTLE))
     deep = replace(scene.plant.seabed, depth=0.0)
     plant = replace(scene.plant, length=length - 0.5 * rate * record, segments=FINE, seabed=deep)
-    runs = [run_way(way, height) for way in _ways(plan, scene, plant, range(1, RECORDS + 1), record, STEP)]
-    second, fourth = np.mean([_moments(run.tension.window(SETTLE, math.inf)) for run in runs], axis=0)
-    return float(min(fourth / second**2, GAUSSIAN)) if second > 0.0 else GAUSSIAN
+    seeds = range(1, 1 + math.ceil(COUNTED / (record - SETTLE)))
+    runs = [run_way(way, height) for way in _ways(plan, scene, plant, seeds, record, STEP)]
+    second, third, fourth = np.mean([_moments(run.tension.window(SETTLE, math.inf)) for run in runs], axis=0)
+    if second <= 0.0:
+        return GAUSSIAN
+    return Shape(float(min(fourth / second**2, GAUSSIAN.kurtosis)), float(third / second**1.5))
 
 
 def _moments(tension: Signal) -> Array:
-    """Return the second and fourth moments of a tension about its trend."""
+    """Return the second, third and fourth moments of a tension about its trend."""
     swings = tension.value - np.polyval(np.polyfit(tension.time, tension.value, 1), tension.time)
-    return np.array([np.mean(swings**2), np.mean(swings**4)])
+    return np.array([np.mean(swings**power) for power in (2, 3, 4)])

@@ -20,7 +20,7 @@ from heave_node.scenario import WILDCARD
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.sources.scene import Scene, build_scene
 
-from heave_bringup.lift.figures import GAUSSIAN, STILL, Motion, Place, Swing
+from heave_bringup.lift.figures import GAUSSIAN, STILL, Motion, Place, Shape, Swing
 from heave_bringup.lift.plan import AIR, Phase, Plan
 from heave_bringup.scenarios import Scenario
 from heave_bringup.settings import Setting
@@ -135,24 +135,25 @@ def _density(scene: Scene, spectrum: WaveSpectrum, arm: tuple[float, ...]) -> Ar
     return np.asarray(spectrum.density(OMEGAS) * replace(scene, parameters=moved).power_response(OMEGAS))
 
 
-def locked_places(scene: PhaseScene, height: float, kurtosis: float = GAUSSIAN) -> list[Place]:
+def locked_places(scene: PhaseScene, height: float, shape: Shape = GAUSSIAN) -> list[Place]:
     """Return how unit and cable move with the winch locked on its mean speed, drag linearised in this sea.
 
     Parameters
     ----------
     scene : of the phase
     height : significant wave height [m]
-    kurtosis : of tension and motion
+    shape : of the distribution of the tensions; that of the heave has no skewness
     """
     density = scene.density * height**2
-    return [_place(scene, float(length), density, kurtosis) for length in scene.lengths]
+    return [_place(scene, float(length), density, shape) for length in scene.lengths]
 
 
-def _place(scene: PhaseScene, length: float, density: Array, kurtosis: float) -> Place:
+def _place(scene: PhaseScene, length: float, density: Array, shape: Shape) -> Place:
     line, rate = scene.line(length), scene.phase.rate
     transfer = sea_transfer_function(line, length, OMEGAS, density, speed=abs(rate))
     answers = (transfer.top_tension, _at_unit(line, transfer, density, abs(rate)), transfer.unit_heave)
-    swings = (swing(density * np.abs(answer) ** 2)._replace(kurtosis=kurtosis) for answer in answers)
+    shapes = (shape, shape, Shape(shape.kurtosis))
+    swings = (swing(density * np.abs(a) ** 2)._replace(shape=of) for a, of in zip(answers, shapes, strict=True))
     return Place(
         duration=scene.phase.duration / scene.lengths.size,
         static=static_tension(scene, length),

@@ -49,7 +49,7 @@ def execute(options: argparse.Namespace) -> None:
     record = None if options.bag is None else _record(options.bag)
     if record is not None:
         warn(record.remarks())
-    warn([f"lift is experimental: compensated limits are hardly validated ({GUIDE})"])
+    warn([f"lift is experimental: one compensated limit is validated ({GUIDE})"])
     study = study_lift(plan, processes=options.processes, forecast=forecast, record=record)
     page = options.report or Path(f"{plan.path.stem}_lift.html")
     try:
