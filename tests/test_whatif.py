@@ -221,22 +221,22 @@ def test_requests_are_read_of_the_diagnostics_by_their_ticks():
 
 
 @pytest.mark.parametrize(
-    ("sensor", "words"),
+    ("loss", "words"),
     [
-        ("encoder", "encoder was lost from 60.0 s to 70.0 s (frozen): what the drum did is not known there"),
-        ("depth", "depth was lost from 60.0 s to 70.0 s (frozen): the unit's motion is not known there; give --end 60"),
-        ("load_cell", ""),
+        (Loss("encoder", 60.0, 70.0, "frozen"), "what the drum did is not known there; give --end 60"),
+        (Loss("depth", 60.0, 70.0, "stale"), "depth was lost from 60.0 s to 70.0 s (stale): the unit's motion is not"),
+        (Loss("mru", 2.0, 9.0, "stale"), ""),  # the readings are there: the controller was held up
+        (Loss("load_cell", 60.0, 70.0, "frozen"), ""),
     ],
 )
 def test_a_record_in_which_the_controller_lost_a_sensor_is_refused_with_the_reason(
-    calm_bag, nominal, monkeypatch, sensor, words
+    calm_bag, nominal, monkeypatch, loss, words
 ):
     monkeypatch.setattr(fitness, "READ_SHARE", 0.0)
     short = read_record(Bag(calm_bag), nominal)
     many = {name: getattr(short, name) * 12 for name in ("measurements", "orders", "modes")}
-    record = replace(short, **many, losses=(Loss(sensor, 60.0, 70.0, "frozen"),))
     with pytest.raises(CommandError, match=re.escape(words)) if words else contextlib.nullcontext():
-        fitness.check_record(record, 40.0, "bag")
+        fitness.check_record(replace(short, **many, losses=(loss,)), 0.0, "bag")
 
 
 @pytest.mark.long
