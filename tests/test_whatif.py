@@ -292,21 +292,22 @@ def test_an_answer_is_near_to_what_then_was():
 
 
 @pytest.mark.long
-def test_the_same_law_gives_the_record_again_with_what_its_operator_did():
+def test_the_same_law_gives_the_record_again_with_what_its_operator_did(monkeypatch):
+    monkeypatch.setattr(campaign, "DURATION", 140.0)
     scenario = scenario_of(make_draw(0, 1), "mpc")
     recording = Recording(scenario)
-    controller, moves = recording.controller, {2000: 6.0, 2900: -9.0, 3000: None, 4200: 1.0}
+    controller, moves = recording.controller, {1200: 6.0, 1900: -9.0, 2000: None, 2600: 1.0}
 
     def act(tick):
-        if 3400 <= tick < 3520 and tick % 4 == 0:
-            controller.operate(0.2 if tick < 3480 else 0.123456789)
+        if 2200 <= tick < 2320 and tick % 4 == 0:
+            controller.operate(0.2 if tick < 2280 else 0.123456789)
         if tick in moves:
             move = moves[tick]
             controller.cancel_move() if move is None else controller.move_to_depth(controller.depth + move, 0.3)
 
     truth, record = recording.record(act)
     nominal = scenario.parameters["winch_controller"]
-    known = learn(record, nominal, start=90.0)
+    known = learn(record, nominal, start=50.0)
     assert np.ptp(record.set_points) > 6.0
     assert known.again.is_same
     assert same_again(known) == (0.0, 0.0)
