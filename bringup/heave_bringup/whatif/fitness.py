@@ -13,7 +13,7 @@ from heave_bringup.errors import CommandError
 from heave_bringup.whatif.identify.evidence import BEGINS
 from heave_bringup.whatif.identify.prior import DAMPING, INERTIA
 from heave_bringup.whatif.known import Known, off_sigma, winch_moved
-from heave_bringup.whatif.signals.record import SensorRecord
+from heave_bringup.whatif.signals.record import Loss, SensorRecord
 from heave_bringup.whatif.study import Answer
 
 SHORTEST = 60.0
@@ -38,6 +38,9 @@ NEEDED = {
     "encoder": "what the drum did is not known",
 }
 """Sensors that every answer needs, and why."""
+
+STALE = "stale"
+"""Reason of the controller where no reading has come."""
 
 LOST = 1.0
 """Longest time without one of them that is bridged [s]."""
@@ -77,7 +80,7 @@ def check_record(record: SensorRecord, start: float, where: str) -> None:
             f"{where}: the encoder was lost in {silent} of {record.ticks} ticks: the payout is not known"
         )
     for loss in sorted(record.losses, key=lambda one: one.start):
-        if loss.sensor in NEEDED and min(loss.end, record.time[-1]) - max(loss.start, start) > LOST:
+        if loss.sensor in NEEDED and _lasted(record, loss, start) > LOST:
             raise CommandError(
                 f"{where}: {loss.sensor} was lost from {loss.start:.1f} s to {loss.end:.1f} s ({loss.reason}): "
                 f"{NEEDED[loss.sensor]} there; give --end {loss.start:.0f}"
@@ -91,6 +94,16 @@ def check_record(record: SensorRecord, start: float, where: str) -> None:
     ]
     if faults:
         raise CommandError(f"{where}: the winch reported a fault at {faults[0]:.1f} s: give --end {faults[0]:.0f}")
+
+
+def _lasted(record: SensorRecord, loss: Loss, start: float) -> float:
+    """Return how long a `loss` has kept a `record` without readings that count, after its `start` [s]."""
+    begun, end = max(loss.start, start), min(loss.end, float(record.time[-1]))
+    if loss.reason != STALE or end <= begun:
+        return end - begun
+    # a controller that was held up gets late what the sensor has read all the same
+    times = [time for time in record.times_of(loss.sensor) if begun < time < end]
+    return float(np.diff(np.sort([begun, *times, end])).max())
 
 
 def check_known(known: Known, where: str) -> None:

@@ -119,6 +119,12 @@ class SensorRecord:
         ]
         return np.array(rows).reshape(-1, 3)
 
+    def times_of(self, sensor: str) -> list[float]:
+        """Return the times of what a `sensor`, or the encoder, has read [s]."""
+        if sensor == "encoder":
+            return [one.winch.time for one in self.measurements if one.winch is not None]
+        return [one.time for given in self.measurements for one in (given.mru if sensor == "mru" else given.of(sensor))]
+
     def scalar(self, sensor: str) -> Array:
         """Return times and finite values that a `sensor` read, shape (m, 2), in its unit."""
         rows = [tuple(one) for of_tick in self.measurements for one in of_tick.of(sensor) if np.isfinite(one.value)]
