@@ -199,7 +199,7 @@ def test_a_recorder_that_was_stopped_for_a_while_says_what_it_missed(processes, 
     say(20)
     time.sleep(0.5)
     recorder.send_signal(signal.SIGSTOP)
-    say(2000)
+    say(5000)
     recorder.send_signal(signal.SIGCONT)
     time.sleep(1.0)
     say(20)
