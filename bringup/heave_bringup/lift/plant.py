@@ -144,7 +144,7 @@ def run_way(way: Way, height: float, share: float = 1.0) -> RunSignals:
 
 
 def cross(way: Way, height: float, share: float = 1.0) -> Mapping[str, float]:
-    """Return the figures of one crossing; arguments as of `run_way`."""
+    """Return the figures of a crossing by a `way`, at a `height` of the sea [m] and a `share`, as of `run_way`."""
     window = Window(run_way(way, height, share), RAMP, math.inf)
     return {key: DEFINITION_OF[key].formula(window) for key in LOADS}
 
