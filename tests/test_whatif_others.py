@@ -188,5 +188,6 @@ def test_the_answer_to_a_log_is_that_to_the_bag_itself(tmp_path, monkeypatch):
         assert any("no orders to the winch" in line for line in warnings(known, [answer])) != read.has_orders
         assert np.isnan(same_again(known)[1]) == bool(text)
     for efficiency, off in found[1:]:
-        assert efficiency == pytest.approx(found[0][0], abs=0.005)
+        # within a point: rounded, and given at other times than the controller had them
+        assert efficiency == pytest.approx(found[0][0], abs=0.01)
         assert off == pytest.approx(found[0][1], rel=0.02)
