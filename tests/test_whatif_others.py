@@ -10,11 +10,12 @@ from heave_bags.mcap.reader import Bag
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif.asked import nominal_of
 from heave_bringup.whatif.fitness import reported, warnings
-from heave_bringup.whatif.known import learn, mean_payout, off_sigma
+from heave_bringup.whatif.known import learn, off_sigma
 from heave_bringup.whatif.signals.from_bag import read_record, scenario_text, write_text
 from heave_bringup.whatif.signals.from_others import read_others
 from heave_bringup.whatif.study import answers, same_again
 from heave_bringup.whatif.twin.replay import Asked
+from heave_bringup.whatif.twin.winch import mean_payout
 from heave_msgs.msg import LoadCell, MruSample, WinchState
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import FluidPressure
@@ -187,5 +188,6 @@ def test_the_answer_to_a_log_is_that_to_the_bag_itself(tmp_path, monkeypatch):
         assert any("no orders to the winch" in line for line in warnings(known, [answer])) != read.has_orders
         assert np.isnan(same_again(known)[1]) == bool(text)
     for efficiency, off in found[1:]:
-        assert efficiency == pytest.approx(found[0][0], abs=0.005)
+        # within a point: rounded, and given at other times than the controller had them
+        assert efficiency == pytest.approx(found[0][0], abs=0.01)
         assert off == pytest.approx(found[0][1], rel=0.02)

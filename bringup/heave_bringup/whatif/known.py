@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
-from heave_bags.analyse.reading.depth_programme import running_mean
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
 from winch_controller_node.beliefs.beliefs import Beliefs, parameters_under
@@ -28,7 +27,7 @@ from heave_bringup.whatif.signals.tip_source import tip_source
 from heave_bringup.whatif.twin.again import Again, observed_again
 from heave_bringup.whatif.twin.plant import PlantFactors, PlantMotion, driven, nominal_line, scaled_line
 from heave_bringup.whatif.twin.replay import Past, Replayed, locked
-from heave_bringup.whatif.twin.winch import past_winch, winch_under
+from heave_bringup.whatif.twin.winch import mean_payout, past_winch, winch_under
 
 OFF = Mode.OFF.value
 """Law with which the winch is locked."""
@@ -276,24 +275,6 @@ def off_sigma(known: Known) -> float:
     """Return the standard deviation of the unit with the winch locked, by what is `known` [m]."""
     unexplained = known.unexplained_in(known.off.payout)
     return known.sigma(unit_motion(known.off, unexplained), unexplained)
-
-
-def mean_payout(time: Array, payout: Array, heave: Array) -> Array:
-    """Return the payout about which a drum has worked, where no controller states it: that which no wave moves [m].
-
-    What follows the boom tip is taken out first, by a running regression: else waves at the ends of a record would
-    move the mean.
-
-    Parameters
-    ----------
-    time : of each tick (n,) [s]
-    payout : (n,) [m]
-    heave : of the boom tip (n,) [m]
-    """
-    mean = partial(running_mean, time)
-    moved, waves = payout - mean(payout), heave - mean(heave)
-    share = mean(moved * waves) / np.maximum(mean(waves**2), 1e-12)
-    return mean(payout - share * heave)
 
 
 def show_some(show: Show, words: str, done: int, of: int) -> None:

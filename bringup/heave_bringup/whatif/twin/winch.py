@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch, WinchState
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
+from heave_bags.analyse.reading.depth_programme import running_mean
 from heave_node.numerics.arrays import Array
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.beliefs.drum import drum_of
@@ -117,6 +119,24 @@ def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale:
     missed, waves = found.values, found.omega > SLOWEST
     error = math.sqrt(float(np.sum((found.kept**2 * found.power)[waves])) / record.ticks)
     return PastWinch(modelled + missed, rate + np.gradient(missed, dt), modelled, rate, error)
+
+
+def mean_payout(time: Array, payout: Array, heave: Array) -> Array:
+    """Return the payout about which a drum has worked, where no controller states it: that which no wave moves [m].
+
+    What follows the boom tip is taken out first, by a running regression: else waves at the ends of a record would
+    move the mean.
+
+    Parameters
+    ----------
+    time : of each tick (n,) [s]
+    payout : (n,) [m]
+    heave : of the boom tip (n,) [m]
+    """
+    mean = partial(running_mean, time)
+    moved, waves = payout - mean(payout), heave - mean(heave)
+    share = mean(moved * waves) / np.maximum(mean(waves**2), 1e-12)
+    return mean(payout - share * heave)
 
 
 def tension_at_ticks(record: SensorRecord) -> Array:
