@@ -154,3 +154,17 @@ def test_the_lift_of_b11_gets_through_the_surface_within_its_criteria():
     assert [criterion.kpi for criterion in scenario.wanted if not criterion.is_met(figures[criterion.kpi])] == []
     assert record.column("unit")[0] > 7.9
     assert record.column("unit")[-1] < -10.0
+
+
+def tension_in_air(*settings):
+    """Return the standard deviation of the top tension at deck height [N]."""
+    names = ("wave_vessel.ramp=20.0", "winch_controller.programme.move_times=[1000.0]", *settings)
+    parameters = replace(loop_parameters(load_scenario("b11_splash_zone", settings=names)), seed=301, duration=55.0)
+    return float(np.std(ClosedLoop(parameters).run().column("top_tension", after=35.0)))
+
+
+@pytest.mark.long
+def test_a_frugal_law_shakes_a_unit_on_a_short_wire_less():
+    """Most of the tension's deviation in air is noise of the MRU that the law passes on to the wire's resonance."""
+    frugal = [f"winch_controller.mpc.{name}payout_acceleration=0.1" for name in ("", "free_")]
+    assert tension_in_air(*frugal) < 0.5 * tension_in_air()
