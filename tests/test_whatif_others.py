@@ -190,4 +190,5 @@ def test_the_answer_to_a_log_is_that_to_the_bag_itself(tmp_path, monkeypatch):
     for efficiency, off in found[1:]:
         # within a point: rounded, and given at other times than the controller had them
         assert efficiency == pytest.approx(found[0][0], abs=0.01)
-        assert off == pytest.approx(found[0][1], rel=0.02)
+        # a compensated record shows it to some percent
+        assert off == pytest.approx(found[0][1], rel=0.05)
