@@ -30,7 +30,7 @@ class Efficiency:
         self._samples: deque[tuple[float, float, float, float]] = deque(maxlen=round(WINDOW / STEP))
 
     def note(self, situation: Situation) -> None:
-        """Take a `situation`; a run that restarts begins anew, and what no sensor reports now is left out."""
+        """Take a `situation`; a restart of the run clears it, and what no sensor reports now is left out."""
         controller, figures = situation.controller, situation.figures
         if controller is None or figures is None or not math.isfinite(figures.uncompensated_sigma):
             return
