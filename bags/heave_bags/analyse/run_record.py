@@ -87,7 +87,7 @@ class RunRecord:
         return bool(law != events.OFF) if isinstance(law, str) else by_modes
 
     def take(self, found: Reconstruction) -> None:
-        """Take what was reconstructed of the run, `found`, in the place of the controller's estimates; the truth stays."""
+        """Take what was reconstructed, `found`, in the place of the controller's estimates; the truth stays."""
         self.reconstruction = found
         before = self.source_notes()
         for motion, name in ((UNIT_HEAVE, "unit_heave"), (FREE_HEAVE, "uncompensated_heave")):
