@@ -28,6 +28,7 @@ def test_there_are_notebooks():
     assert {path.stem for path in NOTEBOOKS} >= {
         "first_analysis",
         "comparing_laws",
+        "better_gain",
         "designing_a_controller",
         "thesis_in_ten_figures",
     }

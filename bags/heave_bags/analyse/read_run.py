@@ -152,7 +152,7 @@ def _name(path: Path) -> str:
 def _fill(record: RunRecord, fields: Mapping[str, Fields], parameters: NodeParameters) -> None:
     """Fill a record with what the topics tell."""
     _fill_motion(record, fields, parameters)
-    _note_sources(record)
+    record.notes += record.source_notes()
     _fill_winch(record, fields[WINCH])
     _fill_controller(record, fields[CONTROLLER])
     set_point = fields[CONTROLLER].signal("depth_set_point")
@@ -244,13 +244,6 @@ def _fill_motion(record: RunRecord, fields: Mapping[str, Fields], parameters: No
         signals.largest_tension = fields[CABLE].signal("largest_top_tension")
     if signals.tension.size and signals.tension.time[0] < START:
         signals.static_tension = Signal(signals.tension.time[:1], signals.tension.value[:1])
-
-
-def _note_sources(record: RunRecord) -> None:
-    """Say which motions are not the truth, as on a ship, where it is unknown."""
-    other = [f"{name} is {source}" for name, source in record.sources.items() if source != TRUE]
-    if other:
-        record.notes.append(f"the true values were not recorded:  {', '.join(other)}")
 
 
 def _fill_winch(record: RunRecord, winch: Fields) -> None:

@@ -10,7 +10,8 @@ from heave_node.tick.durations import EDGES, LAST
 
 from heave_bags.analyse import events
 from heave_bags.analyse.events import Interval
-from heave_bags.analyse.run_record import RunRecord
+from heave_bags.analyse.kpis.sources import FREE_HEAVE
+from heave_bags.analyse.run_record import ESTIMATED, RECONSTRUCTED, TRUE, RunRecord
 from heave_bags.report.estimator_figure import innovation_figure
 from heave_bags.report.figure import (
     BOOM_TIP,
@@ -45,6 +46,12 @@ MODE_COLOURS = {
     "stopped": "#d55e00",
     "emergency_stop": "#d55e00",
 }
+FREE_MOTION = {
+    TRUE: "computed beside the run",
+    RECONSTRUCTED: "reconstructed from the record",
+    ESTIMATED: "as the controller estimates it",
+}
+"""How the motion of the uncompensated unit is known, by its source."""
 MOST_MODES = 12
 """Modes or limits that a legend names; a bag may bring any number."""
 
@@ -164,10 +171,10 @@ def ribbon_legend(record: RunRecord) -> list[tuple[str, str]]:
 
 def unit_figure(record: RunRecord) -> Figure:
     """Unit heave with and without compensation, of the run `record`."""
-    signals = record.signals
+    signals, source = record.signals, record.sources.get(FREE_HEAVE, TRUE)
     figure = Figure(
         "Unit heave, compensated and uncompensated",
-        "Uncompensated: the same sea and cable with the winch locked, computed beside the run.",
+        f"Uncompensated: the same sea and cable with the winch locked, {FREE_MOTION[source]}.",
         layout=time_layout(record, "unit heave about the mean [cm]"),
     )
     figure.traces += [

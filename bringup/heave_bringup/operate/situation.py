@@ -44,6 +44,7 @@ class ControllerStatus:
     mode, law, reason : as in heave_msgs/ControllerState
     authority : authority of compensation, 0 to 1
     unit_heave, boom_tip_heave, uncompensated_heave : estimated, about their means, positive up [m]
+    unit_error : standard deviation of the error of that of the unit, by the filter [m]
     mean_payout : about which compensation works, positive lowers [m]
     limits : that shape the command
     """
@@ -58,6 +59,7 @@ class ControllerStatus:
     uncompensated_heave: float = UNKNOWN
     mean_payout: float = UNKNOWN
     limits: tuple[str, ...] = ()
+    unit_error: float = UNKNOWN
 
 
 @dataclass

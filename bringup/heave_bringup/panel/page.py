@@ -37,6 +37,7 @@ FIGURES = (
 INJECT = "i"
 """Key of the command for which the page has lists in the place of a line of text."""
 SHOWN_ALARMS, SHOWN_LOG = 30, 8
+EFFICIENCY = "efficiency, last {minutes:.0f} min, est. [%]"
 BAR_LOOKS = ("text-sm", "text-lg font-bold", "heave-bad font-bold")
 
 STYLE = """
@@ -131,7 +132,9 @@ class Page:
 
     def _build_figures(self) -> None:
         self._figures: dict[str, Any] = {}
-        with ui.element("section").classes("grid grid-cols-2 sm:grid-cols-3 xl:grid-cols-6 gap-2 w-full"):
+        with ui.element("section").classes("grid grid-cols-2 sm:grid-cols-4 gap-2 w-full"):
+            with ui.element("div").classes("heave-box col-span-2"):
+                self._efficiency = ui.label().classes("heave-name"), ui.label("-").classes("heave-value")
             for name in FIGURES:
                 with ui.element("div").classes("heave-box"):
                     ui.label(name).classes("heave-name")
@@ -294,6 +297,9 @@ class Page:
         ):
             # what rounds to zero has no sign
             self._figures[name].text = f"{round(value, digits) + 0.0:.{digits}f}" if math.isfinite(value) else "-"
+        text, span = picture.efficiency
+        name, shown = self._efficiency
+        name.text, shown.text = EFFICIENCY.format(minutes=span / 60.0), text
         self._show_uses(picture)
 
     def _show_uses(self, picture: Picture) -> None:

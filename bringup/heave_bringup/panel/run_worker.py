@@ -14,6 +14,7 @@ from heave_bringup.operate.requests import WinchLimits, request_limits
 from heave_bringup.operate.situation import Situation
 from heave_bringup.operate.tasks import Task
 from heave_bringup.panel.alarm_list import Alarm, AlarmList
+from heave_bringup.panel.efficiency import Efficiency
 from heave_bringup.panel.history import History
 
 LOOK_PERIOD = 0.02
@@ -48,6 +49,7 @@ class Picture:
     under_way : names of what was requested and is not done
     log : answers, the newest first
     limits : of the winch as the controller assumes them
+    efficiency : over the last minutes, in words [%], and simulated time over which it is taken [s]
     """
 
     situation: Situation = field(default_factory=Situation)
@@ -56,6 +58,7 @@ class Picture:
     under_way: tuple[str, ...] = ()
     log: tuple[Entry, ...] = ()
     limits: WinchLimits = field(default_factory=WinchLimits)
+    efficiency: tuple[str, float] = ("-", 0.0)
 
     @property
     def silence(self) -> float:
@@ -91,6 +94,7 @@ class RunWorker:
         self._alarms = AlarmList()
         self._limits = WinchLimits()
         self._is_closed = False
+        self._efficiency = Efficiency()
         self.history = History()
         self.picture = Picture(heard_at=link.heard_at)
         self._thread = threading.Thread(target=self._serve, name="run link")
@@ -147,6 +151,7 @@ class RunWorker:
             self._look_at_tasks()
             is_asking = is_asking and limits.poll() is None
             self.history.note(self._link.situation)
+            self._efficiency.note(self._link.situation)
             now = self._link.wall_time
             if now - copied_at >= COPY_PERIOD:
                 copied_at = now
@@ -183,4 +188,5 @@ class RunWorker:
             tuple(begun.name for begun in self._tasks),
             tuple(self._log),
             self._limits,
+            (self._efficiency.words, self._efficiency.span),
         )

@@ -110,6 +110,11 @@ class Known:
         square = float(np.var(motion[self.window])) - unexplained.left**2
         return math.hypot(math.sqrt(max(square, 0.0)), self.by_tip)
 
+    def sigma_ends(self, motion: Array) -> tuple[float, float]:
+        """Return the least and the largest that `sigma` can be of the record's own `motion` (n,) [m]."""
+        with_noise = float(np.std(motion[self.window]))
+        return math.sqrt(max(with_noise**2 - self.unexplained.left**2, 0.0)), math.hypot(with_noise, self.by_tip)
+
     @property
     def enough(self) -> int:
         """Number of ticks, from the first on, over which a loop is closed again for the bands."""

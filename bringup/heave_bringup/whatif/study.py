@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
+from heave_node.kpi import significant
 
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif.answer import Figures, Spread, figures, unit_motion, with_bands
@@ -162,9 +163,26 @@ def _show_of(show: Show, words: str, before: int, of: int, done: int) -> None:
     show_some(show, words, before + done, of)
 
 
-def recorded(known: Known) -> Figures:
-    """Return the figures of the record itself, by what is `known` of it."""
-    return _figures(known, _as_recorded(known))
+def recorded(known: Known, found: Sequence[Answer] = ()) -> Figures:
+    """Return the figures of the record itself, by what is `known` of it.
+
+    They have bands where the winch locked is among the answers that were `found`: of the unit from what the depth
+    sensor shows alone to that and all that is not known of the boom tip; of the efficiency, with those of the locked
+    winch.
+    """
+    figures, off = _figures(known, _as_recorded(known)), next((one for one in found if _is_off(one.asked)), None)
+    if off is None:
+        return figures
+    low, high = known.sigma_ends(known.past.plant.unit + known.set_point + known.unexplained.heave)
+    sigma, value = figures.values["unit_sigma_m"], figures.values["unit_efficiency"]
+    free, (free_low, free_high) = off.figures.values["unit_sigma_m"], off.figures.bands["unit_sigma_m"]
+    # each end by both errors, which have nothing to do with one another
+    ends = (
+        value - math.hypot(high - sigma, sigma * (free / max(free_low, 1e-9) - 1.0)) / free,
+        value + math.hypot(sigma - low, sigma * (1.0 - free / max(free_high, 1e-9))) / free,
+    )
+    bands = {"unit_sigma_m": (low, high), "significant_residual_m": (significant(low), significant(high))}
+    return replace(figures, bands={**bands, "unit_efficiency": ends})
 
 
 def _as_recorded(known: Known) -> Replayed:

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 from heave_node.loads.strength import ROPE, WINCH_PULL
 
-SOURCES = ("estimated", "measured", "true")
+SOURCES = ("estimated", "reconstructed", "measured", "true")
 """Sources of a motion, the least certain first."""
 UNIT_HEAVE, FREE_HEAVE, TIP_HEAVE = "unit heave", "uncompensated unit heave", "boom-tip heave"
-TOP_TENSION, PAYOUT = "top tension", "payout"
+TOP_TENSION, PAYOUT, BASELINE = "top tension", "payout", "baseline"
 _OF_TENSION = (
     *("tension_min_n", "tension_mean_n", "tension_max_n", "tension_sigma_n", "tension_ratio_min"),
     *("dynamic_amplification", "snaps", "top_tension_mean_n", "top_tension_amplitude_n"),
@@ -22,6 +22,7 @@ MOTIONS_OF: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("boom_tip_sigma_m",), (TIP_HEAVE,)),
     **dict.fromkeys(("kappa", "unit_heave_amplitude_m"), (UNIT_HEAVE,)),
     "unit_efficiency": (UNIT_HEAVE, FREE_HEAVE),
+    "baseline_efficiency": (BASELINE,),
     "unit_heave_phase_deg": (UNIT_HEAVE, TIP_HEAVE),
     **dict.fromkeys(_OF_TENSION, (TOP_TENSION,)),
     **dict.fromkeys(("winch_speed_max_mps", "winch_acceleration_max_mps2"), (PAYOUT,)),

@@ -21,6 +21,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_bags(parser)
     add_baseline(parser)
+    parser.add_argument(
+        "--whatif",
+        action=argparse.BooleanOptionalAction,
+        default=None,
+        help="experimental: unit, uncompensated motion and law industrial from the sensors of the record alone, with "
+        "bands, in the place of the controller's estimates. It takes minutes, once: the answer is kept beside the bag "
+        "and shown from then on; --no-whatif leaves it out, --no-baseline law industrial",
+    )
     add_full(parser)
     parser.add_argument(
         "--output",
@@ -52,7 +60,13 @@ def execute(options: argparse.Namespace) -> None:
     output = _output(options.output, bags)
     if options.pdf or options.picture:
         find_browser()
-    records = read_records(bags, scenario=options.scenario, transient=options.transient, has_baseline=options.baseline)
+    records = read_records(
+        bags,
+        scenario=options.scenario,
+        transient=options.transient,
+        has_baseline=options.baseline,
+        whatif=options.whatif,
+    )
     verdicts = [judge(record, record.wanted, moves_winch=record.moves_winch) for record in records]
     save_report(records, output, verdicts)
     files = {"report": output.resolve()}
@@ -97,6 +111,7 @@ COMMAND = Command(
     examples=(
         "heave report runs/b2_calm_300-001 --pdf",
         "heave report runs/b2_calm_300-001 runs/b2_calm_300-002 --output compared.html",
+        "heave report runs/sea_trial --whatif",
     ),
     add_arguments=add_arguments,
     execute=execute,

@@ -3,18 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import os
-import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from heave_bringup.commands.arguments import add_settings
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
-
-if TYPE_CHECKING:
-    from heave_bringup.progress import ProgressLine
-    from heave_bringup.whatif.words import Result
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,15 +34,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Answer and write the page, as `options` say."""
-    from cable_sim_node.errors import PlantError
     from heave_bags.mcap.read.folder import bag_of
     from heave_node.parameters import ParameterError
-    from winch_controller_node.model.lqr import DesignError
 
     from heave_bringup.output import check_output, make_table, warn, write_result
     from heave_bringup.progress import ProgressLine
     from heave_bringup.whatif.fitness import warnings
     from heave_bringup.whatif.page import render
+    from heave_bringup.whatif.question import Question, ask
     from heave_bringup.whatif.words import causes, check_line, headings, identified_rows, report_line, rows
     from heave_bringup.whatif.words import to_json as json_of
 
@@ -58,11 +50,20 @@ def execute(options: argparse.Namespace) -> None:
     if not 0 <= options.draws <= 100:
         raise ParameterError(f"--draws {options.draws}: must be from 0 to 100")
     folder = bag_of(options.bag)
-    try:
-        with tempfile.TemporaryDirectory(prefix="heave-") as scratch, ProgressLine() as progress:
-            result = _result(folder, options, Path(scratch), progress)
-    except (DesignError, PlantError) as error:
-        raise CommandError(f"{folder}: {error}") from error
+    question = Question(
+        options.law,
+        [one for one in options.compare.split(",") if one],
+        options.set,
+        options.know,
+        options.scenario or "",
+        options.transient,
+        options.end,
+        options.draws,
+        options.seed,
+        options.map,
+    )
+    with ProgressLine() as progress:
+        result = ask(folder, question, show=progress.show)
     page = options.output or folder.parent / "whatif.html"
     try:
         page.write_text(render(f"{folder.resolve().parent.name}: what would have been", result), encoding="utf-8")
@@ -74,46 +75,6 @@ def execute(options: argparse.Namespace) -> None:
     warn(warnings(result.known, result.answers))
     ends = f"bands are of 90 %\n\npage      {page.resolve()}"
     write_result(options, ["\n".join(lines), table, values, ends], {**json_of(result), "page": str(page.resolve())})
-
-
-def _result(source: Path, options: argparse.Namespace, scratch: Path, progress: ProgressLine) -> Result:
-    """Return what a record answers to what is asked."""
-    from heave_bags.mcap.reader import Bag
-    from winch_controller_node.beliefs.beliefs import Beliefs
-
-    from heave_bringup.output import warn
-    from heave_bringup.whatif.asked import Wish, asked_of, nominal_of
-    from heave_bringup.whatif.fitness import check_known, check_record
-    from heave_bringup.whatif.identify.prior import prior_of
-    from heave_bringup.whatif.known import drawn, learn, other_plants
-    from heave_bringup.whatif.signals.from_bag import read_record, scenario_text, write_text
-    from heave_bringup.whatif.signals.from_others import read_others
-    from heave_bringup.whatif.study import answers, recorded, same_again
-    from heave_bringup.whatif.twin.winch import winch_under
-    from heave_bringup.whatif.words import Result
-
-    if options.map is not None and options.scenario is None:
-        raise CommandError(f"{source}: of others: say with --scenario what cable, unit, winch and controller are")
-    scenario = options.scenario or write_text(scratch, scenario_text(Bag(source)))
-    nominal, run = nominal_of(scenario)
-    wish = Wish(scenario, options.law, options.set, [one for one in options.compare.split(",") if one])
-    asked_of(wish, winch_under(Beliefs(-1), nominal), has_adviser=True)
-    prior = prior_of(nominal, options.know)
-    if options.map is None:
-        record = read_record(Bag(source), nominal, progress=lambda share: progress.show("reading", share))
-    else:
-        record, notes = read_others(source, options.map, nominal, run.tick_period)
-        warn(notes)
-    record = record if options.end is None else record.part(options.end)
-    start = run.transient if options.transient is None else options.transient
-    check_record(record, start, str(options.bag))
-    known = learn(record, nominal, start=start, prior=prior, show=progress.show)
-    check_known(known, str(options.bag))
-    others = [drawn(known, options.seed, number) for number in range(options.draws)]
-    wanted = asked_of(wish, known.past.winch_parameters, has_adviser=record.has_adviser)
-    plants = other_plants(known, options.seed)
-    found = answers(known, wanted, others, plants, processes=os.cpu_count() or 1, show=progress.show)
-    return Result(known, recorded(known), found, same_again(known, show=progress.show))
 
 
 COMMAND = Command(
