@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from heave_bags.analyse.kpis.reconstruction import Reconstruction
@@ -129,7 +130,7 @@ def read_kept(file: Path, digest: str) -> Reconstruction | None:
         bands = {str(key): tuple(float(end) for end in ends) for key, ends in content["bands"].items()}
         if any(len(ends) != 3 for ends in bands.values()):
             return None
-        motions = {name: _signal(*content[name]) for name in MOTIONS}
+        motions: dict[str, Any] = {name: _signal(*content[name]) for name in MOTIONS}
         return Reconstruction(**motions, **{name: content[name] for name in TEXTS} | {"bands": bands})
     except (OSError, ValueError, TypeError, LookupError, AttributeError, RecursionError, MemoryError):
         return None
