@@ -298,8 +298,8 @@ class Page:
             # what rounds to zero has no sign
             self._figures[name].text = f"{round(value, digits) + 0.0:.{digits}f}" if math.isfinite(value) else "-"
         text, span = picture.efficiency
-        name, shown = self._efficiency
-        name.text, shown.text = EFFICIENCY.format(minutes=span / 60.0), text
+        heading, shown = self._efficiency
+        heading.text, shown.text = EFFICIENCY.format(minutes=span / 60.0), text
         self._show_uses(picture)
 
     def _show_uses(self, picture: Picture) -> None:
