@@ -235,12 +235,13 @@ class LoopCommand:
             is_held = mode.mode is Mode.COMPENSATING
             uncompensated = tick.taut_uncompensated if is_held else tick.released_motion
             x = self._shift.shift(tick.estimate, uncompensated, mode.authority)
-            if is_held and not tick.sensed.has_depth:
-                self._bound_unseen(x)
         else:  # the unit is to come to rest
+            is_held = False
             x = self._shift.shift(tick.estimate, np.zeros(2), 0.0)
         # the unit shall follow the mean payout stiffly, not swing after it as it would by itself
         x[self._rows.unit_states] += tick.mean_swing
+        if is_held and not tick.sensed.has_depth:
+            self._bound_unseen(x)
         if tick.left_over != 0.0:
             payout, unit = self._left_over_states
             x[payout] -= tick.left_over
