@@ -1,4 +1,4 @@
-"""The depth sensor is lost while the unit is moved to another depth: its own motion after the drum is known all the same."""
+"""The depth sensor is lost during a move: how the unit trails the drum is known all the same."""
 
 import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
