@@ -16,6 +16,7 @@ from heave_bringup.accept.procedure import Event
 from heave_bringup.accept.procedure_file import Limits, amount, find_procedure, read_head, read_procedure
 from heave_bringup.accept.session import Parts, Session
 from heave_bringup.cli import main
+from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
 
 NOMINAL = Nominal(2.0, 1.5, 0.35)
@@ -44,15 +45,32 @@ def test_lag_and_gain_of_a_winch_are_those_it_has(lag, gain):
     assert found["following_error"] < 0.01
 
 
-def test_a_stop_takes_the_time_and_the_way_of_its_deceleration():
-    # 1 m/s and 2 m/s^2 from 10 s on: 0.475 s to 0.05 m/s, and v^2/2a less the rest
-    time = np.arange(0.0, 15.0, 0.001)
+def stopped(tick, event=10.0, end=15.0):
+    """Return a drum at 1 m/s that stops at 2 m/s^2 from 10 s on, reported every tick [s], with an event [s]."""
+    time = np.arange(0.0, 15.0, tick)
     rate = np.clip(1.0 - 2.0 * (time - 10.0), 0.0, 1.0)
-    run = RunSignals(payout=Signal(time, np.cumsum(rate) * 0.001), payout_rate=Signal(time, rate))
-    found = figures.evaluate(Measured(run, 0.0, 15.0, event=10.0))
+    run = RunSignals(payout=Signal(time, np.cumsum(rate) * tick), payout_rate=Signal(time, rate))
+    return Measured(run, 0.0, end, event=event)
+
+
+def test_a_stop_takes_the_time_and_the_way_of_its_deceleration():
+    # 0.475 s to 0.05 m/s, and v^2/2a less the rest
+    found = figures.evaluate(stopped(0.001))
     assert found["stopping_time_s"] == pytest.approx(0.475, abs=0.002)
     assert found["stopping_distance_m"] == pytest.approx((1.0 - 0.05**2) / 4.0, abs=0.002)
-    assert np.isnan(figures.evaluate(Measured(run, 0.0, 10.2, event=10.0))["stopping_time_s"])
+    assert np.isnan(figures.evaluate(stopped(0.001, end=10.2))["stopping_time_s"])
+    # reported every 0.1 s the drum is known to be at rest at 10.5 s, not before
+    assert figures.evaluate(stopped(0.1))["stopping_time_s"] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("event", [10.48, 12.0])
+def test_a_drum_that_rests_when_the_event_comes_shows_no_stop(event):
+    measured = stopped(0.001, event)
+    values = figures.evaluate(measured)
+    for wanted in (Criterion("stopping_time_s", "<=", 1.0), Criterion("stopping_distance_m", "<=", 1.0)):
+        one = figures.judged(wanted, values, measured)
+        assert not one.is_met
+        assert "the drum was not moving" in str(one)
 
 
 def test_rate_gap_and_noise_of_a_sensor_are_those_it_has():
@@ -164,6 +182,15 @@ HEAD = "title: t\nscenario: b2_calm_300\nsteps:\n"
         ("- {name: a, run: {}, event: {device: mru, fault: gone, at: 1}, wanted: {snaps: '< 1'}}", "fault = 'gone'"),
         ("- {name: a, run: {}, alarms: [MRU_GONE], wanted: {snaps: '< 1'}}", "MRU_GONE is no code of an alarm"),
         ("- {name: a, run: {set: {winch_controller.low: mpc}}, wanted: {snaps: '< 1'}}", "there is no parameter low"),
+        (
+            "- {name: a, winch: {signal: sine, amplitude: 0.75, period: 8, cycles: 2}, "
+            "event: {fault: emergency_stop, at: 160 s}, wanted: {stopping_time_s: '<= 1 s'}}",
+            "step 1 (a): event: at = 160 s: must be within the step, which lasts 16 s",
+        ),
+        (
+            "- {name: a, run: {duration: 50}, event: {fault: emergency_stop, at: 50}, wanted: {snaps: '< 1'}}",
+            "a: event: at = 50 s",
+        ),
         ("- {name: a, runs: {}, wanted: {snaps: '< 1'}}", "unknown key runs"),
         ("- {name: a, record: {from: 1 kg}, wanted: {snaps: '< 1'}}", "record: from"),
     ],

@@ -138,14 +138,26 @@ class Measured:
         return Following(GRID * lag, gain, min(gains), float(np.std(seen - gain * best) / np.std(seen)))
 
     @cached_property
-    def stop(self) -> float:
-        """Time at which the drum has stopped after the event [s]; NaN where it does not, or nothing happened."""
+    def _rest(self) -> float:
+        """Time from which on the drum is at rest for REMAINS, at the event or after it [s]; NaN where it is not."""
         after = self.rate.window(self.event, self.end) if math.isfinite(self.event) else Signal()
         if not after.size:
             return math.nan
-        moves = np.array([self.event, *after.time[np.abs(after.value) >= AT_REST], after.time[-1]])
-        rests = np.flatnonzero(np.diff(moves) >= REMAINS)
-        return float(moves[rests[0]]) if rests.size else math.nan
+        time = np.array([self.event, *after.time])
+        speed = np.abs([np.interp(self.event, self.rate.time, self.rate.value), *after.value])
+        places = np.flatnonzero(np.diff([1.0, *(speed >= AT_REST), 1.0]))
+        lasted = ((time[first], time[after - 1]) for first, after in zip(places[::2], places[1::2], strict=True))
+        return next((float(first) for first, last in lasted if last - first >= REMAINS), math.nan)
+
+    @property
+    def was_at_rest(self) -> bool:
+        """Whether the drum was not moving when the event came, so that it shows no stop."""
+        return self._rest == self.event
+
+    @property
+    def stop(self) -> float:
+        """Time of the first sample at rest after the event [s]; NaN where there is none, or the drum was at rest."""
+        return math.nan if self.was_at_rest else self._rest
 
     def alarm_time(self, codes: Collection[str] | None = None) -> float:
         """Return the time from the event until the first alarm came [s]; NaN where none did.

@@ -228,7 +228,16 @@ def _event(entry: Any, where: str, test: WinchTest | RunTest | None) -> Event:
         raise ParameterError(f"{where}: at is missing: when it happens [s]")
     times = [amount(entry.get(name, 0.0), "time", f"{where}: {name}") for name in ("at", "duration")]
     magnitude = amount(entry.get("magnitude", 0.0), "number", f"{where}: magnitude")
-    return Event(device, fault, times[0], times[1], magnitude, str(entry.get("ask", "")))
+    event = Event(device, fault, times[0], times[1], magnitude, str(entry.get("ask", "")))
+    if isinstance(test, WinchTest):
+        refuse_late(event, test.signal.duration, where)
+    return event
+
+
+def refuse_late(event: Event | None, duration: float, where: str) -> None:
+    """Raise ParameterError, naming `where` it stands, for an `event` after the `duration` [s] of its step."""
+    if event is not None and not 0.0 <= event.at < duration:
+        raise ParameterError(f"{where}: at = {event.at:g} s: must be within the step, which lasts {duration:g} s")
 
 
 def amount(given: Any, dimension: str, where: str, limits: Limits | None = None) -> float:

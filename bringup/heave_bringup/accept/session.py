@@ -19,7 +19,7 @@ from heave_bringup.accept.parts.record import ForeignRecord
 from heave_bringup.accept.parts.run import run_loop, scenario_of
 from heave_bringup.accept.parts.winch import VirtualPart, WinchPart, run_winch
 from heave_bringup.accept.procedure import RunTest, Step, WinchTest
-from heave_bringup.accept.procedure_file import Head, Limits, read_procedure
+from heave_bringup.accept.procedure_file import Head, Limits, read_procedure, refuse_late
 from heave_bringup.accept.results import Acceptance, StepResult, digest_of, facts_of
 from heave_bringup.errors import CommandError
 from heave_bringup.progress import ProgressLine
@@ -98,7 +98,7 @@ class Session:
             raise ParameterError(f"--record {unknown}=...: no such step; steps: {', '.join(sorted(names))}")
         for step in procedure.steps:
             if isinstance(step.test, RunTest) and not parts.records:
-                self._loop(step, step.test)
+                refuse_late(step.event, self._loop(step, step.test).run.duration, f"{where}: {step.name}: event")
 
     def run(self, folder: Path, only: Sequence[str] = ()) -> Acceptance:
         """Run the steps, and return what became of them.
@@ -183,5 +183,5 @@ class Session:
 def _judged(step: Step, measured: Measured, path: Path, part: str, breaches: Sequence[str] = ()) -> StepResult:
     """Return the verdict on a step that left what was `measured` in the file or folder `path`."""
     values = figures.evaluate(measured, step.alarms)
-    found = tuple(figures.judged(criterion, values) for criterion in step.wanted)
+    found = tuple(figures.judged(criterion, values, measured) for criterion in step.wanted)
     return StepResult(step, found, tuple(breaches), "", values, measured, path, digest_of(path), part)
