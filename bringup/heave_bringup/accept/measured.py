@@ -60,7 +60,7 @@ class Measured:
     ----------
     run : signals that figures of merit are computed from
     start, end : of the window [s]
-    ordered_rate : ordered payout rate [m/s], positive pays out
+    ordered_rate : ordered payout rate [m/s], positive pays out; an order holds until the next
     event, event_end : of what was done to the part [s]; NaN: nothing was
     alarms : time [s] and code of each; of what a controller holds of a sensor or a winch, its words
     readings : of each sensor, by name: heave [m] of the MRU, depth [m], tension [N], payout [m] and rate [m/s] of the
@@ -96,8 +96,7 @@ class Measured:
             return self.reading("encoder_rate")
         if self.run.payout_rate.size:
             return self.run.payout_rate.window(self.start, self.end)
-        payout = self.payout
-        return Signal(payout.time, np.gradient(payout.value, payout.time)) if payout.size > 2 else Signal()
+        return _rate_of(self.payout) if self.payout.size > 2 else Signal()
 
     @cached_property
     def grid(self) -> Array:
@@ -106,7 +105,7 @@ class Measured:
         if rate.size < 3 or ordered.size < 3:
             return np.empty(0)
         first, last = max(rate.time[0], ordered.time[0]), min(rate.time[-1], ordered.time[-1])
-        return np.arange(first, last, GRID)
+        return np.arange(first + 0.5 * GRID, last, GRID)  # between samples: an order counts as long before as after
 
     @cached_property
     def smooth_rate(self) -> Array:
@@ -118,12 +117,17 @@ class Measured:
 
     @cached_property
     def following(self) -> Following:
-        """How the winch followed its orders, by least squares over the lag."""
+        """How the winch followed its orders, by least squares over the lag.
+
+        The drum's rate is the difference of payout about each sample, where payout is known: the one that is reported
+        is often of the time before its sample, and would add to the lag.
+        """
         shifts = round(LONGEST_LAG / GRID)
         if self.grid.size < 2 * shifts:
             return Following()
-        rate = np.interp(self.grid, self.rate.time, self.rate.value)
-        ordered = np.interp(self.grid, self.ordered_rate.time, self.ordered_rate.value)
+        drum, orders_of = _rate_of(self.payout) if self.payout.size > 2 else self.rate, self.ordered_rate
+        rate = np.interp(self.grid, drum.time, drum.value)
+        ordered = orders_of.value[np.searchsorted(orders_of.time, self.grid, "right") - 1]
         count = rate.size - shifts
         seen, orders = rate[shifts:], [ordered[shifts - k : shifts - k + count] for k in range(shifts + 1)]
         powers = np.array([one @ one for one in orders])
@@ -193,6 +197,11 @@ class Measured:
         found = np.linalg.lstsq(np.column_stack(columns), depth.value, rcond=None)[0]
         per_heave = -float(found[places["heave"]]) if "heave" in places else math.nan
         return float(found[places["payout"]]) if "payout" in places else math.nan, per_heave
+
+
+def _rate_of(payout: Signal) -> Signal:
+    """Return the rate [m/s] of a `payout` [m] of more than two samples: its differences about each of them."""
+    return Signal(payout.time, np.gradient(payout.value, payout.time))
 
 
 def _peak(values: Array) -> float:
