@@ -180,6 +180,35 @@ def test_a_slow_winch_gives_exit_status_3_and_names_the_step(tmp_path, capsys):
     assert "Full speed: Speed reached" in capsys.readouterr().err
 
 
+RECORD = "- {name: a, record: {from: 60 s, to: 280 s}, wanted: {outlet_efficiency: '>= 50 %'}}"
+
+
+@pytest.mark.parametrize(
+    ("kept", "words"),
+    [
+        (lambda time, name: time <= 83.0, "23 s of 220 s recorded"),
+        (lambda time, name: (time <= 100.0) | (time >= 250.0), "70 s of 220 s recorded"),
+        (lambda time, name: (name == "t") | (time <= 83.0), "23 s of 220 s recorded"),
+        (lambda time, name: (time <= 100.0) | (time >= 101.9), ""),
+    ],
+)
+def test_nothing_is_met_over_a_time_that_a_record_lacks(kept, words, tmp_path, capsys):
+    time = np.arange(0.0, 300.0, 0.1)
+    heave = 0.5 * np.sin(0.7 * time)
+    rows = [(f"{t:.1f}", f"{h:.4f}", f"{h:.4f}") for t, h in zip(time, heave, strict=True)]
+    rope = [cells if kept(t, "rope") else (*cells[:2], "") for t, cells in zip(time, rows, strict=True)]
+    lines = [",".join(cells) for t, cells in zip(time, rope, strict=True) if kept(t, "t")]
+    (tmp_path / "log.csv").write_text("t,ship,rope\n" + "\n".join(lines))
+    (tmp_path / "map.yaml").write_text("time_column: t\nheave: {column: ship}\npayout: {column: rope}\n")
+    (tmp_path / "own.yaml").write_text(HEAD + RECORD)
+    arguments = ["--record", str(tmp_path / "log.csv"), "--map", str(tmp_path / "map.yaml")]
+    status = main(["accept", str(tmp_path / "own.yaml"), *arguments, "--output", str(tmp_path / "out")])
+    told = capsys.readouterr()
+    assert status == (3 if words else 0), told
+    assert words in told.out.replace("\N{NO-BREAK SPACE}", " ")
+    assert words in told.err
+
+
 HEAD = "title: t\nscenario: b2_calm_300\nsteps:\n"
 
 

@@ -185,8 +185,11 @@ class Unjudged(Judged):
 def judged(criterion: Criterion, values: Mapping[str, float], measured: Measured | None = None) -> Judged:
     """Return a `criterion` with the value that it has among `values`, of what was `measured`."""
     definition = DEFINITIONS.get(criterion.kpi)
-    if measured is not None and measured.was_at_rest and criterion.kpi in STOPS:
-        return Unjudged(criterion, math.nan, definition, "unknown, the drum was not moving at the event")
+    why = measured.lacks if measured is not None else ""
+    if measured is not None and criterion.kpi in STOPS and measured.was_at_rest:
+        why = why or "unknown, the drum was not moving at the event"
+    if why:
+        return Unjudged(criterion, math.nan, definition, why)
     return Judged(criterion, values.get(criterion.kpi, math.nan), definition)
 
 

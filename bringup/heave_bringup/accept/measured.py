@@ -67,6 +67,7 @@ class Measured:
         encoder; of a run the payout of its signals is about the programme of depth, that of the encoder is not
     nominal : the winch as it should be
     notes : what a reader must know
+    lacks : why nothing over the window can be met, in words; "": all of it was recorded
     """
 
     run: RunSignals
@@ -79,6 +80,7 @@ class Measured:
     readings: Mapping[str, Signal] = field(default_factory=dict)
     nominal: Nominal = field(default_factory=Nominal)
     notes: list[str] = field(default_factory=list)
+    lacks: str = ""
 
     def reading(self, sensor: str) -> Signal:
         """Return what a `sensor` read within the window; empty where it read nothing."""

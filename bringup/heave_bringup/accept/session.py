@@ -182,6 +182,6 @@ class Session:
 
 def _judged(step: Step, measured: Measured, path: Path, part: str, breaches: Sequence[str] = ()) -> StepResult:
     """Return the verdict on a step that left what was `measured` in the file or folder `path`."""
-    values = figures.evaluate(measured, step.alarms)
+    values = {} if measured.lacks else figures.evaluate(measured, step.alarms)
     found = tuple(figures.judged(criterion, values, measured) for criterion in step.wanted)
     return StepResult(step, found, tuple(breaches), "", values, measured, path, digest_of(path), part)
