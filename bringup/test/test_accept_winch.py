@@ -1,6 +1,7 @@
 """Acceptance tests of a winch by itself: set signals, figures with exact answers, and the step that fails."""
 
 import json
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -10,14 +11,20 @@ from heave_bags.signals import RunSignals, Signal
 from heave_bringup.accept import figures, set_signal
 from heave_bringup.accept.measured import Measured, Nominal
 from heave_bringup.accept.page import render
+from heave_bringup.accept.parts.real_winch import RealPart
 from heave_bringup.accept.parts.run import scenario_of
 from heave_bringup.accept.parts.winch import VirtualPart, run_winch
-from heave_bringup.accept.procedure import Event
+from heave_bringup.accept.procedure import Event, WinchTest
 from heave_bringup.accept.procedure_file import Limits, amount, find_procedure, read_head, read_procedure
 from heave_bringup.accept.session import Parts, Session
+from heave_bringup.adapt.device import LiveDevice
+from heave_bringup.adapt.shipped import find_map
 from heave_bringup.cli import main
 from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
+from sensor_msgs.msg import JointState
+
+from tests.adapt_fakes import Node
 
 NOMINAL = Nominal(2.0, 1.5, 0.35)
 FAILS_OF_SLOW = {"speed_limit": {"Full speed"}, "acceleration_limit": {"Acceleration"}}
@@ -153,6 +160,29 @@ def test_a_brake_that_slips_fails_where_the_brake_holds_the_load(steps):
     trace = run_winch(part, held.test, Event("winch", "brake_slip", 1.0, magnitude=0.01), held.name, lambda *_: None)
     values = figures.evaluate(trace.measured(held.test, NOMINAL))
     assert values["payout_drift_m"] == pytest.approx(0.05, rel=0.1), "5 s at 1 cm/s are watched after an event"
+
+
+def test_a_winch_that_falls_silent_meets_nothing_and_the_time_is_said(monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    node = Node()
+    device = LiveDevice(find_map("ros2_control_velocity"), node)
+
+    def spin(duration):
+        now[0] += duration
+        if now[0] < 105.0:
+            message = JointState(name=["drum"], position=[690.0], velocity=[0.0])
+            message.header.stamp.sec, message.header.stamp.nanosec = divmod(round(1e9 * now[0]), 10**9)
+            node.callbacks["/joint_states"](message)
+
+    test = WinchTest(set_signal.hold(20.0))
+    trace = run_winch(RealPart(device, spin, lambda _: None), test, None, "held", lambda *_: None)
+    measured = trace.measured(test, NOMINAL)
+    one = figures.judged(Criterion("payout_drift_m", "<=", 0.01), figures.evaluate(measured), measured)
+    assert not one.is_met
+    # of the 5 s up to then 1.2 s went to its first report and to its brake
+    assert "the winch fell silent at 3.8 s" in str(one)
+    assert trace.rows[-1, 0] < 3.9, "what it repeats is no report"
 
 
 def test_the_command_judges_writes_its_report_and_judges_its_own_records_again(tmp_path, capsys):

@@ -26,16 +26,18 @@ def lacking_words(signals: Iterable[Signal], window: Span, excused: Iterable[tup
     window : that is judged
     excused : further signals, each with the time of an event that may silence it
     """
+    start, end = window
+    if not end > start:
+        return f"nothing to judge from {start:g} s to {end:g} s"
     gaps = [gap for signal in signals for gap in _gaps(signal, window)]
     gaps += [
         gap for signal, event in excused for gap in _gaps(signal, window) if gap[1] < event[0] or gap[0] > event[1]
     ]
-    start, end = window
     missing, known = 0.0, start
     for first, last in sorted(gaps):
         missing += max(last - max(first, known), 0.0)
         known = max(known, last)
-    if not missing and end > start:
+    if not missing:
         return ""
     return f"{math.floor(10.0 * (end - start - missing)) / 10.0:g} s of {end - start:g} s recorded"
 

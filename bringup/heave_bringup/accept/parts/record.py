@@ -75,7 +75,7 @@ class ForeignRecord:
             done = read_loop(self.source, step.event, step.event.at if step.event else None)
             measured = done.measured
             measured.start = max(measured.start, step.window[0])
-            end = step.window[1] if math.isfinite(step.window[1]) else max(measured.end, measured.start)
+            end = step.window[1] if math.isfinite(step.window[1]) else measured.end
             motions = (measured.run.payout, measured.run.boom_tip_heave, measured.run.unit_heave)
             whole = Signal(np.unique(np.concatenate([of.time for of in motions])))
             measured.lacks = lacking_words([whole], (measured.start, end))
