@@ -9,13 +9,14 @@ import pytest
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_bags.signals import RunSignals, Signal
 from heave_bringup.accept import figures, set_signal
+from heave_bringup.accept.limits import Limits
 from heave_bringup.accept.measured import Measured, Nominal
 from heave_bringup.accept.page import render
 from heave_bringup.accept.parts.real_winch import RealPart
 from heave_bringup.accept.parts.run import scenario_of
 from heave_bringup.accept.parts.winch import VirtualPart, run_winch
 from heave_bringup.accept.procedure import Event, WinchTest
-from heave_bringup.accept.procedure_file import Limits, amount, find_procedure, read_head, read_procedure
+from heave_bringup.accept.procedure_file import amount, find_procedure, read_head, read_procedure
 from heave_bringup.accept.session import Parts, Session
 from heave_bringup.adapt.device import LiveDevice
 from heave_bringup.adapt.shipped import find_map
@@ -263,6 +264,8 @@ HEAD = "title: t\nscenario: b2_calm_300\nsteps:\n"
             "- {name: a, run: {duration: 50}, event: {fault: emergency_stop, at: 50}, wanted: {snaps: '< 1'}}",
             "a: event: at = 50 s",
         ),
+        ("- {name: a, run: {}, wanted: {overshoot: '>= 95'}}", "overshoot = '>= 95': is 9500 %; write a bound above 1"),
+        ("- {name: a, record: {from: 100 s, to: 50 s}, wanted: {snaps: '< 1'}}", "from 100 s to 50 s is no time"),
         ("- {name: a, runs: {}, wanted: {snaps: '< 1'}}", "unknown key runs"),
         ("- {name: a, record: {from: 1 kg}, wanted: {snaps: '< 1'}}", "record: from"),
     ],
@@ -275,6 +278,33 @@ def test_what_is_wrong_with_a_procedure_is_one_line_before_anything_runs(step, w
     assert words in error
     assert error.count("\n") == 1
     assert not (tmp_path / "runs").exists()
+
+
+@pytest.mark.parametrize(
+    ("winch", "words"),
+    [
+        ("{signal: steps, speeds: [500 %, 0], hold: 3 s}", "needs 10 m/s, beyond the winch's 2 m/s"),
+        ("{signal: ramp, speed: -900 %, acceleration: 50 %}", "needs 18 m/s"),
+        ("{signal: ramp, speed: 50 %, acceleration: 200 %}", "3 m/s^2 is beyond the winch's 1.5 m/s^2"),
+        ("{signal: sine, amplitude: 50 m, period: 8 s}", "m/s, beyond the winch's 2 m/s"),
+        (
+            "{signal: steps, speeds: [50 %], hold: 60 s}",
+            "needs a payout of 0.1 to 60 m, beyond the winch's -50 to 50 m",
+        ),
+        ("{signal: hold, duration: 3 s, load: 30 MN}", "load = 30000 kN is beyond the tension at which the rope parts"),
+        ("{signal: hold, duration: 3 s, load: -30 kN}", "must not be below 0"),
+    ],
+)
+def test_what_the_nominal_winch_cannot_do_is_refused(winch, words, tmp_path, capsys):
+    path = tmp_path / "own.yaml"
+    path.write_text(HEAD + f"- {{name: a, winch: {winch}, wanted: {{overshoot: '< 1 %'}}}}")
+    assert main(["accept", str(path), "--check"]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_the_list_of_steps_shows_the_load(capsys):
+    assert main(["accept", "winch_factory_test", "--check"]) == 0
+    assert "held by the brake for 10 s, load 30 kN" in capsys.readouterr().out
 
 
 def test_amounts_have_units_and_percent_is_of_the_nominal_limit():

@@ -204,3 +204,18 @@ def refuse_unknown(criterion: Criterion, where: str) -> None:
     if ratio in known:
         helps = f"{ratio} is a ratio or a count, its bound takes no unit but %"
     raise ParameterError(f"{where}: {criterion.kpi} is not a figure; {helps}")
+
+
+def refuse_plain(criterion: Criterion, given: str, where: str) -> None:
+    """Raise ParameterError for a bound above 1 without % on a ratio that is shown in percent: 95 would be 9500 %.
+
+    Parameters
+    ----------
+    criterion : on a figure that is known
+    given : it, as it stands
+    where : it stands, for the message
+    """
+    known = DEFINITIONS.get(criterion.kpi) or kpi_set.DEFINITION_OF[criterion.kpi]
+    if known.unit == "%" and known.scale > 1.0 and abs(criterion.bound) > 1.0 and "%" not in given:
+        shown = known.bound(criterion.bound)
+        raise ParameterError(f"{where}: {criterion.kpi} = {given!r}: is {shown}; write a bound above 1 with its %")

@@ -10,16 +10,19 @@ from pathlib import Path
 
 from heave_bags.errors import BagError
 from heave_node.devices.maps.device_map import DeviceMap
+from heave_node.loads.strength import LEAST, Strength, strengths
+from heave_node.numerics.constants import LARGEST_STRAIN
 from heave_node.parameters import ParameterError
 from heave_node.scenario import sections_text
 
 from heave_bringup.accept import figures
+from heave_bringup.accept.limits import Limits
 from heave_bringup.accept.measured import Measured, Nominal
 from heave_bringup.accept.parts.record import ForeignRecord
 from heave_bringup.accept.parts.run import run_loop, scenario_of
 from heave_bringup.accept.parts.winch import VirtualPart, WinchPart, run_winch
 from heave_bringup.accept.procedure import RunTest, Step, WinchTest
-from heave_bringup.accept.procedure_file import Head, Limits, read_procedure, refuse_late
+from heave_bringup.accept.procedure_file import Head, read_procedure, refuse_late
 from heave_bringup.accept.results import Acceptance, StepResult, digest_of, facts_of
 from heave_bringup.errors import CommandError
 from heave_bringup.progress import ProgressLine
@@ -86,7 +89,7 @@ class Session:
         self._scenario = load_scenario(scenario or head.scenario, settings=changes)
         winch = self._scenario.parameters["winch_controller"].winch
         self.nominal = Nominal(winch.speed_limit, winch.acceleration_limit, winch.command_delay + winch.time_constant)
-        procedure = read_procedure(head, Limits(self.nominal.speed, self.nominal.acceleration))
+        procedure = read_procedure(head, _limits_of(self._scenario))
         given = {text.partition("=")[0]: parse_setting(text).value for text in settings}
         self.procedure = replace(
             procedure, scenario=scenario or procedure.scenario, settings={**procedure.settings, **given}
@@ -178,6 +181,17 @@ class Session:
 
     def _loop(self, step: Step, test: RunTest) -> Scenario:
         return scenario_of(self.procedure, test, step.event, self._parts.external)
+
+
+def _limits_of(scenario: Scenario) -> Limits:
+    """Return what the nominal winch of a scenario, and its rope, can do."""
+    winch, cable = scenario.parameters["winch_controller"].winch, scenario.parameters["cable_sim"].cable
+    stated = strengths(
+        {"cable.breaking_force": cable.breaking_force}, {"rated_pull": scenario.parameters["virtual_winch"].rated_pull}
+    )
+    parting = Strength("", "rope", "tension at which the rope parts", LARGEST_STRAIN * cable.axial_stiffness, LEAST)
+    payout = (winch.payout_minimum, winch.payout_maximum)
+    return Limits(winch.speed_limit, winch.acceleration_limit, payout, (*stated, parting))
 
 
 def _judged(step: Step, measured: Measured, path: Path, part: str, breaches: Sequence[str] = ()) -> StepResult:
