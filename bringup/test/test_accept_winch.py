@@ -211,6 +211,27 @@ def test_a_slow_winch_gives_exit_status_3_and_names_the_step(tmp_path, capsys):
     assert "Full speed: Speed reached" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("mapping", "words"),
+    [
+        ("heave: {column: ship, unit: furlong}", "furlong"),
+        ("heave: {column: shop}", "no column 'shop' for heave; it has t, ship"),
+        (None, "no column 'time_s' for time"),
+    ],
+)
+def test_a_map_that_does_not_fit_the_record_is_refused_in_one_line_without_a_report(mapping, words, tmp_path, capsys):
+    (tmp_path / "log.csv").write_text("t,ship\n" + "\n".join(f"{0.1 * k:.1f},{k % 7}" for k in range(900)))
+    (tmp_path / "map.yaml").write_text(f"time_column: t\n{mapping}\n")
+    (tmp_path / "own.yaml").write_text(HEAD + RECORD)
+    mapped = ["--map", str(tmp_path / "map.yaml")] if mapping else []
+    arguments = ["--record", str(tmp_path / "log.csv"), *mapped, "--output", str(tmp_path / "out")]
+    assert main(["accept", str(tmp_path / "own.yaml"), *arguments]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
 RECORD = "- {name: a, record: {from: 60 s, to: 280 s}, wanted: {outlet_efficiency: '>= 50 %'}}"
 
 

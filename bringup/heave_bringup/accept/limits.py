@@ -71,7 +71,7 @@ class Limits:
 
 
 def _extremes(signal: SetSignal) -> Iterator[tuple[float, float, float]]:
-    """Yield largest speed [m/s], least and most payout [m] of a set signal, of one part of its duration after another."""
+    """Yield largest speed [m/s], least and most payout [m] of each part of a set signal, one after the other."""
     first, moved = 0.0, 0.0
     while first < signal.duration:
         time = first + _STEP * np.arange(_AT_ONCE)

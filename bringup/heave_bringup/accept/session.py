@@ -79,7 +79,8 @@ class Session:
     procedure : read and checked
     nominal : the winch as it should be
 
-    Raises ParameterError, in one line, for what is wrong with the procedure or its scenarios, before anything is run.
+    Raises ParameterError, in one line, for what is wrong with the procedure, its scenarios or the records and their
+    map, before anything is run.
     """
 
     def __init__(self, head: Head, parts: Parts, settings: Sequence[str] = (), scenario: str = "") -> None:
@@ -99,6 +100,10 @@ class Session:
         unknown = next((name for name in parts.records if name not in (WHOLE, *names)), None)
         if unknown is not None:
             raise ParameterError(f"--record {unknown}=...: no such step; steps: {', '.join(sorted(names))}")
+        try:
+            self._records = {name: ForeignRecord(path, parts.mapping) for name, path in parts.records.items()}
+        except BagError as error:
+            raise ParameterError(str(error)) from error
         for step in procedure.steps:
             if isinstance(step.test, RunTest) and not parts.records:
                 refuse_late(step.event, self._loop(step, step.test).run.duration, f"{where}: {step.name}: event")
@@ -156,11 +161,10 @@ class Session:
             return StepResult(step, failure=str(error))
 
     def _on_record(self, step: Step) -> StepResult:
-        path = self._parts.records.get(step.name, self._parts.records.get(WHOLE))
-        if path is None:
+        name = step.name if step.name in self._records else WHOLE
+        if name not in self._records:
             return StepResult(step, failure="there is no record of it")
-        measured = ForeignRecord(path, self._parts.mapping).measured(step, self.nominal)
-        return _judged(step, measured, path, "record")
+        return _judged(step, self._records[name].measured(step, self.nominal), self._parts.records[name], "record")
 
     def _on_winch(self, step: Step, test: WinchTest, folder: Path, real: WinchPart | None) -> StepResult:
         part = real or VirtualPart(self._scenario.parameters["virtual_winch"], test.load)
