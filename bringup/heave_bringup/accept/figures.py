@@ -8,6 +8,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from heave_bags.analyse import kpi_set
@@ -151,6 +152,8 @@ ALARM_TIME = _time(
     "alarm_time_s", "from the event to its alarm on the panel", lambda _: math.nan, "an alarm of the step", EVENT
 )
 """Figure whose value depends on the alarms that the step names."""
+STOPS = ("stopping_time_s", "stopping_distance_m")
+"""Figures of a drum that moves when the event comes."""
 DEFINITIONS: Mapping[str, KpiDefinition] = {one.key: one for one in (*FIGURES, ALARM_TIME)}
 
 
@@ -167,9 +170,27 @@ def evaluate(measured: Measured, alarms: Sequence[str] = ()) -> dict[str, float]
     return {**kpi_set.evaluate(measured.run, measured.start, measured.end), **own}
 
 
-def judged(criterion: Criterion, values: Mapping[str, float]) -> Judged:
-    """Return a `criterion` with the value that it has among `values`."""
-    return Judged(criterion, values.get(criterion.kpi, math.nan), DEFINITIONS.get(criterion.kpi))
+@dataclass(frozen=True)
+class Unjudged(Judged):
+    """A criterion that is not met for a reason, `why`, that its value does not show."""
+
+    why: str = ""
+
+    @property
+    def got(self) -> str:
+        """The reason."""
+        return self.why
+
+
+def judged(criterion: Criterion, values: Mapping[str, float], measured: Measured | None = None) -> Judged:
+    """Return a `criterion` with the value that it has among `values`, of what was `measured`."""
+    definition = DEFINITIONS.get(criterion.kpi)
+    why = measured.lacks if measured is not None else ""
+    if measured is not None and criterion.kpi in STOPS and measured.was_at_rest:
+        why = why or "unknown, the drum was not moving at the event"
+    if why:
+        return Unjudged(criterion, math.nan, definition, why)
+    return Judged(criterion, values.get(criterion.kpi, math.nan), definition)
 
 
 def refuse_unknown(criterion: Criterion, where: str) -> None:
@@ -183,3 +204,18 @@ def refuse_unknown(criterion: Criterion, where: str) -> None:
     if ratio in known:
         helps = f"{ratio} is a ratio or a count, its bound takes no unit but %"
     raise ParameterError(f"{where}: {criterion.kpi} is not a figure; {helps}")
+
+
+def refuse_plain(criterion: Criterion, given: str, where: str) -> None:
+    """Raise ParameterError for a bound above 1 without % on a ratio that is shown in percent: 95 would be 9500 %.
+
+    Parameters
+    ----------
+    criterion : on a figure that is known
+    given : it, as it stands
+    where : it stands, for the message
+    """
+    known = DEFINITIONS.get(criterion.kpi) or kpi_set.DEFINITION_OF[criterion.kpi]
+    if known.unit == "%" and known.scale > 1.0 and abs(criterion.bound) > 1.0 and "%" not in given:
+        shown = known.bound(criterion.bound)
+        raise ParameterError(f"{where}: {criterion.kpi} = {given!r}: is {shown}; write a bound above 1 with its %")

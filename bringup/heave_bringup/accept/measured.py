@@ -60,13 +60,14 @@ class Measured:
     ----------
     run : signals that figures of merit are computed from
     start, end : of the window [s]
-    ordered_rate : ordered payout rate [m/s], positive pays out
+    ordered_rate : ordered payout rate [m/s], positive pays out; an order holds until the next
     event, event_end : of what was done to the part [s]; NaN: nothing was
     alarms : time [s] and code of each; of what a controller holds of a sensor or a winch, its words
     readings : of each sensor, by name: heave [m] of the MRU, depth [m], tension [N], payout [m] and rate [m/s] of the
         encoder; of a run the payout of its signals is about the programme of depth, that of the encoder is not
     nominal : the winch as it should be
     notes : what a reader must know
+    lacks : why nothing over the window can be met, in words; "": all of it was recorded
     """
 
     run: RunSignals
@@ -79,6 +80,7 @@ class Measured:
     readings: Mapping[str, Signal] = field(default_factory=dict)
     nominal: Nominal = field(default_factory=Nominal)
     notes: list[str] = field(default_factory=list)
+    lacks: str = ""
 
     def reading(self, sensor: str) -> Signal:
         """Return what a `sensor` read within the window; empty where it read nothing."""
@@ -96,8 +98,7 @@ class Measured:
             return self.reading("encoder_rate")
         if self.run.payout_rate.size:
             return self.run.payout_rate.window(self.start, self.end)
-        payout = self.payout
-        return Signal(payout.time, np.gradient(payout.value, payout.time)) if payout.size > 2 else Signal()
+        return _rate_of(self.payout) if self.payout.size > 2 else Signal()
 
     @cached_property
     def grid(self) -> Array:
@@ -106,7 +107,7 @@ class Measured:
         if rate.size < 3 or ordered.size < 3:
             return np.empty(0)
         first, last = max(rate.time[0], ordered.time[0]), min(rate.time[-1], ordered.time[-1])
-        return np.arange(first, last, GRID)
+        return np.arange(first + 0.5 * GRID, last, GRID)  # between samples: an order counts as long before as after
 
     @cached_property
     def smooth_rate(self) -> Array:
@@ -118,12 +119,17 @@ class Measured:
 
     @cached_property
     def following(self) -> Following:
-        """How the winch followed its orders, by least squares over the lag."""
+        """How the winch followed its orders, by least squares over the lag.
+
+        The drum's rate is the difference of payout about each sample, where payout is known: the one that is reported
+        is often of the time before its sample, and would add to the lag.
+        """
         shifts = round(LONGEST_LAG / GRID)
         if self.grid.size < 2 * shifts:
             return Following()
-        rate = np.interp(self.grid, self.rate.time, self.rate.value)
-        ordered = np.interp(self.grid, self.ordered_rate.time, self.ordered_rate.value)
+        drum, orders_of = _rate_of(self.payout) if self.payout.size > 2 else self.rate, self.ordered_rate
+        rate = np.interp(self.grid, drum.time, drum.value)
+        ordered = orders_of.value[np.searchsorted(orders_of.time, self.grid, "right") - 1]
         count = rate.size - shifts
         seen, orders = rate[shifts:], [ordered[shifts - k : shifts - k + count] for k in range(shifts + 1)]
         powers = np.array([one @ one for one in orders])
@@ -138,14 +144,26 @@ class Measured:
         return Following(GRID * lag, gain, min(gains), float(np.std(seen - gain * best) / np.std(seen)))
 
     @cached_property
-    def stop(self) -> float:
-        """Time at which the drum has stopped after the event [s]; NaN where it does not, or nothing happened."""
+    def _rest(self) -> float:
+        """Time from which on the drum is at rest for REMAINS, at the event or after it [s]; NaN where it is not."""
         after = self.rate.window(self.event, self.end) if math.isfinite(self.event) else Signal()
         if not after.size:
             return math.nan
-        moves = np.array([self.event, *after.time[np.abs(after.value) >= AT_REST], after.time[-1]])
-        rests = np.flatnonzero(np.diff(moves) >= REMAINS)
-        return float(moves[rests[0]]) if rests.size else math.nan
+        time = np.array([self.event, *after.time])
+        speed = np.abs([np.interp(self.event, self.rate.time, self.rate.value), *after.value])
+        places = np.flatnonzero(np.diff([1.0, *(speed >= AT_REST), 1.0]))
+        lasted = ((time[first], time[after - 1]) for first, after in zip(places[::2], places[1::2], strict=True))
+        return next((float(first) for first, last in lasted if last - first >= REMAINS), math.nan)
+
+    @property
+    def was_at_rest(self) -> bool:
+        """Whether the drum was not moving when the event came, so that it shows no stop."""
+        return self._rest == self.event
+
+    @property
+    def stop(self) -> float:
+        """Time of the first sample at rest after the event [s]; NaN where there is none, or the drum was at rest."""
+        return math.nan if self.was_at_rest else self._rest
 
     def alarm_time(self, codes: Collection[str] | None = None) -> float:
         """Return the time from the event until the first alarm came [s]; NaN where none did.
@@ -181,6 +199,11 @@ class Measured:
         found = np.linalg.lstsq(np.column_stack(columns), depth.value, rcond=None)[0]
         per_heave = -float(found[places["heave"]]) if "heave" in places else math.nan
         return float(found[places["payout"]]) if "payout" in places else math.nan, per_heave
+
+
+def _rate_of(payout: Signal) -> Signal:
+    """Return the rate [m/s] of a `payout` [m] of more than two samples: its differences about each of them."""
+    return Signal(payout.time, np.gradient(payout.value, payout.time))
 
 
 def _peak(values: Array) -> float:

@@ -31,7 +31,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -42,7 +42,8 @@ from heave_node.files.units import UNITS
 from heave_node.interface.faults import FAULTS
 from heave_node.parameters import Given, ParameterError
 
-from heave_bringup.accept.figures import ALARM_TIME, refuse_unknown
+from heave_bringup.accept.figures import ALARM_TIME, refuse_plain, refuse_unknown
+from heave_bringup.accept.limits import Limits
 from heave_bringup.accept.procedure import BRAKE, COMMAND_LOSS, FAULTS_OF, Event, Procedure, RunTest, Step, WinchTest
 from heave_bringup.accept.set_signal import KINDS
 from heave_bringup.pages.alarms import TABLES
@@ -54,14 +55,6 @@ _KEYS = {"title", "scenario", "set", "signatures", "steps", "description"}
 _STEP_KEYS = {"name", "what", "winch", "run", "record", "event", "alarms", "wanted"}
 _RUN_KEYS = {"scenario", "set", "duration", "transient", "seed"}
 _EVENT_KEYS = {"device", "fault", "at", "duration", "magnitude", "ask"}
-
-
-@dataclass(frozen=True)
-class Limits:
-    """What percentages of a procedure are of: speed limit [m/s] and acceleration limit [m/s^2] of the nominal winch."""
-
-    speed: float = math.nan
-    acceleration: float = math.nan
 
 
 def find_procedure(name: str) -> Path:
@@ -148,6 +141,8 @@ def _step(entry: Any, where: str, limits: Limits) -> Step:
     refuse_keys(record, {"from", "to"}, f"{where}: record")
     window = tuple(amount(record.get(name, least), "time", f"{where}: record: {name}")
                    for name, least in (("from", 0.0), ("to", math.inf)))  # fmt: skip
+    if not 0.0 <= window[0] < window[1]:
+        raise ParameterError(f"{where}: record: from {window[0]:g} s to {window[1]:g} s is no time")
     return Step(
         str(entry["name"]),
         str(entry.get("what", "")),
@@ -165,6 +160,7 @@ def _criteria(wanted: Mapping[str, Any], where: str) -> tuple[Criterion, ...]:
         for bound in _listed(bounds):
             criterion = parse_criterion(Given(bound, key, where))
             refuse_unknown(criterion, where)
+            refuse_plain(criterion, str(bound), where)
             found.append(criterion)
     return tuple(found)
 
@@ -198,7 +194,9 @@ def _winch_test(entry: Mapping[str, Any], where: str, limits: Limits) -> WinchTe
     wrong = next((name for name in values if name not in ("speeds", "speed") and not values[name] > 0.0), None)
     if wrong is not None:
         raise ParameterError(f"{where}: {wrong} must be above 0")
-    return WinchTest(known.make(**values), amount(entry.get("load", 0.0), "force", f"{where}: load"))
+    signal, load = known.make(**values), amount(entry.get("load", 0.0), "force", f"{where}: load")
+    limits.refuse(signal, load, values.get("acceleration", math.nan), where)
+    return WinchTest(replace(signal, words=f"{signal.words}, load {1e-3 * load:g} kN") if load else signal, load)
 
 
 def _run_test(entry: Mapping[str, Any], where: str) -> RunTest:
@@ -228,7 +226,16 @@ def _event(entry: Any, where: str, test: WinchTest | RunTest | None) -> Event:
         raise ParameterError(f"{where}: at is missing: when it happens [s]")
     times = [amount(entry.get(name, 0.0), "time", f"{where}: {name}") for name in ("at", "duration")]
     magnitude = amount(entry.get("magnitude", 0.0), "number", f"{where}: magnitude")
-    return Event(device, fault, times[0], times[1], magnitude, str(entry.get("ask", "")))
+    event = Event(device, fault, times[0], times[1], magnitude, str(entry.get("ask", "")))
+    if isinstance(test, WinchTest):
+        refuse_late(event, test.signal.duration, where)
+    return event
+
+
+def refuse_late(event: Event | None, duration: float, where: str) -> None:
+    """Raise ParameterError, naming `where` it stands, for an `event` after the `duration` [s] of its step."""
+    if event is not None and not 0.0 <= event.at < duration:
+        raise ParameterError(f"{where}: at = {event.at:g} s: must be within the step, which lasts {duration:g} s")
 
 
 def amount(given: Any, dimension: str, where: str, limits: Limits | None = None) -> float:

@@ -10,16 +10,19 @@ from pathlib import Path
 
 from heave_bags.errors import BagError
 from heave_node.devices.maps.device_map import DeviceMap
+from heave_node.loads.strength import LEAST, Strength, strengths
+from heave_node.numerics.constants import LARGEST_STRAIN
 from heave_node.parameters import ParameterError
 from heave_node.scenario import sections_text
 
 from heave_bringup.accept import figures
+from heave_bringup.accept.limits import Limits
 from heave_bringup.accept.measured import Measured, Nominal
 from heave_bringup.accept.parts.record import ForeignRecord
 from heave_bringup.accept.parts.run import run_loop, scenario_of
 from heave_bringup.accept.parts.winch import VirtualPart, WinchPart, run_winch
 from heave_bringup.accept.procedure import RunTest, Step, WinchTest
-from heave_bringup.accept.procedure_file import Head, Limits, read_procedure
+from heave_bringup.accept.procedure_file import Head, read_procedure, refuse_late
 from heave_bringup.accept.results import Acceptance, StepResult, digest_of, facts_of
 from heave_bringup.errors import CommandError
 from heave_bringup.progress import ProgressLine
@@ -76,7 +79,8 @@ class Session:
     procedure : read and checked
     nominal : the winch as it should be
 
-    Raises ParameterError, in one line, for what is wrong with the procedure or its scenarios, before anything is run.
+    Raises ParameterError, in one line, for what is wrong with the procedure, its scenarios or the records and their
+    map, before anything is run.
     """
 
     def __init__(self, head: Head, parts: Parts, settings: Sequence[str] = (), scenario: str = "") -> None:
@@ -86,7 +90,7 @@ class Session:
         self._scenario = load_scenario(scenario or head.scenario, settings=changes)
         winch = self._scenario.parameters["winch_controller"].winch
         self.nominal = Nominal(winch.speed_limit, winch.acceleration_limit, winch.command_delay + winch.time_constant)
-        procedure = read_procedure(head, Limits(self.nominal.speed, self.nominal.acceleration))
+        procedure = read_procedure(head, _limits_of(self._scenario))
         given = {text.partition("=")[0]: parse_setting(text).value for text in settings}
         self.procedure = replace(
             procedure, scenario=scenario or procedure.scenario, settings={**procedure.settings, **given}
@@ -96,9 +100,13 @@ class Session:
         unknown = next((name for name in parts.records if name not in (WHOLE, *names)), None)
         if unknown is not None:
             raise ParameterError(f"--record {unknown}=...: no such step; steps: {', '.join(sorted(names))}")
+        try:
+            self._records = {name: ForeignRecord(path, parts.mapping) for name, path in parts.records.items()}
+        except BagError as error:
+            raise ParameterError(str(error)) from error
         for step in procedure.steps:
             if isinstance(step.test, RunTest) and not parts.records:
-                self._loop(step, step.test)
+                refuse_late(step.event, self._loop(step, step.test).run.duration, f"{where}: {step.name}: event")
 
     def run(self, folder: Path, only: Sequence[str] = ()) -> Acceptance:
         """Run the steps, and return what became of them.
@@ -153,11 +161,10 @@ class Session:
             return StepResult(step, failure=str(error))
 
     def _on_record(self, step: Step) -> StepResult:
-        path = self._parts.records.get(step.name, self._parts.records.get(WHOLE))
-        if path is None:
+        name = step.name if step.name in self._records else WHOLE
+        if name not in self._records:
             return StepResult(step, failure="there is no record of it")
-        measured = ForeignRecord(path, self._parts.mapping).measured(step, self.nominal)
-        return _judged(step, measured, path, "record")
+        return _judged(step, self._records[name].measured(step, self.nominal), self._parts.records[name], "record")
 
     def _on_winch(self, step: Step, test: WinchTest, folder: Path, real: WinchPart | None) -> StepResult:
         part = real or VirtualPart(self._scenario.parameters["virtual_winch"], test.load)
@@ -180,8 +187,19 @@ class Session:
         return scenario_of(self.procedure, test, step.event, self._parts.external)
 
 
+def _limits_of(scenario: Scenario) -> Limits:
+    """Return what the nominal winch of a scenario, and its rope, can do."""
+    winch, cable = scenario.parameters["winch_controller"].winch, scenario.parameters["cable_sim"].cable
+    stated = strengths(
+        {"cable.breaking_force": cable.breaking_force}, {"rated_pull": scenario.parameters["virtual_winch"].rated_pull}
+    )
+    parting = Strength("", "rope", "tension at which the rope parts", LARGEST_STRAIN * cable.axial_stiffness, LEAST)
+    payout = (winch.payout_minimum, winch.payout_maximum)
+    return Limits(winch.speed_limit, winch.acceleration_limit, payout, (*stated, parting))
+
+
 def _judged(step: Step, measured: Measured, path: Path, part: str, breaches: Sequence[str] = ()) -> StepResult:
     """Return the verdict on a step that left what was `measured` in the file or folder `path`."""
-    values = figures.evaluate(measured, step.alarms)
-    found = tuple(figures.judged(criterion, values) for criterion in step.wanted)
+    values = {} if measured.lacks else figures.evaluate(measured, step.alarms)
+    found = tuple(figures.judged(criterion, values, measured) for criterion in step.wanted)
     return StepResult(step, found, tuple(breaches), "", values, measured, path, digest_of(path), part)

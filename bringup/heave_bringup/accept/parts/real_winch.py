@@ -69,14 +69,15 @@ class RealPart:
         self._ask(event)
 
     def _sample(self) -> Sample:
-        newest = self._device.adapter.newest
+        newest, watch, now = self._device.adapter.newest, self._device.adapter.watch, time.monotonic()
         fault = newest.get("fault", 0.0) or float(self._device.orders.handshake.fault)
         return Sample(
-            time.monotonic(),
+            now,
             newest.get("payout", math.nan),
             newest.get("payout_rate", math.nan),
             newest.get("brake", 0.0),
             fault,
+            watch.age(now) if watch.is_stale(now) else 0.0,
         )
 
 

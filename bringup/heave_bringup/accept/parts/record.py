@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +15,11 @@ from heave_bags.play.ship_log import is_text
 from heave_bags.signals import RunSignals, Signal
 from heave_node.devices.maps.channel import Channel
 
+from heave_bringup.accept.coverage import lacking_words
 from heave_bringup.accept.measured import Measured, Nominal
 from heave_bringup.accept.parts.run import depth_of, read_loop
 from heave_bringup.accept.parts.winch import Trace
-from heave_bringup.accept.procedure import Step
+from heave_bringup.accept.procedure import Event, Step, WinchTest
 
 QUANTITIES = ("heave", "payout", "payout_rate", "ordered_rate", "unit_heave", "tension", "pressure")
 """Quantities of a map that are used: heave of the boom tip, those of the winch, heave of the unit, pressure at it."""
@@ -29,6 +31,15 @@ OWN = SeaMapping(
     time_column=Trace.HEADER[0],
 )
 """Map of what a test of a winch leaves."""
+
+
+SILENCED: Mapping[str, tuple[str, ...]] = {
+    "mru": ("heave",),
+    "depth": ("depth", "pressure", "unit_heave"),
+    "load_cell": ("tension",),
+    "encoder": ("payout", "payout_rate"),
+}
+"""Quantities that an event of a device may silence."""
 
 
 class ForeignRecord:
@@ -49,6 +60,7 @@ class ForeignRecord:
         self._is_own = mapping is None and not is_text(self.source)
         if self._is_own:
             return
+        self._is_of_winch = mapping is None
         findings = Findings(accepts=True)
         found = OWN if mapping is None else read_mapping(mapping, QUANTITIES)
         self._signals = record_channels(self.source, found, findings)
@@ -62,7 +74,12 @@ class ForeignRecord:
         if self._is_own:
             done = read_loop(self.source, step.event, step.event.at if step.event else None)
             measured = done.measured
-            measured.start, measured.end = max(measured.start, step.window[0]), min(measured.end, step.window[1])
+            measured.start = max(measured.start, step.window[0])
+            end = step.window[1] if math.isfinite(step.window[1]) else measured.end
+            motions = (measured.run.payout, measured.run.boom_tip_heave, measured.run.unit_heave)
+            whole = Signal(np.unique(np.concatenate([of.time for of in motions])))
+            measured.lacks = lacking_words([whole], (measured.start, end))
+            measured.end = min(measured.end, end)
             measured.nominal = nominal
             return measured
         first = min(float(signal.time[0]) for signal in self._signals.values())
@@ -76,7 +93,20 @@ class ForeignRecord:
         if step.event is not None:
             measured.event = step.event.at
             measured.event_end = step.event.at + step.event.duration
+        measured.lacks = self._lacking(step, signals, last)
         return measured
+
+    def _lacking(self, step: Step, signals: Mapping[str, Signal], last: float) -> str:
+        """Return what the record lacks of what a `step` is judged over, in words; it ends at `last` [s]."""
+        if self._is_of_winch and isinstance(step.test, WinchTest) and step.event is None:
+            last = step.test.signal.duration
+        end = step.window[1] if math.isfinite(step.window[1]) else last
+        event = step.event or Event("", "", math.nan)
+        silenced = [name for name in SILENCED.get(event.device, ()) if name in signals]
+        # an order holds until the next
+        steady = [of for name, of in signals.items() if name not in ("ordered_rate", *silenced)]
+        span = (event.at, event.at + (event.duration or math.inf))
+        return lacking_words(steady, (step.window[0], end), [(signals[name], span) for name in silenced])
 
 
 def _run_signals(signals: dict[str, Signal]) -> RunSignals:

@@ -32,13 +32,17 @@ LONGEST_WAIT = 60.0
 
 
 class Sample(NamedTuple):
-    """What a winch reports: its time [s], payout [m] and rate [m/s] of the encoder, brake and fault (0: none)."""
+    """What a winch reports: its time [s], payout [m] and rate [m/s] of the encoder, brake and fault (0: none).
+
+    A winch that has fallen silent reports nothing any more: `silence` is for how long [s], 0 while it does.
+    """
 
     time: float
     payout: float
     rate: float
     brake: float
     fault: float
+    silence: float = 0.0
 
 
 class WinchPart(Protocol):
@@ -101,10 +105,12 @@ class Trace:
     ----------
     rows : time, ordered rate, payout, rate, brake, fault; shape (n, 6), SI units
     event : time of the event [s]; NaN: there was none
+    silent : time of the last report of a winch that fell silent [s]; NaN: it did not
     """
 
     rows: Array
     event: float = math.nan
+    silent: float = math.nan
 
     HEADER = ("time_s", "ordered_rate_mps", "payout_m", "payout_rate_mps", "brake", "fault")
 
@@ -120,7 +126,8 @@ class Trace:
         if test.load > 0.0:
             run.tension = Signal(time, np.full(time.size, test.load))
         end = float(time[-1]) if math.isfinite(self.event) else min(test.signal.duration, float(time[-1]))
-        return Measured(run, 0.0, end, ordered, self.event, nominal=nominal)
+        lacks = f"unknown, the winch fell silent at {self.silent:.1f} s" if math.isfinite(self.silent) else ""
+        return Measured(run, 0.0, end, ordered, self.event, nominal=nominal, lacks=lacks)
 
 
 def release(part: WinchPart, name: str) -> Sample:
@@ -140,6 +147,8 @@ def release(part: WinchPart, name: str) -> Sample:
         sample = part.step(sample.payout, 0.0, brake=False)
         if not sample.brake and not sample.fault:
             return sample
+    if sample.silence:
+        raise CommandError(f"{name}: the winch has fallen silent, {sample.silence:.1f} s ago")
     raise CommandError(f"{name}: the winch's brake stays on, or a fault is latched (fault {sample.fault:g})")
 
 
@@ -222,4 +231,7 @@ def _follow(
             sample = part.idle()
         else:
             sample = part.step(origin.payout + moved, rate, brake=signal.is_braked or due.does(BRAKE))
+        if sample.silence:
+            silent = sample.time - origin.time - sample.silence
+            return Trace(np.array([rows[0], *(row for row in rows[1:] if row[0] <= silent)]), due.begun, silent)
     return Trace(np.array(rows), due.begun)
