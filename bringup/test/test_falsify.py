@@ -4,6 +4,7 @@ import json
 from concurrent.futures import Future
 from contextlib import contextmanager
 from itertools import count
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,8 +12,8 @@ from heave_bringup.campaign.campaign_file import read_campaign
 from heave_bringup.cli import main
 from heave_bringup.closed_loop import COLUMNS, LoopRecord
 from heave_bringup.falsify import search as search_module
-from heave_bringup.falsify.objective import Minute, silent
-from heave_bringup.falsify.search import Search
+from heave_bringup.falsify.objective import Minute, judged, silent
+from heave_bringup.falsify.search import Found, Search
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Severity
 from heave_node.parameters import ParameterError
@@ -52,6 +53,20 @@ def test_a_minute_is_silent_where_nothing_came_in_it_or_in_the_minute_before():
     assert silent(one, starts, Severity.CRITICAL)[100]
 
 
+def test_the_worst_of_all_minutes_is_kept_with_what_announced_it():
+    one = record([(150.0, "CABLE_SLACK", {"tension": 0.0, "percent": 0.0})], [(20, 30, "fade_out")])
+    starts, ratios = np.arange(0.0, 240.0), np.full(240, 0.1)
+    ratios[[40, 140]] = 0.8, 6.0
+    minute = judged(one, starts, ratios, Severity.MEDIUM)
+    assert (minute.ratio, minute.start) == (0.8, 40.0)
+    assert minute.of_all_words == "6.000 from 140 s on, announced by CABLE_SLACK"
+    ratios[10] = 7.0
+    assert "compensation was not active" in judged(one, starts, ratios, Severity.MEDIUM).of_all_words
+    assert judged(one, starts, ratios, Severity.CRITICAL).ratio == 6.0
+    ratios[:] = np.nan
+    assert judged(one, starts, ratios, Severity.MEDIUM).ratio == 0.0
+
+
 @pytest.fixture
 def known(monkeypatch):
     """Replace the loop by a hill whose top is known, and count how often it is asked."""
@@ -64,7 +79,7 @@ def known(monkeypatch):
             parameters = task.scenario.parameters
             (start,) = parameters["wave_vessel"].mru.faults.start
             away = (parameters["winch_controller"].factor - 0.8) ** 2 + ((start - 20.0) / 20.0) ** 2
-            future.set_result(Minute(2.0 - away, start, ("MRU_STALE",)))
+            future.set_result(Minute(2.0 - away, start, ("MRU_STALE",), "", 5.97, 1.0, ("MRU_STALE",)))
             return future
 
         def shutdown(self, **_):
@@ -125,13 +140,36 @@ def test_the_worst_cases_are_scenarios_that_run_again(known, space, tmp_path, mo
     arguments = ["falsify", "b1_thesis", "--space", str(space.path), "--output", str(tmp_path / "out")]
     assert main([*arguments, "--json", str(tmp_path / "result.json")]) == 3, "2 is above 1.05"
     result = json.loads((tmp_path / "result.json").read_text())
-    assert "worst_1.yaml" in capsys.readouterr().err
+    shown = capsys.readouterr()
+    assert "worst_1.yaml" in shown.err
+    assert "verdict: FAILED; 16 cases, 2 generations of 8" in shown.out
+    assert "the worst of all minutes of that run: 5.970 from 1 s on, announced by MRU_STALE" in shown.out
+    assert "a generation of 8 cases takes about 0 s here" in shown.out
+    assert result["worst"][0]["announced_by"] == ["MRU_STALE"]
     for rank, one in enumerate(result["worst"], 1):
         again = load_scenario(str(tmp_path / "out" / f"worst_{rank}.yaml"))
         assert again.parameters["winch_controller"].factor == one["values"]["winch_controller.factor"]
         assert again.parameters["wave_vessel"].mru.faults.start == tuple(one["values"]["wave_vessel.mru.faults.start"])
         assert again.run.duration == 30.0
     assert main([*arguments, "--bound", "2.5"]) == 0
+    assert "verdict: passed; 16 cases" in capsys.readouterr().out
+
+
+def test_a_budget_that_ends_within_the_first_generation_says_so(known, space, tmp_path, monkeypatch, capsys):
+    def look(waiting, *_, **__):
+        return SimpleNamespace(done=[next(iter(waiting))])
+
+    monkeypatch.setattr(search_module, "wait", look)
+    arguments = ["falsify", "b1_thesis", "--space", str(space.path), "--output", str(tmp_path / "out")]
+    assert main([*arguments, "--budget", "1e-9", "--bound", "3"]) == 0
+    assert "verdict: passed; 1 case, less than one generation of 8" in capsys.readouterr().out
+
+
+def test_cases_of_which_none_could_be_run_are_no_verdict(known, space, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(search_module, "GENERATIONS", 1)
+    monkeypatch.setattr(Search, "found", property(lambda _: [Found(1, {}, Minute(0.0, failure="no loop"))]))
+    assert main(["falsify", "b1_thesis", "--space", str(space.path), "--output", str(tmp_path / "out")]) == 1
+    assert "none of 16 cases could be run: no loop" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

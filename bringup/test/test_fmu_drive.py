@@ -8,7 +8,7 @@ import zipfile
 
 import pytest
 from cable_sim_node.winch.command_line import WinchCommand
-from heave_bringup.errors import CommandError
+from heave_bringup.errors import CommandError, ExitStatus
 from heave_bringup.fmu import archive
 from heave_bringup.fmu.archive import unpack_fmu
 from heave_node.parameters import ParameterError
@@ -16,7 +16,8 @@ from heave_node.parameters import ParameterError
 pytest.importorskip("pythonfmu", reason="pythonfmu is not installed: the extra fmu")
 pytest.importorskip("fmpy", reason="fmpy is not installed: the extra fmu")
 
-from heave_bringup.fmu.drive import DriveMap, FmuWinch, read_drive
+from fmpy import platform, sharedLibraryExtension
+from heave_bringup.fmu.drive import DriveMap, FmuWinch, drive_names, read_drive
 from heave_bringup.fmu.instance import FmuInstance
 
 LAG = 0.4
@@ -43,6 +44,25 @@ class Stranger(Fmi2Slave):
         return self.v_ref < 100.0
 '''
 NAMES = {"winch.command.payout_rate": "v_ref", "winch.state.payout": "x"}
+
+
+def fmu_of(folder, variables, code="m"):
+    """Write an FMU that has `variables`, "name type causality" each, and code of a name that cannot run."""
+    rows = "".join(
+        f'<ScalarVariable name="{name}" valueReference="{number}" causality="{causality}" '
+        f'variability="{"tunable" if causality == "parameter" else "discrete"}"><{kind}/></ScalarVariable>'
+        for number, (name, kind, causality) in enumerate(one.split() for one in variables.split(", "))
+    )
+    file = folder / "made.fmu"
+    with zipfile.ZipFile(file, "w") as made:
+        made.writestr(
+            "modelDescription.xml",
+            '<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g">'
+            f'<CoSimulation modelIdentifier="{code}"/><ModelVariables>{rows}</ModelVariables>'
+            "<ModelStructure/></fmiModelDescription>",
+        )
+        made.writestr(f"binaries/{platform}/m{sharedLibraryExtension}", "no code")
+    return file
 
 
 @pytest.fixture
@@ -83,9 +103,37 @@ def test_a_drive_that_lacks_what_a_drive_must_have_is_refused(stranger):
         FmuWinch(DriveMap(stranger), tick_period=0.05)
 
 
-def test_a_map_that_names_what_the_fmu_has_not_is_refused(stranger):
-    with pytest.raises(CommandError, match="it has no variable y"):
-        FmuWinch(DriveMap(stranger, {**NAMES, "winch.state.brake": "y"}), tick_period=0.05)
+@pytest.mark.parametrize(
+    ("variables", "start", "words"),
+    [
+        ({"winch.state.brake": "y"}, {}, "variables: winch.state.brake: y is no variable of it"),
+        ({"winch.command.payout_rate": "on"}, {}, "payout_rate: on is Boolean, and the message has Real"),
+        ({"winch.state.payout": "v_ref"}, {}, "winch.state.payout: v_ref is an input"),
+        ({"winch.state.limits_hit": "x"}, {}, "limits_hit: x is Real, and the message has Integer"),
+        ({}, {"lagg": 0.5}, "start: lagg is no variable of it"),
+        ({}, {"lag": "fast"}, "start: lag is Real, and takes no 'fast'"),
+        ({}, {"lag": math.nan}, "start: lag is Real, and takes no nan"),
+        ({}, {"lag": True}, "start: lag is Real, and takes no True"),
+        ({}, {"on": 1}, "start: on is Boolean, and takes no 1"),
+    ],
+)
+def test_a_map_that_the_fmu_does_not_fit_is_refused_by_name_before_its_code_runs(tmp_path, variables, start, words):
+    file = fmu_of(tmp_path, "v_ref Real input, lag Real parameter, x Real output, on Boolean input")
+    with pytest.raises(CommandError, match=re.escape(words)) as refused:
+        drive_names(DriveMap(file, {**NAMES, **variables}, start))
+    assert refused.value.status is ExitStatus.REFUSED
+    assert str(refused.value).startswith(f"{file}: ")
+
+
+def test_a_flag_is_read_from_any_number_and_an_integer_goes_into_a_real(tmp_path):
+    file = fmu_of(tmp_path, "v_ref Real input, x Real output, held Real output, number Real input")
+    names = {**NAMES, "winch.state.brake": "held", "winch.command.sequence": "number"}
+    assert drive_names(DriveMap(file, names)) == names
+
+
+def test_an_fmu_without_code_for_this_system_is_refused(tmp_path):
+    with pytest.raises(CommandError, match=r"no code for this system, binaries/.*/other\."):
+        drive_names(DriveMap(fmu_of(tmp_path, "v_ref Real input, x Real output", code="other"), NAMES))
 
 
 @pytest.mark.parametrize(

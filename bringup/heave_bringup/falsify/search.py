@@ -13,7 +13,7 @@ import os
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -68,6 +68,10 @@ class Search:
     journal : file that keeps the answers
     mark : identifies the search
 
+    Attributes
+    ----------
+    seconds : wall time of a generation, by the cases that were run and not known before [s]; NaN: none was
+
     Raises ParameterError for a space that is none, or the journal of another search.
     """
 
@@ -79,6 +83,15 @@ class Search:
         self.campaign, self.draws, self.severity = campaign, campaign.draws, severity
         self._kept = KeptResults(journal, mark)
         self._cases: dict[str, Found] = {}
+        self._new = 0
+        self.seconds = math.nan
+
+    @property
+    def generations(self) -> str:
+        """Cases so far, in words with the generations that they are."""
+        whole = self.asked // self.draws.count
+        done = f"{whole} generation{'s' if whole > 1 else ''}" if whole else "less than one generation"
+        return f"{self.asked} case{'s' if self.asked > 1 else ''}, {done} of {self.draws.count}"
 
     @property
     def found(self) -> list[Found]:
@@ -114,6 +127,8 @@ class Search:
                 self._evolve(lambda asked: self._answers(asked, pool, spent, show))
         except _OverError:  # which has ended the workers in the midst of their cases
             return False
+        finally:
+            self.seconds = (time.monotonic() - begun) / self._new * self.draws.count if self._new else math.nan
         return True
 
     def _evolve(self, answers: Callable[[Array], list[float]]) -> None:
@@ -154,6 +169,7 @@ class Search:
                 key, found = waiting.pop(done)
                 self._cases[key] = replace(found, minute=done.result())
                 self._kept.keep({"number": key, **_plain(done.result())})
+                self._new += 1
             show(self.asked, max((one.minute.ratio for one in self._cases.values()), default=0.0), min(spent(), 1.0))
             if waiting and spent() >= 1.0:
                 raise _OverError
@@ -169,13 +185,15 @@ def key_of(point: Array) -> str:
 
 
 def _plain(minute: Minute) -> dict[str, object]:
-    start = None if math.isnan(minute.start) else minute.start
-    return {"ratio": minute.ratio, "start": start, "alarms": list(minute.alarms), "failure": minute.failure}
+    return {name: None if value != value else value for name, value in asdict(minute).items()}  # noqa: PLR0124 - NaN
 
 
 def _minute_of(kept: Mapping[str, Any]) -> Minute:
-    start = math.nan if kept["start"] is None else float(kept["start"])
-    return Minute(float(kept["ratio"]), start, tuple(kept["alarms"]), str(kept["failure"]))
+    def value(name: str) -> Any:
+        one = kept[name]
+        return math.nan if one is None else tuple(one) if isinstance(one, list) else one
+
+    return Minute(**{field.name: value(field.name) for field in fields(Minute)})
 
 
 def over_scenario(campaign: Campaign, scenario: str) -> Campaign:

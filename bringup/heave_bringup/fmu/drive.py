@@ -8,6 +8,7 @@ difference, the brake does what is ordered, no fault is known.
 from __future__ import annotations
 
 import math
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,13 +23,19 @@ from heave_node.interface.sensors import WireReading
 from heave_node.parameters import ParameterError
 
 from heave_bringup.errors import CommandError
+from heave_bringup.fmu.archive import FmuRefusedError, described, unpack_fmu
 from heave_bringup.fmu.instance import FmuInstance
 from heave_bringup.fmu.ports import Port
+from heave_bringup.fmu.variables import BOOLEAN, INTEGER, REAL, Variable
 from heave_bringup.run.launcher import FMU, MAP
 
 _KEYS = ("fmu", "variables", "start")
 _SET_POINTS = ("winch.command.payout_rate", "winch.command.payout")
 _PAYOUTS = ("winch.state.payout", "winch.state.encoder_payout")
+_WIDTHS = {BOOLEAN: 0, INTEGER: 1, "Enumeration": 1, REAL: 2}
+_MISSING = "is no variable of it"
+_LARGEST_INTEGER = 2**31 - 1
+"""Of FMI 2.0, which has 32 bits."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +96,67 @@ def _ports() -> tuple[Port, Port, Port]:
     )
 
 
+def drive_names(drive: DriveMap) -> dict[str, str]:
+    """Return the names of the variables that a `drive` has, by those of the messages; none of its code runs.
+
+    Raises FmuRefusedError, in one line, where the FMU cannot be used, lacks what a drive must have, or has no variable
+    of a name in the map, or one of a kind that does not take the value.
+    """
+    with tempfile.TemporaryDirectory(prefix="heave-fmu-") as folder:
+        unpack_fmu(drive.file, Path(folder))
+        has = {one.name: one for one in described(drive.file, Path(folder)).modelVariables}
+    found, faults = {}, {}
+    for name, value in drive.start.items():
+        faults["start", name] = _start_fault(has[name].type, value) if name in has else _MISSING
+    for name, own in drive.variables.items():
+        faults[f"variables: {name}", own] = "" if own in has else _MISSING
+    for port in _ports():
+        for variable in port.variables:
+            own = drive.variables.get(variable.name, variable.name)
+            if own in has:
+                found[variable.name] = own
+                faults[variable.name, own] = _misfit(variable, has[own], is_out=port.topic == topics.WINCH_STATE)
+    for (place, own), fault in faults.items():
+        if fault:
+            raise FmuRefusedError(f"{drive.file}: {place}: {own} {fault}")
+    for needed in (_SET_POINTS, _PAYOUTS):
+        if not set(needed) & set(found):
+            raise FmuRefusedError(f"{drive.file}: a drive needs the variable {' or '.join(needed)}, or a map of names")
+    return found
+
+
+def _start_fault(kind: str, value: object) -> str:
+    """Return what a variable of a `kind` has against a start `value`; "": nothing."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    takes = {
+        "Real": is_number and math.isfinite(value),  # type: ignore[arg-type]
+        "Boolean": isinstance(value, bool),
+        "String": isinstance(value, str),
+    }.get(kind, isinstance(value, int) and is_number and abs(value) <= _LARGEST_INTEGER)
+    return "" if takes else f"is {kind}, and takes no {value!r}"
+
+
+def _misfit(field_: Variable, own: Any, *, is_out: bool) -> str:
+    """Return why a variable of an FMU cannot be that of a message's field; "": it can.
+
+    A number may go where a wider one has room; a flag is read from any number.
+
+    Parameters
+    ----------
+    field_ : of the message
+    own : FMPy's description of the variable
+    is_out : the FMU gives it
+    """
+    if own.causality == ("input" if is_out else "output"):
+        return f"is an {own.causality}, and this is what the drive {'gives' if is_out else 'takes'}"
+    source, target = (own.type, field_.kind) if is_out else (field_.kind, own.type)
+    if source in _WIDTHS and target in _WIDTHS:
+        fits = _WIDTHS[source] <= _WIDTHS[target] or (is_out and target == BOOLEAN)
+    else:
+        fits = source == target
+    return "" if fits else f"is {own.type}, and the message has {field_.kind}"
+
+
 class FmuWinch:
     """A drive, stepped tick by tick as `VirtualWinch` is.
 
@@ -103,21 +171,8 @@ class FmuWinch:
     def __init__(self, drive: DriveMap, *, tick_period: float) -> None:
         self._dt = tick_period
         self._commands, self._tensions, self._states = _ports()
+        self._names = drive_names(drive)
         self._fmu = FmuInstance(drive.file, "virtual_winch", drive.start)
-        self._names = {
-            variable.name: own
-            for port in (self._commands, self._tensions, self._states)
-            for variable in port.variables
-            if (own := drive.variables.get(variable.name, variable.name)) in self._fmu.kinds
-        }
-        missing = [own for own in drive.variables.values() if own not in self._fmu.kinds]
-        if missing:
-            self.close()
-            raise CommandError(f"{drive.file}: it has no variable {missing[0]}")
-        for needed in (_SET_POINTS, _PAYOUTS):
-            if not set(needed) & set(self._names):
-                self.close()
-                raise CommandError(f"{drive.file}: a drive needs the variable {' or '.join(needed)}, or a map of names")
         self._forget()
 
     def _forget(self) -> None:

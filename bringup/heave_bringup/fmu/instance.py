@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from heave_bringup.errors import CommandError
-from heave_bringup.fmu.archive import unpack_fmu
+from heave_bringup.fmu.archive import described, unpack_fmu
 
 
 class FmuInstance:
@@ -29,8 +29,7 @@ class FmuInstance:
     """
 
     def __init__(self, file: Path, name: str, start: Mapping[str, Any] | None = None) -> None:
-        from fmpy import read_model_description  # noqa: PLC0415 - an extra
-        from fmpy.fmi2 import FMU2Slave  # noqa: PLC0415 - the same
+        from fmpy.fmi2 import FMU2Slave  # noqa: PLC0415 - an extra
 
         self.file = file
         self._start = dict(start or {})
@@ -38,11 +37,7 @@ class FmuInstance:
         self._slave: Any = None
         try:
             unpack_fmu(file, self._folder)
-            description = self._asked(read_model_description, str(self._folder), validate=False)
-            if description.fmiVersion != "2.0" or description.coSimulation is None:
-                raise CommandError(
-                    f"{file}: must be an FMU for co-simulation of FMI 2.0; it is FMI {_what(description)}"
-                )
+            description = described(file, self._folder)
             self.kinds: dict[str, str] = {one.name: one.type for one in description.modelVariables}
             self._references = {one.name: one.valueReference for one in description.modelVariables}
             self._slave = self._asked(
@@ -74,7 +69,7 @@ class FmuInstance:
     def set(self, variable: str, value: Any) -> None:
         """Set a `variable` to a `value`. Raises CommandError where it is not there, or takes no such value."""
         kind = self._kind(variable)
-        self._asked(getattr(self._slave, f"set{kind}"), [self._references[variable]], [value])
+        self._asked(getattr(self._slave, f"set{kind}"), [self._references[variable]], [value], of=f"{variable}: ")
 
     def get(self, variable: str) -> Any:
         """Return the value of a `variable`. Raises CommandError where it is not there."""
@@ -100,13 +95,9 @@ class FmuInstance:
             raise CommandError(f"{self.file}: it has no variable {variable}")
         return "Integer" if kind == "Enumeration" else kind
 
-    def _asked(self, call: Any, *arguments: Any, **options: Any) -> Any:
-        """Return what a `call` of FMPy gives; what goes wrong in the FMU or its files is one line."""
+    def _asked(self, call: Any, *arguments: Any, of: str = "", **options: Any) -> Any:
+        """Return what a `call` of FMPy gives; what goes wrong in the FMU, or `of` a variable, is one line."""
         try:
             return call(*arguments, **options)
         except Exception as error:  # whatever somebody else's file brings about
-            raise CommandError(f"{self.file}: {' '.join(str(error).split()) or type(error).__name__}") from error
-
-
-def _what(description: Any) -> str:
-    return str(description.fmiVersion) + ("" if description.coSimulation is not None else " without co-simulation")
+            raise CommandError(f"{self.file}: {of}{' '.join(str(error).split()) or type(error).__name__}") from error
