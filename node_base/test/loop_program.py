@@ -27,6 +27,7 @@ from rclpy.serialization import serialize_message
 FAULTS = (
     "",
     "die",
+    "hang",
     "late",
     "stop",
     "duplicate",
@@ -75,6 +76,8 @@ class LoopNode(ParticipantNode):
             time.sleep(3e-9 * tick.period_nanoseconds)
         if fault == "raise":
             raise NodeError("the solver gave up")
+        if fault == "hang":
+            time.sleep(60.0)
         if fault == "late":
             time.sleep(1.6)
         if fault == "stop":

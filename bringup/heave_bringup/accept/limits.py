@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from heave_node.loads.strength import Strength
+from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 
 from heave_bringup.accept.set_signal import SetSignal
@@ -74,7 +75,7 @@ def _extremes(signal: SetSignal) -> Iterator[tuple[float, float, float]]:
     """Yield largest speed [m/s], least and most payout [m] of each part of a set signal, one after the other."""
     first, moved = 0.0, 0.0
     while first < signal.duration:
-        time = first + _STEP * np.arange(_AT_ONCE)
+        time: Array = first + _STEP * np.arange(_AT_ONCE, dtype=np.float64)
         rate = signal.rate(time[time < signal.duration])
         payout = moved + _STEP * np.cumsum(rate)
         yield float(np.abs(rate).max()), float(payout.min()), float(payout.max())
