@@ -22,11 +22,10 @@ def test_the_exported_winch_in_the_place_of_virtual_winch_gives_the_same_run(cal
     assert Bag(bag).run["replaced"] == "virtual_winch"
 
 
-@pytest.mark.parametrize("text", ["no archive", "map"])
-def test_what_is_no_drive_is_refused_in_one_line_before_anything_starts(tmp_path, text):
-    (tmp_path / "drive.fmu").write_text(text)
-    (tmp_path / "drive.yaml").write_text("fmu: drive.fmu")
-    file = tmp_path / ("drive.yaml" if text == "map" else "drive.fmu")
+def test_what_is_no_drive_is_refused_in_one_line_before_anything_starts(tmp_path):
+    (tmp_path / "drive.fmu").write_text("no archive")
+    file = tmp_path / "drive.yaml"
+    file.write_text("fmu: drive.fmu")
     run = heave("run", "b2_calm_300", "--duration", "2", "--bag", str(tmp_path / "run"), "--winch-fmu", str(file))
     assert run.returncode == 2
     (line,) = run.stderr.splitlines()
