@@ -74,7 +74,7 @@ def _extremes(signal: SetSignal) -> Iterator[tuple[float, float, float]]:
     """Yield largest speed [m/s], least and most payout [m] of each part of a set signal, one after the other."""
     first, moved = 0.0, 0.0
     while first < signal.duration:
-        time = first + _STEP * np.arange(_AT_ONCE)
+        time = np.asarray(first + _STEP * np.arange(_AT_ONCE), dtype=float)
         rate = signal.rate(time[time < signal.duration])
         payout = moved + _STEP * np.cumsum(rate)
         yield float(np.abs(rate).max()), float(payout.min()), float(payout.max())
