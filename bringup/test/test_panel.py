@@ -192,7 +192,7 @@ def test_the_efficiency_is_that_of_the_last_ten_minutes_and_counts_what_the_filt
     expected = 1.0 - math.hypot(0.02, math.sqrt(2.0) * 0.005) / 0.4
     assert efficiency.value == pytest.approx(expected, abs=1e-4)
     assert efficiency.span == pytest.approx(600.0, abs=1.0)
-    assert efficiency.words == f"{100.0 * expected:.1f} ± 2"
+    assert efficiency.words == f"{100.0 * expected:.1f} ± 4"
     for tick in range(round(60.0 / 0.05)):
         efficiency.note(at(700.0 + 0.05 * tick, free=9.0, is_known=False))
     assert efficiency.value == pytest.approx(expected, abs=1e-4), "what no sensor reports is left out"
