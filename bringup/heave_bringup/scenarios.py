@@ -16,6 +16,7 @@ from typing import Any
 
 from heave_node.catalogue import with_entries
 from heave_node.criteria import WANTED, Criterion
+from heave_node.files.whole_file import whole_file
 from heave_node.parameters import Given, ParameterError, describe, flatten, unknown_parameter
 from heave_node.run_parameters import NodeParameters, RunParameters, build_node_parameters
 from heave_node.scenario import WILDCARD, Sections, parse_sections, read_sections
@@ -162,12 +163,10 @@ def write_scenario(path: Path, text: str, *, needs_files: bool = True) -> None:
     Raises ParameterError, in one line, where the scenario is wrong or the file cannot be written.
     """
     _of_sections(parse_sections(text.encode(), str(path)), path, (), needs_files=needs_files)
-    unfinished = path.with_name(f".{path.name}.writing")
     try:
-        unfinished.write_text(text, encoding="utf-8")
-        unfinished.replace(path)
+        with whole_file(path) as unfinished:
+            unfinished.write_text(text, encoding="utf-8")
     except OSError as error:
-        unfinished.unlink(missing_ok=True)
         raise ParameterError(f"{path}: cannot be written: {error.strerror}") from error
 
 

@@ -98,7 +98,7 @@ class Measured:
             return self.reading("encoder_rate")
         if self.run.payout_rate.size:
             return self.run.payout_rate.window(self.start, self.end)
-        return _rate_of(self.payout) if self.payout.size > 2 else Signal()
+        return rate_of(self.payout) if self.payout.size > 2 else Signal()
 
     @cached_property
     def grid(self) -> Array:
@@ -127,7 +127,7 @@ class Measured:
         shifts = round(LONGEST_LAG / GRID)
         if self.grid.size < 2 * shifts:
             return Following()
-        drum, orders_of = _rate_of(self.payout) if self.payout.size > 2 else self.rate, self.ordered_rate
+        drum, orders_of = rate_of(self.payout) if self.payout.size > 2 else self.rate, self.ordered_rate
         rate = np.interp(self.grid, drum.time, drum.value)
         ordered = orders_of.value[np.searchsorted(orders_of.time, self.grid, "right") - 1]
         count = rate.size - shifts
@@ -201,7 +201,7 @@ class Measured:
         return float(found[places["payout"]]) if "payout" in places else math.nan, per_heave
 
 
-def _rate_of(payout: Signal) -> Signal:
+def rate_of(payout: Signal) -> Signal:
     """Return the rate [m/s] of a `payout` [m] of more than two samples: its differences about each of them."""
     return Signal(payout.time, np.gradient(payout.value, payout.time))
 

@@ -19,6 +19,7 @@ from heave_bags.analyse.run_record import RunRecord
 from heave_bags.mcap.reader import Progress, no_progress
 from heave_bags.record.provenance import git_commit, versions
 from heave_bags.signals import RunSignals, Signal
+from heave_node.files.whole_file import whole_file
 from heave_node.parameters import ParameterError, flatten
 from winch_controller_node.model.lqr import DesignError
 
@@ -146,10 +147,8 @@ def keep(file: Path, digest: str, signals: RunSignals) -> None:
     """
     parts: dict[str, Signal] = {name: getattr(signals, name) for name in KEPT}
     columns: dict[str, Any] = {name: np.stack((part.time, part.value)) for name, part in parts.items()}
-    unfinished = file.with_name(f".{file.name}.writing")
-    with unfinished.open("wb") as stream:
+    with whole_file(file) as unfinished, unfinished.open("wb") as stream:
         np.savez_compressed(stream, digest=np.array(digest), **columns)
-    unfinished.replace(file)
 
 
 def read_kept(file: Path, digest: str) -> RunSignals | None:

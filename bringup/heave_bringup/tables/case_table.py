@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from heave_node.files.whole_file import whole_file
 from heave_node.parameters import ParameterError
 
 from heave_bringup.tables.kept_files import KeptFile, from_metadata, read_files, to_metadata
@@ -43,9 +44,8 @@ def write_cases(frame: pandas.DataFrame, path: Path, about: Mapping[str, str], f
     table = arrow.Table.from_pandas(frame, preserve_index=False)
     named = {MARK + name.encode(): text.encode() for name, text in about.items()}
     table = table.replace_schema_metadata({**(table.schema.metadata or {}), **named, **to_metadata(files)})
-    unfinished = path.with_name(f".{path.name}.writing")
-    parquet.write_table(table, unfinished, compression="zstd")
-    unfinished.replace(path)
+    with whole_file(path) as unfinished:
+        parquet.write_table(table, unfinished, compression="zstd")
 
 
 def read_cases(path: Path) -> tuple[pandas.DataFrame, dict[str, str]]:

@@ -18,6 +18,7 @@ from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Bag
 from heave_bags.record.provenance import git_commit, versions
 from heave_bags.signals import Signal
+from heave_node.files.whole_file import whole_file
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 
@@ -114,9 +115,8 @@ def keep(file: Path, digest: str, found: Reconstruction) -> None:
     """Keep what was `found` in a `file` with its `digest`; no half of it is ever seen. Raises OSError."""
     motions = {name: [part.time.tolist(), part.value.tolist()] for name in MOTIONS for part in [getattr(found, name)]}
     content = {"digest": digest, **motions, **{name: getattr(found, name) for name in TEXTS}}
-    unfinished = file.with_name(f".{file.name}.writing")
-    unfinished.write_text(json.dumps(content), encoding="utf-8")
-    unfinished.replace(file)
+    with whole_file(file) as unfinished:
+        unfinished.write_text(json.dumps(content), encoding="utf-8")
 
 
 def read_kept(file: Path, digest: str) -> Reconstruction | None:

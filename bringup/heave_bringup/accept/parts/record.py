@@ -16,7 +16,7 @@ from heave_bags.signals import RunSignals, Signal
 from heave_node.devices.maps.channel import Channel
 
 from heave_bringup.accept.coverage import lacking_words
-from heave_bringup.accept.measured import Measured, Nominal
+from heave_bringup.accept.measured import Measured, Nominal, rate_of
 from heave_bringup.accept.parts.run import depth_of, read_loop
 from heave_bringup.accept.parts.winch import Trace
 from heave_bringup.accept.procedure import Event, Step, WinchTest
@@ -125,5 +125,5 @@ def _run_signals(signals: dict[str, Signal]) -> RunSignals:
         speed_limit=math.inf,
     )
     if not run.payout_rate.size and run.payout.size > 2:
-        run.payout_rate = Signal(run.payout.time, np.gradient(run.payout.value, run.payout.time))
+        run.payout_rate = rate_of(run.payout)
     return run
