@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from heave_node.ros.transport.forked import Forked, forks
+
+if TYPE_CHECKING:
+    from heave_bringup.scenarios import Scenario
 
 MASTER = "cable_sim"
 RECORDER = "recorder"
@@ -73,5 +80,39 @@ SHIP_CLOCK = NodeEntry(
 )
 """Leads a run in which the plant is the ship itself."""
 NODE_BY_NAME = {node.name: node for node in NODES}
+COMPUTE = (
+    "wave_vessel_node.component",
+    "cable_sim_node.component",
+    "cable_sim_node.winch.component",
+    "winch_controller_node.component",
+    "winch_controller_node.adviser.component",
+    "heave_bags.mcap.bag_writer",
+)
+"""Modules with which the nodes compute; they load no ROS."""
 PROCESS_BY_NAME = {node.name: node for node in (*NODES, SHIP_CLOCK)}
 """Processes that a run may have to start."""
+
+
+def nodes_to_start(scenario: Scenario, foreign: Sequence[str] = ()) -> list[str]:
+    """Return the nodes of a `scenario` that are not replaced by hardware, started by others or left out of the run.
+
+    The `foreign` ones are those that others start.
+    """
+    wanted = {MASTER, *scenario.run.participants} - set(scenario.run.external) - set(foreign)
+    clock = [SHIP_CLOCK.name] if MASTER in (*scenario.run.external, *foreign) else []
+    return clock + [node.name for node in NODES if node.name in wanted]
+
+
+@contextmanager
+def node_forks(count: int) -> Iterator[list[Forked]]:
+    """Load what the nodes of a run compute with, and give `forks` in which each then starts in a part of the time.
+
+    Parameters
+    ----------
+    count : of processes
+    """
+    for module in COMPUTE:
+        importlib.import_module(module)
+    importlib.import_module("heave_node.numerics.compiled").load()
+    with forks(count) as waiting:
+        yield waiting

@@ -87,3 +87,17 @@ def test_a_node_that_has_files_to_close_is_given_more_time_than_the_others(tmp_p
         nodes.nodes.append(NodeProcess(name, process, tmp_path / "log", [name]))
     nodes.stop()
     assert [node.process.poll() for node in nodes.nodes] == [-signal.SIGKILL, 0]
+
+
+def test_the_nodes_of_a_run_are_forked(tmp_path):
+    """Neither what it loads before nor its checks start a thread, or load ROS."""
+    program = """
+import sys
+from heave_bringup import cli
+from heave_node.ros.transport import forked
+forked.Forked.__init__ = lambda self: print("forked", flush=True) or sys.exit()
+sys.exit(cli.main(["run", "b2_calm_300"]))
+"""
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.stdout == "forked\n"

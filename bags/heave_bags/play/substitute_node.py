@@ -22,7 +22,6 @@ from heave_node.ros.node import HeaveNode
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.ports import Output
 from heave_node.ros.process import run_node
-from heave_node.ros.transport import parents_death
 from heave_node.tick.tick import Tick
 
 from heave_bags.errors import BagError
@@ -111,13 +110,13 @@ def substitute_type(node: str) -> type[Any]:
     return type(f"Substitute_{node}", (base,), {"name": node})
 
 
-def command(node: str, bag: Path, start: float = 0.0) -> list[str]:
-    """Return the command that starts the substitute of `node`; more ROS arguments may follow.
+def program(node: str, bag: Path, start: float = 0.0) -> list[str]:
+    """Return the module that runs the substitute of `node`, and its arguments; more of ROS may follow.
 
     It plays `bag` from `start` on [s].
     """
     return [
-        *parents_death.command("heave_bags.play.substitute_node", node, "--ros-args"),
+        *("heave_bags.play.substitute_node", node, "--ros-args"),
         *("-r", f"__node:={node}_from_bag"),  # the parameters of the node itself do not concern its substitute
         *("-p", f"bag:={bag}", "-p", f"bag_start:={float(start)}"),
     ]

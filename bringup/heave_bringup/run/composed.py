@@ -6,19 +6,18 @@ import sys
 from collections.abc import Sequence
 
 from heave_node.ros.process import run_composed
-from heave_node.ros.transport import parents_death
 
 from heave_bringup.nodes import PROCESS_BY_NAME
 
 PUBLISH = "--publish"
 
 
-def command(names: Sequence[str], *, is_public: bool) -> list[str]:
-    """Return the command, up to its ROS arguments, that runs the nodes of these `names` in one process.
+def program(names: Sequence[str], *, is_public: bool) -> list[str]:
+    """Return the module, and its arguments up to those of ROS, that runs the nodes of these `names` in one process.
 
     `is_public` says that other processes get every message.
     """
-    return parents_death.command(__name__, *names, *([PUBLISH] if is_public else []))
+    return ["heave_bringup.run.composed", *names, *([PUBLISH] if is_public else [])]
 
 
 def main() -> None:

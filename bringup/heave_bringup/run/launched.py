@@ -10,7 +10,8 @@ from heave_node.files.bounded_yaml import YamlError, parse_yaml
 from heave_node.parameters import ParameterError
 from heave_node.scenario import WILDCARD
 
-from heave_bringup.run.run import RunFolder, new_run_folder, nodes_to_start, store_scenario
+from heave_bringup.nodes import nodes_to_start
+from heave_bringup.run.run import RunFolder, new_run_folder, store_scenario
 from heave_bringup.scenarios import load_scenario
 from heave_bringup.settings import Setting, external_settings
 

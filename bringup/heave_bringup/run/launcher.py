@@ -13,6 +13,7 @@ from pathlib import Path
 from heave_bags.play import substitute_node
 from heave_node.ros.process import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, EXIT_STUCK, in_namespace
 from heave_node.ros.transport import parents_death
+from heave_node.ros.transport.forked import Forked
 
 from heave_bringup.nodes import PROCESS_BY_NAME, RECORDER
 from heave_bringup.run import composed
@@ -49,7 +50,7 @@ class NodeProcess:
     """
 
     name: str
-    process: subprocess.Popen[bytes]
+    process: subprocess.Popen[bytes] | Forked
     log: Path
     nodes: Sequence[str]
 
@@ -91,9 +92,15 @@ class NodeProcess:
 
 
 class Launcher:
-    """The node processes of one run."""
+    """The node processes of one run.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    forks : processes that wait; nodes are started in them as long as there are any, then each in a new Python
+    """
+
+    def __init__(self, forks: list[Forked] | None = None) -> None:
+        self._forks = forks or []
         self.nodes: list[NodeProcess] = []
         self._skips_grace = False
 
@@ -118,7 +125,7 @@ class Launcher:
         """
         ros = [*_ros_arguments(scenario_file), *in_namespace(namespace)]
         for name in names:
-            self._start(name, [name], [*_command(name, (substitutes or {}).get(name)), *ros], logs)
+            self._start(name, [name], [*_program(name, (substitutes or {}).get(name)), *ros], logs)
 
     def start_composed(
         self, names: Sequence[str], scenario_file: Path, logs: Path, namespace: str = "", *, is_public: bool = False
@@ -131,20 +138,26 @@ class Launcher:
         is_public : other processes get every message
         """
         ros = [*_ros_arguments(scenario_file), *in_namespace(namespace)]
-        self._start(TOGETHER, names, [*composed.command(names, is_public=is_public), *ros], logs)
+        self._start(TOGETHER, names, [*composed.program(names, is_public=is_public), *ros], logs)
 
-    def _start(self, name: str, nodes: Sequence[str], command: list[str], logs: Path) -> None:
+    def _start(self, name: str, nodes: Sequence[str], program: list[str], logs: Path) -> None:
         logs.mkdir(parents=True, exist_ok=True)
         log = logs / f"{'nodes' if name == TOGETHER else name}.log"
+        environment = {**ALLOCATOR, **os.environ, **parents_death.environment()}
+        process: subprocess.Popen[bytes] | Forked
         with log.open("wb") as sink:
-            process = subprocess.Popen(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=sink,
-                stderr=subprocess.STDOUT,
-                env={**ALLOCATOR, **os.environ, **parents_death.environment()},
-                start_new_session=True,  # a Ctrl-C in the terminal is passed on in order, not to all at once
-            )
+            if self._forks:
+                process = self._forks.pop()
+                process.run(log.stem, *program, log=log, environment=environment)
+            else:
+                process = subprocess.Popen(
+                    parents_death.command(*program),
+                    stdin=subprocess.DEVNULL,
+                    stdout=sink,
+                    stderr=subprocess.STDOUT,
+                    env=environment,
+                    start_new_session=True,  # a Ctrl-C in the terminal is passed on in order, not to all at once
+                )
         self.nodes.append(NodeProcess(name, process, log, nodes))
 
     def failed(self) -> list[NodeProcess]:
@@ -187,12 +200,13 @@ class Launcher:
             time.sleep(0.02)
 
 
-def _command(name: str, substitute: Path | None) -> list[str]:
+def _program(name: str, substitute: Path | None) -> list[str]:
+    """Return the module that runs a node, or its `substitute`, and the arguments of that."""
     if substitute is not None and substitute.suffix in (FMU, MAP):
-        return parents_death.command(FMU_NODE, str(substitute))
+        return [FMU_NODE, str(substitute)]
     if substitute is not None:
-        return substitute_node.command(name, substitute)
-    return parents_death.command(PROCESS_BY_NAME[name].module)
+        return substitute_node.program(name, substitute)
+    return [PROCESS_BY_NAME[name].module]
 
 
 def _ros_arguments(scenario_file: Path) -> list[str]:

@@ -17,13 +17,14 @@ from heave_msgs.msg import TickStatus
 from heave_node.parameters import ParameterError
 from heave_node.ros.master import STOP_RECORDING_TIME
 from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.forked import Forked
 from heave_node.ros.transport.shared_memory import remove_dead_segments
 from heave_node.ros.transport.watchdog import Watchdog, watched_start
 from heave_node.scenario import write_sections
 
 from heave_bringup.errors import CommandError, InterruptedCommandError
 from heave_bringup.interrupts import raise_if_interrupted
-from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, NODES, RECORDER, SHIP_CLOCK
+from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER, nodes_to_start
 from heave_bringup.progress import ProgressLine
 from heave_bringup.run.launcher import Launcher, NodeProcess
 from heave_bringup.run.monitor import Monitor
@@ -135,6 +136,7 @@ def run_scenario(
     on_look: OnLook | None = None,
     namespace: str = "",
     composed: Composed | None = None,
+    forks: list[Forked] | None = None,
 ) -> Outcome:
     """Run a scenario to its end and return how it went.
 
@@ -148,6 +150,7 @@ def run_scenario(
     on_look : called a few times per second while the run lasts
     namespace : of its nodes and topics; "" for none. Runs in different ones share a ROS domain
     composed : all nodes share one process, without substitutes; None: each has its own
+    forks : processes that wait, for nodes to be started in; those that are used leave the list
 
     Raises CommandError, in one line, where the run does not reach its end. Whatever happens, no node process is left
     behind, and the bag is closed.
@@ -166,7 +169,7 @@ def run_scenario(
             _remove_unused(folder)
             raise CommandError(ANOTHER_RUN)
         monitor = _listen(namespace)
-        launcher = Launcher()
+        launcher = Launcher(forks)
         progress = ProgressLine()
         try:
             if monitor.another_run():
@@ -279,16 +282,6 @@ def _listen(namespace: str) -> Monitor:
         return Monitor(namespace)
     except RuntimeError as error:  # of rclpy: no keys in the keystore, no such middleware
         raise CommandError(f"ROS failed to start: {' '.join(str(error).split())}") from None
-
-
-def nodes_to_start(scenario: Scenario, foreign: Sequence[str] = ()) -> list[str]:
-    """Return the nodes of a `scenario` that are not replaced by hardware, started by others or left out of the run.
-
-    The `foreign` ones are those that others start.
-    """
-    wanted = {MASTER, *scenario.run.participants} - set(scenario.run.external) - set(foreign)
-    clock = [SHIP_CLOCK.name] if MASTER in (*scenario.run.external, *foreign) else []
-    return clock + [node.name for node in NODES if node.name in wanted]
 
 
 def store_scenario(scenario: Scenario, folder: RunFolder, replaced: Sequence[str] = ()) -> None:

@@ -26,6 +26,16 @@ vectorised with its caller.
 """
 
 
+@kernel
+def _nothing() -> None:
+    pass
+
+
+def load() -> None:
+    """Load what numba loads at the first call of a kernel: a third of a second."""
+    _nothing()
+
+
 def is_compiled(function: Any) -> bool:
     """Return whether the kernel `function` is in numba's cache: its first call in a process is then quick."""
     return any(Path(function.stats.cache_path).glob(f"*.{function.__name__}-*.nbi"))

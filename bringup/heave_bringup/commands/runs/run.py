@@ -29,7 +29,7 @@ from heave_bringup.commands.command import Command
 from heave_bringup.commands.runs.substitutes import add_substitutes, substitutes
 from heave_bringup.errors import CommandError, VerdictError
 from heave_bringup.interrupts import raise_if_interrupted
-from heave_bringup.nodes import ADVISER, MASTER, RECORDER
+from heave_bringup.nodes import ADVISER, MASTER, RECORDER, node_forks, nodes_to_start
 from heave_bringup.settings import Setting, external_settings
 
 if TYPE_CHECKING:
@@ -119,7 +119,6 @@ def execute(options: argparse.Namespace) -> None:
     check_memory()  # before the libraries that want most of it
     from heave_bringup.network import set_up_transport
     from heave_bringup.progress import be_quiet
-    from heave_bringup.run.run import new_run_folder, run_scenario
     from heave_bringup.scenarios import load_scenario
 
     required = _required(options.require)
@@ -130,20 +129,24 @@ def execute(options: argparse.Namespace) -> None:
     scenario = without(load_scenario(options.scenario, settings=settings), options.without)
     replaced = substitutes(options)
     _check(options, scenario, replaced)
-    folder = new_run_folder(scenario.name, options.bag)
-    if scenario.remade:  # the run keeps them, for who runs its scenario again
-        scenario = without(load_scenario(options.scenario, settings=settings, folder=folder.files), options.without)
-        sys.stderr.write("".join(f"heave: {line}\n" for line in scenario.remade))
-    # What judges the run takes seconds to load: time that the nodes need to find each other.
-    threading.Thread(target=importlib.import_module, args=(EVALUATION,)).start()
-    outcome = run_scenario(
-        scenario,
-        folder,
-        substitutes=replaced,
-        foreign=options.foreign,
-        namespace=options.namespace or "",
-        composed=_composed(options),
-    )
+    with node_forks(1 if options.composed else len(nodes_to_start(scenario, options.foreign))) as forks:
+        from heave_bringup.run.run import new_run_folder, run_scenario
+
+        folder = new_run_folder(scenario.name, options.bag)
+        if scenario.remade:  # the run keeps them, for who runs its scenario again
+            scenario = without(load_scenario(options.scenario, settings=settings, folder=folder.files), options.without)
+            sys.stderr.write("".join(f"heave: {line}\n" for line in scenario.remade))
+        # What judges the run takes seconds to load: time that the nodes need to find each other.
+        threading.Thread(target=importlib.import_module, args=(EVALUATION,)).start()
+        outcome = run_scenario(
+            scenario,
+            folder,
+            substitutes=replaced,
+            foreign=options.foreign,
+            namespace=options.namespace or "",
+            composed=_composed(options),
+            forks=forks,
+        )
     evaluation = importlib.import_module(EVALUATION)
     raise_if_interrupted()
     if scenario.run.is_lockstep:
