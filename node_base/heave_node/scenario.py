@@ -16,7 +16,7 @@ import yaml
 
 from heave_node.bare_words import read_bare
 from heave_node.catalogue import with_entries
-from heave_node.files.bounded_yaml import EXPONENT, YamlError, parse_yaml
+from heave_node.files.bounded_yaml import DUMPER, EXPONENT, YamlError, parse_yaml
 from heave_node.parameters import Given, ParameterError
 from heave_node.system_parameters import SYSTEM, own_name
 
@@ -33,7 +33,7 @@ Sections = dict[str, dict[str, object]]
 """Parameter values by section and dotted parameter name, in the order of the file."""
 
 
-class _RosDumper(yaml.SafeDumper):
+class _RosDumper(DUMPER):  # type: ignore[misc]  # one of two
     """Writes numbers and strings so that ROS 2 reads them as such, short lists on one line, and no aliases."""
 
     def ignore_aliases(self, data: object) -> bool:  # noqa: ARG002

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from heave_node.numerics.arrays import Array
-from scipy.signal import welch
 
 from heave_bags.signals import Signal
 
@@ -36,7 +36,7 @@ def spectrum(signal: Signal) -> Spectrum | None:
     if not SHORTEST_PERIOD < period < SEGMENT_TIME:
         return None
     segment = min(signal.size, max(MINIMUM_SAMPLES, round(SEGMENT_TIME / period)))
-    frequency, density = welch(signal.value, fs=1.0 / period, nperseg=segment, detrend="constant")
+    frequency, density = scipy.signal.welch(signal.value, fs=1.0 / period, nperseg=segment, detrend="constant")
     return Spectrum(2.0 * np.pi * frequency[1:], density[1:] / (2.0 * np.pi))
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import yaml
-from heave_node.files.bounded_yaml import LARGEST_YAML, parse_yaml
+from heave_node.files.bounded_yaml import DUMPER, LARGEST_YAML, parse_yaml
 from mcap.records import Metadata
 
 from heave_bags.mcap.ros.qos import OfferedQos
@@ -120,8 +120,7 @@ class BagSummary:
 
 
 def _yaml(content: Mapping[str, Any]) -> str:
-    dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)  # the same text in a quarter of the time
-    return str(yaml.dump(content, Dumper=dumper, sort_keys=False, width=1000))
+    return str(yaml.dump(content, Dumper=DUMPER, sort_keys=False, width=1000))
 
 
 def parse_information(text: str) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import yaml
+from heave_node.files.bounded_yaml import DUMPER
 from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
@@ -50,7 +51,7 @@ class ParameterSurvey:
     def to_yaml(self) -> bytes:
         """Return what was learnt as a parameter file."""
         content = {name: {"ros__parameters": values} for name, values in sorted(self._values.items()) if values}
-        text: str = yaml.safe_dump(content, sort_keys=False)
+        text: str = yaml.dump(content, Dumper=DUMPER, sort_keys=False)
         return text.encode()
 
     @property

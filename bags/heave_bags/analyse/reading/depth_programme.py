@@ -5,7 +5,7 @@ signals.
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+import scipy
 
 from heave_bags.signals import RunSignals, Signal
 
@@ -56,5 +56,5 @@ def running_mean(time: np.ndarray, values: np.ndarray) -> np.ndarray:
     period = float(np.median(np.diff(time)))
     widest = 100 * values.size  # beyond which every mean is that of the ends
     width = max(1, round(SPAN / period)) if period * widest > SPAN else widest
-    once = uniform_filter1d(values, width, mode="nearest")
-    return np.asarray(uniform_filter1d(once, width, mode="nearest"))
+    once = scipy.ndimage.uniform_filter1d(values, width, mode="nearest")
+    return np.asarray(scipy.ndimage.uniform_filter1d(once, width, mode="nearest"))

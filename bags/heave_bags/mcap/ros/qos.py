@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import yaml
-from heave_node.files.bounded_yaml import parse_yaml
+from heave_node.files.bounded_yaml import DUMPER, parse_yaml
 
 INFINITE = 9_223_372_036_854_775_807
 """A duration that never ends [ns]."""
@@ -91,7 +91,7 @@ def from_mapping(values: Mapping[str, Any]) -> OfferedQos:
 
 def to_yaml(profiles: list[OfferedQos] | tuple[OfferedQos, ...]) -> str:
     """Return profiles as the YAML text of a channel's metadata."""
-    return str(yaml.safe_dump([profile.to_mapping() for profile in profiles], sort_keys=False))
+    return str(yaml.dump([profile.to_mapping() for profile in profiles], Dumper=DUMPER, sort_keys=False))
 
 
 def from_yaml(text: str) -> tuple[OfferedQos, ...]:

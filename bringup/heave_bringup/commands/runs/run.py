@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from heave_bringup.scenarios import Scenario
 
 EVALUATION = "heave_bringup.run.evaluation"
+SPECTRA = "scipy.signal"
+"""What a report computes its spectra by."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -137,7 +139,8 @@ def execute(options: argparse.Namespace) -> None:
             scenario = without(load_scenario(options.scenario, settings=settings, folder=folder.files), options.without)
             sys.stderr.write("".join(f"heave: {line}\n" for line in scenario.remade))
         # What judges the run takes seconds to load: time that the nodes need to find each other.
-        threading.Thread(target=importlib.import_module, args=(EVALUATION,)).start()
+        judging = [EVALUATION] if options.no_report else [EVALUATION, SPECTRA]
+        threading.Thread(target=lambda: [importlib.import_module(module) for module in judging]).start()
         outcome = run_scenario(
             scenario,
             folder,

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import argparse
 import difflib
+from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
-from rich.table import Table
 
 from heave_bringup.commands.command import Command
 from heave_bringup.commands.completion import completed_by
 from heave_bringup.nodes import NODE_BY_NAME
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
