@@ -6,12 +6,10 @@ import importlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from heave_node.ros.transport.forked import Forked, forks
-
-if TYPE_CHECKING:
-    from heave_bringup.scenarios import Scenario
+from heave_node.run_parameters import RunParameters
 
 MASTER = "cable_sim"
 RECORDER = "recorder"
@@ -93,13 +91,13 @@ PROCESS_BY_NAME = {node.name: node for node in (*NODES, SHIP_CLOCK)}
 """Processes that a run may have to start."""
 
 
-def nodes_to_start(scenario: Scenario, foreign: Sequence[str] = ()) -> list[str]:
-    """Return the nodes of a `scenario` that are not replaced by hardware, started by others or left out of the run.
+def nodes_to_start(run: RunParameters, foreign: Sequence[str] = ()) -> list[str]:
+    """Return the nodes of a `run` that are not replaced by hardware, started by others or left out of the run.
 
     The `foreign` ones are those that others start.
     """
-    wanted = {MASTER, *scenario.run.participants} - set(scenario.run.external) - set(foreign)
-    clock = [SHIP_CLOCK.name] if MASTER in (*scenario.run.external, *foreign) else []
+    wanted = {MASTER, *run.participants} - set(run.external) - set(foreign)
+    clock = [SHIP_CLOCK.name] if MASTER in (*run.external, *foreign) else []
     return clock + [node.name for node in NODES if node.name in wanted]
 
 

@@ -138,3 +138,19 @@ with forked.forks(1) as waiting:
 def test_a_process_with_ros_or_with_threads_is_not_forked(parent, why):
     program = f"{why}\nwith forked.forks(2) as waiting:\n    print(waiting, flush=True)\nos._exit(0)"
     assert parent(program) == "[]\n"
+
+
+def test_where_the_system_allows_no_more_processes_there_are_fewer_forks_and_signals_come_as_before(parent):
+    program = """
+import signal
+fork, made = os.fork, []
+def limited():
+    if made:
+        raise BlockingIOError(11, "Resource temporarily unavailable")
+    made.append(fork())
+    return made[0]
+os.fork = limited
+with forked.forks(3) as waiting:
+    print(len(waiting), signal.pthread_sigmask(signal.SIG_BLOCK, ()))
+"""
+    assert parent(program) == "1 set()\n"

@@ -66,4 +66,4 @@ def prepare(arguments: Mapping[str, str]) -> tuple[RunFolder, list[str]]:
     scenario = load_scenario(arguments["scenario"], settings=settings_of(arguments))
     folder = new_run_folder(scenario.name, Path(arguments["folder"]) if arguments.get("folder") else None)
     store_scenario(scenario, folder)
-    return folder, nodes_to_start(scenario)
+    return folder, nodes_to_start(scenario.run)

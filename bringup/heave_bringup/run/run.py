@@ -176,7 +176,7 @@ def run_scenario(
                 _remove_unused(folder)
                 raise CommandError(ANOTHER_RUN)
             store_scenario(scenario, folder, [*(substitutes or {}), *foreign])
-            names = nodes_to_start(scenario, foreign)
+            names = nodes_to_start(scenario.run, foreign)
             if composed is None:
                 launcher.start(names, folder.scenario, folder.logs, substitutes, namespace)
             else:

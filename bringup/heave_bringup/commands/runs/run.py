@@ -131,7 +131,7 @@ def execute(options: argparse.Namespace) -> None:
     scenario = without(load_scenario(options.scenario, settings=settings), options.without)
     replaced = substitutes(options)
     _check(options, scenario, replaced)
-    with node_forks(1 if options.composed else len(nodes_to_start(scenario, options.foreign))) as forks:
+    with node_forks(1 if options.composed else len(nodes_to_start(scenario.run, options.foreign))) as forks:
         from heave_bringup.run.run import new_run_folder, run_scenario
 
         folder = new_run_folder(scenario.name, options.bag)

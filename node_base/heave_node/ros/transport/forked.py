@@ -34,14 +34,17 @@ _program = ctypes.create_string_buffer(64)
 
 @contextmanager
 def forks(count: int) -> Iterator[list[Forked]]:
-    """Give forks that wait, none where this process cannot be forked safely; those left in the list are ended.
+    """Give forks that wait, fewer where the system allows no more; those left in the list are ended.
 
     Parameters
     ----------
-    count : of them
+    count : of them; there are none where this process cannot be forked safely
     """
-    waiting = [Forked() for _ in range(count)] if _is_alone() else []
+    waiting: list[Forked] = []
     try:
+        with suppress(OSError):
+            while _is_alone() and len(waiting) < count:
+                waiting.append(Forked())
         yield waiting
     finally:
         for fork in waiting:
@@ -72,10 +75,12 @@ class Forked:
         sys.stderr.flush()
         parent = os.getpid()
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
-        self.pid = os.fork()
-        if not self.pid:
-            _wait_and_run(orders, parent, before)
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        try:
+            self.pid = os.fork()
+            if not self.pid:
+                _wait_and_run(orders, parent, before)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         os.close(orders)
 
     def run(self, name: str, module: str, *arguments: str, log: Path, environment: Mapping[str, str]) -> None:
