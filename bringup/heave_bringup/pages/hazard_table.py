@@ -264,6 +264,20 @@ HAZARDS: tuple[Hazard, ...] = (
         others="a sea beyond the limits of the lift",
     ),
     Hazard(
+        "Compensation begins over a load that stands, on the bottom or on deck: the rope is slackened and snatches it",
+        {},
+        ("UNIT_NOT_SUSPENDED",),
+        "compensation does not begin while the brake is on and the rope carries too little of the weight on average",
+        "a wave or a free swing of the unit, before compensation can begin",
+        "a load that the rope carries more than 60 % of (`tension.touchdown_ratio`) counts as suspended; without a "
+        "load cell nothing is weighed, and one that reads far too little keeps compensation off",
+        (f"{_C}test_landing.py::test_under_a_brake_a_unit_that_stands_is_known_within_seconds_and_is_waited_for",
+         f"{_C}test_landing.py::test_under_a_brake_a_unit_that_hangs_is_never_taken_for_one_that_stands",
+         "tests/test_museum.py::"
+         "test_with_this_suite_the_cause_is_named_in_time_with_an_action_and_the_load_stays"),
+        others="a lift that has not begun, or a landing that was not seen",
+    ),
+    Hazard(
         "Constant tension runs away: the load is let go, or taken up to the boom",
         {},
         ("TENSION_TRAVEL_END",),

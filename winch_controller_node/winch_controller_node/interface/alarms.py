@@ -271,6 +271,16 @@ MODES = (
         "Compensation begins with an authority of {authority:.0f} %{rest}",
         "Wait for a lower sea if the unit must move less",
     ),
+    AlarmRow(
+        "UNIT_NOT_SUSPENDED",
+        HIGH,
+        "unit",
+        "the cable carries {percent:.0f} % of the unit's weight on average: it is slack, or the unit stands, on the "
+        "bottom or on deck",
+        "Compensation does not begin",
+        "Haul in until the cable carries the unit, and request compensation then; to stand rigging up, request "
+        "constant_tension. If the unit hangs, check the load cell and the mass of the unit",
+    ),
     AlarmRow("TOUCHDOWN", EVENT, "unit", "the unit has landed", "Constant tension is held"),
     AlarmRow(
         "UNIT_SUSPENDED",

@@ -38,10 +38,6 @@ ENDED = (*BRAKED, Mode.FADE_OUT, Mode.STOPPING)
 HANGING_SHARES = (0.7, 1.3)
 """A unit hangs whose cable carries on average a share of its weight between these, and that has not landed."""
 
-MEAN_ERROR = 0.3
-"""Error of the mean tension over its memory, over the standard deviation of the tension: a swell of 20 s leaves
-sqrt(2)/(w t) = 0.15 of its own, and a group of waves, or a cable that goes slack and snaps, twice that."""
-
 ASK_AGAIN = "check the cause, then request compensation"
 """Ends the reason of an inhibition that only an operator can end."""
 
@@ -136,8 +132,8 @@ class Supervisor:
         self._code_before = ""
         self._fades_by_law = False
         self._share_news = ShareNews(dt)
-        self._blind_time = 0.0
-        self._blind_lowering = Episode(dt)
+        self._blind_time = self._unweighed_time = self._wait = 0.0
+        self._blind_lowering, self._unloaded = Episode(dt), Episode(dt)
         self._dt = dt
         self._refer_to(design, law)
         self._watch_sea()
@@ -161,6 +157,7 @@ class Supervisor:
     def _refer_to(self, design: ControllerDesign, law: ControlLaw) -> None:
         self._parameters, self._inertia = design.parameters, design.cable.a
         self._load, self._limits = hanging_load(design), design.limits
+        self._more = self._parameters.length - design.length
         self._keeps_limits = law.keeps_limits
 
     def decide(self, tick: LoopTick, winch: WinchSituation) -> Decision:
@@ -171,7 +168,11 @@ class Supervisor:
         self.landing.observe(time, tick.sensed, float(tick.rows.payout @ tick.mean_state), hanging)
         if winch.inhibition:
             self.guard.inhibit(winch.inhibition, KNOWN_HOLD)
-        alarms = self._judge(tick, winch.mean_acceleration) + self._resume_after_timeout(tick, winch)
+        alarms = (
+            self._weigh(tick, winch.mean_payout)
+            + self._judge(tick, winch.mean_acceleration)
+            + self._resume_after_timeout(tick, winch)
+        )
         self._gates.observe(tick)
         alarms += self._watch_highest_tension(tick)
         lost = self._lost(tick)
@@ -210,7 +211,7 @@ class Supervisor:
             is_damped=is_damped,
             trusts_estimate=self.guard.trusts_estimate and not winch.is_reversed,
             fades_by_law=self._fades_by_law,
-            unit_stands=self.landing.unit_stands,
+            unit_stands=not self.landing.hangs,
             bounds_tension=self.highest_tension.is_kept,
             landing=landing,
             alarms=alarms,
@@ -250,7 +251,7 @@ class Supervisor:
     def _judge(self, tick: LoopTick, mean_acceleration: float) -> tuple[Alarm, ...]:
         """Have the guard judge the tick, with the `mean_acceleration` of the payout [m/s^2]; return its new alarm."""
         # the estimate is that of a hanging unit
-        hangs = not (self.landing.unit_stands or self.landing.may_stand)
+        hangs = self.landing.hangs and not self.landing.may_stand
         is_judged = hangs and tick.knows_tip and self.modes.mode is not Mode.CONSTANT_TENSION
         motions = GuardedMotions(
             unit=tick.unit,
@@ -265,6 +266,24 @@ class Supervisor:
         alarm, before = self.guard.alarm, self._code_before
         self._code_before = "" if alarm is None else alarm.code
         return (alarm,) if alarm is not None and alarm.code != before else ()
+
+    def _weigh(self, tick: LoopTick, mean_payout: float) -> tuple[Alarm, ...]:
+        """Weigh the unit under a brake, at a `mean_payout` [m]; return that it does not hang but is to be compensated.
+
+        A landing that was seen is known better than that: the brake may since have let the sea pull at the unit. What
+        a load cell has said is kept for a while without it.
+        """
+        is_lost = "load_cell" in tick.sensed.lost
+        self._unweighed_time = self._unweighed_time + self._dt if is_lost else 0.0
+        self.landing.is_unloaded &= self._unweighed_time < MEMORY
+        is_weighed = self.modes.brake and not (self.landing.unit_stands or is_lost)
+        self._wait = self.landing.weigh(tick.mean_tension, mean_payout + self._more) if is_weighed else 0.0
+        is_new = self._unloaded.begins(self.landing.is_unloaded and self.modes.wants_compensation)
+        return (self._not_suspended,) if is_new else ()
+
+    @property
+    def _not_suspended(self) -> Alarm:
+        return ALARMS.alarm("UNIT_NOT_SUSPENDED", percent=100.0 * max(self.landing.share, 0.0))
 
     def _report_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
         """Return what limits authority, where it lasts, or that it is over."""
@@ -294,6 +313,10 @@ class Supervisor:
 
     def _closed_gates(self, tick: LoopTick, mean_payout: float) -> str:
         """Return why compensation may not begin about a mean payout [m]; empty where it may."""
+        if self.landing.is_unloaded:
+            return self._not_suspended.brief
+        if self._wait > 0.0:
+            return f"averaging the tension for {self._wait:.0f} s more, to know whether the unit hangs"
         wait = LONGEST_WAIT * self._parameters.modes.settling_time - tick.number * self._dt
         if not tick.knows_sea and wait > 0.0:
             return f"measuring the sea, at most {wait:.0f} s more"
@@ -335,14 +358,17 @@ class Supervisor:
             return f"the load cell is lost ({tick.sensed.lost['load_cell']})"
         if self.modes.mode is Mode.CONSTANT_TENSION:
             return ""  # the winch follows already
-        may_hang = self._parameters.tension.hanging or self.landing.unit_stands
-        if not may_hang and (hangs := self._may_hang(tick.mean_tension)):
+        may_hang = self._parameters.tension.hanging or not self.landing.hangs
+        if not may_hang and (hangs := self._may_hang(tick.mean_tension, payout)):
             return hangs
         return self._gates.for_tension(payout, self._limits, self.guard.demand)
 
-    def _may_hang(self, tension: TensionMean) -> str:
-        """Return why a unit whose landing was missed counts as hanging, by the mean `tension`; empty: it stands."""
-        share, error = self._load.weight_share(tension.value), MEAN_ERROR * tension.sigma / self._load.weight
+    def _may_hang(self, tension: TensionMean, payout: float) -> str:
+        """Return why a unit whose landing was missed counts as hanging; empty: it stands.
+
+        `tension` is the mean at a mean `payout` [m].
+        """
+        share, error = self._load.mean_share(tension, payout + self._more)
         least, most = HANGING_SHARES
         if least - error < share < most + error:
             return (
@@ -429,6 +455,7 @@ def hanging_load(design: ControllerDesign) -> HangingLoad:
         cable.stiffness,
         following_time=0.25 * free_swing,
         swing_time=max(free_swing, design.parameters.sea.peak_period),
+        cable_weight=(cable.static_tension - design.unit_weight) / design.length,
     )
 
 
