@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 from heave_bringup.scenarios import shipped_scenarios
-from heave_node.interface.alarm import Severity
 
 from tests.campaigns.museum import AS_BUILT, INCIDENTS, judge
 
@@ -70,11 +69,11 @@ def test_a_load_that_sinks_past_an_energised_brake_is_named_and_held_by_the_driv
     assert judged.moved < 0.05 + 3.0 * 0.05 * 0.1 + 1.2 * 0.1 * 2.23 / (2.0 * math.pi)
 
 
-def test_a_landing_that_nobody_expected_ends_the_lowering_in_time_and_is_an_event_that_does_not_name_the_zero():
+def test_a_payout_zero_that_was_not_set_is_named_before_the_lowering_and_a_landing_ends_that():
     judged = judge(INCIDENT["payout_zero"])
     after, alarm = judged.named
-    assert after < SOON
-    assert alarm.severity is Severity.EVENT
+    assert after < -10.0 / 0.3  # the whole way down at its speed
+    assert alarm.values["depth"] - alarm.values["expected"] == pytest.approx(10.0, abs=0.1)
     assert judged.moved < 0.35  # of rope on a unit that stands
 
 

@@ -52,6 +52,7 @@ def test_a_change_of_the_system_changes_the_sea_and_the_belief_of_it_and_a_chang
         ("system.unit.added_mass=[1, 2, 3]", "winch_controller", "unit.added_mass", (1.0, 2.0, 3.0)),
         ("system.boom_tip_height=15", "wave_vessel", "boom_tip_height", 15.0),
         ("system.boom_tip_height=15", "cable_sim", "boom_tip_height", 15.0),
+        ("system.boom_tip_height=15", "winch_controller", "boom_tip_height", 15.0),
         ("system.vessel.pitch_gain=1", "wave_vessel", "vessel.pitch_gain", 1.0),
         ("system.sensors.mru.noise=0.05", "wave_vessel", "mru.noise", 0.05),
         ("system.sensors.mru.noise=0.05", "winch_controller", "sensors.mru.noise", 0.05),

@@ -207,14 +207,15 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "Payout is not known, or counted falsely: the unit is lowered too far, or the drum runs to its end",
         {"encoder": ("freeze", "nan", "spike", "jump", "scale")},
-        ("ENCODER_STALE", "ENCODER_NOT_A_NUMBER", "ENCODER_BAD_STAMP", "ENCODER_OUT_OF_ORDER", "ENCODER_FROZEN",
-         "ENCODER_JUMPS", "ENCODER_EXCLUDED", "ENCODER_REVERSED",
+        ("PAYOUT_DEPTH_DISAGREE", "ENCODER_STALE", "ENCODER_NOT_A_NUMBER", "ENCODER_BAD_STAMP",
+         "ENCODER_OUT_OF_ORDER", "ENCODER_FROZEN", "ENCODER_JUMPS", "ENCODER_EXCLUDED", "ENCODER_REVERSED",
          "ENCODER_SCALE_STEP", "ENCODER_SCALE_ERROR"),
         "a jump is taken out of the count, and put into the payout set-point, by which a position loop does not follow "
         "it; a lost or reversed encoder fades compensation out and stops",
         "3 samples for a jump (test); a reversed one: seconds",
-        "a payout zero that a person has set falsely is not detected, with or without a depth sensor: depth counts "
-        "from where the run begins. Touchdown ends the lowering, after 27 cm of rope on a unit that stands (museum)",
+        "a payout zero that a person has set falsely by less than 3 m and 1 % of the cable "
+        "(`health.payout_tolerance`), or by any amount without a depth sensor. Touchdown ends the lowering, after "
+        "27 cm of rope on a unit that stands (museum)",
         (f"{_C}test_component.py::"
          "test_an_encoder_jump_raises_an_alarm_within_three_samples_and_does_not_move_the_unit",
          f"{_C}test_component.py::"
@@ -223,7 +224,7 @@ HAZARDS: tuple[Hazard, ...] = (
          "tests/test_sensor_faults.py::"
          "test_an_encoder_that_reads_another_scale_all_at_once_does_not_set_the_unit_swinging",
          "tests/test_museum.py::"
-         "test_a_landing_that_nobody_expected_ends_the_lowering_in_time_and_is_an_event_that_does_not_name_the_zero"),
+         "test_a_payout_zero_that_was_not_set_is_named_before_the_lowering_and_a_landing_ends_that"),
         others="a rope that jumps the sheave",
         events=(Event.SENSOR_LOST, Event.HARM),
     ),

@@ -24,6 +24,7 @@ from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import BRAKED, Mode, ModeOutput, Situation
 from winch_controller_node.supervision.watch.highest_tension import HighestTension
 from winch_controller_node.supervision.watch.load_watch import Episode
+from winch_controller_node.supervision.watch.payout_watch import PayoutWatch
 from winch_controller_node.supervision.watch.share_news import ShareNews
 
 REQUIRED_SENSORS = {
@@ -128,6 +129,7 @@ class Supervisor:
         )
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))
+        self._payout_watch = PayoutWatch(design)
         self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
         self._code_before = ""
         self._fades_by_law = False
@@ -142,6 +144,7 @@ class Supervisor:
         """Supervise another design and its law from now on."""
         self.guard.take_loop(guarded_loop(design, law))
         self.landing.take_load(hanging_load(design))
+        self._payout_watch.take_design(design)
         self._refer_to(design, law)
 
     def reset_sea(self) -> None:
@@ -268,7 +271,7 @@ class Supervisor:
         return (alarm,) if alarm is not None and alarm.code != before else ()
 
     def _weigh(self, tick: LoopTick, mean_payout: float) -> tuple[Alarm, ...]:
-        """Weigh the unit under a brake, at a `mean_payout` [m]; return that it does not hang but is to be compensated.
+        """Weigh the unit under a brake, at a `mean_payout` [m]; return what is new: it does not hang, or elsewhere.
 
         A landing that was seen is known better than that: the brake may since have let the sea pull at the unit. What
         a load cell has said is kept for a while without it.
@@ -279,7 +282,12 @@ class Supervisor:
         is_weighed = self.modes.brake and not (self.landing.unit_stands or is_lost)
         self._wait = self.landing.weigh(tick.mean_tension, mean_payout + self._more) if is_weighed else 0.0
         is_new = self._unloaded.begins(self.landing.is_unloaded and self.modes.wants_compensation)
-        return (self._not_suspended,) if is_new else ()
+        alarms = (self._not_suspended,) if is_new else ()
+        sensed, has_crane = tick.sensed, self._parameters.crane.is_fitted
+        is_known = self.modes.brake and self.landing.hangs and not has_crane and "encoder" not in sensed.lost
+        return alarms + self._payout_watch.update(
+            sensed.depths, mean_payout, self._load.swing_time, is_known=is_known and sensed.sees_landing
+        )
 
     @property
     def _not_suspended(self) -> Alarm:
