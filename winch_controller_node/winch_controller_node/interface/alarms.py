@@ -287,8 +287,8 @@ MODES = (
         "the cable carries {percent:.0f} % of the unit's weight on average: it is slack, or the unit stands, on the "
         "bottom or on deck",
         "Compensation does not begin",
-        "Haul in until the cable carries the unit, then request compensation; to stand rigging up, constant_tension. If "
-        "it hangs, check load cell and mass of the unit",
+        "Haul in until the cable carries the unit, then request compensation; to stand rigging up, constant_tension. "
+        "If it hangs, check load cell and mass of the unit",
     ),
     AlarmRow("TOUCHDOWN", EVENT, "unit", "the unit has landed", "Constant tension is held"),
     AlarmRow(
