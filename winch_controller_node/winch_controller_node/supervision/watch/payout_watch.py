@@ -2,6 +2,7 @@
 
 The estimator counts depth from where a run begins, and goes on whatever the meter's zero is. Under the brake the unit
 heaves about its depth at rest: L + u and its stretch below the boom tip. The mean over a wave or a free swing is that.
+The stretch may be as assumed or none: a passive compensator is soft, and its preload takes the weight.
 """
 
 from __future__ import annotations
@@ -57,7 +58,8 @@ class PayoutWatch:
         else:
             self._time += self._dt
             for _, depth in depths:
-                self._sum, self._count = self._sum + depth, self._count + 1
+                self._sum += depth
+                self._count += 1
             if self._time >= window and self._count:
                 self._alarm = self._compared(self._sum / self._count, self._parameters.length + payout)
         return (self._alarm,) if self._off.begins(self._alarm is not None) and self._alarm else ()
@@ -69,8 +71,9 @@ class PayoutWatch:
     def _compared(self, depth: float, out: float) -> Alarm | None:
         """Return that a mean `depth` [m] is not that of a unit below so much cable that is `out` [m]."""
         parameters = self._parameters
-        expected = out * (1.0 + self._stretch) - parameters.boom_tip_height
+        least, stretch = out - parameters.boom_tip_height, self._stretch * out
         limit = LEAST_OFF + parameters.health.payout_tolerance * out
-        if abs(depth - expected) <= limit or parameters.health.payout_tolerance == 0.0:
+        if -limit <= depth - least <= stretch + limit or parameters.health.payout_tolerance == 0.0:
             return None
+        expected = least + stretch
         return ALARMS.alarm("PAYOUT_DEPTH_DISAGREE", depth=depth, out=out, expected=expected)
