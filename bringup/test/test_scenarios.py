@@ -200,8 +200,8 @@ def test_the_stored_scenario_has_every_value_in_force_once_and_runs_again(name, 
         assert own | {mine for name, mine in shared.items() if name in sections["/**"]} == in_force.keys()
     assert sections["/**"]["system.sea.peak_period"] == 9.5
     assert file.read_text().startswith(f"# {stored_title(scenario).splitlines()[0]}\n# All values active")
-    changed = load_scenario(str(file), settings=["system.length=123"])
-    assert changed.parameters["cable_sim"].length == changed.parameters["winch_controller"].length == 123.0
+    changed = load_scenario(str(file), settings=["system.gravity=9.7"])
+    assert changed.parameters["cable_sim"].gravity == changed.parameters["winch_controller"].gravity == 9.7
 
 
 @settings(max_examples=20)
