@@ -332,3 +332,6 @@ def test_a_unit_that_is_hauled_up_hangs_again_and_one_whose_tension_is_held_has_
     landing, _ = weighed([0.0] * 200)
     landing.begin_hold()
     assert landing.unit_stands
+    landing, _ = weighed([0.0] * 200)
+    landing.forget_weight()
+    assert landing.hangs

@@ -221,6 +221,10 @@ class Landing:
             self.is_unloaded, self.share = is_low, share
         return 0.0
 
+    def forget_weight(self) -> None:
+        """Take the unit to hang, as without a load cell: what that has said is old."""
+        self.is_unloaded = False
+
     def begin_hold(self) -> None:
         """Take a unit that does not hang, and whose tension is held on request, for one that has landed."""
         self.unit_stands |= self.is_unloaded

@@ -278,7 +278,8 @@ class Supervisor:
         """
         is_lost = "load_cell" in tick.sensed.lost
         self._unweighed_time = self._unweighed_time + self._dt if is_lost else 0.0
-        self.landing.is_unloaded &= self._unweighed_time < MEMORY
+        if self._unweighed_time > MEMORY:
+            self.landing.forget_weight()
         is_weighed = self.modes.brake and not (self.landing.unit_stands or is_lost)
         self._wait = self.landing.weigh(tick.mean_tension, mean_payout + self._more) if is_weighed else 0.0
         is_new = self._unloaded.begins(self.landing.is_unloaded and self.modes.wants_compensation)
