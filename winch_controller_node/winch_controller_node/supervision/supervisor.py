@@ -24,8 +24,8 @@ from winch_controller_node.supervision.mode_machine import ModeMachine
 from winch_controller_node.supervision.modes import BRAKED, Mode, ModeOutput, Situation
 from winch_controller_node.supervision.watch.highest_tension import HighestTension
 from winch_controller_node.supervision.watch.load_watch import Episode
-from winch_controller_node.supervision.watch.payout_watch import PayoutWatch
 from winch_controller_node.supervision.watch.share_news import ShareNews
+from winch_controller_node.supervision.watch.standing_load import StandingLoad
 
 REQUIRED_SENSORS = {
     Mode.CONSTANT_TENSION: ("load_cell", "encoder"),
@@ -129,13 +129,13 @@ class Supervisor:
         )
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))
-        self._payout_watch = PayoutWatch(design)
+        self._standing = StandingLoad(self.landing, design)
         self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
         self._code_before = ""
         self._fades_by_law = False
         self._share_news = ShareNews(dt)
-        self._blind_time = self._unweighed_time = self._wait = 0.0
-        self._blind_lowering, self._unloaded = Episode(dt), Episode(dt)
+        self._blind_time = 0.0
+        self._blind_lowering = Episode(dt)
         self._dt = dt
         self._refer_to(design, law)
         self._watch_sea()
@@ -144,7 +144,7 @@ class Supervisor:
         """Supervise another design and its law from now on."""
         self.guard.take_loop(guarded_loop(design, law))
         self.landing.take_load(hanging_load(design))
-        self._payout_watch.take_design(design)
+        self._standing.take_design(design)
         self._refer_to(design, law)
 
     def reset_sea(self) -> None:
@@ -160,7 +160,6 @@ class Supervisor:
     def _refer_to(self, design: ControllerDesign, law: ControlLaw) -> None:
         self._parameters, self._inertia = design.parameters, design.cable.a
         self._load, self._limits = hanging_load(design), design.limits
-        self._more = self._parameters.length - design.length
         self._keeps_limits = law.keeps_limits
 
     def decide(self, tick: LoopTick, winch: WinchSituation) -> Decision:
@@ -171,11 +170,11 @@ class Supervisor:
         self.landing.observe(time, tick.sensed, float(tick.rows.payout @ tick.mean_state), hanging)
         if winch.inhibition:
             self.guard.inhibit(winch.inhibition, KNOWN_HOLD)
-        alarms = (
-            self._weigh(tick, winch.mean_payout)
-            + self._judge(tick, winch.mean_acceleration)
-            + self._resume_after_timeout(tick, winch)
+        modes = self.modes
+        alarms = self._standing.update(
+            tick, winch.mean_payout, self._load, brake=modes.brake, is_wanted=modes.wants_compensation
         )
+        alarms += self._judge(tick, winch.mean_acceleration) + self._resume_after_timeout(tick, winch)
         self._gates.observe(tick)
         alarms += self._watch_highest_tension(tick)
         lost = self._lost(tick)
@@ -270,30 +269,6 @@ class Supervisor:
         self._code_before = "" if alarm is None else alarm.code
         return (alarm,) if alarm is not None and alarm.code != before else ()
 
-    def _weigh(self, tick: LoopTick, mean_payout: float) -> tuple[Alarm, ...]:
-        """Weigh the unit under a brake, at a `mean_payout` [m]; return what is new: it does not hang, or elsewhere.
-
-        A landing that was seen is known better than that: the brake may since have let the sea pull at the unit. What
-        a load cell has said is kept for a while without it.
-        """
-        is_lost = "load_cell" in tick.sensed.lost
-        self._unweighed_time = self._unweighed_time + self._dt if is_lost else 0.0
-        if self._unweighed_time > MEMORY:
-            self.landing.forget_weight()
-        is_weighed = self.modes.brake and not (self.landing.unit_stands or is_lost)
-        self._wait = self.landing.weigh(tick.mean_tension, mean_payout + self._more) if is_weighed else 0.0
-        is_new = self._unloaded.begins(self.landing.is_unloaded and self.modes.wants_compensation)
-        alarms = (self._not_suspended,) if is_new else ()
-        sensed, has_crane = tick.sensed, self._parameters.crane.is_fitted
-        is_known = self.modes.brake and self.landing.hangs and not has_crane and "encoder" not in sensed.lost
-        return alarms + self._payout_watch.update(
-            sensed.depths, mean_payout, self._load.swing_time, is_known=is_known and sensed.sees_landing
-        )
-
-    @property
-    def _not_suspended(self) -> Alarm:
-        return ALARMS.alarm("UNIT_NOT_SUSPENDED", percent=100.0 * max(self.landing.share, 0.0))
-
     def _report_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
         """Return what limits authority, where it lasts, or that it is over."""
         known_share = _known_share(tick)
@@ -322,10 +297,8 @@ class Supervisor:
 
     def _closed_gates(self, tick: LoopTick, mean_payout: float) -> str:
         """Return why compensation may not begin about a mean payout [m]; empty where it may."""
-        if self.landing.is_unloaded:
-            return self._not_suspended.brief
-        if self._wait > 0.0:
-            return f"averaging the tension for {self._wait:.0f} s more, to know whether the unit hangs"
+        if gate := self._standing.gate:
+            return gate
         wait = LONGEST_WAIT * self._parameters.modes.settling_time - tick.number * self._dt
         if not tick.knows_sea and wait > 0.0:
             return f"measuring the sea, at most {wait:.0f} s more"
@@ -377,7 +350,7 @@ class Supervisor:
 
         `tension` is the mean at a mean `payout` [m].
         """
-        share, error = self._load.mean_share(tension, payout + self._more)
+        share, error = self._load.mean_share(tension, payout + self._standing.more)
         least, most = HANGING_SHARES
         if least - error < share < most + error:
             return (
