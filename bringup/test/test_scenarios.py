@@ -52,6 +52,7 @@ def test_a_change_of_the_system_changes_the_sea_and_the_belief_of_it_and_a_chang
         ("system.unit.added_mass=[1, 2, 3]", "winch_controller", "unit.added_mass", (1.0, 2.0, 3.0)),
         ("system.boom_tip_height=15", "wave_vessel", "boom_tip_height", 15.0),
         ("system.boom_tip_height=15", "cable_sim", "boom_tip_height", 15.0),
+        ("system.boom_tip_height=15", "winch_controller", "boom_tip_height", 15.0),
         ("system.vessel.pitch_gain=1", "wave_vessel", "vessel.pitch_gain", 1.0),
         ("system.sensors.mru.noise=0.05", "wave_vessel", "mru.noise", 0.05),
         ("system.sensors.mru.noise=0.05", "winch_controller", "sensors.mru.noise", 0.05),
@@ -199,8 +200,8 @@ def test_the_stored_scenario_has_every_value_in_force_once_and_runs_again(name, 
         assert own | {mine for name, mine in shared.items() if name in sections["/**"]} == in_force.keys()
     assert sections["/**"]["system.sea.peak_period"] == 9.5
     assert file.read_text().startswith(f"# {stored_title(scenario).splitlines()[0]}\n# All values active")
-    changed = load_scenario(str(file), settings=["system.length=123"])
-    assert changed.parameters["cable_sim"].length == changed.parameters["winch_controller"].length == 123.0
+    changed = load_scenario(str(file), settings=["system.gravity=9.7"])
+    assert changed.parameters["cable_sim"].gravity == changed.parameters["winch_controller"].gravity == 9.7
 
 
 @settings(max_examples=20)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
@@ -47,9 +48,9 @@ def plant_markers(state: PlantState, seabed: SeabedParameters, stamp: Time) -> M
         _ground(4, lambda _: 0.0, np.array([-half, half]), (1.0, 0.0), SEA, stamp),
     ]
     if seabed.depth > 0.0:
-        bottom, points = Seabed(seabed), seabed.profile.distance
+        bottom, points, tip = Seabed(seabed), seabed.profile.distance, float(state.node_positions[-1, 2])
         places = np.linspace(min(-half, points[0]), max(half, points[-1]), PROFILE_PLACES) if points else (-half, half)
-        markers.append(_ground(5, bottom.height, np.array(places), bottom.direction, BED, stamp))
+        markers.append(_ground(5, partial(bottom.height, boom_tip=tip), np.array(places), bottom.direction, BED, stamp))
     return MarkerArray(markers=markers)
 
 

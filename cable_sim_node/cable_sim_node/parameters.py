@@ -174,13 +174,17 @@ class SeabedProfileParameters:
 
 
 @dataclass(frozen=True)
-class SeabedParameters(Checked):
+class SeabedParameters:
     """The seabed, elastic with friction. Contact forces of the cable are per unstretched metre.
 
     Stiffness and damping hold along the bottom as well, up to the Coulomb force: what stands within it stays at rest.
+    A deck is a level bottom that goes up and down with the boom tip, and stays where it is otherwise.
     """
 
     depth: float = parameter(0.0, unit="m", minimum=0.0, description="Water depth below the origin; 0 means no seabed.")
+    deck: bool = parameter(
+        False, unit="", description="The bottom is the ship's deck: level, and always `depth` below the boom tip."
+    )
     slope: tuple[float, ...] = parameter(
         (0.0, 0.0), unit="", length=2, description="Rise of the bottom per metre along x and y."
     )
@@ -192,6 +196,11 @@ class SeabedParameters(Checked):
     friction: float = parameter(0.5, unit="", minimum=0.0, maximum=5.0, description="Coulomb coefficient.")
     unit_stiffness: float = parameter(1e6, unit="N/m", minimum=1.0, description="Normal stiffness under the unit.")
     unit_damping: float = parameter(1e5, unit="N s/m", minimum=0.0, description="Normal damping under the unit.")
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        if self.deck and (any(self.slope) or self.profile.distance):
+            raise ValueError("seabed.deck: a deck is level, without seabed.slope and seabed.profile")
 
 
 @dataclass(frozen=True)

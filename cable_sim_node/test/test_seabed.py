@@ -84,3 +84,45 @@ def test_a_unit_on_the_side_of_a_hill_rests_with_its_weight_on_the_bottom():
     for _ in range(120):
         plant.advance(0.5, still, still, 0.0, 0.0, 0.0, 0.0)
     assert plant.node_positions == pytest.approx(before, abs=1e-7)  # 1e-9 of the weight is left unbalanced
+
+
+def test_what_stands_on_a_deck_goes_with_the_boom_tip_and_is_lifted_off_it_by_a_taut_rope_alone():
+    """A deck pushes only: a unit on it, a(t) the ship's acceleration, presses on it with m (g + a) - B by Newton."""
+    plant = CableDynamics(
+        CableSimParameters(
+            length=20.2,
+            segments=5,
+            unit=UnitParameters(drag_area=(0.0, 0.0, 0.0), added_mass=(0.0, 0.0, 0.0)),
+            seabed=SeabedParameters(depth=20.0, deck=True, unit_stiffness=1e8, unit_damping=1e6),
+        )
+    )
+    tip, omega, tick = np.array([0.0, 0.0, -30.0]), 1.0, 0.05
+    plant.start_at_equilibrium(tip)
+    weight = plant.touchdown_force
+
+    def at(time):
+        heave = np.array([0.0, 0.0, 1.0])
+        rise = 1.0 - math.cos(omega * time)
+        return PointMotion(time, tip + rise * heave, math.sin(omega * time) * omega * heave)
+
+    # at the crest the tip is held, and the winch hauls in the slack and 0.3 m
+    for k in range(round(math.pi / tick)):
+        plant.advance(tick, at(k * tick), at((k + 1) * tick), 0.0, 0.0, 0.0, 0.0)
+        down = at((k + 1) * tick).position[2] - 20.0
+        assert plant.unit_position[2] == pytest.approx(down, abs=1e-3)
+        if k > 5:
+            inertia = plant.parameters.unit.mass * omega**2 * math.cos(omega * (k + 1) * tick)
+            assert plant.touchdown_force == pytest.approx(weight + inertia, rel=0.05)
+    assert plant.touchdown
+    crest = at(math.pi)
+    still = PointMotion(0.0, crest.position, np.zeros(3))
+    for k in range(200):
+        hauled = -0.0025 * np.array([k, k + 1])
+        plant.advance(tick, still, still, hauled[0], -0.05, hauled[1], -0.05)
+    assert not plant.touchdown
+    assert plant.height_above_seabed(plant.unit_position) == pytest.approx(0.3, abs=0.05)
+
+
+def test_a_deck_that_is_not_level_is_refused():
+    with pytest.raises(ValueError, match="level"):
+        SeabedParameters(depth=20.0, deck=True, slope=(0.1, 0.0))

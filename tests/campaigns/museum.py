@@ -35,20 +35,23 @@ class Incident:
     scenario : name of the shipped one; with `AS_BUILT` that of the incident as published
     begin : when it begins [s]; NaN: when the unit touches the bottom
     names : codes of the alarms that name its cause
+    stays : the load is to stay on what carries it, whatever the winch does
     """
 
     scenario: str
     begin: float
     names: tuple[str, ...]
+    stays: bool = False
 
 
 INCIDENTS = (
     Incident("museum_brake_energised", 30.0, ("WINCH_DRIVE_FAULT",)),
     Incident("museum_pressure_returns", 40.0, ("WINCH_DRIVE_FAULT",)),
     Incident("museum_rope_off_sheave", 40.0, ("ENCODER_JUMP",)),
-    Incident("museum_payout_zero", math.nan, ("TOUCHDOWN",)),
+    Incident("museum_payout_zero", math.nan, ("PAYOUT_DEPTH_DISAGREE",)),
     Incident("museum_locked_and_creeping", 35.0, ("ENCODER_FROZEN",)),
-    Incident("museum_slack_taken_up", 62.0, ()),
+    Incident("museum_slack_taken_up", 62.0, ("UNIT_NOT_SUSPENDED",)),
+    Incident("museum_load_on_deck", 30.0, ("UNIT_NOT_SUSPENDED",), stays=True),
 )
 
 
@@ -59,7 +62,8 @@ class Judged:
     Attributes
     ----------
     moved : farthest that the unit came from where it was asked to be, or rope paid out on a unit that stands [m]
-    named : seconds from the begin to the first alarm that names the cause, and that alarm; NaN, None: there is none
+    named : seconds from the begin to the first alarm that names the cause, negative before it, and that alarm; NaN,
+        None: there is none
     at_alarm : how far the unit had come by the tick before that alarm [m]; NaN without one
     others : alarms that were raised from the begin on, events apart, each code once, with the seconds to it
     """
@@ -87,12 +91,15 @@ def run(name: str) -> LoopRecord:
     return record
 
 
-def away(record: LoopRecord) -> Array:
+def away(record: LoopRecord, *, stays: bool = False) -> Array:
     """Return how far the unit is from where it was asked to be, at each tick [m], positive up.
 
-    Under compensation that is its set-point; as authority fades it is where the same unit is under a locked winch.
+    Under compensation that is its set-point; as authority fades it is where the same unit is under a locked winch, and
+    so it is for one that `stays` on what carries it.
     """
     unit, free = record.column("unit"), record.column("uncompensated")
+    if stays:
+        return unit - free
     follows = np.where(np.array(record.modes) == "constant_tension", 1.0, record.column("authority"))
     return unit + record.column("depth_set_point") - free[0] - (1.0 - follows) * (free - free[0])
 
@@ -110,13 +117,13 @@ def judge(incident: Incident, suffix: str = "") -> Judged:
     time = record.column("time")
     if math.isnan(begin):
         begin = float(time[np.argmax(record.column("touchdown_force") > TOUCHED)])
-    distance = away(record)[time >= begin - 1e-9]
+    distance = away(record, stays=incident.stays)[time >= begin - 1e-9]
     distance = np.abs(distance - distance[0])
-    later = [(at - begin, alarm) for at, alarm in record.alarms if at >= begin - 1e-9]
-    named = next(((after, alarm) for after, alarm in later if alarm.code in names), (math.nan, None))
+    alarms = [(at - begin, alarm) for at, alarm in record.alarms]
+    named = next(((after, alarm) for after, alarm in alarms if alarm.code in names), (math.nan, None))
     others: dict[str, float] = {}
-    for after, alarm in later:
-        if alarm.severity is not Severity.EVENT and alarm.code not in names:
+    for after, alarm in alarms:
+        if after >= -1e-9 and alarm.severity is not Severity.EVENT and alarm.code not in names:
             others.setdefault(alarm.code, after)
     at_alarm = float(distance[: max(round(named[0] / TICK), 1)].max()) if named[1] else math.nan
     return Judged(float(distance.max()), named, at_alarm, others)

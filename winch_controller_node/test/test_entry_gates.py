@@ -90,6 +90,7 @@ def test_compensation_waits_for_waves_and_for_readings_that_can_be_believed():
         _limits=LIMITS,
         guard=SimpleNamespace(demand=0.1),
         highest_tension=SimpleNamespace(alarm=None),
+        _standing=SimpleNamespace(gate=""),
     )
 
     def words(time, *, knows_sea, inconsistency=""):

@@ -9,6 +9,7 @@ from heave_bringup.scenarios import load_scenario
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.estimation.loop_tick import Sensed
+from winch_controller_node.estimation.tension import MeanTension
 from winch_controller_node.parameters.laws import TensionLawParameters
 from winch_controller_node.supervision.landing import HangingLoad, HangingUnit, Landing, LandingEvent, Trend
 from winch_controller_node.supervision.modes import Mode, ModeOutput
@@ -270,3 +271,67 @@ def test_an_operator_who_lifts_and_lowers_at_full_speed_in_a_high_sea_has_not_la
     assert np.max(record.column("touchdown_force")) == 0.0
     assert np.ptp(record.column("depth_set_point")) > 10.0
     assert set(record.modes) == {"standby", "compensating"}
+
+
+def weighed(shares, *, more=0.0):
+    """Return a landing that has weighed a unit of 50 kN on 10 N/m under a brake, its cable carrying `shares` of it."""
+    landing = Landing(TensionLawParameters(), HangingLoad(60e3, 50e3, 1e6, swing_time=8.0, cable_weight=10.0))
+    mean, waits = MeanTension(tick_period=DT), []
+    for share in shares:
+        mean.add(10e3 + 10.0 * more + 50e3 * share, 0.0, unit_stands=False)
+        waits.append(landing.weigh(mean.mean, more))
+    return landing, waits
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    belief=st.floats(0.8, 1.2),
+    swing=st.floats(0.0, 0.5),
+    period=st.floats(5.0, 16.0),
+    phase=st.floats(0.0, 6.28),
+    more=st.floats(-500.0, 500.0),
+)
+def test_under_a_brake_a_unit_that_hangs_is_never_taken_for_one_that_stands(belief, swing, period, phase, more):
+    """In a swell, near resonance, hauled in and lowered by hundreds of metres, and a fifth lighter than assumed."""
+    time = np.arange(0.0, 60.0, DT)
+    shares = np.maximum(belief * (1.0 + swing * np.sin(2.0 * math.pi / period * time + phase)), 0.0)
+    assert weighed(shares, more=more)[0].hangs
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    mean=st.floats(0.0, 0.4),
+    period=st.floats(5.0, 12.0),
+    phase=st.floats(0.0, 6.28),
+    more=st.floats(-500.0, 500.0),
+)
+def test_under_a_brake_a_unit_that_stands_is_known_within_seconds_and_is_waited_for(mean, period, phase, more):
+    """Its rope is slack, or taut and pulled at by the waves that the ground lets it feel."""
+    time = np.arange(0.0, 20.0, DT)
+    shares = np.maximum(mean * (1.0 + np.sin(2.0 * math.pi / period * time + phase)), 0.0)
+    landing, waits = weighed(shares, more=more)
+    assert landing.is_unloaded
+    assert waits[-1] == 0.0
+    assert waits[100] == pytest.approx(8.0 - 101 * DT) or np.mean(shares[:101]) > 0.59
+
+
+def test_a_unit_that_is_hauled_up_hangs_again_and_one_whose_tension_is_held_has_landed():
+    landing, _ = weighed([0.0] * 200)
+    assert landing.is_unloaded
+    mean = MeanTension(tick_period=DT)
+    for _ in range(159):
+        mean.add(60e3, 5.0, unit_stands=False)
+        landing.weigh(mean.mean, 0.0)
+    assert landing.is_unloaded
+    mean.add(60e3, 5.0, unit_stands=False)
+    mean.add(60e3, 5.0, unit_stands=False)
+    landing.weigh(mean.mean, 0.0)
+    assert landing.hangs
+    landing.begin_hold()
+    assert landing.hangs
+    landing, _ = weighed([0.0] * 200)
+    landing.begin_hold()
+    assert landing.unit_stands
+    landing, _ = weighed([0.0] * 200)
+    landing.forget_weight()
+    assert landing.hangs

@@ -112,11 +112,14 @@ def test_a_unit_that_stands_without_a_landing_is_known_by_the_mean_tension_over_
     loop = on_the_brake("b7_landing")
     controller = loop.controller
     controller._supervisor.landing.unit_stands = False
-    for _ in range(round(29.0 / DT)):
+    for _ in range(round(controller._supervisor._load.swing_time / DT) - 1):
         loop.step()
         with pytest.raises(ModeError, match="suspended"):
             controller.set_mode("constant_tension", 40e3)
-    for _ in range(round(2.0 / DT)):
+    for _ in range(round(10.0 / DT)):
         loop.step()
+    with pytest.raises(ModeError, match="unit's weight"):
+        controller.ask_for_mode("compensating")
     controller.set_mode("constant_tension", 40e3)
     assert controller.mode.value == "constant_tension"
+    assert "lifting off" in controller.set_mode("compensating")

@@ -184,6 +184,7 @@ class WinchController:
             was = self.mode
             held = tension if tension > 0.0 else self._present_tension()
             self.modes.request(name)
+            self._supervisor.landing.begin_hold()
             self._hold_tension(held, was=was)
             return self.mode.value
         if name == Mode.COMPENSATING.value and self._supervisor.landing.unit_stands:
@@ -381,7 +382,7 @@ class WinchController:
         self._watch_encoder(tick)
         self._follow_length()
         loop = self._estimation.step(
-            tick, measurements, self._command.last.shares, unit_stands=self._supervisor.landing.unit_stands
+            tick, measurements, self._command.last.shares, unit_stands=not self._supervisor.landing.hangs
         )
         self._alarms += loop.sensed.faults
         decision = self._decide(loop, measurements)
@@ -434,7 +435,7 @@ class WinchController:
         What was measured meanwhile is given to the next `step`, which reports how many ticks were left out. Returns
         what an operator has requested since the tick before, in words.
         """
-        shares, stands = self._command.last.shares, self._supervisor.landing.unit_stands
+        shares, stands = self._command.last.shares, not self._supervisor.landing.hangs
         self._estimation.step(tick, Measurements(), shares, unit_stands=stands)
         self._estimation.advance_mean(shares.mean, is_braked=self.modes.brake)
         self._winch.keep()

@@ -74,6 +74,9 @@ class WinchControllerParameters(LawGroups):
     length: float = parameter(
         300.0, unit="m", minimum=0.01, maximum=20_000.0, description="Unstretched cable length at payout 0."
     )
+    boom_tip_height: float = parameter(
+        0.0, unit="m", minimum=-100.0, maximum=200.0, description="Height of the mean boom tip above still water."
+    )
     water_density: float = parameter(
         SEAWATER_DENSITY, unit="kg/m^3", minimum=0.0, maximum=2000.0, description="Density of the water."
     )

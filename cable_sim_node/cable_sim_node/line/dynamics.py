@@ -270,7 +270,11 @@ class CableDynamics:
     @property
     def touchdown(self) -> bool:
         """Whether the unit rests on the seabed."""
-        return self.parameters.seabed.depth > 0.0 and self._seabed.clearance(self.unit_position) <= 0.0
+        return self.parameters.seabed.depth > 0.0 and self.height_above_seabed(self.unit_position) <= 0.0
+
+    def height_above_seabed(self, position: Array) -> float:
+        """Return how high a `position`, shape (3,) [m], is above the bottom [m], along z; negative below it."""
+        return self._seabed.clearance(position, float(self._line.numbers[at.NOW + at.TIP_Z]))
 
     @property
     def touchdown_force(self) -> float:
@@ -372,7 +376,7 @@ class CableDynamics:
         """Return how far the lowest node is above the seabed [m], negative in it; infinite without one."""
         if self.parameters.seabed.depth == 0.0:
             return math.inf
-        return min(map(self._seabed.clearance, self.node_positions[:-1]))
+        return min(map(self.height_above_seabed, self.node_positions[:-1]))
 
 
 def _check_seabed(parameters: CableSimParameters) -> None:

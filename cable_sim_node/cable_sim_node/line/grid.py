@@ -108,6 +108,7 @@ def settings_of(parameters: CableSimParameters) -> Array:
     )
     numbers[at.BED_ON], numbers[at.BED_DEPTH] = float(bed.depth > 0.0), bed.depth
     numbers[at.BED_SLOPE_X], numbers[at.BED_SLOPE_Y] = bed.slope
+    numbers[at.BED_FOLLOWS] = float(bed.deck)
     (numbers[at.PROFILE_X], numbers[at.PROFILE_Y]), numbers[at.PROFILE_ROWS] = seabed.direction, len(seabed.profile)
     numbers[at.BED_TOP] = max(seabed.profile[:, HEIGHT], default=0.0)
     numbers[at.BED_STIFFNESS], numbers[at.BED_DAMPING], numbers[at.BED_FRICTION] = (

@@ -124,15 +124,15 @@ SEEN_AX, SEEN_FX, SEEN_TENSION, SEEN_STRAIN, SEEN_SLACK, SEEN_BED, SEEN_LARGEST 
 # mean so far, which rises to 1.
 HEAVE_PATH, HEAVE_SQUARE, HEAVE_WEIGHT = (REFUSED + k for k in (12, 13, 14))
 
-# Settings: generalised-alpha, Newton, seabed (BED_TOP is the height of its profile's highest point), waves (how many
-# components; start and duration of their ramp [s]; height of the surface below the boom tip [m]), current (rows of its
-# profile, and those with its schedule; whether the water's motion changes at all), compensator, whether there are
-# bodies on the cable and whether it is stiff; the largest step, the one that the next interval begins with (0: the
-# largest), and the time for which steps stay short because the line was slack. Of the unit: whether it depends on its
-# place or motion; points of its tables over KC, over the height above the seabed and over depth; width and memory of
-# KC; height of its box [m], buoyancy [N], and slamming (1/2) rho C_s A [kg/m]. Whether the water ends at a surface;
-# gravity [m/s^2]. Friction between wires: whether there is any, its stiffness over EA and its limit over the elastic
-# tension.
+# Settings: generalised-alpha, Newton, seabed (BED_FOLLOWS is 1 where its depth is below the boom tip, else 0; BED_TOP
+# is the height of its profile's highest point), waves (how many components; start and duration of their ramp [s];
+# height of the surface below the boom tip [m]), current (rows of its profile, and those with its schedule; whether
+# the water's motion changes at all), compensator, whether there are bodies on the cable and whether it is stiff; the
+# largest step, the one that the next interval begins with (0: the largest), and the time for which steps stay short
+# because the line was slack. Of the unit: whether it depends on its place or motion; points of its tables over KC,
+# over the height above the seabed and over depth; width and memory of KC; height of its box [m], buoyancy [N], and
+# slamming (1/2) rho C_s A [kg/m]. Whether the water ends at a surface; gravity [m/s^2]. Friction between wires:
+# whether there is any, its stiffness over EA and its limit over the elastic tension.
 SETTINGS = REFUSED + 15
 (
     ALPHA_F,
@@ -142,6 +142,7 @@ SETTINGS = REFUSED + 15
     TOLERANCE,
     ITERATIONS,
     BED_ON,
+    BED_FOLLOWS,
     BED_DEPTH,
     BED_TOP,
     BED_SLOPE_X,
@@ -189,7 +190,7 @@ SETTINGS = REFUSED + 15
     FRICTION_STICKS,
     FRICTION_SLIDES,
     NUMBERS,
-) = range(SETTINGS, SETTINGS + 54)
+) = range(SETTINGS, SETTINGS + 55)
 """Places of the settings. From NUMBERS on come the points of the seabed's profile, three numbers each: distance [m],
 height [m], slope. Then those of the unit's tables: KC, vertical added mass [kg] and (1/2) rho C_D S [kg/m]; distance
 [m] and factor on the added mass, near the seabed and near the surface.

@@ -36,7 +36,7 @@ class Seabed:
 
     def __init__(self, parameters: SeabedParameters) -> None:
         points = parameters.profile
-        self._depth, self._slope = parameters.depth, parameters.slope
+        self._depth, self._slope, self._is_deck = parameters.depth, parameters.slope, parameters.deck
         self.direction = (math.cos(points.direction), math.sin(points.direction))
         self.profile: Array = np.zeros((len(points.distance), PROFILE_COLUMNS))
         if points.distance:
@@ -45,19 +45,25 @@ class Seabed:
             self.profile[1:-1, SLOPE] = slopes[1:-1]  # 0 at the ends, beyond which it is level
             self._curve = scipy.interpolate.CubicHermiteSpline(*self.profile.T)
 
-    def height(self, position: Sequence[float] | Array) -> float:
-        """Return z of the bottom [m] below or above a `position`, of which x and y count [m]."""
+    def height(self, position: Sequence[float] | Array, boom_tip: float = 0.0) -> float:
+        """Return z of the bottom [m] below or above a `position`, of which x and y count [m].
+
+        A deck is below z of the `boom_tip` [m].
+        """
         x, y = float(position[0]), float(position[1])
-        plane = self._slope[0] * x + self._slope[1] * y - self._depth
+        plane = self._slope[0] * x + self._slope[1] * y - self._depth + self._is_deck * boom_tip
         if not len(self.profile):
             return plane
         s = self.direction[0] * x + self.direction[1] * y
         first, last = self.profile[0, DISTANCE], self.profile[-1, DISTANCE]
         return plane + float(self._curve(min(max(s, first), last)))
 
-    def clearance(self, position: Sequence[float] | Array) -> float:
-        """Return how high a `position` [m] is above the bottom [m], along z; negative below it."""
-        return float(position[2]) - self.height(position)
+    def clearance(self, position: Sequence[float] | Array, boom_tip: float = 0.0) -> float:
+        """Return how high a `position` [m] is above the bottom [m], along z; negative below it.
+
+        A deck is below z of the `boom_tip` [m].
+        """
+        return float(position[2]) - self.height(position, boom_tip)
 
 
 @inner_kernel

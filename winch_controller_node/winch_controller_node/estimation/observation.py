@@ -336,7 +336,7 @@ class Observer:
             value = sensor.sign * (read - self.terms.zero(name, read))
             if name == "depth":
                 self._unit_heave = value
-                self.depths.append((reading.time, -value))
+                self.depths.append((reading.time, read))
             when, offset = tick_of(reading.time, self._dt)
             taken += [
                 Measurement(row.name, value, when, self._sigma(row.name, value), offset)

@@ -230,6 +230,15 @@ MODES = (
         "Check sign and scale of both",
     ),
     AlarmRow(
+        "PAYOUT_DEPTH_DISAGREE",
+        MEDIUM,
+        "sensors",
+        "the depth sensor reads {depth:.1f} m, and {out:.1f} m of cable put the unit at {expected:.1f} m",
+        "Compensation is not affected; the height above the bottom by payout is false, or that by the depth sensor",
+        "Do not lower by either. Check the zero of the payout meter (length at payout 0) and of the depth sensor, "
+        "boom_tip_height, water density, current",
+    ),
+    AlarmRow(
         "DEPTH_MRU_EXPLAINED",
         EVENT,
         "sensors",
@@ -270,6 +279,16 @@ MODES = (
         "peaks of the boom tip need {percent:.0f} % of the winch's limits, limit {limit:.0f} %",
         "Compensation begins with an authority of {authority:.0f} %{rest}",
         "Wait for a lower sea if the unit must move less",
+    ),
+    AlarmRow(
+        "UNIT_NOT_SUSPENDED",
+        HIGH,
+        "unit",
+        "the cable carries {percent:.0f} % of the unit's weight on average: it is slack, or the unit stands, on the "
+        "bottom or on deck",
+        "Compensation does not begin",
+        "Haul in until the cable carries the unit, then request compensation; to stand rigging up, constant_tension. "
+        "If it hangs, check load cell and mass of the unit",
     ),
     AlarmRow("TOUCHDOWN", EVENT, "unit", "the unit has landed", "Constant tension is held"),
     AlarmRow(

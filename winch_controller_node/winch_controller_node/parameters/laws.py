@@ -364,3 +364,11 @@ class HealthParameters:
     encoder_step: float = parameter(
         0.05, unit="m", minimum=1e-3, maximum=10.0, description="Deviation above which an encoder step is a jump."
     )
+    payout_tolerance: float = parameter(
+        0.01,
+        unit="",
+        minimum=0.0,
+        maximum=1.0,
+        description="Difference of depth sensor and payout that may be, over the cable that is out, beside 3 m of tide "
+        "and draught; 0: none is reported.",
+    )

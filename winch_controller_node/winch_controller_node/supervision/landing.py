@@ -13,6 +13,9 @@ seconds: lowering must have been steady for as long as such a unit needs to foll
 unit stands too and the tension falls, but from above the weight, which the cable of a landed unit no longer carries.
 And a unit that hangs would sink: that is worked out from boom tip and drum, and the depth sensor must read a landed one
 above the estimate as well.
+
+Under a brake nobody lowers, and a unit may have stood from the start, on the bottom or on deck. Its cable then carries
+too little of the weight on average over a whole swing.
 """
 
 from __future__ import annotations
@@ -23,6 +26,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from winch_controller_node.estimation.loop_tick import Sensed
+from winch_controller_node.estimation.tension import MEMORY, TensionMean
 from winch_controller_node.parameters.laws import TensionLawParameters
 from winch_controller_node.supervision.checks import Trend
 from winch_controller_node.supervision.modes import Mode, ModeOutput
@@ -57,6 +61,10 @@ INNOVATION_ABOVE = 1.0
 UNCONFIRMED_TIME = 3.0
 """Longest time of an unconfirmed touchdown, in windows: then compensation is judged again."""
 
+MEAN_ERROR = 0.3
+"""Error of the mean tension over its memory, over the standard deviation of the tension: a swell of 20 s leaves
+sqrt(2)/(w t) = 0.15 of its own, and a group of waves, or a cable that goes slack and snaps, twice that."""
+
 
 class LandingEvent(Enum):
     """What has just happened, by the code of its alarm."""
@@ -76,6 +84,7 @@ class HangingLoad:
     stiffness : of the cable [N/m]
     following_time : that the hanging unit needs to follow the winch, a quarter of its free swing [s]
     swing_time : of a free swing or a wave, whichever is longer [s]
+    cable_weight : of the cable in water [N/m]
     """
 
     static_tension: float
@@ -83,10 +92,23 @@ class HangingLoad:
     stiffness: float
     following_time: float = 0.0
     swing_time: float = 10.0
+    cable_weight: float = 0.0
 
     def weight_share(self, tension: float) -> float:
         """Return the share of the unit's weight that the cable carries under a `tension` at the top [N]."""
         return (tension - self.static_tension) / self.weight + 1.0
+
+    def mean_share(self, tension: TensionMean, more: float) -> tuple[float, float]:
+        """Return the share of the weight that the cable carries on average, and its error.
+
+        Parameters
+        ----------
+        tension : mean at the top
+        more : cable that is out beyond that of the static tension [m]
+        """
+        averaged = min(max(tension.time / MEMORY, 1e-3), 1.0)
+        error = MEAN_ERROR * tension.sigma / (averaged * self.weight)
+        return self.weight_share(tension.value - self.cable_weight * more), error
 
 
 class HangingUnit(NamedTuple):
@@ -114,13 +136,16 @@ class Landing:
     ----------
     unit_stands : on the seabed
     may_stand : the unit may just have landed: its readings are no check on the estimate of a hanging unit
+    is_unloaded : the winch is braked over a cable that does not carry the unit, on average
+    share : of the weight that the cable has carried then
     """
 
     def __init__(self, parameters: TensionLawParameters, load: HangingLoad) -> None:
         self._parameters = parameters
         self._load = load
         self.unit_stands = False
-        self.may_stand = False
+        self.may_stand = self.is_unloaded = False
+        self.share = 1.0
         self._is_lifting = False
         self._depth, self._hanging, self._tension, self._payout, self._innovation = (Trend() for _ in range(5))
         self._hanging_share = Trend()
@@ -172,6 +197,38 @@ class Landing:
             self.unit_stands, self._is_lifting = False, False
             return LandingEvent.LIFTED_OFF
         return None
+
+    @property
+    def hangs(self) -> bool:
+        """Tell whether the unit hangs, as far as is known."""
+        return not (self.unit_stands or self.is_unloaded)
+
+    def weigh(self, tension: TensionMean, more: float) -> float:
+        """Take in what the cable carries under a brake; what is known stays until the tension shows another thing.
+
+        Returns for how long the tension must be averaged still [s]; 0 where it has not been too low so far either.
+
+        Parameters
+        ----------
+        tension : mean at the top, in one situation
+        more : cable that is out beyond that of the static tension [m]
+        """
+        share, error = self._load.mean_share(tension, more)
+        is_low, wait = share < self._parameters.touchdown_ratio, self._load.swing_time - tension.time
+        if wait > 0.0:
+            return wait if is_low else 0.0
+        if abs(share - self._parameters.touchdown_ratio) > error:
+            self.is_unloaded, self.share = is_low, share
+        return 0.0
+
+    def forget_weight(self) -> None:
+        """Take the unit to hang, as without a load cell: what that has said is old."""
+        self.is_unloaded = False
+
+    def begin_hold(self) -> None:
+        """Take a unit that does not hang, and whose tension is held on request, for one that has landed."""
+        self.unit_stands |= self.is_unloaded
+        self.is_unloaded = False
 
     def begin_lift_off(self) -> None:
         """Expect a standing unit to be lifted off from now on."""

@@ -25,6 +25,7 @@ from winch_controller_node.supervision.modes import BRAKED, Mode, ModeOutput, Si
 from winch_controller_node.supervision.watch.highest_tension import HighestTension
 from winch_controller_node.supervision.watch.load_watch import Episode
 from winch_controller_node.supervision.watch.share_news import ShareNews
+from winch_controller_node.supervision.watch.standing_load import StandingLoad
 
 REQUIRED_SENSORS = {
     Mode.CONSTANT_TENSION: ("load_cell", "encoder"),
@@ -37,10 +38,6 @@ ENDED = (*BRAKED, Mode.FADE_OUT, Mode.STOPPING)
 
 HANGING_SHARES = (0.7, 1.3)
 """A unit hangs whose cable carries on average a share of its weight between these, and that has not landed."""
-
-MEAN_ERROR = 0.3
-"""Error of the mean tension over its memory, over the standard deviation of the tension: a swell of 20 s leaves
-sqrt(2)/(w t) = 0.15 of its own, and a group of waves, or a cable that goes slack and snaps, twice that."""
 
 ASK_AGAIN = "check the cause, then request compensation"
 """Ends the reason of an inhibition that only an operator can end."""
@@ -132,6 +129,7 @@ class Supervisor:
         )
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))
+        self._standing = StandingLoad(self.landing, design)
         self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
         self._code_before = ""
         self._fades_by_law = False
@@ -146,6 +144,7 @@ class Supervisor:
         """Supervise another design and its law from now on."""
         self.guard.take_loop(guarded_loop(design, law))
         self.landing.take_load(hanging_load(design))
+        self._standing.take_design(design)
         self._refer_to(design, law)
 
     def reset_sea(self) -> None:
@@ -171,7 +170,11 @@ class Supervisor:
         self.landing.observe(time, tick.sensed, float(tick.rows.payout @ tick.mean_state), hanging)
         if winch.inhibition:
             self.guard.inhibit(winch.inhibition, KNOWN_HOLD)
-        alarms = self._judge(tick, winch.mean_acceleration) + self._resume_after_timeout(tick, winch)
+        modes = self.modes
+        alarms = self._standing.update(
+            tick, winch.mean_payout, self._load, brake=modes.brake, is_wanted=modes.wants_compensation
+        )
+        alarms += self._judge(tick, winch.mean_acceleration) + self._resume_after_timeout(tick, winch)
         self._gates.observe(tick)
         alarms += self._watch_highest_tension(tick)
         lost = self._lost(tick)
@@ -210,7 +213,7 @@ class Supervisor:
             is_damped=is_damped,
             trusts_estimate=self.guard.trusts_estimate and not winch.is_reversed,
             fades_by_law=self._fades_by_law,
-            unit_stands=self.landing.unit_stands,
+            unit_stands=not self.landing.hangs,
             bounds_tension=self.highest_tension.is_kept,
             landing=landing,
             alarms=alarms,
@@ -250,7 +253,7 @@ class Supervisor:
     def _judge(self, tick: LoopTick, mean_acceleration: float) -> tuple[Alarm, ...]:
         """Have the guard judge the tick, with the `mean_acceleration` of the payout [m/s^2]; return its new alarm."""
         # the estimate is that of a hanging unit
-        hangs = not (self.landing.unit_stands or self.landing.may_stand)
+        hangs = self.landing.hangs and not self.landing.may_stand
         is_judged = hangs and tick.knows_tip and self.modes.mode is not Mode.CONSTANT_TENSION
         motions = GuardedMotions(
             unit=tick.unit,
@@ -294,6 +297,8 @@ class Supervisor:
 
     def _closed_gates(self, tick: LoopTick, mean_payout: float) -> str:
         """Return why compensation may not begin about a mean payout [m]; empty where it may."""
+        if gate := self._standing.gate:
+            return gate
         wait = LONGEST_WAIT * self._parameters.modes.settling_time - tick.number * self._dt
         if not tick.knows_sea and wait > 0.0:
             return f"measuring the sea, at most {wait:.0f} s more"
@@ -335,14 +340,17 @@ class Supervisor:
             return f"the load cell is lost ({tick.sensed.lost['load_cell']})"
         if self.modes.mode is Mode.CONSTANT_TENSION:
             return ""  # the winch follows already
-        may_hang = self._parameters.tension.hanging or self.landing.unit_stands
-        if not may_hang and (hangs := self._may_hang(tick.mean_tension)):
+        may_hang = self._parameters.tension.hanging or not self.landing.hangs
+        if not may_hang and (hangs := self._may_hang(tick.mean_tension, payout)):
             return hangs
         return self._gates.for_tension(payout, self._limits, self.guard.demand)
 
-    def _may_hang(self, tension: TensionMean) -> str:
-        """Return why a unit whose landing was missed counts as hanging, by the mean `tension`; empty: it stands."""
-        share, error = self._load.weight_share(tension.value), MEAN_ERROR * tension.sigma / self._load.weight
+    def _may_hang(self, tension: TensionMean, payout: float) -> str:
+        """Return why a unit whose landing was missed counts as hanging; empty: it stands.
+
+        `tension` is the mean at a mean `payout` [m].
+        """
+        share, error = self._load.mean_share(tension, payout + self._standing.more)
         least, most = HANGING_SHARES
         if least - error < share < most + error:
             return (
@@ -429,6 +437,7 @@ def hanging_load(design: ControllerDesign) -> HangingLoad:
         cable.stiffness,
         following_time=0.25 * free_swing,
         swing_time=max(free_swing, design.parameters.sea.peak_period),
+        cable_weight=(cable.static_tension - design.unit_weight) / design.length,
     )
 
 

@@ -6,7 +6,8 @@ mu N and takes its hold along, so that k |x - h| is mu N (Coulomb friction as re
 section 1.4). What sticks is therefore at rest for good, within mu N/k of where it came to hold.
 
 Arguments as in `line.assembly`; `place` is a node's position, `normal` the unit vector normal to the seabed there,
-upwards. A node above the highest point that the seabed could have there is not looked at further.
+upwards. A node above the highest point that the seabed could have there is not looked at further. A deck is level, and
+goes up and down with the boom tip: what stands on it is pushed by its speed towards it.
 """
 
 from __future__ import annotations
@@ -26,9 +27,16 @@ _FIRM_DEPTH = 0.01
 
 
 @inner_kernel
+def plane_of(numbers: Array) -> tuple[float, float]:
+    """Return z of the plane of the seabed below the origin [m], and how fast that rises [m/s]."""
+    follows = numbers[at.BED_FOLLOWS]
+    return follows * numbers[at.MIDWAY + at.TIP_Z] - numbers[at.BED_DEPTH], follows * numbers[at.MIDWAY + at.TIP_VZ]
+
+
+@inner_kernel
 def is_clear(place: Vector, numbers: Array) -> bool:
     """Return whether `place` is above the plane of the seabed, raised by the highest point of its profile."""
-    plane = numbers[at.BED_SLOPE_X] * place[0] + numbers[at.BED_SLOPE_Y] * place[1] - numbers[at.BED_DEPTH]
+    plane = numbers[at.BED_SLOPE_X] * place[0] + numbers[at.BED_SLOPE_Y] * place[1] + plane_of(numbers)[0]
     return place[2] > plane + numbers[at.BED_TOP]
 
 
@@ -37,7 +45,7 @@ def bottom_under(place: Vector, numbers: Array) -> tuple[float, Vector]:
     """Return how deep `place` is in the seabed [m], negative above it, and the unit vector normal to it, upwards."""
     sx, sy = numbers[at.BED_SLOPE_X], numbers[at.BED_SLOPE_Y]
     x, y, z = place
-    height = sx * x + sy * y - numbers[at.BED_DEPTH]
+    height = sx * x + sy * y + plane_of(numbers)[0]
     rows = int(numbers[at.PROFILE_ROWS])
     if rows > 0:
         along_x, along_y = numbers[at.PROFILE_X], numbers[at.PROFILE_Y]
@@ -95,7 +103,8 @@ def add_contact(line: LineArrays, i: int, c_velocity: float) -> bool:
     if depth <= 0.0:
         return False
     stiffness, damping = ground_of(i, line.tiles, numbers)
-    vx, vy, vz = tile[at.MIDDLE + at.VX + j], tile[at.MIDDLE + at.VY + j], tile[at.MIDDLE + at.VZ + j]
+    vx, vy = tile[at.MIDDLE + at.VX + j], tile[at.MIDDLE + at.VY + j]
+    vz = tile[at.MIDDLE + at.VZ + j] - plane_of(numbers)[1]
     push = push_of((vx, vy, vz), depth, m, stiffness, damping)
     if push <= 0.0:
         return True
@@ -141,7 +150,7 @@ def carry_holds(line: LineArrays, n: int) -> None:
             reach = 0.0
             if depth > 0.0:
                 stiffness, damping = ground_of(i, line.tiles, numbers)
-                velocity = (tile[at.VX + j], tile[at.VY + j], tile[at.VZ + j])
+                velocity = (tile[at.VX + j], tile[at.VY + j], tile[at.VZ + j] - plane_of(numbers)[1])
                 reach = numbers[at.BED_FRICTION] * push_of(velocity, depth, m, stiffness, damping) / stiffness
             along = across((x - tile[at.HOLD_X + j], y - tile[at.HOLD_Y + j], z - tile[at.HOLD_Z + j]), m)
             size = math.sqrt(along[0] ** 2 + along[1] ** 2 + along[2] ** 2)

@@ -98,7 +98,7 @@ def hold_strains(line: LineArrays) -> None:
 
 def _lay_out(line: LineArrays, n: int, boom_tip: Array, seabed: Seabed) -> None:
     """Place the nodes from below the boom tip straight up, what is longer along the seabed, down the current."""
-    foot = np.append(boom_tip[:2], seabed.height(boom_tip))
+    foot = np.append(boom_tip[:2], seabed.height(boom_tip, boom_tip[2]))
     current = line.tiles[0, [at.FLOW_X, at.FLOW_Y]]
     speed = float(np.hypot(*current))
     along = np.append(current / speed if speed > 0.0 else np.array([1.0, 0.0]), 0.0)
@@ -110,9 +110,9 @@ def _lay_out(line: LineArrays, n: int, boom_tip: Array, seabed: Seabed) -> None:
     positions = np.zeros((n + 1, 3))
     for i in range(n, -1, -1):
         step = max(on_bed - label[i], 0.0) - reached
-        rise = seabed.height(point + step * along) - point[2]
+        rise = seabed.height(point + step * along, boom_tip[2]) - point[2]
         point = point + along * step * step / max(float(np.hypot(step, rise)), 1e-12)
-        point[2] = seabed.height(point)
+        point[2] = seabed.height(point, boom_tip[2])
         reached += step
         positions[i] = point
     positions[:, 2] += np.maximum(label - on_bed, 0.0) * stretch
