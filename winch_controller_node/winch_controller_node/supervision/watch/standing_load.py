@@ -18,7 +18,7 @@ class StandingLoad:
 
     Parameters
     ----------
-    landing : that is told of it
+    landing : that weighs it
     design : the active one
 
     Attributes
