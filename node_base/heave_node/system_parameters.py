@@ -67,7 +67,12 @@ SHARED: tuple[Shared, ...] = (
     _shared("water_density", cable_sim="water_density", winch_controller="water_density"),
     _shared("gravity", cable_sim="gravity", winch_controller="gravity"),
     _shared("accept_implausible", wave_vessel="accept_implausible", winch_controller="vessel.accept_implausible"),
-    _shared("boom_tip_height", wave_vessel="boom_tip_height", cable_sim="boom_tip_height"),
+    _shared(
+        "boom_tip_height",
+        wave_vessel="boom_tip_height",
+        cable_sim="boom_tip_height",
+        winch_controller="boom_tip_height",
+    ),
     _shared("cable.", cable_sim="cable.", winch_controller="cable."),
     _shared("linear.inertia", cable_sim="linear.inertia", winch_controller="cable_model.inertia"),
     _shared("linear.damping", cable_sim="linear.damping", winch_controller="cable_model.damping"),

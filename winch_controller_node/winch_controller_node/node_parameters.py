@@ -80,6 +80,13 @@ class WinchControllerParameters(LawGroups):
     gravity: float = parameter(
         STANDARD_GRAVITY, unit="m/s^2", minimum=0.1, maximum=100.0, description="Acceleration of gravity."
     )
+    boom_tip_height: float = parameter(
+        0.0,
+        unit="m",
+        minimum=-100.0,
+        maximum=200.0,
+        description="Mean height of the boom tip above still water: what is under water of a unit with a box follows.",
+    )
     cable: CableParameters = group(CableParameters)
     unit: UnitParameters = group(UnitParameters)
     cable_model: CableModelParameters = group(CableModelParameters)

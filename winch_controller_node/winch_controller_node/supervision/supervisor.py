@@ -424,7 +424,7 @@ def hanging_load(design: ControllerDesign) -> HangingLoad:
     cable = design.cable
     free_swing = 2.0 * math.pi * math.sqrt(cable.a)
     return HangingLoad(
-        cable.static_tension,
+        design.wet_tension,
         design.unit_weight,
         cable.stiffness,
         following_time=0.25 * free_swing,
