@@ -129,7 +129,7 @@ def cable_sections(parameters: CableSimParameters) -> list[CableSection]:
 
 
 def unit_properties(parameters: CableSimParameters, depth: float = math.inf) -> UnitProperties:
-    """Return the unit of the parameters, far from the bottom; one with a box is as wet as it is at `depth` [m]."""
+    """Return the unit of the `parameters`, far from the bottom; one with a box is as wet as it is at `depth` [m]."""
     unit, density = parameters.unit, parameters.water_density
     added = np.array(unit.added_mass) if density > 0.0 else np.zeros(3)
     if unit.vertical_added_mass == "box":
@@ -155,7 +155,7 @@ def unit_properties(parameters: CableSimParameters, depth: float = math.inf) -> 
 
 
 def box_height(parameters: CableSimParameters) -> float:
-    """Return the height over which the unit gets wet [m]; 0 where water surrounds it always."""
+    """Return the height over which the unit of the `parameters` gets wet [m]; 0 where water surrounds it always."""
     return parameters.unit.box.height if parameters.surface else 0.0
 
 
