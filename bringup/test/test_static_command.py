@@ -43,6 +43,17 @@ def test_the_boom_tip_stands_at_its_height(tmp_path, capsys, monkeypatch):
     assert json.loads(capsys.readouterr().out)["boom_tip_m"] == [0.0, 0.0, 12.0]
 
 
+def test_a_unit_above_water_is_judged_by_its_weight_in_air(tmp_path, capsys, monkeypatch):
+    """40 t x g = 392.3 kN and 17 m of wire: a rope of 350 kN breaks; in water the unit weighs 311.9 kN."""
+    monkeypatch.chdir(tmp_path)
+    strength = ["--set", "system.cable.breaking_force=350000"]
+    assert main(["static", "b11_splash_zone", *strength, "--json", "-"]) != 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["unit_weight_n"] == pytest.approx(40e3 * 9.80665)
+    assert report["top_tension_n"] == pytest.approx(393.84e3, abs=10.0)
+    assert report["verdict"]["good"] is False
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

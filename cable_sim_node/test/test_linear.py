@@ -140,7 +140,7 @@ def test_larger_waves_are_damped_more():
 def test_the_resonance_map_has_its_ridge_at_the_natural_frequency():
     lengths = np.array([300.0, 600.0, 900.0])
     omegas = np.linspace(0.2, 1.2, 401)
-    answer = resonance_map(LINE, lengths, omegas, amplitude=0.5)
+    answer = resonance_map(lambda _: LINE, lengths, omegas, amplitude=0.5)
     ridge = omegas[np.argmax(answer.unit_heave, axis=1)]
     exact = [natural_frequencies(LINE, length, 1)[0] for length in lengths]
     assert ridge == pytest.approx(exact, abs=omegas[1] - omegas[0])

@@ -4,9 +4,10 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.errors import LinearisationError
-from cable_sim_node.parameters import CableParameters, RopePathParameters, SeabedParameters
+from cable_sim_node.parameters import CableParameters, CableSimParameters, RopePathParameters, SeabedParameters
 from cable_sim_node.peers.reference_systems import s900
 from cable_sim_node.reports.modes import modes_report
+from cable_sim_node.unit_parameters import NearnessParameters, OscillationParameters, UnitParameters
 from scipy.optimize import brentq
 
 
@@ -73,14 +74,42 @@ def test_the_line_answers_in_heave_as_the_bar_does(deep):
     assert np.all(np.abs(deep.response.unit[:, 0, 0]) < 0.2)
 
 
-def test_seabed_bending_and_rope_path_have_no_part_in_it(deep):
+def test_what_has_no_part_in_it_is_named(deep):
     stiff = dataclasses.replace(
         s900(40),
         seabed=SeabedParameters(depth=1000.0),
-        cable=dataclasses.replace(s900().cable, bending_stiffness=1e4),
-        rope_path=RopePathParameters(stiffness=1e5),
+        cable=dataclasses.replace(s900().cable, bending_stiffness=1e4, loss_factor=0.1),
+        unit=dataclasses.replace(s900().unit, near_seabed=NearnessParameters((1.0, 9.0), (2.0, 1.0))),
     )
-    assert modes_report(stiff, sea_period=10.0).line[0].period == pytest.approx(deep.line[0].period)
+    report = modes_report(stiff, sea_period=10.0)
+    assert report.line[0].period == pytest.approx(deep.line[0].period)
+    assert report.heave[0].period == deep.heave[0].period
+    assert "not in the modes: cable.bending_stiffness; cable.loss_factor; unit.near_seabed" in report.table()
+    assert len(report.values()["left_out"]) == 3
+    assert "not in the modes" not in deep.table()
+
+
+def test_the_rope_path_is_a_spring_in_series():
+    """12 t on 1,500 m of a light rope: w^2 = 1/(M (L/EA + 1/k)), 9.7 s; the line modes are named as without it."""
+    unit = UnitParameters(mass=12e3, volume=0.0, added_mass=(0.0,) * 3, drag_coefficient=(0.0,) * 3)
+    cable = CableParameters(diameter=0.001, mass_per_length=1e-3, axial_stiffness=3e7 * 20.0)
+    soft = CableSimParameters(
+        length=1500.0, segments=10, cable=cable, unit=unit, rope_path=RopePathParameters(stiffness=2e4)
+    )
+    period = 2.0 * math.pi * math.sqrt(12e3 * (1500.0 / 6e8 + 1.0 / 2e4))
+    report = modes_report(soft, sea_period=8.0)
+    assert report.heave[0].period == pytest.approx(period, rel=1e-4)
+    assert report.natural_periods[-1] == pytest.approx(period, rel=1e-4)
+    assert "rope_path.stiffness (in the heave modes and the map, not in the line modes)" in report.table()
+
+
+def test_a_table_over_kc_swings_the_added_mass_of_kc_0():
+    table = OscillationParameters(kc=(0.0, 5.0), added_mass=(40e3, 90e3), drag_coefficient=(2.0, 4.0), width=4.0)
+    given = dataclasses.replace(s900(10), unit=dataclasses.replace(s900().unit, oscillation=table))
+    alike = dataclasses.replace(s900(10), unit=dataclasses.replace(s900().unit, added_mass=(0.0, 0.0, 40e3)))
+    report = modes_report(given, sea_period=10.0)
+    assert report.heave[0].period == modes_report(alike, sea_period=10.0).heave[0].period
+    assert "unit.oscillation (its added mass at KC = 0 is, its drag is not)" in report.table()
 
 
 def test_table_and_values_name_every_mode(deep):

@@ -77,7 +77,7 @@ def test_s900_at_fourteen_seconds_goes_slack_and_snaps_as_moordyn_does():
 
 def test_the_resonance_map_of_s900_has_its_ridge_along_the_natural_frequencies(gallery):
     lengths, periods = np.linspace(50.0, 900.0, 35), np.linspace(4.0, 20.0, 161)
-    answer = resonance_map(LINE, lengths, 2.0 * math.pi / periods, amplitude=0.5)
+    answer = resonance_map(lambda _: LINE, lengths, 2.0 * math.pi / periods, amplitude=0.5)
     exact = np.array([2.0 * math.pi / natural_frequencies(LINE, float(length), 1)[0] for length in lengths])
     rough = np.array([resonant_length(LINE, 2.0 * math.pi / period) for period in periods])
 

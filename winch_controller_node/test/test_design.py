@@ -92,3 +92,35 @@ def test_indefinite_weights_are_refused():
 def test_an_identified_cable_is_taken_as_given():
     result = design(cable_model__inertia=0.9, cable_model__damping=0.2, cable_model__inertia_factor=1.3)
     assert (result.cable.a, result.cable.b) == (pytest.approx(1.17), pytest.approx(0.2))
+
+
+def test_the_static_tension_is_that_of_the_length_that_is_out():
+    """40 t and 8 m^3 in a box of 4 m below a boom tip 25 m up: in air on 17 m of wire, under water from 29 m on.
+
+    By hand: M g = 392.27 kN, buoyancy 1025 x 8 x g = 80.41 kN, wire w = (m - rho pi/4 d^2) g a metre.
+    """
+    box = {"unit__box__length": 5.0, "unit__box__breadth": 4.0, "unit__box__height": 4.0}
+    given = {"unit__mass": 40e3, "unit__volume": 8.0, "length": 17.0, "boom_tip_height": 25.0}
+    wire = {"cable__diameter": 0.048, "cable__mass_per_length": 9.4, "cable__axial_stiffness": 9e7}
+    result = design(**given, **wire, **box)
+    gravity, buoyancy = 9.80665, 1025.0 * 8.0 * 9.80665
+    metre = (9.4 - 1025.0 * np.pi / 4.0 * 0.048**2) * gravity
+    top = {length: 40e3 * gravity + metre * length for length in (17.0, 27.0, 41.0)}
+    assert result.cable.unit_weight == pytest.approx(40e3 * gravity)
+    assert result.cable.static_tension == result.static_tension_at(17.0) == pytest.approx(top[17.0])
+    assert result.static_tension_at(27.0) == pytest.approx(top[27.0] - 0.5 * buoyancy)
+    assert result.static_tension_at(41.0) == pytest.approx(top[41.0] - buoyancy)
+    assert result.wet_tension == pytest.approx(top[17.0] - buoyancy)
+    # without a box all of it is always under water
+    bare = design(**given, **wire)
+    assert bare.cable.static_tension == bare.wet_tension == pytest.approx(top[17.0] - buoyancy)
+
+
+def test_the_assumed_period_of_a_unit_in_air_has_no_added_mass():
+    """a = M L/EA in air, (M + A33) L/EA under water; the wire's own mass is a third of 160 kg."""
+    box = {"unit__box__length": 5.0, "unit__box__breadth": 4.0, "unit__box__height": 4.0}
+    given = {"unit__mass": 40e3, "unit__added_mass": (0.0, 0.0, 30e3), "length": 17.0, "boom_tip_height": 25.0}
+    wire = {"cable__diameter": 0.048, "cable__mass_per_length": 9.4, "cable__axial_stiffness": 9e7}
+    in_air, wet = (design(**given, **wire, **one).cable for one in (box, {}))
+    assert in_air.natural_a == pytest.approx(40e3 * 17.0 / 9e7, rel=3e-3)
+    assert wet.natural_a == pytest.approx(70e3 * 17.0 / 9e7, rel=3e-3)

@@ -367,7 +367,7 @@ class WinchController:
         was = self.mode
         self.modes.request(Mode.CONSTANT_TENSION.value)
         self._supervisor.landing.begin_lift_off()
-        self._hold_tension(self.design.cable.static_tension + LIFTING_SURPLUS * self.design.unit_weight, was=was)
+        self._hold_tension(self.design.wet_tension + LIFTING_SURPLUS * self.design.unit_weight, was=was)
 
     # a tick
 
@@ -499,7 +499,7 @@ class WinchController:
     def _watch_load(self, loop: LoopTick, winch: WinchReading | None, command: TickCommand) -> None:
         """Give the alarms of tension and winch."""
         is_at_limit = winch is not None and bool(winch.limits_hit & DYNAMIC_LIMITS)
-        static_tension = self.design.cable.static_tension
+        static_tension = self.design.static_tension_at(self.parameters.length + self.mean.point.payout)
         self._alarms += self._load.update(loop.sensed.tension, static_tension, is_at_limit=is_at_limit)
         half, end = self._travel_episodes
         if half.begins(self.mode is Mode.CONSTANT_TENSION and self._command.is_half_travelled):
@@ -560,7 +560,7 @@ class WinchController:
             self.modes.touch_down()
             self.mean.halt(self.parameters.modes.stop_deceleration)
             relief = (1.0 - parameters.landing_ratio) * self.design.unit_weight
-            self._hold_tension(self.design.cable.static_tension - relief, was=was)
+            self._hold_tension(self.design.wet_tension - relief, was=was)
         else:
             self.modes.lift_off()
             self._hand_over(loop, unit_stood=True)

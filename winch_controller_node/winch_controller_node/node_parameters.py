@@ -74,14 +74,18 @@ class WinchControllerParameters(LawGroups):
     length: float = parameter(
         300.0, unit="m", minimum=0.01, maximum=20_000.0, description="Unstretched cable length at payout 0."
     )
-    boom_tip_height: float = parameter(
-        0.0, unit="m", minimum=-100.0, maximum=200.0, description="Height of the mean boom tip above still water."
-    )
     water_density: float = parameter(
         SEAWATER_DENSITY, unit="kg/m^3", minimum=0.0, maximum=2000.0, description="Density of the water."
     )
     gravity: float = parameter(
         STANDARD_GRAVITY, unit="m/s^2", minimum=0.1, maximum=100.0, description="Acceleration of gravity."
+    )
+    boom_tip_height: float = parameter(
+        0.0,
+        unit="m",
+        minimum=-100.0,
+        maximum=200.0,
+        description="Mean height of the boom tip above still water: the unit's depth, and what is wet of a box, follow.",
     )
     cable: CableParameters = group(CableParameters)
     unit: UnitParameters = group(UnitParameters)

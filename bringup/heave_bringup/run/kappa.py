@@ -108,6 +108,7 @@ def true_parameters(scenario: Scenario) -> WinchControllerParameters:
         length=plant.length,
         water_density=plant.water_density,
         gravity=plant.gravity,
+        boom_tip_height=plant.boom_tip_height,
         cable=plant.cable,
         unit=plant.unit,
         cable_model=CableModelParameters(

@@ -12,7 +12,13 @@ from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays, allocate
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import FLOW, profile_of, schedule_of
-from cable_sim_node.physics.properties import CableProperties, body_properties, cable_sections, unit_properties
+from cable_sim_node.physics.properties import (
+    CableProperties,
+    body_properties,
+    box_height,
+    cable_sections,
+    unit_properties,
+)
 from cable_sim_node.physics.rope_friction import friction_of
 from cable_sim_node.physics.seabed import HEIGHT, Seabed
 
@@ -186,10 +192,10 @@ def _set_unit(parameters: CableSimParameters, numbers: Array) -> None:
     is_in_water = density > 0.0
     numbers[at.KC_ROWS], numbers[at.NEAR_BED_ROWS], numbers[at.NEAR_SURFACE_ROWS] = rows
     numbers[at.KC_WIDTH], numbers[at.KC_MEMORY] = unit.oscillation.width, unit.oscillation.memory
-    numbers[at.BOX_HEIGHT] = unit.box.height if parameters.surface else 0.0
+    numbers[at.BOX_HEIGHT] = box_height(parameters)
     numbers[at.BUOYANCY] = unit_properties(parameters).buoyancy
     numbers[at.SLAMMING] = 0.5 * density * unit.box.slamming * unit.box.area
-    is_crossing = parameters.surface and unit.box.height > 0.0
+    is_crossing = numbers[at.BOX_HEIGHT] > 0.0
     numbers[at.UNIT_VARIES] = float(is_in_water and (any(rows) or is_crossing))
 
 

@@ -150,7 +150,7 @@ def linearise(
         low, high = float(labels[index]), float(labels[index + 1])
         cable = sections[bisect.bisect_right(starts, 0.5 * (low + high)) - 1].cable
         matrices.add_segment(index, cable, high - low, positions[index : index + 2], float(tension))
-    matrices.add_unit(unit_properties(parameters), positions[0])
+    matrices.add_unit(unit_properties(parameters, -float(positions[0, 2])), positions[0])
     for body in body_properties(parameters):
         if body.label <= labels[-1]:
             node = int(np.argmin(np.abs(labels - body.label)))

@@ -1,4 +1,4 @@
-"""Added mass of what is lifted, by the simplified expressions that lifting analysts use.
+"""Added mass of what is lifted, by the simplified expressions that lifting analysts use, and what of it is wet.
 
 Source: DNV-RP-N103 (2017), Modelling and analysis of marine operations, 4.6.3 and 4.6.4 and table A-2; the same are in
 its forerunner DNV-RP-H103 (2011). They are for heave, in deep water away from surface and bottom.
@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from heave_node.numerics.compiled import inner_kernel
 
 PLATE_COEFFICIENTS = (
     (1.00, 0.579),
@@ -81,3 +82,20 @@ def perforation_factor(perforation: float) -> float:
     if perforation < _OPEN_FROM:
         return 0.7 + 0.3 * math.cos(math.pi * (percent - 5.0) / 34.0)
     return math.exp((10.0 - percent) / 28.0)
+
+
+@inner_kernel
+def wet_part(depth: float, height: float, slamming: float, added: float) -> tuple[float, float]:
+    """Return the share of a box that is under water [-], and its vertical added mass there [kg].
+
+    Parameters
+    ----------
+    depth : of its underside below the surface [m]
+    height : of the box [m]; 0 means that it is always under water
+    slamming : (1/2) rho C_s A of its underside [kg/m]; 0: the added mass grows as the wet share
+    added : vertical added mass under water [kg]
+    """
+    if height <= 0.0:
+        return 1.0, added
+    wet = min(max(depth / height, 0.0), 1.0)
+    return wet, min(slamming * max(depth, 0.0), added) if slamming > 0.0 else wet * added

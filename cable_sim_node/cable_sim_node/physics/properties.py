@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.hydrostatics import weight_in_fluid
+from scipy.optimize import brentq
 
 from cable_sim_node.parameters import CableParameters, CableSimParameters
-from cable_sim_node.physics.hydrodynamics import box_added_mass
+from cable_sim_node.physics.hydrodynamics import box_added_mass, wet_part
 
 
 @dataclass(frozen=True)
@@ -66,10 +68,11 @@ class UnitProperties:
     inertia : mass and added mass [kg]
     drag : (1/2) rho C_D S [kg/m], each with its own component of the flow
     body_drag : the same of an isotropic unit, along the flow [kg/m]; one of both is zero
-    force : thrust, and weight in the fluid [N]
+    force : thrust, and weight less buoyancy [N]
     fluid : displaced and added mass, which moving water accelerates [kg]
     mass : in air [kg]
     buoyancy : [N]
+    wet : share of the unit that is under water [-]
     """
 
     inertia: Array
@@ -79,6 +82,7 @@ class UnitProperties:
     fluid: Array
     mass: float
     buoyancy: float
+    wet: float
 
     @property
     def vertical_drag(self) -> float:
@@ -124,25 +128,54 @@ def cable_sections(parameters: CableSimParameters) -> list[CableSection]:
     return [*sections, CableSection(start, math.inf, _cable_properties(parameters, main))]
 
 
-def unit_properties(parameters: CableSimParameters) -> UnitProperties:
-    """Return the unit of the parameters, far from surface and bottom."""
+def unit_properties(parameters: CableSimParameters, depth: float = math.inf) -> UnitProperties:
+    """Return the unit of the `parameters`, far from the bottom; one with a box is as wet as it is at `depth` [m]."""
     unit, density = parameters.unit, parameters.water_density
     added = np.array(unit.added_mass) if density > 0.0 else np.zeros(3)
     if unit.vertical_added_mass == "box":
         box = unit.box
         added[2] = box_added_mass(box.length, box.breadth, box.height, density, box.perforation)
-    weight = unit.weight_in_fluid(density, parameters.gravity)
-    drag = 0.5 * density * np.array(unit.drag_coefficient) * np.array(unit.drag_area)
+    slamming = 0.5 * density * unit.box.slamming * unit.box.area
+    wet, vertical = wet_part.py_func(depth, box_height(parameters), slamming, float(added[2]))
+    added = np.array([wet * added[0], wet * added[1], vertical])
+    displaced = wet * density * unit.volume
+    weight = unit.weight_in_fluid(wet * density, parameters.gravity)
+    drag = 0.5 * wet * density * np.array(unit.drag_coefficient) * np.array(unit.drag_area)
     is_isotropic = unit.drag_law == "isotropic"
     return UnitProperties(
         inertia=unit.mass + added,
         drag=np.zeros(3) if is_isotropic else drag,
         body_drag=float(drag[0]) if is_isotropic else 0.0,
         force=np.array(unit.thrust) - np.array([0.0, 0.0, weight]),
-        fluid=density * unit.volume + added,
+        fluid=displaced + added,
         mass=unit.mass,
-        buoyancy=density * unit.volume * parameters.gravity,
+        buoyancy=displaced * parameters.gravity,
+        wet=wet,
     )
+
+
+def box_height(parameters: CableSimParameters) -> float:
+    """Return the height over which the unit of the `parameters` gets wet [m]; 0 where water surrounds it always."""
+    return parameters.unit.box.height if parameters.surface else 0.0
+
+
+def depth_at_rest(parameters: CableSimParameters, depth_under: Callable[[float], float]) -> float:
+    """Return a depth of the unit at which it is as wet as at rest [m]: infinite where it is all under water.
+
+    Parameters
+    ----------
+    parameters : of the plant
+    depth_under : depth [m] at which the cable holds a unit that is as wet as it is at the depth given [m]: the wetter
+        the unit, the less it pulls, and the higher it hangs
+    """
+    height = box_height(parameters)
+    if height == 0.0:
+        return math.inf
+    if depth_under(0.0) <= 0.0:
+        return 0.0
+    if depth_under(height) >= height:
+        return math.inf
+    return float(brentq(lambda depth: depth - depth_under(depth), 0.0, height, xtol=1e-9))
 
 
 def body_properties(parameters: CableSimParameters) -> list[BodyProperties]:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from cable_sim_node.errors import StaticsError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of
-from cable_sim_node.physics.properties import cable_sections
+from cable_sim_node.physics.properties import cable_sections, unit_properties
 from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.reports.report import labelled_rows
 from cable_sim_node.statics.problems import towing_cable
@@ -34,7 +34,8 @@ class HangingReport:
     shape : the whole shape, s = 0 at the unit
     boom_tip, unit : positions, z up [m]
     boom_tip_force : force by which the ship holds the cable [N]
-    unit_weight : weight of the unit in water [N]
+    unit_weight : weight of the unit less its buoyancy [N]
+    unit_wet : share of the unit that is under water [-]
     unit_pull : force of the cable on the unit [N]
     seabed_depth : [m] below the origin, None without a seabed
     clearance : height of the unit above the seabed below it [m], None without a seabed
@@ -47,6 +48,7 @@ class HangingReport:
     unit: Array
     boom_tip_force: Array
     unit_weight: float
+    unit_wet: float
     unit_pull: Array
     seabed_depth: float | None
     clearance: float | None
@@ -87,6 +89,7 @@ class HangingReport:
             "boom_tip_force_n": (self.boom_tip_force + 0.0).tolist(),
             "unit_pull_n": (self.unit_pull + 0.0).tolist(),
             "unit_weight_n": self.unit_weight,
+            "unit_wet_percent": 100.0 * self.unit_wet,
             "top_tension_n": self.top_tension,
             "top_angle_deg": math.degrees(self.top_angle),
             "top_azimuth_deg": math.degrees(self.top_azimuth),
@@ -114,7 +117,7 @@ class HangingReport:
             ("stretch [m]", f"{stretch:12.4f}"),
             ("shortening by water pressure, at most [m]", f"{self.pressure_shortening:12.4f}"),
             ("horizontal offset of the unit [m]", f"{offset:12.3f}"),
-            ("weight of the unit in water [kN]", f"{self.unit_weight / 1e3:12.3f}"),
+            (f"weight of the unit {self._where} [kN]", f"{self.unit_weight / 1e3:12.3f}"),
             ("top tension [kN]", f"{self.top_tension / 1e3:12.3f}"),
             ("top angle from the vertical [deg]", f"{math.degrees(self.top_angle):12.3f}"),
             ("smallest tension [kN]", f"{float(self.shape.tension.min()) / 1e3:12.3f}"),
@@ -122,6 +125,12 @@ class HangingReport:
         if self.clearance is not None:
             rows.append(("unit above the seabed [m]", f"{self.clearance:12.3f}"))
         return labelled_rows(rows)
+
+    @property
+    def _where(self) -> str:
+        if 0.0 < self.unit_wet < 1.0:
+            return f"{100.0 * self.unit_wet:.1f} % under water"
+        return "in water" if self.unit_wet else "in air"
 
     def draw(self, figure: Figure) -> None:
         """Draw x-z, y-z and x-y views into `figure`, coloured by tension."""
@@ -221,6 +230,7 @@ def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0
     current = current_of(parameters)
     shape = shape_at_rest(parameters, lambda cable: towing_cable(cable, tip, current))
     unit = shape.positions[0]
+    wet = unit_properties(parameters, -float(unit[2])).wet
     refuse_floating(float(unit[2]), float(tip[2]))
     seabed = parameters.seabed
     clearance = clearance_of(parameters, unit)
@@ -229,7 +239,8 @@ def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0
         boom_tip=tip,
         unit=unit,
         boom_tip_force=shape.end_force,
-        unit_weight=parameters.unit.weight_in_fluid(parameters.water_density, parameters.gravity),
+        unit_weight=parameters.unit.weight_in_fluid(wet * parameters.water_density, parameters.gravity),
+        unit_wet=wet,
         unit_pull=shape.lower[0],
         seabed_depth=seabed.depth if seabed.depth > 0.0 else None,
         clearance=clearance,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -89,6 +89,7 @@ class ModesReport:
     natural_periods : of the first heave mode at the lengths of `resonances` [s]
     critical_length : length at which the first heave mode has `sea_period` [m]; None outside the map
     critical_estimate : the same by EA/(w^2 (M + Ma)) (thesis 3.3.5) [m]
+    left_out : parameters that are set and have no part in the modes
     """
 
     length: float
@@ -103,6 +104,7 @@ class ModesReport:
     natural_periods: Array
     critical_length: float | None
     critical_estimate: float
+    left_out: tuple[str, ...] = ()
 
     def values(self) -> dict[str, object]:
         """Return the numbers with units in their names, for a machine."""
@@ -135,6 +137,7 @@ class ModesReport:
             ],
             "critical_length_m": self.critical_length,
             "critical_length_estimate_m": self.critical_estimate,
+            "left_out": list(self.left_out),
         }
 
     def table(self) -> str:
@@ -163,7 +166,8 @@ class ModesReport:
                 for i, mode in enumerate(self.line)
             ],
         )
-        return f"{labelled_rows(rows)}\n\n{heave}\n\n{line}"
+        note = f"\n\nnot in the modes: {'; '.join(self.left_out)}" if self.left_out else ""
+        return f"{labelled_rows(rows)}\n\n{heave}\n\n{line}{note}"
 
     def draw(self, figure: Figure) -> None:
         """Draw the mode shapes, and the unit's answer over period and over length, into `figure`."""
@@ -220,8 +224,7 @@ def modes_report(
 
     Parameters
     ----------
-    parameters : of the plant; the seabed, which must be below the unit, bending stiffness, waves, compensator
-        and rope path have no part in it
+    parameters : of the plant, whose seabed must be below the unit; the report names what of it has no part in the modes
     sea_period : whose resonant length is sought [s]
     amplitude : of the boom tip, at `sea_period` for the line and at every period for the map, for which drag is made
         linear [m]
@@ -241,7 +244,43 @@ def modes_report(
         raise LinearisationError("period, amplitude, longest length and number of modes must be positive")
     hanging_report(parameters, boom_tip)  # what is no rest has no modes about it
     speed = 2.0 * math.pi / sea_period * amplitude
-    free = replace(
+    calm = _at_small_motion(parameters)
+    line = linearise(_free(calm), boom_tip, speed_amplitude=speed)
+
+    def axial_at(length: float) -> AxialLine:
+        return axial_line(replace(calm, length=length), float(boom_tip[2]))
+
+    lengths = np.linspace(SHORTEST_SHARE * longest, longest, MAP_LENGTHS, dtype=np.float64)
+    omegas = 2.0 * math.pi / np.linspace(SHORTEST_PERIOD, LONGEST_PERIOD, MAP_PERIODS, dtype=np.float64)
+    return ModesReport(
+        length=parameters.length,
+        amplitude=amplitude,
+        sea_period=sea_period,
+        heave=_heave_modes(axial_at(parameters.length), parameters.length, count),
+        line=_line_modes(line, min(2 * count, len(line.mass) - 3)),
+        labels=line.labels,
+        is_stable=bool(line.poles().real.max() <= 0.0),
+        response=line.response(omegas),
+        resonances=resonance_map(axial_at, lengths, omegas, amplitude=amplitude),
+        natural_periods=np.array([_natural_period(axial_at, float(length)) for length in lengths]),
+        critical_length=_critical_length(axial_at, sea_period, float(lengths[0]), longest),
+        critical_estimate=resonant_length(axial_at(parameters.length), 2.0 * math.pi / sea_period),
+        left_out=_left_out(parameters),
+    )
+
+
+def _at_small_motion(parameters: CableSimParameters) -> CableSimParameters:
+    """Return the `parameters` with the added mass that the unit's table over KC has at KC = 0."""
+    unit = parameters.unit
+    if not unit.oscillation.kc:
+        return parameters
+    added = (*unit.added_mass[:2], unit.oscillation.added_mass[0])
+    return replace(parameters, unit=replace(unit, added_mass=added, vertical_added_mass="given"))
+
+
+def _free(parameters: CableSimParameters) -> CableSimParameters:
+    """Return the `parameters` of a line that hangs freely, of a number of segments whose modes can be sought."""
+    return replace(
         parameters,
         segments=min(parameters.segments, MOST_SEGMENTS),
         seabed=SeabedParameters(),
@@ -249,24 +288,22 @@ def modes_report(
         rope_path=RopePathParameters(),
         cable=replace(parameters.cable, bending_stiffness=0.0),
     )
-    line = linearise(free, boom_tip, speed_amplitude=speed)
-    axial = axial_line(parameters)
-    lengths = np.linspace(SHORTEST_SHARE * longest, longest, MAP_LENGTHS, dtype=np.float64)
-    omegas = 2.0 * math.pi / np.linspace(SHORTEST_PERIOD, LONGEST_PERIOD, MAP_PERIODS, dtype=np.float64)
-    return ModesReport(
-        length=parameters.length,
-        amplitude=amplitude,
-        sea_period=sea_period,
-        heave=_heave_modes(axial, parameters.length, count),
-        line=_line_modes(line, min(2 * count, len(line.mass) - 3)),
-        labels=line.labels,
-        is_stable=bool(line.poles().real.max() <= 0.0),
-        response=line.response(omegas),
-        resonances=resonance_map(axial, lengths, omegas, amplitude=amplitude),
-        natural_periods=np.array([_natural_period(axial, float(length)) for length in lengths]),
-        critical_length=_critical_length(axial, sea_period, float(lengths[0]), longest),
-        critical_estimate=resonant_length(axial, 2.0 * math.pi / sea_period),
-    )
+
+
+def _left_out(parameters: CableSimParameters) -> tuple[str, ...]:
+    """Return what of the `parameters` is set and has no part in the modes."""
+    cable, unit, path = parameters.cable, parameters.unit, parameters.rope_path
+    given = {
+        "cable.bending_stiffness": cable.bending_stiffness,
+        "cable.loss_factor": cable.loss_factor,
+        "compensator": parameters.compensator.stiffness,
+        "rope_path.friction": path.friction,
+        "rope_path.stiffness (in the heave modes and the map, not in the line modes)": path.stiffness,
+        "unit.oscillation (its added mass at KC = 0 is, its drag is not)": unit.oscillation.kc,
+        "unit.near_seabed": unit.near_seabed.distance,
+        "unit.near_surface": unit.near_surface.distance,
+    }
+    return tuple(name for name, value in given.items() if value)
 
 
 def _heave_modes(line: AxialLine, length: float, count: int) -> tuple[HeaveMode, ...]:
@@ -303,12 +340,14 @@ def _main_direction(shape: Array) -> Array:
     return np.asarray(largest / np.linalg.norm(largest))
 
 
-def _natural_period(line: AxialLine, length: float) -> float:
-    return 2.0 * math.pi / float(natural_frequencies(line, length, 1)[0])
+def _natural_period(line_at: Callable[[float], AxialLine], length: float) -> float:
+    return 2.0 * math.pi / float(natural_frequencies(line_at(length), length, 1)[0])
 
 
-def _critical_length(line: AxialLine, period: float, shortest: float, longest: float) -> float | None:
+def _critical_length(
+    line_at: Callable[[float], AxialLine], period: float, shortest: float, longest: float
+) -> float | None:
     """Return the length at which the first heave mode has `period`; the period grows with the length."""
-    if not _natural_period(line, shortest) <= period <= _natural_period(line, longest):
+    if not _natural_period(line_at, shortest) <= period <= _natural_period(line_at, longest):
         return None
-    return float(brentq(lambda length: _natural_period(line, length) - period, shortest, longest, xtol=1e-3))
+    return float(brentq(lambda length: _natural_period(line_at, length) - period, shortest, longest, xtol=1e-3))

@@ -11,7 +11,7 @@ from heave_node.numerics.arrays import Array
 
 from cable_sim_node.errors import NoEquilibriumError, StaticsError
 from cable_sim_node.parameters import CableSimParameters
-from cable_sim_node.physics.properties import body_properties, cable_sections, unit_properties
+from cable_sim_node.physics.properties import body_properties, cable_sections, depth_at_rest, unit_properties
 from cable_sim_node.physics.tension_law import overstrained_words, stiffening, strain_at, yielding_words
 from cable_sim_node.statics.shape import StaticShape
 from cable_sim_node.statics.system import PointLoad, StaticCable, StaticSection, static_cable
@@ -22,15 +22,13 @@ STIFFNESS_ITERATIONS = 50
 SURFACE_ITERATIONS = 50
 
 
-def suspended_cable(
-    parameters: CableSimParameters, end_load: PointLoad | None = None, *, dry: float = 0.0
-) -> StaticCable:
+def suspended_cable(parameters: CableSimParameters, end_load: PointLoad, *, dry: float = 0.0) -> StaticCable:
     """Return the cable with its bodies, cut into `segments` but 100 at least.
 
     Parameters
     ----------
     parameters : of the plant
-    end_load : what is at s = 0; the unit with its weight, thrust and drag if None
+    end_load : what is at s = 0
     dry : unstretched length at the top that is above the surface [m]
 
     Raises
@@ -38,18 +36,18 @@ def suspended_cable(
     StaticsError
         if sections or bodies do not fit on the cable.
     """
-    loads = [unit_load(parameters) if end_load is None else end_load]
+    loads = [end_load]
     loads += [PointLoad(b.label, (0.0, 0.0, -b.weight), body_drag=b.drag) for b in body_properties(parameters)]
     segments = max(parameters.segments, FEWEST_SEGMENTS)
     return static_cable(static_sections(parameters, dry=dry), loads, segments=segments)
 
 
-def unit_load(parameters: CableSimParameters, *, is_carried: bool = False) -> PointLoad:
-    """Return the unit of the parameters as a load at s = 0.
+def unit_load(parameters: CableSimParameters, depth: float = math.inf, *, is_carried: bool = False) -> PointLoad:
+    """Return the unit of the parameters, as wet as it is at `depth` [m], as a load at s = 0.
 
     One that something else carries (`is_carried`) has its drag alone.
     """
-    unit = unit_properties(parameters)
+    unit = unit_properties(parameters, depth)
     force = np.zeros(3) if is_carried else unit.force
     return PointLoad(0.0, _triple(force), _triple(unit.drag), unit.body_drag)
 
@@ -79,10 +77,23 @@ def shape_at_rest(
     Parameters
     ----------
     parameters : of the plant
-    solve, end_load : as `with_tension_law` and `suspended_cable` take them
+    solve : as `with_tension_law` takes it
+    end_load : what is at s = 0; the unit, as wet as it is where it comes to rest, if None
 
-    Raises as these two.
+    Raises as `with_tension_law` and `suspended_cable`.
     """
+    if end_load is not None:
+        return _shape_under(parameters, solve, end_load)
+
+    def shape_at(depth: float) -> StaticShape:
+        return _shape_under(parameters, solve, unit_load(parameters, depth))
+
+    return shape_at(depth_at_rest(parameters, lambda depth: -float(shape_at(depth).positions[0, 2])))
+
+
+def _shape_under(
+    parameters: CableSimParameters, solve: Callable[[StaticCable], StaticShape], end_load: PointLoad
+) -> StaticShape:
     dry = 0.0
     for _ in range(SURFACE_ITERATIONS):
         shape = with_tension_law(parameters, suspended_cable(parameters, end_load, dry=dry), solve)

@@ -11,7 +11,7 @@ from heave_node.numerics.arrays import Array
 
 from cable_sim_node.errors import NoEquilibriumError
 from cable_sim_node.parameters import CableSimParameters
-from cable_sim_node.physics.properties import body_properties, cable_sections, unit_properties
+from cable_sim_node.physics.properties import body_properties, cable_sections, depth_at_rest, unit_properties
 from cable_sim_node.physics.tension_law import strain_at, tangent_stiffness, yielding_words
 from cable_sim_node.vertical import axial_layout as at
 
@@ -88,11 +88,13 @@ class AxialLine:
     sections : of cable, from the unit upwards
     unit : the unit
     clumps : bodies on the cable, in the order of their labels
+    top_stiffness : of what gives between drum and boom tip, above the cable [N/m]; the linear models alone have it
     """
 
     sections: tuple[AxialSection, ...]
     unit: AxialUnit
     clumps: tuple[AxialClump, ...] = ()
+    top_stiffness: float = math.inf
 
     def starts(self) -> Array:
         """Labels at which the sections begin [m], counted from the unit."""
@@ -161,8 +163,14 @@ class AxialLine:
         return weight
 
 
-def axial_line(parameters: CableSimParameters) -> AxialLine:
+def axial_line(parameters: CableSimParameters, boom_tip_height: float = -math.inf) -> AxialLine:
     """Return the axial model's view of a plant: vertical weight, stiffness, inertia and drag.
+
+    Parameters
+    ----------
+    parameters : of the plant
+    boom_tip_height : above still water [m]: a unit with a box is as wet as it is at rest on `parameters.length` below
+        it; all of it is under water if not given
 
     The model is linear elastic. A tension law of the `parameters` that is not straight is taken by its slope at the
     static tension half-way along each section at payout 0, which is right for motion about rest. The vertical part of
@@ -184,16 +192,21 @@ def axial_line(parameters: CableSimParameters) -> AxialLine:
         )
         for section in cable_sections(parameters)
     ]
-    unit = unit_properties(parameters)
     bodies = [
         AxialClump(body.label, body.mass + body.added_mass, body.weight, body.drag)
         for body in body_properties(parameters)
     ]
-    line = AxialLine(
-        tuple(sections),
-        AxialUnit(float(unit.inertia[2]), -float(unit.force[2]), unit.vertical_drag),
-        tuple(sorted(bodies, key=lambda body: body.label)),
-    )
+    clumps = tuple(sorted(bodies, key=lambda body: body.label))
+
+    def line_at(depth: float) -> AxialLine:
+        unit = unit_properties(parameters, depth)
+        own = AxialUnit(float(unit.inertia[2]), -float(unit.force[2]), unit.vertical_drag)
+        return AxialLine(tuple(sections), own, clumps, parameters.rope_path.stiffness or math.inf)
+
+    def depth_under(depth: float) -> float:
+        return parameters.length + line_at(depth).static_stretch(parameters.length) - boom_tip_height
+
+    line = line_at(depth_at_rest(parameters, depth_under))
     cable = parameters.cable
     if cable.stiffness_quadratic == 0.0 and cable.stiffness_cubic == 0.0:
         return line

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -138,7 +139,7 @@ def heave_transfer_function(
         speeds[:] = omega * tip
         for _ in range(DRAG_ITERATIONS):
             motion = march(line, pieces, omega, speeds)
-            heave = np.abs(motion.heave) / np.abs(motion.heave[-1]) * tip
+            heave = np.abs(motion.heave) / np.abs(motion.boom_tip) * tip
             local = omega * np.concatenate((heave[:1], 0.5 * (heave[1:] + heave[:-1])))
             change = float(np.max(np.abs(local - speeds)))
             # the geometric mean settles the resonance, where amplitude goes as 1/sqrt(damping)
@@ -146,7 +147,7 @@ def heave_transfer_function(
             if change < 1e-9 * (1.0 + float(speeds.max())):
                 break
     motion = march(line, pieces, omega, speeds)
-    return HeaveTransfer(omega, 1.0 / motion.heave[-1], motion.top_tension / motion.heave[-1])
+    return HeaveTransfer(omega, 1.0 / motion.boom_tip, motion.top_tension / motion.boom_tip)
 
 
 @dataclass(frozen=True)
@@ -156,10 +157,12 @@ class March:
     Attributes
     ----------
     heave : at the joints, from the unit upwards, shape (places, k) [-]
+    boom_tip : motion at the boom tip, above what gives in the rope path, shape (k,) [-]
     top_tension : shape (k,) [N/m]
     """
 
     heave: ComplexArray
+    boom_tip: ComplexArray
     top_tension: ComplexArray
 
 
@@ -198,7 +201,7 @@ def march(line: AxialLine, pieces: list[AxialPiece], omega: Array, speeds: Array
             -load * shape * displacement + cosine * tension,
         )
         heave.append(displacement)
-    return March(np.array(heave), tension)
+    return March(np.array(heave), displacement + tension / line.top_stiffness, tension)
 
 
 def drag_at_unit(line: AxialLine, length: float) -> float:
@@ -242,10 +245,10 @@ def natural_frequencies(line: AxialLine, length: float, count: int) -> Array:
     speeds = np.zeros((len(pieces) + 1, 1))
 
     def top(omega: float) -> float:
-        return float(march(line, pieces, np.array([omega]), speeds).heave[-1].real[0])
+        return float(march(line, pieces, np.array([omega]), speeds).boom_tip.real[0])
 
     travel = sum(piece.length * math.sqrt(piece.mass / piece.axial_stiffness) for piece in pieces)
-    compliance = sum(piece.length / piece.axial_stiffness for piece in pieces)
+    compliance = 1.0 / line.top_stiffness + sum(piece.length / piece.axial_stiffness for piece in pieces)
     mass = sum(piece.mass * piece.length for piece in pieces)
     mass += line.unit.inertia + sum(clump.inertia for clump in line.clumps)
     step = 0.05 * min(1.0 / math.sqrt(compliance * mass), math.pi / travel)
@@ -270,7 +273,7 @@ def first_mode(line: AxialLine, length: float) -> FirstMode:
     omega = float(natural_frequencies(line, length, 1)[0])
     pieces = _undamped(line.pieces(length))
     near = omega * np.array([1.0 - NEAR_ROOT, 1.0 + NEAR_ROOT])
-    below, above = march(line, pieces, near, np.zeros((len(pieces) + 1, 2))).heave[-1].real
+    below, above = march(line, pieces, near, np.zeros((len(pieces) + 1, 2))).boom_tip.real
     # near its root the motion of the top that the unit takes goes as (1 - w^2/w_1^2) over the participation
     return FirstMode(1.0 / omega**2, float(4.0 * NEAR_ROOT / (below - above)))
 
@@ -292,18 +295,20 @@ def mode_shape(line: AxialLine, length: float, omega: float, points: int = 50) -
     return labels, shape / float(np.max(np.abs(shape)))
 
 
-def resonance_map(line: AxialLine, lengths: ArrayLike, omegas: ArrayLike, *, amplitude: float = 0.0) -> ResonanceMap:
+def resonance_map(
+    line_at: Callable[[float], AxialLine], lengths: ArrayLike, omegas: ArrayLike, *, amplitude: float = 0.0
+) -> ResonanceMap:
     """Return how unit and top tension answer at every length and frequency: where a lowering meets its resonances.
 
     Parameters
     ----------
-    line : cable and unit
+    line_at : gives cable and unit at a length out [m]
     lengths : unstretched lengths out [m]
     omegas : [rad/s], positive
     amplitude : of the boom tip [m], see `heave_transfer_function`
     """
     spans = np.atleast_1d(np.asarray(lengths, dtype=np.float64))
-    answers = [heave_transfer_function(line, float(length), omegas, amplitude=amplitude) for length in spans]
+    answers = [heave_transfer_function(line_at(x), x, omegas, amplitude=amplitude) for x in spans.tolist()]
     return ResonanceMap(
         lengths=spans,
         omegas=answers[0].omegas,

@@ -37,13 +37,13 @@ def sea_transfer_function(
     sigma = np.full(len(pieces) + 1, np.sqrt(float(weight.sum())))
     for _ in range(DRAG_ITERATIONS):
         moved = march(line, pieces, omegas, _amplitudes(sigma, abs(speed), omegas.size))
-        ratio = np.abs(moved.heave / moved.heave[-1]) ** 2
+        ratio = np.abs(moved.heave / moved.boom_tip) ** 2
         local = np.sqrt(ratio @ weight)
         found = np.concatenate((local[:1], 0.5 * (local[1:] + local[:-1])))
         if float(np.max(np.abs(found - sigma))) < 1e-4 * float(found.max()):
             break
         sigma = np.sqrt(sigma * found)
-    return HeaveTransfer(omegas, 1.0 / moved.heave[-1], moved.top_tension / moved.heave[-1])
+    return HeaveTransfer(omegas, 1.0 / moved.boom_tip, moved.top_tension / moved.boom_tip)
 
 
 def gaussian_drag(sigma: Array, speed: float) -> Array:

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from cable_sim_node.physics.hydrodynamics import wet_part
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel, covariance_factor, state_covariance
 
@@ -103,6 +104,24 @@ class ControllerDesign:
         """Submerged weight of the unit as modelled [N]."""
         unit = self.parameters.unit
         return (unit.mass - self.parameters.water_density * unit.volume) * self.parameters.gravity
+
+    def static_tension_at(self, length: float) -> float:
+        """Return the tension at the top at rest with a `length` [m] out [N]; as `cable` where that knows no weights."""
+        p, known = self.parameters, self.cable.static_tension
+        if known <= 0.0:
+            return known
+        paid_out = p.cable.weight_in_fluid(p.water_density, p.gravity) * (length - self.length)
+        return known + paid_out - self._buoyancy_at(length) + self._buoyancy_at(self.length)
+
+    @property
+    def wet_tension(self) -> float:
+        """Tension at the top at rest with all of the unit under water, as at the seabed [N]."""
+        return self.cable.static_tension - self._buoyancy_at(math.inf) + self._buoyancy_at(self.length)
+
+    def _buoyancy_at(self, length: float) -> float:
+        p = self.parameters
+        wet, _ = wet_part.py_func(length - p.boom_tip_height, p.unit.box.height, 0.0, 0.0)
+        return float(wet * p.water_density * p.unit.volume * p.gravity)
 
     def wave_round_trip(self, payout: float) -> float:
         """Return the time of an axial wave down the cable and back with a `payout` [m] out [s]."""
@@ -293,7 +312,8 @@ def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> 
 
 def assumed_plant(parameters: WinchControllerParameters) -> PlantBelief:
     """Return what the `parameters` say of cable, unit and water."""
-    return PlantBelief(parameters.cable, parameters.unit, parameters.water_density, parameters.gravity)
+    p = parameters
+    return PlantBelief(p.cable, p.unit, p.water_density, p.gravity, p.boom_tip_height)
 
 
 def assumed_cable(parameters: WinchControllerParameters, length: float) -> CableModel:

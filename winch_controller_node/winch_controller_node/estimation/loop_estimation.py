@@ -421,8 +421,7 @@ class LoopEstimation:
         """
         now = (self._design.model, self.estimator.estimate, self.estimator.covariance, self.motion.state)
         if unit_stood:
-            cable = self._design.cable
-            pull = (tick.sensed.filtered_tension - cable.static_tension) / cable.stiffness
+            pull = (tick.sensed.filtered_tension - self._design.wet_tension) / self._design.cable.stiffness
             heave = self.observer.unit_heave_reading(self.motion.state, tick.rows.unit_states[0])
             after = hand_over_standing(*now, pull=pull, heave=heave)
         else:

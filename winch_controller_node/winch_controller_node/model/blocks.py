@@ -27,7 +27,7 @@ class CableModel:
     ----------
     a : [s^2]; b : [s]
     stiffness : top tension per metre of boom tip over outlet and unit [N/m]
-    static_tension : mean tension at the top [N]; unit_weight : of the unit in water, which is that at the lower end [N]
+    static_tension : mean tension at the top [N]; unit_weight : of the unit less buoyancy, that at the lower end [N]
     drag : quadratic drag: at a speed v of the unit the damping is drag |v|, where that is more than b [s^2/m]
     natural_ratio : a by which the unit swings over a, which fits the waves: the cable has mass of its own [-]
     participation : of that swing in a motion of the outlet, see `first_mode` [-]

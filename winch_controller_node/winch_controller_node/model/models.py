@@ -64,12 +64,14 @@ class PlantBelief:
     cable, unit : as in the plant
     water_density : [kg/m^3]
     gravity : [m/s^2]
+    boom_tip_height : above still water [m], for a unit with a box; all of it is under water if not given
     """
 
     cable: CableParameters = field(default_factory=CableParameters)
     unit: UnitParameters = field(default_factory=UnitParameters)
     water_density: float = SEAWATER_DENSITY
     gravity: float = STANDARD_GRAVITY
+    boom_tip_height: float = -math.inf
 
     def line(self, length: float) -> AxialLine:
         """Return the axial view of the cable at `length` [m]."""
@@ -80,7 +82,8 @@ class PlantBelief:
                 unit=self.unit,
                 water_density=self.water_density,
                 gravity=self.gravity,
-            )
+            ),
+            self.boom_tip_height,
         )
 
 

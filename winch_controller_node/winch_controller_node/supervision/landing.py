@@ -79,7 +79,7 @@ class HangingLoad:
 
     Attributes
     ----------
-    static_tension : at the top while the unit hangs [N]
+    static_tension : at the top while the unit hangs under water [N]
     weight : of the unit in water [N]
     stiffness : of the cable [N/m]
     following_time : that the hanging unit needs to follow the winch, a quarter of its free swing [s]

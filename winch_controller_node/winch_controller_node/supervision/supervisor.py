@@ -432,12 +432,12 @@ def hanging_load(design: ControllerDesign) -> HangingLoad:
     cable = design.cable
     free_swing = 2.0 * math.pi * math.sqrt(cable.a)
     return HangingLoad(
-        cable.static_tension,
+        design.wet_tension,
         design.unit_weight,
         cable.stiffness,
         following_time=0.25 * free_swing,
         swing_time=max(free_swing, design.parameters.sea.peak_period),
-        cable_weight=(cable.static_tension - design.unit_weight) / design.length,
+        cable_weight=(design.wet_tension - design.unit_weight) / design.length,
     )
 
 

@@ -138,7 +138,7 @@ def _campaign(
     from heave_bringup.sizing.study import sizing_campaign
 
     winch, plant = scenario.parameters["virtual_winch"], scenario.parameters["cable_sim"]
-    static_tension = axial_line(plant).static_top_tension(plant.length)
+    static_tension = axial_line(plant, plant.boom_tip_height).static_top_tension(plant.length)
     tried = candidates(own_winch(winch), static_tension, {name: getattr(options, name) for name, _ in SWEPT})
     seas = sea_grid(options, heights=HEIGHTS, periods=PERIODS).campaign(
         options.scenario,

@@ -21,9 +21,9 @@ def check_rest(scenario: Scenario) -> None:
     """
     plant: CableSimParameters = scenario.parameters["cable_sim"]
     try:
-        strain = axial_line(plant).static_strain(plant.length)
+        height = scenario.parameters["wave_vessel"].boom_tip_height
+        strain = axial_line(plant, height).static_strain(plant.length)
         if plant.unit.weight_in_fluid(plant.water_density, plant.gravity) < 0.0:  # only a solver knows where it rests
-            height = scenario.parameters["wave_vessel"].boom_tip_height
             CableDynamics(plant).start_at_equilibrium(np.array([0.0, 0.0, height]))
     except PlantError as error:
         raise ParameterError(f"{scenario.path}: cable_sim: {error}") from error

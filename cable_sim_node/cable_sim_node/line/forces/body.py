@@ -26,6 +26,7 @@ from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.forces.contact import bottom_under
 from cable_sim_node.line.forces.waves import surface_at
 from cable_sim_node.physics.current import between, locate
+from cable_sim_node.physics.hydrodynamics import wet_part
 
 
 @inner_kernel
@@ -89,14 +90,11 @@ def set_unit(line: LineArrays, time: float) -> None:
     level, rise = surface_at(line, tile[at.MIDDLE + at.X], tile[at.MIDDLE + at.Y], time)
     depth = level - tile[at.MIDDLE + at.Z]
     added, drag = vertical_coefficients(line, depth)
-    height, slamming, wet, slam = numbers[at.BOX_HEIGHT], numbers[at.SLAMMING], 1.0, 0.0
-    if height > 0.0:
-        wet = min(max(depth / height, 0.0), 1.0)
+    height, slamming, full, slam = numbers[at.BOX_HEIGHT], numbers[at.SLAMMING], added, 0.0
+    wet, added = wet_part(depth, height, slamming, full)
+    if height > 0.0 and depth > 0.0 and slamming * depth < full:
         speed = min(tile[at.MIDDLE + at.VZ] - rise, 0.0)
-        full = added
-        added = min(slamming * max(depth, 0.0), full) if slamming > 0.0 else wet * full
-        if depth > 0.0 and slamming * depth < full:
-            slam = slamming * speed * speed
+        slam = slamming * speed * speed
     mass = numbers[at.UNIT_MASS]
     displaced = numbers[at.DEEP + at.UNIT_FLUID + 2] - (numbers[at.DEEP + at.UNIT_INERTIA + 2] - mass)
     for axis in range(3):
