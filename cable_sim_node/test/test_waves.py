@@ -157,11 +157,13 @@ def test_a_wet_body_on_a_long_line_moves_with_the_water_by_its_inertia():
 def test_a_sea_that_has_no_components_is_refused_in_a_line():
     parameters = CableSimNodeParameters(wave=WaveKinematicsParameters("sea"))
     plant = CableSim(parameters, seed=1, tick_period=0.05)
-    assert plant.awaits_waves
+    assert (plant.awaits_waves, plant.waves_missing) == (True, 0), "they come with the first tick"
+    plant.advance(1, None, None)
+    assert plant.waves_missing == 1
     with pytest.raises(PlantError, match=r"^cable_sim: wave.source = sea, but .* boom_tip_source[^\n]*$"):
         plant.set_waves(NO_WAVES)
     plant.set_waves(one_wave())
-    assert not plant.awaits_waves
+    assert (plant.awaits_waves, plant.waves_missing) == (False, 0)
 
 
 def test_still_water_stays_still_whatever_the_sea():
