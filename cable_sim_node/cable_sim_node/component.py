@@ -120,6 +120,11 @@ class CableSim:
         """The sensors that are fitted, by name, to inject faults into."""
         return self._suite.by_name
 
+    @property
+    def waves_missing(self) -> int:
+        """Ticks so far that the sea of the vessel should have acted in, and has not been set; 0 at the first."""
+        return self.tick - 1 if self.awaits_waves else 0
+
     def state(self) -> PlantState:
         """Return the state of t_k, k the present `tick`."""
         plant = self._plant

@@ -141,8 +141,8 @@ class CableSimNode(ClockMasterNode):
             part, values = f"input {signal.name}", {"missing": str(signal.missing)}
             late = ALARMS.alarm("PLANT_INPUT_MISSING", name=signal.name, count=signal.missing_in_a_row)
             parts.append(alarm_health(part, late, values) if signal.missing_in_a_row else Health(part, values=values))
-        if self.plant.awaits_waves:
-            late = ALARMS.alarm("PLANT_INPUT_MISSING", name="wave_components", count=self.plant.tick - 1)
+        if self.plant.waves_missing:  # what comes with the first tick is taken after its diagnostics
+            late = ALARMS.alarm("PLANT_INPUT_MISSING", name="wave_components", count=self.plant.waves_missing)
             parts.append(alarm_health("input wave_components", late))
         return [*parts, self._cable_health()]
 

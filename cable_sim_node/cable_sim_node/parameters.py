@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 
+from heave_node.files.plausible import breaking_words
 from heave_node.loads.strength import SAFETY_FACTOR
 from heave_node.numerics import hydrostatics
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
@@ -248,6 +249,11 @@ class WaveKinematicsParameters:
         check_ranges(self)
         if self.amplitude > 0.0 and self.source != "regular":
             raise ValueError(f"wave.amplitude needs wave.source = regular; it is {self.source}")
+        if self.source == "regular" and self.amplitude == 0.0:
+            raise ValueError("wave.source = regular needs wave.amplitude; still water is wave.source = none")
+        words = breaking_words(2.0 * self.amplitude, self.period)
+        if words:
+            raise ValueError(f"wave: {words}")
 
 
 @dataclass(frozen=True)

@@ -45,13 +45,19 @@ class BoxParameters:
         5.0,
         unit="",
         minimum=0.0,
-        description="Slamming coefficient C_s of the underside: force (1/2) rho C_s A U^2 while it enters the water.",
+        description="Slamming coefficient C_s of the underside: force (1/2) rho C_s A U^2 while it enters the water, A "
+        "length times breadth, holes included; 0 means no slam.",
     )
 
     def __post_init__(self) -> None:
         check_ranges(self)
         if (self.length > 0.0) != (self.breadth > 0.0):
             raise ValueError("unit.box needs length and breadth, or neither")
+        if self.height > 0.0 and self.area == 0.0 and self.slamming > 0.0:
+            raise ValueError(
+                "unit.box.height lets water slam on an underside of unit.box.length and .breadth, which are 0: give "
+                "them, or unit.box.slamming = 0"
+            )
 
     @property
     def area(self) -> float:
@@ -157,7 +163,21 @@ class UnitParameters:
     def __post_init__(self) -> None:
         check_ranges(self)
         if self.vertical_added_mass == "box" and self.box.area == 0.0:
-            raise ValueError("unit.vertical_added_mass = box needs unit.box.length, .breadth and .height")
+            raise ValueError(
+                "unit.vertical_added_mass = box needs unit.box.length and .breadth; .height 0 is a flat plate"
+            )
+        box = self.box
+        content = box.area * box.height
+        if content > 0.0 and self.volume > content:
+            raise ValueError(
+                f"unit.volume is {self.volume:g} m^3, but unit.box of length, breadth and height holds {content:g} m^3"
+            )
+        grows = self.vertical_added_mass == "box" or self.added_mass[2] > 0.0 or any(self.oscillation.added_mass)
+        if content > 0.0 and box.slamming > 0.0 and not grows:
+            raise ValueError(
+                "unit.box.slamming is the growth of the added mass and needs a vertical added mass: give it in "
+                "unit.added_mass, or unit.vertical_added_mass = box, or unit.box.slamming = 0"
+            )
         if self.drag_law == "isotropic" and self.oscillation.kc:
             raise ValueError("unit.oscillation is of vertical drag: it needs unit.drag_law = per_axis")
         if self.drag_law == "isotropic":

@@ -66,7 +66,16 @@ def test_a_unit_takes_the_vertical_added_mass_of_its_box():
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"vertical_added_mass": "box"}, "needs unit.box.length"),
+        ({"vertical_added_mass": "box"}, r"needs unit.box.length and .breadth; .height 0 is a flat plate"),
+        ({"box": (BoxParameters, {"height": 4.0})}, r"^unit.box.height .* give them, or unit.box.slamming = 0$"),
+        (
+            {"box": (BoxParameters, {"length": 5.0, "breadth": 4.0, "height": 4.0}), "added_mass": [1e3, 1e3, 0.0]},
+            r"^unit.box.slamming .* needs a vertical added mass",
+        ),
+        (
+            {"box": (BoxParameters, {"length": 1.0, "breadth": 1.0, "height": 1.0}), "volume": 8.0},
+            r"^unit.volume is 8 m\^3, but unit.box .* holds 1 m\^3",
+        ),
         ({"box": (BoxParameters, {"length": 3.0})}, "needs length and breadth"),
         ({"oscillation": (OscillationParameters, {"kc": (1.0, 2.0), "width": 1.0})}, "same number of values"),
         (

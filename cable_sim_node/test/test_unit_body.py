@@ -1,10 +1,12 @@
 """The unit's added mass, drag and buoyancy where they depend on its motion and its place, by hand calculation."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from cable_sim_node.line.dynamics import CableDynamics
+from cable_sim_node.line.forces.body import entering
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SeabedParameters, SolverParameters
 from cable_sim_node.peers.driven_run import first_harmonic, ramped_sine
 from cable_sim_node.unit_parameters import BoxParameters, NearnessParameters, OscillationParameters, UnitParameters
@@ -115,48 +117,75 @@ def test_a_unit_half_in_water_has_half_of_its_buoyancy(height):
     assert plant.unit_velocity[2] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_unit_dropped_into_the_water_keeps_its_momentum_with_the_added_mass_that_it_gains():
-    """von Karman: ((m + c h) h')' = m g while it enters, c = (1/2) rho C_s A_p, without buoyancy and drag.
+@pytest.mark.parametrize(
+    ("height", "added", "end"), [(2.0, 12e3, 12e3 / (0.5 * DENSITY * 5.0 * 9.0)), (0.5, 60e3, 0.5)]
+)
+def test_a_unit_dropped_into_the_water_is_slowed_by_slam_and_the_added_mass_that_it_gains(height, added, end):
+    """(m + A h/e) h'' = m g - c h'^2 until h = e, c = (1/2) rho C_s A_p; without buoyancy and drag.
 
-    So p^2 = p_0^2 + 2 m g (m h + c h^2/2) for the momentum p = (m + c h) h', until c h is its whole added mass.
+    So h'^2 = m g/c + (2 g above - m g/c) (m/(m + A))^(2 c e/A). A high box has all of its added mass at e = A/c; then
+    that is von Karman's ((m + c h) h')' = m g: no momentum is lost. A low one has it when its top is under, at e.
     """
-    mass, added, above = 1e4, 12e3, 2.0
-    unit = UnitParameters(mass=mass, volume=0.0, added_mass=(added,) * 3, drag_coefficient=(0.0,) * 3, box=BOX)
+    mass, above = 1e4, 2.0
+    box = replace(BOX, height=height)
+    unit = UnitParameters(mass=mass, volume=0.0, added_mass=(added,) * 3, drag_coefficient=(0.0,) * 3, box=box)
     plant = plant_of(unit, tip=50.0 + above, step=0.005)
     rests = PointMotion(0.0, np.array([0.0, 0.0, 50.0 + above]))
-    gain = 0.5 * DENSITY * 5.0 * 9.0
-    deep = added / gain
     before = after = (above, 0.0)
     payout = 0.0
-    while after[0] > -deep:  # the cable is paid out faster than the unit falls, and is slack
+    while after[0] > -end:  # the cable is paid out faster than the unit falls, and is slack
         plant.advance(0.01, rests, rests, payout, 10.0 * float(payout > 0.0), payout + 0.1, 10.0)
         payout += 0.1
         before, after = after, (float(plant.unit_position[2]), float(plant.unit_velocity[2]))
-    speed = np.interp(deep, [-before[0], -after[0]], [-before[1], -after[1]])
-    start = 2.0 * STANDARD_GRAVITY * above
-    momentum = mass**2 * start + 2.0 * mass * STANDARD_GRAVITY * (mass * deep + 0.5 * gain * deep**2)
-    assert speed == pytest.approx(math.sqrt(momentum) / (mass + added), rel=0.01)
+    speed = np.interp(end, [-before[0], -after[0]], [-before[1], -after[1]])
+    slam, falls = 0.5 * DENSITY * 5.0 * 9.0, 2.0 * STANDARD_GRAVITY * above
+    steady = mass * STANDARD_GRAVITY / slam
+    square = steady + (falls - steady) * (mass / (mass + added)) ** (2.0 * slam * end / added)
+    assert speed == pytest.approx(math.sqrt(square), rel=0.01)
 
 
-def test_a_unit_lowered_into_the_water_is_slammed_by_half_rho_cs_a_v2():
-    """Lowered at v by a stiff rope: T = m g - (1/2) rho C_s A_p v^2 while the added mass grows, to 1 %."""
-    mass, speed = 1e4, 1.0
+def lowered_at(speed, box, added, *, until):
+    """Lower a unit of 10 t at `speed` by a stiff rope; return heights of its underside and how much less it pulls."""
     cable = CableParameters(
         diameter=0.004, mass_per_length=0.05, axial_stiffness=2e8, internal_damping=1.2e7, tangential_drag=0.0
     )
-    unit = UnitParameters(mass=mass, volume=0.0, added_mass=(12e3,) * 3, drag_coefficient=(0.0,) * 3, box=BOX)
+    unit = UnitParameters(mass=1e4, volume=0.0, added_mass=(added,) * 3, drag_coefficient=(0.0,) * 3, box=box)
     plant = plant_of(unit, length=20.0, tip=22.0, cable=cable, step=0.01)
     rests = PointMotion(0.0, np.array([0.0, 0.0, 22.0]))
-    payout, rate, dry, slammed = 0.0, 0.0, [], []
-    while plant.unit_position[2] > -0.45:
+    payout, rate, heights, lost = 0.0, 0.0, [], []
+    while plant.unit_position[2] > until:
         faster = min(rate + 1.0 * TICK, speed)
         further = payout + 0.5 * (rate + faster) * TICK
         plant.advance(TICK, rests, rests, payout, rate, further, faster)
         payout, rate = further, faster
-        height = plant.unit_position[2]
-        if rate == speed and height > 0.05:
-            dry.append(plant.top_tension)
-        elif height < -0.25:
-            slammed.append(plant.top_tension)
-    assert dry[-1] == pytest.approx(mass * STANDARD_GRAVITY, rel=0.001)
-    assert dry[-1] - np.mean(slammed) == pytest.approx(0.5 * DENSITY * 5.0 * 9.0 * speed**2, rel=0.01)
+        if rate == speed:
+            heights.append(plant.unit_position[2])
+            lost.append(1e4 * STANDARD_GRAVITY - plant.top_tension)
+    return np.array(heights), np.array(lost)
+
+
+@pytest.mark.parametrize(
+    ("slamming", "height", "added", "end"),
+    [
+        (5.0, 2.0, 12e3, 12e3 / (0.5 * DENSITY * 5.0 * 9.0)),  # all of its added mass after 0.52 m
+        (5.0, 0.5, 24e3, 0.5),  # its top is under before that
+        (1.0, 2.0, 12e3, 2.0),
+    ],
+)
+def test_a_unit_lowered_into_the_water_is_slammed_by_half_rho_cs_a_v2_while_it_enters(slamming, height, added, end):
+    """Lowered at v by a stiff rope: T = m g - (1/2) rho C_s A_p v^2 until its top is under or its added mass whole."""
+    box = replace(BOX, height=height, slamming=slamming)
+    heights, lost = lowered_at(1.0, box, added, until=-3.2)
+    slam = 0.5 * DENSITY * slamming * 9.0
+    assert lost[(heights > 0.05) & (heights < 0.5)] == pytest.approx(0.0, abs=100.0)
+    assert np.mean(lost[(heights < -0.3) & (heights > 0.05 - end)]) == pytest.approx(slam, rel=0.01)
+    assert lost[heights < -end - 0.7] == pytest.approx(0.0, abs=0.01 * slam)
+
+
+@pytest.mark.parametrize("sunk", [0.01, 0.1, 0.3])
+def test_a_plate_that_is_lower_than_a_step_is_deep_is_slammed_for_as_long_as_it_enters(sunk):
+    """5 cm high: the steps' shares times their lengths are 5 cm, wherever they fall."""
+    for first in (-0.5, -0.47, -0.4321):
+        shares = [entering.py_func(first + k * sunk, sunk, 0.05) for k in range(round(1.0 / sunk))]
+        assert sum(shares) * sunk == pytest.approx(0.05)
+    assert [entering.py_func(depth, 0.0, 0.05) for depth in (-0.01, 0.02, 0.06)] == [0.0, 1.0, 0.0]

@@ -13,7 +13,7 @@ from cable_sim_node.line.forces.waves import add_waves, surface_at
 from cable_sim_node.line.grid import build_line, with_waves
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.parameters import CableParameters, CableSimParameters, WaveKinematicsParameters
-from cable_sim_node.unit_parameters import UnitParameters
+from cable_sim_node.unit_parameters import NearnessParameters, UnitParameters
 from heave_node.interface.waves import NO_WAVES, Waves
 from heave_node.numerics.compiled import kernel
 from heave_node.numerics.constants import STANDARD_GRAVITY
@@ -157,11 +157,13 @@ def test_a_wet_body_on_a_long_line_moves_with_the_water_by_its_inertia():
 def test_a_sea_that_has_no_components_is_refused_in_a_line():
     parameters = CableSimNodeParameters(wave=WaveKinematicsParameters("sea"))
     plant = CableSim(parameters, seed=1, tick_period=0.05)
-    assert plant.awaits_waves
+    assert (plant.awaits_waves, plant.waves_missing) == (True, 0), "they come with the first tick"
+    plant.advance(1, None, None)
+    assert plant.waves_missing == 1
     with pytest.raises(PlantError, match=r"^cable_sim: wave.source = sea, but .* boom_tip_source[^\n]*$"):
         plant.set_waves(NO_WAVES)
     plant.set_waves(one_wave())
-    assert not plant.awaits_waves
+    assert (plant.awaits_waves, plant.waves_missing) == (False, 0)
 
 
 def test_still_water_stays_still_whatever_the_sea():
@@ -198,3 +200,35 @@ def test_a_wave_without_its_source_and_a_sea_without_water_are_refused(values):
     wave = values.pop("wave")
     with pytest.raises(ValueError, match=r"wave\.source"):
         CableSimNodeParameters(wave=WaveKinematicsParameters(**wave), **values)
+
+
+@pytest.mark.parametrize(
+    ("wave", "words"),
+    [
+        ({}, "needs wave.amplitude; still water is wave.source = none"),
+        # 80 m are 0.142 of the 563 m of a wave of 19.0 s
+        ({"amplitude": 40.0, "period": 5.0}, "a height of 80 m needs a peak period of 19.0 s or more, got 5 s"),
+    ],
+)
+def test_a_regular_wave_that_is_none_or_would_break_is_refused(wave, words):
+    with pytest.raises(ValueError, match=words):
+        WaveKinematicsParameters("regular", **wave)
+
+
+TABLE = {"distance": (1.0, 5.0), "factor": (2.0, 1.0)}
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"unit": UnitParameters(near_seabed=NearnessParameters(**TABLE))}, "unit.near_seabed needs a seabed"),
+        ({"model": "linear", "cable": CableParameters(loss_factor=0.05)}, "model = linear knows no cable.loss_factor"),
+        (
+            {"model": "linear", "unit": UnitParameters(near_surface=NearnessParameters(**TABLE))},
+            "model = linear knows no unit.near_surface",
+        ),
+    ],
+)
+def test_what_would_have_no_effect_is_refused(values, words):
+    with pytest.raises(ValueError, match=words):
+        CableSimNodeParameters(**values)

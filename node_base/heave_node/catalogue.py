@@ -22,6 +22,8 @@ KINDS = ("cable", "unit", "winch")
 FROM = "from"
 """Names the entry in a group that has values of its own beside it: `cable: {from: NAME, normal_drag: 1.6}`."""
 _NUMBER = re.compile(r"\d+")
+_LIKE_SIZE = 0.2
+"""Share of the size in an unknown name by which that of a proposed name may differ."""
 
 
 @dataclass(frozen=True)
@@ -95,12 +97,18 @@ def find(kind: str, name: object, where: str = "") -> Entry:
 
 
 def _nearest(name: str, known: Sequence[str]) -> str:
-    """Return the known name most like `name`; of those that differ in a number, the one with the nearest."""
+    """Return the known name most like `name`; of those that differ in a number, the one with the nearest.
+
+    "" where none is like it, or its size is another: by more than a fifth, or by letters alone.
+    """
     number = _NUMBER.search(name)
     alike = [one for one in known if number and _NUMBER.sub("#", one) == _NUMBER.sub("#", name)]
     if number and alike:
-        return min(alike, key=lambda one: abs(int(_NUMBER.findall(one)[0]) - int(number[0])))
-    return next(iter(difflib.get_close_matches(name, known, n=1)), "")
+        wanted = int(number[0])
+        off, near = min((abs(int(_NUMBER.findall(one)[0]) - wanted), one) for one in alike)
+        return near if off <= _LIKE_SIZE * wanted else ""
+    same_size = [one for one in known if not number or _NUMBER.findall(one)[:1] == [number[0]]]
+    return next(iter(difflib.get_close_matches(name, same_size, n=1)), "")
 
 
 def with_entries(given: Mapping[str, Given]) -> dict[str, Given]:

@@ -85,7 +85,7 @@ class WinchControllerParameters(LawGroups):
         unit="m",
         minimum=-100.0,
         maximum=200.0,
-        description="Mean height of the boom tip above still water: depth of the unit, and what is wet of a box, follow.",
+        description="Mean height of the boom tip above still water: gives the unit's depth, and how wet its box is.",
     )
     cable: CableParameters = group(CableParameters)
     unit: UnitParameters = group(UnitParameters)

@@ -111,7 +111,7 @@ def predict(line: LineArrays, n: int, count: int, h: float) -> None:
     follow_length(n, line.numbers[at.MIDWAY + at.TOTAL], line.tiles)
     set_flow(line, n, line.numbers[at.MIDWAY + at.TIME])
     if line.numbers[at.UNIT_VARIES] > 0.0:
-        set_unit(line, line.numbers[at.MIDWAY + at.TIME])
+        set_unit(line, line.numbers[at.MIDWAY + at.TIME], h)
 
 
 @inlined_kernel

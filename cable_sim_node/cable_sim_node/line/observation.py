@@ -44,7 +44,7 @@ def evaluate(line: LineArrays) -> float:
     take_present(line.tiles, n)
     set_flow(line, n, line.numbers[at.NOW + at.TIME])
     if line.numbers[at.UNIT_VARIES] > 0.0:
-        set_unit(line, line.numbers[at.NOW + at.TIME])
+        set_unit(line, line.numbers[at.NOW + at.TIME], 0.0)
     least, _ = assemble(line, n, 0.0, 0.0)
     if line.numbers[at.BENDING_ON] > 0.0:
         add_bending(line, n)
@@ -73,7 +73,7 @@ def evaluate_unit(line: LineArrays, n: int) -> None:
     if numbers[at.FLOW_VARIES] > 0.0:
         set_flow_at(line, at.NONE, at.NONE, at.NONE, numbers[at.NOW + at.TIME])
     if numbers[at.UNIT_VARIES] > 0.0:
-        set_unit(line, numbers[at.NOW + at.TIME])
+        set_unit(line, numbers[at.NOW + at.TIME], 0.0)
     add_unit(tile, numbers, 0.0, 0.0)
     if numbers[at.BED_ON] > 0.0:
         add_contact(line, 0, 0.0)

@@ -92,10 +92,10 @@ def wet_part(depth: float, height: float, slamming: float, added: float) -> tupl
     ----------
     depth : of its underside below the surface [m]
     height : of the box [m]; 0 means that it is always under water
-    slamming : (1/2) rho C_s A of its underside [kg/m]; 0: the added mass grows as the wet share
+    slamming : (1/2) rho C_s A of its underside [kg/m], by which the added mass grows where that is faster
     added : vertical added mass under water [kg]
     """
     if height <= 0.0:
         return 1.0, added
     wet = min(max(depth / height, 0.0), 1.0)
-    return wet, min(slamming * max(depth, 0.0), added) if slamming > 0.0 else wet * added
+    return wet, min(max(slamming * depth, wet * added), added)

@@ -189,7 +189,7 @@ def _check(options: argparse.Namespace, scenario: Scenario, substituted: Collect
     if "cable_sim" not in replaced:
         check_rest(scenario)
     if not {"wave_vessel", "cable_sim"} & set(replaced):
-        check_waves(scenario)
+        warn(check_waves(scenario))
 
 
 def _write(

@@ -14,8 +14,8 @@ from heave_bringup.scenarios import Scenario
 
 
 def check_rest(scenario: Scenario) -> None:
-    """Refuse a cable that would part under its own load in a `scenario`, or whose tension law does not carry it, and a
-    unit that floats up.
+    """Refuse a cable that would part under its own load in a `scenario`, or whose tension law does not carry it, a
+    unit that floats up, and a seabed that leaves no room.
 
     Raises ParameterError with the cause.
     """
@@ -23,7 +23,8 @@ def check_rest(scenario: Scenario) -> None:
     try:
         height = scenario.parameters["wave_vessel"].boom_tip_height
         strain = axial_line(plant, height).static_strain(plant.length)
-        if plant.unit.weight_in_fluid(plant.water_density, plant.gravity) < 0.0:  # only a solver knows where it rests
+        floats = plant.unit.weight_in_fluid(plant.water_density, plant.gravity) < 0.0
+        if floats or plant.seabed.depth > 0.0:  # only a solver knows where it rests
             CableDynamics(plant).start_at_equilibrium(np.array([0.0, 0.0, height]))
     except PlantError as error:
         raise ParameterError(f"{scenario.path}: cable_sim: {error}") from error

@@ -5,10 +5,13 @@
   motion its amplitude. At rest KC is 0; a unit that sinks steadily gets to the end of the table.
 - Near the seabed and near the surface, tables give a factor on the vertical added mass.
 - A unit with a box is wet by the share s of its height that is below the surface: so are its buoyancy, its drag and its
-  horizontal added mass. Its vertical added mass grows as A_33 = (1/2) rho C_s A_p h with the wet height h, up to what
-  it is under water; while it grows and the unit enters, water slams with A_33' U^2 = (1/2) rho C_s A_p U^2, U the speed
-  through the surface (slamming in DNV-RP-N103: C_s = 2/(rho A_p) dA_33/dh). The momentum A_33 U that is lost to
-  the water is then what is gained by it (von Karman). Nothing pulls on the unit when it leaves.
+  horizontal added mass. While it enters, underside below the surface and top above it, water slams with
+  (1/2) rho C_s A_p U^2, A_p length times breadth, holes included, U the speed through the surface. In DNV-RP-N103
+  C_s = 2/(rho A_p) dA_33/dh: slam is the growth of the added mass, and counts once. So the vertical added mass grows
+  as (1/2) rho C_s A_p h with the wet height h, and slam ends where that is all that it has under water: the momentum
+  A_33 U lost to the water is then what was gained by it (von Karman). A box too low for that has s of its added mass
+  and is slammed until its top is under. What it gains beyond the slam costs it nothing, as with C_s = 0: a way in and
+  out takes the work of the slam. Nothing pulls on the unit when it leaves.
 
 Everything is taken in the middle state, and holds for a whole step: what a predicted position misses is of the third
 order in the step. Arguments: `line` the arrays, `time` [s].
@@ -84,17 +87,31 @@ def vertical_coefficients(line: LineArrays, depth: float) -> tuple[float, float]
 
 
 @inner_kernel
-def set_unit(line: LineArrays, time: float) -> None:
-    """Set the inertia, drag and force of a unit that varies, and what moving water accelerates of it."""
+def entering(depth: float, sunk: float, end: float) -> float:
+    """Return the share of a step in which the underside is less than `end` [m] under the surface, and not above it.
+
+    `depth` [m] is that in the middle of the step, in which it gets deeper by `sunk` [m].
+    """
+    if sunk <= 0.0:
+        return 1.0 if 0.0 < depth < end else 0.0
+    return max(min(depth + 0.5 * sunk, end) - max(depth - 0.5 * sunk, 0.0), 0.0) / sunk
+
+
+@inner_kernel
+def set_unit(line: LineArrays, time: float, h: float) -> None:
+    """Set the inertia, drag and force of a unit that varies, and what moving water accelerates of it.
+
+    They are for a step of `h` [s], 0 for one moment.
+    """
     numbers, tile = line.numbers, line.tiles[0]
     level, rise = surface_at(line, tile[at.MIDDLE + at.X], tile[at.MIDDLE + at.Y], time)
     depth = level - tile[at.MIDDLE + at.Z]
     added, drag = vertical_coefficients(line, depth)
     height, slamming, full, slam = numbers[at.BOX_HEIGHT], numbers[at.SLAMMING], added, 0.0
     wet, added = wet_part(depth, height, slamming, full)
-    if height > 0.0 and depth > 0.0 and slamming * depth < full:
-        speed = min(tile[at.MIDDLE + at.VZ] - rise, 0.0)
-        slam = slamming * speed * speed
+    if height > 0.0 and slamming > 0.0:
+        speed = max(rise - tile[at.MIDDLE + at.VZ], 0.0)
+        slam = slamming * speed * speed * entering(depth, speed * h, min(height, full / slamming))
     mass = numbers[at.UNIT_MASS]
     displaced = numbers[at.DEEP + at.UNIT_FLUID + 2] - (numbers[at.DEEP + at.UNIT_INERTIA + 2] - mass)
     for axis in range(3):

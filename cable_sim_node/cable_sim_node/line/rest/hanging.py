@@ -92,7 +92,7 @@ def march(line: LineArrays, n: int, force: Array, drag: Array, direction: Array)
     take_present(tiles, n)
     set_flow(line, n, numbers[at.NOW + at.TIME])
     if numbers[at.UNIT_VARIES] > 0.0:
-        set_unit(line, numbers[at.NOW + at.TIME])
+        set_unit(line, numbers[at.NOW + at.TIME], 0.0)
     water = tiles[0]
     speed = math.sqrt(water[at.FLOW_X] ** 2 + water[at.FLOW_Y] ** 2 + water[at.FLOW_Z] ** 2)
     for k in range(3):
