@@ -145,21 +145,26 @@ class Spread:
         return max(widths, default=0.0)
 
 
-def with_bands(base: Figures, spread: Spread, uncompensated: float) -> Figures:
+def with_bands(base: Figures, spread: Spread, uncompensated: float, by_tip: float = 0.0) -> Figures:
     """Return figures with their bands: the spread of what is not known, and the twin's own error.
+
+    What is not known of the boom tip was added to the motion; it may as well be nothing.
 
     Parameters
     ----------
     base : as predicted
     spread : of it
     uncompensated : standard deviation of the unit with the winch locked [m]
+    by_tip : the same of what is not known of the boom tip, in the figures [m]
     """
     bands = {}
     for key, value in base.values.items():
         half = spread.half(key)
         bands[key] = (value - half, value + half)
     sigma, error = base.values["unit_sigma_m"], COVERED * spread.model * spread.added
-    above, below = math.hypot(sigma, error) - sigma + 0.5 * error, min(0.5 * error, 0.5 * sigma)
+    without_tip = math.sqrt(max(sigma**2 - by_tip**2, 0.0))
+    above = math.hypot(sigma, error) - sigma + 0.5 * error
+    below = math.hypot(min(0.5 * error, 0.5 * sigma), sigma - without_tip)
     half = spread.half("unit_sigma_m")
     low, high = max(sigma - math.hypot(half, below), 0.0), sigma + math.hypot(half, above)
     bands["unit_sigma_m"], bands["significant_residual_m"] = (low, high), (significant(low), significant(high))

@@ -124,7 +124,7 @@ def _answer(
         locked=float(np.std((known.off.unit - past.moved.unit)[window])),
         model=known.model,
     )
-    found = with_bands(base, spread, off_sigma(known))
+    found = with_bands(base, spread, off_sigma(known), known.by_tip)
     if _is_off(asked):
         # it is the reference of the efficiency
         found = replace(found, bands={**found.bands, "unit_efficiency": (0.0, 0.0)})
