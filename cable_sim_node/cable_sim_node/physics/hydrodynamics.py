@@ -98,4 +98,4 @@ def wet_part(depth: float, height: float, slamming: float, added: float) -> tupl
     if height <= 0.0:
         return 1.0, added
     wet = min(max(depth / height, 0.0), 1.0)
-    return wet, min(max(slamming * depth, wet * added), added)
+    return wet, min(max(slamming * height, added) * wet, added)
