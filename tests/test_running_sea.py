@@ -173,4 +173,4 @@ def tension_in_air(*settings):
 def test_a_frugal_law_shakes_a_unit_on_a_short_wire_less():
     """Most of the tension's deviation in air is noise of the MRU that the law passes on to the wire's resonance."""
     frugal = [f"winch_controller.mpc.{name}payout_acceleration=0.1" for name in ("", "free_")]
-    assert tension_in_air(*frugal) < 0.5 * tension_in_air()
+    assert tension_in_air(*frugal) < 0.8 * tension_in_air()
