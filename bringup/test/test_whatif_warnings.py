@@ -1,4 +1,4 @@
-"""What stands beside the figures of an answer."""
+"""What stands beside the figures of an answer: what the record lacks for it."""
 
 from types import SimpleNamespace
 
@@ -6,14 +6,41 @@ import numpy as np
 import pytest
 from heave_bringup.whatif import fitness
 
+SHOWN = {"cable and unit": True, "winch": True, "winch limits": True}
 
-@pytest.mark.parametrize(("band", "is_warned"), [((0.95, 0.99), False), ((0.62, 0.82), True)])
-def test_an_efficiency_that_the_record_does_not_tell_is_said_to_be_unknown(monkeypatch, band, is_warned):
-    monkeypatch.setattr(fitness, "reported", lambda known: [("winch limits", True, "")])
+
+@pytest.mark.parametrize(
+    ("law", "shown", "limit", "band", "words"),
+    [
+        ("mpc", {}, 0.0, (0.95, 0.99), ""),
+        ("mpc", {"winch limits": False}, 0.0, (0.95, 0.99), ""),
+        ("off", {"winch": False, "winch limits": False}, 0.0, (0.0, 0.0), ""),
+        ("industrial", {}, 0.0, (0.62, 0.82), "its efficiency is anywhere from 62 to 82 %"),
+        ("mpc", {"winch": False}, 0.0, (0.95, 0.99), "how the winch answers is assumed (winch)"),
+        ("mpc", {}, 12.0, (0.95, 0.99), ""),
+        (
+            "mpc",
+            {"winch limits": False},
+            12.0,
+            (0.95, 0.99),
+            "it is at the winch's limits for 12.0 % of the time, and they are assumed",
+        ),
+        (
+            "lqg",
+            {"cable and unit": False, "winch": False},
+            0.0,
+            (0.95, 0.99),
+            "cable and unit are not known from it (cable and unit); how the winch answers is assumed (winch)",
+        ),
+    ],
+)
+def test_what_the_record_lacks_for_an_answer_is_said_and_no_more(monkeypatch, law, shown, limit, band, words):
+    monkeypatch.setattr(fitness, "reported", lambda known: [(of, yes, of) for of, yes in (SHOWN | shown).items()])
     again = SimpleNamespace(is_same=True, refused=())
     past = SimpleNamespace(record=SimpleNamespace(has_orders=True, is_own=True))
     known = SimpleNamespace(fit=SimpleNamespace(chi2=1.0), snapped=np.zeros(3), again=again, past=past)
-    figures = SimpleNamespace(values={"time_at_limit_percent": 0.0}, bands={"unit_efficiency": band})
-    asked, done = SimpleNamespace(name="industrial"), SimpleNamespace(refused=())
-    lines = fitness.warnings(known, [SimpleNamespace(asked=asked, figures=figures, done=done)])
-    assert lines == (["industrial: the record does not tell its efficiency: 62 to 82 %"] if is_warned else [])
+    figures = SimpleNamespace(values={"time_at_limit_percent": limit}, bands={"unit_efficiency": band})
+    asked = SimpleNamespace(name="first", controller=SimpleNamespace(law=law))
+    answer = SimpleNamespace(asked=asked, figures=figures, done=SimpleNamespace(refused=()))
+    lines = fitness.warnings(known, [answer])
+    assert lines == ([f"first: the record does not suffice: {words}"] if words else [])

@@ -23,7 +23,7 @@ import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.errors import CommandError
 from heave_bringup.scenarios import Scenario, load_scenario
-from heave_bringup.whatif.fitness import check_known, check_record, reported, warnings
+from heave_bringup.whatif.fitness import check_known, check_record, lacks, warnings
 from heave_bringup.whatif.known import Known, drawn, learn, off_sigma, other_plants, winch_moved
 from heave_bringup.whatif.signals.record import SensorRecord
 from heave_bringup.whatif.study import Answer, answers, recorded, same_again
@@ -102,7 +102,7 @@ class Pair:
     efficiency, true_efficiency : as predicted and as it was, of the record where `off` was asked [-]
     sigma, true_sigma : of the unit, as predicted and as it was [m]
     band : of the efficiency
-    tells : the record shows of plant and winch what this answer needs
+    tells : the record suffices for this answer, as the page says
     warned : something was said against it
     lost, true_lost : compensation was given up, as predicted (probability) and as it was
     world : what it has in common with the others from its record
@@ -256,10 +256,7 @@ def _pair(draw: Draw, known: Known, found: Answer, world: World) -> Pair:
         mode in ("fade_out", "stopping", "stopped") for mode in modes[int(np.argmax(has_begun)) :]
     )
     sigma = off if truth is None else truth.unit_sigma(TRANSIENT)
-    tells = {of: is_reported for of, is_reported, _ in reported(known)}
-    needs = tells["cable and unit"] and (tells["winch"] or law == OFF)
     values = found.figures.values
-    needs &= values["time_at_limit_percent"] == 0.0 or tells["winch limits"]
     efficiency, band = values["unit_efficiency"], found.figures.bands["unit_efficiency"]
     true_efficiency = 1.0 - sigma / off
     if law == OFF:
@@ -267,7 +264,6 @@ def _pair(draw: Draw, known: Known, found: Answer, world: World) -> Pair:
         efficiency, true_efficiency = 1.0 - world.sigma / values["unit_sigma_m"], 1.0 - world.true_sigma / off
         low, high = (1.0 - world.sigma / max(one, 1e-6) for one in found.figures.bands["unit_sigma_m"])
         band = (low, high)
-    warned = bool(warnings(known, [found])) or not needs
     return Pair(
         draw,
         law,
@@ -276,8 +272,8 @@ def _pair(draw: Draw, known: Known, found: Answer, world: World) -> Pair:
         values["unit_sigma_m"],
         sigma,
         band,
-        bool(needs),
-        warned,
+        not lacks(known, found),
+        bool(warnings(known, [found])),
         found.fade_out,
         bool(gave_up),
         world,

@@ -12,7 +12,7 @@ from winch_controller_node.supervision.modes import Mode
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif.identify.evidence import BEGINS
 from heave_bringup.whatif.identify.prior import DAMPING, INERTIA
-from heave_bringup.whatif.known import Known, off_sigma, winch_moved
+from heave_bringup.whatif.known import OFF, Known, off_sigma, winch_moved
 from heave_bringup.whatif.signals.record import Loss, SensorRecord
 from heave_bringup.whatif.study import Answer
 
@@ -30,7 +30,7 @@ POOR_CHI2 = 1.5
 """Mean square of what is left of the depth over its noise, above which a report warns."""
 
 WIDE = 0.05
-"""Half width of a band of the efficiency above which a report warns [-]."""
+"""Half width of a band of the efficiency above which the record does not suffice [-]."""
 
 NEEDED = {
     "mru": "the boom tip's motion is not known",
@@ -170,21 +170,28 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             f"the same law parts from the record at {known.again.parted:.1f} s (mode {known.again.mode}, recorded "
             f"{known.again.was or 'unknown'}): a lost message, or another version"
         )
-    is_reached = next(is_reported for of, is_reported, _ in reported(known) if of == "winch limits")
     for answer in answers:
         refused = [one for one in answer.done.refused if one not in known.again.refused]
         if refused:
             lines.append(f"{answer.asked.name}: does not take what the operator requested: {refused[0]}")
-        limit = answer.figures.values["time_at_limit_percent"]
-        if limit > 0.0 and not is_reached:
-            lines.append(
-                f"{answer.asked.name}: at the winch's limits for {limit:.1f} % of the time, by limits that are "
-                "assumed: the record does not show them"
-            )
-        low, high = answer.figures.bands["unit_efficiency"]
-        if high - low > 2.0 * WIDE:
-            lines.append(
-                f"{answer.asked.name}: the record does not tell its efficiency: {100.0 * low:.0f} to "
-                f"{100.0 * high:.0f} %"
-            )
+        lacking = lacks(known, answer)
+        if lacking:
+            lines.append(f"{answer.asked.name}: the record does not suffice: {'; '.join(lacking)}")
     return lines
+
+
+def lacks(known: Known, answer: Answer) -> list[str]:
+    """Return what the record does not show that an `answer` on what is `known` needs, in words; empty: it suffices."""
+    shows = {of: (is_reported, why) for of, is_reported, why in reported(known)}
+    values, (low, high) = answer.figures.values, answer.figures.bands["unit_efficiency"]
+    found = []
+    if not shows["cable and unit"][0]:
+        found.append(f"cable and unit are not known from it ({shows['cable and unit'][1]})")
+    if answer.asked.controller.law != OFF and not shows["winch"][0]:
+        found.append(f"how the winch answers is assumed ({shows['winch'][1]})")
+    limit = values["time_at_limit_percent"]
+    if limit > 0.0 and not shows["winch limits"][0]:
+        found.append(f"it is at the winch's limits for {limit:.1f} % of the time, and they are assumed")
+    if high - low > 2.0 * WIDE:
+        found.append(f"its efficiency is anywhere from {100.0 * low:.0f} to {100.0 * high:.0f} %")
+    return found

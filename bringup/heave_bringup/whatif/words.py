@@ -10,7 +10,7 @@ from typing import Any
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 
 from heave_bringup.whatif.answer import KEYS, Figures
-from heave_bringup.whatif.fitness import SAME_PAYOUT, reported, warnings
+from heave_bringup.whatif.fitness import SAME_PAYOUT, lacks, reported, warnings
 from heave_bringup.whatif.identify.prior import AS_THEY_ARE
 from heave_bringup.whatif.known import Known, off_sigma
 from heave_bringup.whatif.study import Answer
@@ -135,6 +135,7 @@ def to_json(result: Result) -> dict[str, Any]:
                 "bands": {key: list(band) for key, band in one.figures.bands.items()},
                 "fade_out_probability": one.fade_out,
                 "fade_out_cause": one.cause,
+                "record_lacks": lacks(known, one),
             }
             for one in result.answers
         ],
