@@ -53,15 +53,10 @@ class WinchAdviserNode(ParticipantNode):
 
     @classmethod
     def make_answer(cls, tick_period: float) -> Answer:
-        """Return what answers serialised observations at a `tick_period` [s]."""
+        """Return what answers serialised observations at a `tick_period` [s]; what the first compiles is there."""
+        cls.make_adviser(WinchControllerParameters(), tick_period)
         answers = Answering(cls.make_adviser, tick_period)
         return lambda data: answers.answer(deserialize_message(data, ObservationsMessage))
-
-    @classmethod
-    def make_warm_answer(cls, tick_period: float) -> Answer:
-        """Return the same for a `tick_period` [s]; what its first answer would compile and load is there."""
-        cls.make_adviser(WinchControllerParameters(), tick_period)
-        return cls.make_answer(tick_period)
 
     def on_build(self) -> None:
         """Make the adviser, its input and its output."""
@@ -75,11 +70,10 @@ class WinchAdviserNode(ParticipantNode):
 
     def _begin(self) -> None:
         """Begin with an adviser that knows nothing."""
-        make = self.make_answer if self.run.is_lockstep else self.make_warm_answer
         if self._has_worker:
-            self._worker = Worker(make, self.run.tick_period)
+            self._worker = Worker(self.make_answer, self.run.tick_period)
         else:
-            self._reply: Answer = make(self.run.tick_period)
+            self._reply: Answer = self.make_answer(self.run.tick_period)
 
     def is_ready(self) -> bool:
         """Return whether observations would be answered at once."""
