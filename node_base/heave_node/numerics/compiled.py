@@ -19,6 +19,11 @@ inner_kernel = njit(cache=True, error_model="numpy", **_WITHOUT_ENTRANCES)
 The way in from Python, which takes all arrays of a line apart, costs as much to compile as the function itself.
 """
 
+part_of_kernel = njit(cache=True, error_model="numpy", inline="always")
+"""A function whose source is put into the one kernel that calls it, before anything is compiled.
+
+A function of its own is optimised with each one above it again: a chain of five costs the compiler twice as long.
+"""
 
 inlined_kernel = njit(cache=True, error_model="numpy", forceinline=True, **_WITHOUT_ENTRANCES)
 """An inner kernel whose code is put where it is called, however long: for what must not wait for a call, or is to be

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.compiled import inner_kernel, kernel
+from heave_node.numerics.compiled import inner_kernel, kernel, part_of_kernel
 from numpy.typing import NDArray
 
 from winch_controller_node.model.drag_kernel import UNCERTAINTY, UNCERTAINTY_TIME, Drag
@@ -201,7 +201,7 @@ def _move(motion: Motion, k: int, x: Array, moved: Array) -> None:
                     moved[motion.rate, m] -= motion.gives[k] * motion.pull[j] * x[j, m]
 
 
-@inner_kernel
+@part_of_kernel
 def _slowed(motion: Motion, k: int, x: Array, P: Array) -> None:
     """Have drag take its share of the unit's speed for half a tick, in place."""
     x[motion.rate] *= motion.kept[k]
@@ -209,7 +209,7 @@ def _slowed(motion: Motion, k: int, x: Array, P: Array) -> None:
     P[:, motion.rate] *= motion.kept[k]
 
 
-@inner_kernel
+@part_of_kernel
 def _innovation(row: Array, noise: float, x: Array, P: Array, left: Array, across: Array) -> float:
     """Return S = h P h' + r of a reading, and leave e = z - h x in `left` (z before) and P h' in `across`."""
     across[:] = 0.0

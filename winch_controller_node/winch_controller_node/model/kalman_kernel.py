@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.compiled import inner_kernel, kernel
+from heave_node.numerics.compiled import kernel, part_of_kernel
 from numpy.typing import NDArray
 
 from winch_controller_node.model.drag_kernel import Drag, with_drag
@@ -131,13 +131,13 @@ def corrected(x: Array, P: Array, z: Array, H: Array, variances: Array) -> tuple
     return x + np.dot(K, z - np.dot(H, x)), corrected_covariance(P, K, H, variances)
 
 
-@inner_kernel
+@part_of_kernel
 def _predicted(model: FilterModel, x: Array, P: Array, command: float) -> tuple[Array, Array]:
     """Return the state and its covariance a tick ahead under a `command`."""
     return np.dot(model.F, x) + model.B * command, predicted_covariance(P, model.F, model.Q)
 
 
-@inner_kernel
+@part_of_kernel
 def _linearised(model: FilterModel, reading: Array, x: Array) -> tuple[Array, float]:
     """Return the row of a reading at the estimate x (n,), and its prediction."""
     which, offset = int(reading[WHICH]), reading[OFFSET]
@@ -152,7 +152,7 @@ def _linearised(model: FilterModel, reading: Array, x: Array) -> tuple[Array, fl
     return row, scale * plain
 
 
-@inner_kernel
+@part_of_kernel
 def _with_readings(model: FilterModel, x: Array, P: Array, readings: Array) -> tuple[Array, Array]:
     """Return state and covariance after the readings of a tick, taken together, each linearised at x."""
     if len(readings) == 0:
@@ -165,7 +165,7 @@ def _with_readings(model: FilterModel, x: Array, P: Array, readings: Array) -> t
     return corrected(x, P, z, H, readings[:, VARIANCE].copy())
 
 
-@inner_kernel
+@part_of_kernel
 def _judged(
     model: FilterModel, gate: Gate, memory: Memory, x: Array, P: Array, reading: Array, said: Array
 ) -> tuple[bool, Array]:
@@ -191,7 +191,7 @@ def _judged(
     return accepted, P
 
 
-@inner_kernel
+@part_of_kernel
 def _begun(memory: Memory, tick: int, x: Array, P: Array) -> None:
     """Keep the prediction for a tick that begins, and discard the tick that has its place."""
     place = tick % len(memory.x)
@@ -199,7 +199,7 @@ def _begun(memory: Memory, tick: int, x: Array, P: Array) -> None:
     memory.span[0], memory.span[1] = tick, min(memory.span[1] + 1, len(memory.x))
 
 
-@inner_kernel
+@part_of_kernel
 def _noted(memory: Memory, used: Array, place: int, reading: Array) -> Array:
     """Return the ring of the readings `used` with another one; it grows where a tick has more than ever before."""
     count = memory.counts[place]
@@ -212,7 +212,7 @@ def _noted(memory: Memory, used: Array, place: int, reading: Array) -> Array:
     return used
 
 
-@inner_kernel
+@part_of_kernel
 def _taken(
     model: FilterModel, gate: Gate, memory: Memory, used: Array, x: Array, P: Array, readings: Array, said: Array
 ) -> tuple[Array, Array, Array]:
