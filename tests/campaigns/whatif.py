@@ -24,7 +24,7 @@ from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.errors import CommandError
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.whatif.fitness import check_known, check_record, lacks, warnings
-from heave_bringup.whatif.known import Known, drawn, learn, off_sigma, other_plants, winch_moved
+from heave_bringup.whatif.known import Known, drawn, learn, off_sigma, other_plants
 from heave_bringup.whatif.signals.record import SensorRecord
 from heave_bringup.whatif.study import Answer, answers, recorded, same_again
 from heave_bringup.whatif.twin.replay import Asked
@@ -223,8 +223,7 @@ def run_draw(draw: Draw, draws: int) -> tuple[list[Pair], str]:
     except CommandError as error:
         return [], f"{error} [refused]"
     learnt = time.process_time() - began
-    # the loop is closed again where its winch is not known; else the plant is all that is open
-    others = [] if winch_moved(known) else [drawn(known, draw.seed, number) for number in range(draws)]
+    others = [drawn(known, draw.seed, number) for number in range(draws)]
     plants = other_plants(known, draw.seed)
     again, values = same_again(known)[1], ", ".join(f"{name} {v:.3f}" for name, v in known.fit.values.items())
     off, true_off = off_sigma(known), truth.uncompensated_sigma(TRANSIENT)
