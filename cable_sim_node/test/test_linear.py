@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -196,5 +197,7 @@ def test_bad_input_is_refused():
         heave_transfer_function(LINE, 900.0, [0.0])
     with pytest.raises(LinearisationError, match="positive"):
         natural_frequencies(LINE, -1.0, 1)
+    with pytest.raises(LinearisationError, match="not a number"):
+        natural_frequencies(replace(LINE, unit=AxialUnit(math.nan, 5e4)), 900.0, 1)
     with pytest.raises(LinearisationError, match="at least two"):
         fit_two_state([1.0], [1.0 + 0.0j])

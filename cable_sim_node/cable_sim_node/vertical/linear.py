@@ -237,7 +237,7 @@ def natural_frequencies(line: AxialLine, length: float, count: int) -> Array:
     Raises
     ------
     LinearisationError
-        for a length or a count that is not positive.
+        for a length or a count that is not positive, or a coefficient that is not a number.
     """
     if not (length > 0.0 and count >= 1):
         raise LinearisationError("length must be positive and count at least 1")
@@ -257,6 +257,8 @@ def natural_frequencies(line: AxialLine, length: float, count: int) -> Array:
     while len(roots) < count:
         high = low + step
         next_value = top(high)
+        if not math.isfinite(next_value):
+            raise LinearisationError("a coefficient of cable or unit is not a number")
         if value * next_value <= 0.0:
             roots.append(float(scipy.optimize.brentq(top, low, high, xtol=1e-14, rtol=1e-13)))
             step = 0.05 * math.pi / travel
