@@ -252,13 +252,13 @@ def natural_frequencies(line: AxialLine, length: float, count: int) -> Array:
     mass = sum(piece.mass * piece.length for piece in pieces)
     mass += line.unit.inertia + sum(clump.inertia for clump in line.clumps)
     step = 0.05 * min(1.0 / math.sqrt(compliance * mass), math.pi / travel)
+    if not step > 0.0:
+        raise LinearisationError("a coefficient of cable or unit is not a number")
     roots: list[float] = []
     low, value = 0.0, 1.0
     while len(roots) < count:
         high = low + step
         next_value = top(high)
-        if not math.isfinite(next_value):
-            raise LinearisationError("a coefficient of cable or unit is not a number")
         if value * next_value <= 0.0:
             roots.append(float(scipy.optimize.brentq(top, low, high, xtol=1e-14, rtol=1e-13)))
             step = 0.05 * math.pi / travel
