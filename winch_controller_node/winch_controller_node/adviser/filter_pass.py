@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.compiled import inner_kernel, kernel, part_of_kernel
+from heave_node.numerics.compiled import kernel, part_of_kernel
 from numpy.typing import NDArray
 
 from winch_controller_node.model.drag_kernel import UNCERTAINTY, UNCERTAINTY_TIME, Drag
@@ -185,34 +185,40 @@ def _motion(model: PassModel, record: PassInput) -> Motion:
     )
 
 
-@inner_kernel
+@part_of_kernel
 def _move(motion: Motion, k: int, x: Array, moved: Array) -> None:
     """Put F x a tick on, with slack, into `moved`, both (n, c)."""
-    moved[:] = 0.0
-    for i in range(len(x)):
+    n, c = x.shape
+    for i in range(n):
+        for m in range(c):
+            moved[i, m] = 0.0
         for place in range(motion.begins[i], motion.begins[i + 1]):
             j = motion.filled[place]
-            for m in range(x.shape[1]):
+            for m in range(c):
                 moved[i, m] += motion.F[i, j] * x[j, m]
     if motion.gives[k] > 0.0:
-        for j in range(len(x)):
+        for j in range(n):
             if motion.pull[j] != 0.0:
-                for m in range(x.shape[1]):
+                for m in range(c):
                     moved[motion.rate, m] -= motion.gives[k] * motion.pull[j] * x[j, m]
 
 
 @part_of_kernel
 def _slowed(motion: Motion, k: int, x: Array, P: Array) -> None:
     """Have drag take its share of the unit's speed for half a tick, in place."""
-    x[motion.rate] *= motion.kept[k]
-    P[motion.rate] *= motion.kept[k]
-    P[:, motion.rate] *= motion.kept[k]
+    for j in range(x.shape[1]):
+        x[motion.rate, j] *= motion.kept[k]
+    for j in range(len(P)):
+        P[motion.rate, j] *= motion.kept[k]
+    for j in range(len(P)):
+        P[j, motion.rate] *= motion.kept[k]
 
 
 @part_of_kernel
 def _innovation(row: Array, noise: float, x: Array, P: Array, left: Array, across: Array) -> float:
     """Return S = h P h' + r of a reading, and leave e = z - h x in `left` (z before) and P h' in `across`."""
-    across[:] = 0.0
+    for j in range(len(x)):
+        across[j] = 0.0
     for i in range(len(x)):
         if row[i] != 0.0:
             for j in range(len(x)):
@@ -229,7 +235,8 @@ def _innovation(row: Array, noise: float, x: Array, P: Array, left: Array, acros
 def _follow(motion: Motion, reads: Reads, commands: Array, x: Array, P: Array) -> tuple[Array, Array]:
     """Kalman filter of one model, readings one after the other; x (n, c) and P (n, n) are changed in place.
 
-    Returns the innovations over the standard deviation that was predicted (m, c), and its square (m,).
+    Returns the innovations over the standard deviation that was predicted (m, c), and its square (m,). Loops over
+    single values take half the time of operations on small arrays.
     """
     n, c = x.shape
     innovations, variances = np.empty_like(reads.values), np.empty(len(reads.values))
@@ -238,21 +245,27 @@ def _follow(motion: Motion, reads: Reads, commands: Array, x: Array, P: Array) -
     for k in range(len(reads.ends)):
         _slowed(motion, k, x, P)
         _move(motion, k, x, moved)
-        x[:] = moved
         for i in range(n):
-            if motion.B[i] != 0.0:
-                x[i] += motion.B[i] * commands[k]
+            for j in range(c):
+                x[i, j] = moved[i, j] + motion.B[i] * commands[k, j]
         # P = F P F' + Q = F (F P)' + Q, of a symmetric P
         _move(motion, k, P, half)
-        turned[:] = half.T
+        for i in range(n):
+            for j in range(n):
+                turned[i, j] = half[j, i]
         _move(motion, k, turned, P)
-        P += motion.Q
+        for i in range(n):
+            for j in range(n):
+                P[i, j] += motion.Q[i, j]
         _slowed(motion, k, x, P)
         P[motion.rate, motion.rate] += motion.unknown[k]
         for m in range(first, reads.ends[k]):
-            left[:] = reads.values[m]
+            for j in range(c):
+                left[j] = reads.values[m, j]
             variances[m] = _innovation(reads.rows[m], reads.noise[m], x, P, left, across)
-            innovations[m] = left / math.sqrt(variances[m])
+            deviation = math.sqrt(variances[m])
+            for j in range(c):
+                innovations[m, j] = left[j] / deviation
             if reads.used[m]:
                 # K = P h' / S, x = x + K e, P = P - K S K'
                 for i in range(n):
