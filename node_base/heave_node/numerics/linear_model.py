@@ -28,7 +28,7 @@ class ModelError(ValueError):
     """A model that cannot be built, connected or analysed; the message says which and why."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LinearModel:
     """dx/dt = A x + B u + G w, y = C x + D u; or x[k+1] = ... with the step `dt`.
 

@@ -240,6 +240,7 @@ def continuous_model(inputs: ModelInputs) -> LinearModel:
     return interconnect(blocks)
 
 
+@lru_cache(maxsize=64)
 def augmented_model(inputs: ModelInputs, tick_period: float) -> LinearModel:
     """Return `inputs` as a model sampled at ticks of `tick_period` [s], with the exact command delay.
 
