@@ -30,6 +30,7 @@ class BeliefsInForce:
     Attributes
     ----------
     nominal : parameters as an operator has stated them
+    restated : those that have changed since the start, and what to, by path
     beliefs : the active ones
     refused : answers that came too late, so far
     corrected : owners whose assumed values have changed in this tick: winch, cable, a sensor
@@ -41,6 +42,7 @@ class BeliefsInForce:
         self._latency = latency_ticks(in_force.design.tick_period)
         self._first = in_force.parameters
         self.nominal: WinchControllerParameters = self._first
+        self.restated: tuple[tuple[str, float], ...] = ()
         self.beliefs = NONE
         self._pending: Beliefs | None = None
         self.refused = 0
@@ -66,14 +68,10 @@ class BeliefsInForce:
             self._take(pending, tick)
         return alarms_of(pending.findings)
 
-    @property
-    def restated(self) -> tuple[tuple[str, float], ...]:
-        """Parameters that an operator has restated, by path."""
-        return restated(self._first, self.nominal)
-
     def renew(self, nominal: WinchControllerParameters) -> None:
         """Go by other `nominal` parameters; beliefs about the sea are void."""
         self.nominal, self._pending = nominal, None
+        self.restated = restated(self._first, nominal)
         self.beliefs = without_sea(self.beliefs)
 
     def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:
