@@ -104,11 +104,13 @@ class Point(NamedTuple):
     Attributes
     ----------
     x : logarithms of the factors, the others as they are
-    left : what the twin leaves of the readings there, whitened (k, m)
+    gap : what the twin leaves of the readings there (m, k)
+    left : the same, whitened (k, m)
     loss : there [nats]
     """
 
     x: Array
+    gap: ComplexArray
     left: ComplexArray
     loss: float
 
@@ -150,7 +152,7 @@ class Search:
         gap = evidence.seen - evidence.twin(values_at(x, self._about))
         left = np.einsum("kij,jk->ki", self._whiten, gap)
         off = (x - self._centre) / self._sigma
-        return Point(x, left, float(INDEPENDENT * np.sum(np.abs(left) ** 2) + 0.5 * off @ off))
+        return Point(x, gap, left, float(INDEPENDENT * np.sum(np.abs(left) ** 2) + 0.5 * off @ off))
 
     def followed(self, point: Point, rounds: int) -> tuple[Point, Array]:
         """Return the least point near a `point`, after so many `rounds` at most, and the covariance there."""
@@ -213,7 +215,7 @@ def fit_cable(evidence: Evidence, prior: Prior, near: Values | None = None) -> C
 def _fitted(evidence: Evidence, prior: Prior, about: Values, starts: list[Values]) -> CableFit:
     """Return the likeliest values from several `starts`."""
     noise = evidence.noise.copy()
-    search = Search(evidence, prior, about, noise)
+    first = search = Search(evidence, prior, about, noise)
     begun = [search.at(point_of(one)) for one in starts]
     if len(starts) > 1:
         # a compensated record shows scale and delay of its MRU first: the resonance is looked for under them
@@ -224,7 +226,7 @@ def _fitted(evidence: Evidence, prior: Prior, about: Values, starts: list[Values
     is_settled = False
     for _ in range(2):
         values = values_at(best.x, about)
-        excess = np.maximum(_chi2(evidence, values), 1.0)
+        excess = np.maximum(_chi2(evidence, values, best.gap), 1.0)
         if np.any(excess * evidence.noise > ALIKE * noise) or not is_settled:
             noise, is_settled = evidence.noise * excess, True
             search = Search(evidence, prior, values, noise)
@@ -235,14 +237,13 @@ def _fitted(evidence: Evidence, prior: Prior, about: Values, starts: list[Values
         covariance,
         prior,
         evidence.source,
-        Search(evidence, prior, about, evidence.noise).at(best.x).loss,
-        float(_chi2(evidence, values)[0]),
+        first.at(best.x).loss,
+        float(_chi2(evidence, values, best.gap)[0]),
         evidence.end,
     )
 
 
-def _chi2(evidence: Evidence, values: Values) -> Array:
-    """Return the mean square of what the twin leaves of each of the readings over its noise (m,), under `values`."""
-    gap = np.abs(evidence.seen - evidence.twin(values)) ** 2
+def _chi2(evidence: Evidence, values: Values, gap: ComplexArray) -> Array:
+    """Return the mean square of the `gap` of a twin under `values` to each of the readings over its noise (m,)."""
     held = np.einsum("kii->ik", evidence.covariance(values, evidence.noise)).real
-    return np.asarray(np.mean(gap / held, axis=1))
+    return np.asarray(np.mean(np.abs(gap) ** 2 / held, axis=1))
