@@ -13,7 +13,7 @@ from heave_bags.mcap.reader import LOG_TIME, TIME, Bag
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif import fitness
 from heave_bringup.whatif.asked import nominal_of
-from heave_bringup.whatif.known import learn
+from heave_bringup.whatif.known import learn, other_plants
 from heave_bringup.whatif.signals.from_bag import (
     SELECTION,
     Gate,
@@ -326,14 +326,19 @@ def test_the_same_law_gives_the_record_again_with_what_its_operator_did(monkeypa
 
 
 @pytest.mark.long
-def test_loops_that_are_closed_in_other_processes_answer_alike(monkeypatch):
-    monkeypatch.setattr(campaign, "DURATION", 100.0)
+def test_work_that_is_done_in_other_processes_answers_alike(monkeypatch):
+    monkeypatch.setattr(campaign, "DURATION", 70.0)
     scenario = scenario_of(make_draw(0, 1), "off")
     _, record = Recording(scenario).record()
     nominal = scenario.parameters["winch_controller"]
-    known = learn(record, nominal, start=40.0).part(1400)
+    known = learn(record, nominal, start=40.0)
     asked = [Asked(law, replace(nominal, law=law)) for law in ("lqg", "off")]
-    here, there = (answers(known, asked, [known], processes=count) for count in (1, 2))
+    plants, shown = other_plants(known, 1)[:3], []
+    here, there = (
+        answers(known, asked, [known], plants, processes=count, show=lambda words, share: shown.append((words, share)))
+        for count in (1, 2)
+    )
+    assert shown[-1] == ("motions of each law on other plants", 1.0)
     for one, other in zip(here, there, strict=True):
         assert one.figures.values == other.figures.values
         assert one.figures.bands == other.figures.bands

@@ -15,18 +15,17 @@ from winch_controller_node.model.lqr import DesignError
 
 from heave_bringup.errors import CommandError
 from heave_bringup.output import warn
+from heave_bringup.whatif import DRAWS
 from heave_bringup.whatif.asked import Wish, asked_of, nominal_of
 from heave_bringup.whatif.fitness import check_known, check_record
 from heave_bringup.whatif.identify.prior import prior_of
-from heave_bringup.whatif.known import Show, drawn, learn, other_plants, quiet
+from heave_bringup.whatif.known import drawn, learn, other_plants
 from heave_bringup.whatif.signals.from_bag import read_record, scenario_text, write_text
 from heave_bringup.whatif.signals.from_others import read_others
 from heave_bringup.whatif.study import answers, recorded, same_again
 from heave_bringup.whatif.twin.winch import winch_under
 from heave_bringup.whatif.words import Result
-
-DRAWS = 4
-"""Plants over which each loop is closed again for the bands, where nobody says how many."""
+from heave_bringup.whatif.work import Show, quiet
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,10 @@ def _asked(source: Path, question: Question, scratch: Path, show: Show) -> Resul
     check_record(record, start, str(source))
     known = learn(record, nominal, start=start, prior=prior, show=show)
     check_known(known, str(source))
-    others = [drawn(known, question.seed, number) for number in range(question.draws)]
+    others = []
+    for number in range(question.draws):
+        show("draws of the plant", number / question.draws)
+        others.append(drawn(known, question.seed, number))
     wanted = asked_of(wish, known.past.winch_parameters, has_adviser=record.has_adviser)
     plants = other_plants(known, question.seed)
     found = answers(known, wanted, others, plants, processes=os.cpu_count() or 1, show=show)

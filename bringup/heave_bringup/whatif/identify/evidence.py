@@ -136,7 +136,7 @@ class Evidence:
             Tip(tip.heave[ticks], tip.rate[ticks], tip.sigma),
             winch.payout[ticks],
             winch.rate[ticks],
-            tick_period=self.record.tick_period,
+            self.record.tick_period,
         )
 
     def twin(self, values: Values) -> ComplexArray:
@@ -166,6 +166,17 @@ class Evidence:
         g = (H * np.array([[1.0], [values[STIFFNESS]]]))[: len(noise)].reshape(len(noise), *omegas.shape)
         shared = np.einsum("x,ikx,jkx->kij", leak / np.sum(leak), g, np.conj(g))
         return np.asarray(self.tip_noise[:, None, None] * shared + np.diag(noise))
+
+    def by_tip(self, values: Values) -> float:
+        """Return the standard deviation of the unit's motion under `values` by what is not known of the boom tip [m].
+
+        The depth sensor has seen the unit: what the tip leaves open at a resonance is no more than the sensor's noise.
+        """
+        open_ = self.covariance(values, np.zeros(len(self.readings)))[:, 0, 0].real
+        power = open_ * self.noise[0] / (open_ + self.noise[0])
+        # one-sided density over omega: twice the power over 2 pi
+        step = float(self.omegas[1] - self.omegas[0])
+        return math.sqrt(float(np.sum(power)) * step / math.pi)
 
     @cached_property
     def _speeds(self) -> Speeds:

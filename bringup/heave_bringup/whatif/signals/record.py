@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property
@@ -96,6 +97,16 @@ class SensorRecord:
     def limits_hit(self) -> Flags:
         """Limits of the winch that acted before each tick, sums of WinchLimit; 0 where it is not known."""
         return np.array([0 if one.winch is None else one.winch.limits_hit for one in self.measurements])
+
+    @cached_property
+    def tension(self) -> Array:
+        """Newest tension that the load cell has read at each tick [N]; NaN: none yet."""
+        newest, found = math.nan, np.full(self.ticks, math.nan)
+        for index, of_tick in enumerate(self.measurements):
+            for one in of_tick.of("load_cell"):
+                newest = one.value if math.isfinite(one.value) else newest
+            found[index] = newest
+        return found
 
     @cached_property
     def mru(self) -> Array:

@@ -1,0 +1,66 @@
+"""Long work: how far it is, and its independent parts, in this process or over several."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from heave_bringup.errors import CommandError
+from heave_bringup.workers.pool import worker_pool
+
+Show = Callable[[str, float], None]
+
+
+def quiet(words: str, share: float) -> None:
+    """Show nothing of how far the work is, in `words`, by its `share`."""
+
+
+def show_some(show: Show, words: str, done: int, of: int) -> None:
+    """Have `show` say how far the work in `words` is, `done` ticks `of` all, not at every tick."""
+    if done % 200 == 0 or done == of:
+        show(words, done / max(of, 1))
+
+
+@dataclass(frozen=True)
+class Work:
+    """What does independent parts of some work.
+
+    Attributes
+    ----------
+    pool : of other processes; None: this one does it
+    show : called with what is done, and the share of it
+    """
+
+    pool: ProcessPoolExecutor | None
+    show: Show
+
+    def done(self, words: str, function: Callable[..., Any], tasks: Sequence[Sequence[Any]]) -> list[Any]:
+        """Return what a `function` returns for the arguments in each of some `tasks`; `words` are shown."""
+        self.show(words, 0.0)
+        if self.pool is None:
+            found = []
+            for count, task in enumerate(tasks, start=1):
+                found.append(function(*task))
+                self.show(words, count / len(tasks))
+            return found
+        coming = [self.pool.submit(function, *task) for task in tasks]
+        for count, _ in enumerate(as_completed(coming), start=1):
+            self.show(words, count / len(tasks))
+        return [future.result() for future in coming]
+
+
+@contextmanager
+def work_in(processes: int, show: Show = quiet) -> Iterator[Work]:
+    """Give work to so many `processes`, which start with the first part; `show` as for `Work`."""
+    if processes <= 1:
+        yield Work(None, show)
+        return
+    try:
+        with worker_pool(processes) as pool:
+            yield Work(pool, show)
+    except BrokenProcessPool as error:
+        raise CommandError("a process ended without a result: it was killed, or out of memory") from error
