@@ -27,6 +27,7 @@ from heave_bringup.whatif.signals.record import Loss, without_move
 from heave_bringup.whatif.study import answers, recorded, same_again
 from heave_bringup.whatif.twin.again import observed_again
 from heave_bringup.whatif.twin.replay import Asked, replay
+from heave_bringup.whatif.work import work_in
 from heave_msgs.msg import WinchState
 from heave_node.interface.sensors import WireReading
 from rclpy.serialization import deserialize_message, serialize_message
@@ -334,10 +335,13 @@ def test_work_that_is_done_in_other_processes_answers_alike(monkeypatch):
     known = learn(record, nominal, start=40.0)
     asked = [Asked(law, replace(nominal, law=law)) for law in ("lqg", "off")]
     plants, shown = other_plants(known, 1)[:3], []
-    here, there = (
-        answers(known, asked, [known], plants, processes=count, show=lambda words, share: shown.append((words, share)))
-        for count in (1, 2)
-    )
+    found = []
+    for count in (1, 2):
+        with work_in(count, lambda words, share: shown.append((words, share))) as work:
+            fit = learn(record, nominal, start=40.0, work=work).fit
+            assert fit.values == known.fit.values
+            found.append(answers(known, asked, [known], plants, work=work))
+    here, there = found
     assert shown[-1] == ("motions of each law on other plants", 1.0)
     for one, other in zip(here, there, strict=True):
         assert one.figures.values == other.figures.values

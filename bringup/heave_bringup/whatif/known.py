@@ -30,13 +30,14 @@ from heave_bringup.whatif.twin.plant import (
     Follow,
     PlantFactors,
     PlantMotion,
+    driven,
     followed,
     nominal_line,
     scaled_line,
 )
 from heave_bringup.whatif.twin.replay import Past, Replayed, locked
 from heave_bringup.whatif.twin.winch import mean_payout, past_winch, winch_under
-from heave_bringup.whatif.work import Show, quiet, show_some
+from heave_bringup.whatif.work import HERE, Work, show_some
 
 OFF = Mode.OFF.value
 """Law with which the winch is locked."""
@@ -62,6 +63,9 @@ PLANTS = 12
 
 DRAWN = 300.0
 """Longest part of what is judged over which a loop is closed again for the bands [s]: 30 waves."""
+
+USUAL = 100
+"""Number of twins that a search for cable and unit usually tries, to show how far it is."""
 
 LOOKS = 3
 """Number of searches for the time at which the cable is first slack."""
@@ -132,7 +136,7 @@ class Known:
         cut = {name: shortened(getattr(self, name), ticks, count) for name in of_ticks}
         return replace(self, **cut, window=slice(self.window.start, count))
 
-    def under(self, fits: Sequence[CableFit], follow: Follow = followed) -> list[Known]:
+    def under(self, fits: Sequence[CableFit], follow: Follow) -> list[Known]:
         """Return what is known under each of other `fits`, the winch as it is; `follow` returns motions of plants."""
         return _known(self.evidence, self.again, fits, float(self.past.record.time[self.window.start]), follow)
 
@@ -151,7 +155,7 @@ def learn(
     *,
     start: float,
     prior: Prior | None = None,
-    show: Show = quiet,
+    work: Work = HERE,
 ) -> Known:
     """Return what a `record` shows.
 
@@ -161,38 +165,35 @@ def learn(
     nominal : parameters of its controller
     start : of the window that is judged [s]
     prior : what is known of cable, unit and MRU before; None: what the parameters say
-    show : called with what is done, and the share of it
+    work : that does independent parts
     """
-    ticks = record.ticks
-    again = observed_again(record, nominal, lambda done: show_some(show, "the same law again", done, ticks))
-    show("cable and unit", 0.0)
+    again = observed_again(record, nominal, partial(show_some, work.show, "the same law again", record.ticks))
     beliefs = again.beliefs
     winch = past_winch(record, winch_under(beliefs, nominal), beliefs.value(ENCODER_SCALE, nominal))
     source = tip_source(record, corrections(beliefs, nominal)["mru"], assumed_high_pass(beliefs, nominal))
     depth_scale, end = beliefs.value(DEPTH_SCALE, nominal), float(record.time[-1])
     evidence = Evidence(record, nominal, nominal_line(nominal), source, winch, depth_scale, end)
-    fit = identified(evidence, prior or prior_of(nominal))
-    show("cable and unit", 1.0)
-    return _known(evidence, again, [fit], start, followed)[0]
+    follow = work.in_batches("cable and unit", driven, USUAL)
+    return _known(evidence, again, [identified(evidence, prior or prior_of(nominal), follow)], start, follow)[0]
 
 
-def identified(evidence: Evidence, prior: Prior) -> CableFit:
+def identified(evidence: Evidence, prior: Prior, follow: Follow = followed) -> CableFit:
     """Return cable and unit by the part of the `evidence` in which the cable is taut, and the `prior`.
 
-    A slack cable is not seen at its top; the twin shows it along the whole cable.
+    A slack cable is not seen at its top; `follow` returns motions of twins, which show it along the whole cable.
     """
-    fit = fit_cable(evidence, prior)
+    fit = fit_cable(evidence, prior, None, follow)
     for _ in range(LOOKS):
         end = max(taut_until(evidence, fit), float(evidence.record.time[0]) + BEGINS + LEAST_TAUT)
         if abs(end - fit.end) < AFTER_SNAP:
             break
-        fit = fit_cable(replace(evidence, end=end), prior, fit.values)
+        fit = fit_cable(replace(evidence, end=end), prior, fit.values, follow)
     return fit
 
 
 def taut_until(evidence: Evidence, fit: CableFit) -> float:
     """Return the time up to which the cable is taut by a `fit` of some `evidence` [s]: its end, or before a snap."""
-    slack = np.flatnonzero(evidence.motion(fit.values, slice(None)).least_tension <= 0.0)
+    slack = np.flatnonzero(driven(*evidence.drive(fit.values, slice(None))).least_tension <= 0.0)
     return evidence.end if slack.size == 0 else float(evidence.record.time[slack[0]]) - AFTER_SNAP
 
 
@@ -263,14 +264,14 @@ def _under(
     return Known(nominal, again, fit, past, unexplained, snapped, left, set_point, off, window, by_tip, evidence)
 
 
-def drawn(known: Known, seed: int, number: int) -> Known:
-    """Return what is `known` with another plant, and winch, that the record allows: draw `number` of a `seed`."""
+def drawn(known: Known, seed: int, number: int, follow: Follow = followed) -> Known:
+    """Return what is `known` with plant and winch of draw `number` of a `seed`; `follow` returns motions of plants."""
     random = random_stream(seed, f"whatif/{number}")
-    past, (other,) = known.past, known.under([known.fit.drawn(random)])
+    (other,) = known.under([known.fit.drawn(random)], follow)
     if winch_moved(known):
         return other
     lag, delay, gain = (spread * float(random.standard_normal()) for spread in WINCH_SPREAD)
-    winch = past.winch_parameters
+    winch = known.past.winch_parameters
     winch = replace(
         winch,
         time_constant=winch.time_constant * math.exp(lag),

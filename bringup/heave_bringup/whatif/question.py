@@ -23,9 +23,10 @@ from heave_bringup.whatif.known import drawn, learn, other_plants
 from heave_bringup.whatif.signals.from_bag import read_record, scenario_text, write_text
 from heave_bringup.whatif.signals.from_others import read_others
 from heave_bringup.whatif.study import answers, recorded, same_again
+from heave_bringup.whatif.twin.plant import driven
 from heave_bringup.whatif.twin.winch import winch_under
 from heave_bringup.whatif.words import Result
-from heave_bringup.whatif.work import Show, quiet
+from heave_bringup.whatif.work import Show, quiet, work_in
 
 
 @dataclass(frozen=True)
@@ -92,13 +93,11 @@ def _asked(source: Path, question: Question, scratch: Path, show: Show) -> Resul
     record = record if question.end is None else record.part(question.end)
     start = run.transient if question.transient is None else question.transient
     check_record(record, start, str(source))
-    known = learn(record, nominal, start=start, prior=prior, show=show)
-    check_known(known, str(source))
-    others = []
-    for number in range(question.draws):
-        show("draws of the plant", number / question.draws)
-        others.append(drawn(known, question.seed, number))
-    wanted = asked_of(wish, known.past.winch_parameters, has_adviser=record.has_adviser)
-    plants = other_plants(known, question.seed)
-    found = answers(known, wanted, others, plants, processes=os.cpu_count() or 1, show=show)
+    with work_in(os.cpu_count() or 1, show) as work:
+        known = learn(record, nominal, start=start, prior=prior, work=work)
+        check_known(known, str(source))
+        follow = work.in_batches("draws of the plant", driven, 2 * question.draws)
+        others = [drawn(known, question.seed, number, follow) for number in range(question.draws)]
+        wanted = asked_of(wish, known.past.winch_parameters, has_adviser=record.has_adviser)
+        found = answers(known, wanted, others, other_plants(known, question.seed), work=work)
     return Result(known, recorded(known, found), found, same_again(known, show=show))

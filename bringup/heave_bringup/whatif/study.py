@@ -16,7 +16,7 @@ from heave_bringup.whatif.known import OFF, Known, off_sigma
 from heave_bringup.whatif.signals.record import shortened
 from heave_bringup.whatif.twin.plant import driven
 from heave_bringup.whatif.twin.replay import Asked, Past, Replayed, replay
-from heave_bringup.whatif.work import Show, Work, quiet, show_some, work_in
+from heave_bringup.whatif.work import HERE, Show, Work, quiet, show_some
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,7 @@ def answers(
     others: Sequence[Known] = (),
     plants: Sequence[CableFit] = (),
     *,
-    processes: int = 1,
-    show: Show = quiet,
+    work: Work = HERE,
 ) -> list[Answer]:
     """Return what the loops that are asked for would have done.
 
@@ -56,18 +55,16 @@ def answers(
     wanted : controllers and winches
     others : draws of what the record allows, over which each loop is closed again, for the bands
     plants : draws of cable, unit and MRU, on which its payout is tried
-    processes : that close loops at a time
-    show : called with what is done, and the share of it
+    work : that closes loops
     """
     parts = [one.part(known.enough) for one in others]
     tasks = [(one, asked) for asked in wanted for one in (known, *parts)]
     seen = [_seen(one, asked) if one is known or _is_off(asked) else None for one, asked in tasks]
     open_ = [(one.past, asked) for (one, asked), done in zip(tasks, seen, strict=True) if done is None]
-    with work_in(processes, show) as work:
-        closed = iter(_closed(open_, work))
-        done, count = [next(closed) if one is None else one for one in seen], 1 + len(parts)
-        loops = [done[number : number + count] for number in range(0, len(done), count)]
-        on_plants = _on_plants(known, wanted, [of_law[0] for of_law in loops], plants, work)
+    closed = iter(_closed(open_, work))
+    done, count = [next(closed) if one is None else one for one in seen], 1 + len(parts)
+    loops = [done[number : number + count] for number in range(0, len(done), count)]
+    on_plants = _on_plants(known, wanted, [of_law[0] for of_law in loops], plants, work)
     parts = [known.part(known.enough), *parts]
     return [
         _answer(known, asked, of_law, parts, spread)
@@ -108,7 +105,7 @@ def _on_plants(
     """
     if not plants:
         return [[] for _ in wanted]
-    others = known.under(plants, partial(work.done, "motions of other plants", driven))
+    others = known.under(plants, work.in_batches("motions of other plants", driven, 2 * len(plants)))
     tasks = [
         one.past.drive(done.payout, done.rate)
         for asked, done in zip(wanted, loops, strict=True)
@@ -178,7 +175,7 @@ def _figures(known: Known, done: Replayed) -> Figures:
 
 def _show_of(show: Show, words: str, before: int, of: int, done: int) -> None:
     """Show how far a part of the work is, `before` which so much was done."""
-    show_some(show, words, before + done, of)
+    show_some(show, words, of, before + done)
 
 
 def recorded(known: Known, found: Sequence[Answer] = ()) -> Figures:
@@ -234,6 +231,6 @@ def same_again(known: Known, *, show: Show = quiet) -> tuple[float, float]:
         return math.nan, math.nan
     words, ticks = "the same law again, closed", record.ticks
     asked = Asked(words, known.nominal, None, record.has_adviser)
-    done = replay(known.past, asked, on_tick=lambda tick: show_some(show, words, tick, ticks))
+    done = replay(known.past, asked, on_tick=partial(show_some, show, words, ticks))
     error = (done.payout - known.past.winch.payout)[known.window]
     return float(np.std(error)), float(np.abs(error).max())

@@ -19,8 +19,8 @@ def quiet(words: str, share: float) -> None:
     """Show nothing of how far the work is, in `words`, by its `share`."""
 
 
-def show_some(show: Show, words: str, done: int, of: int) -> None:
-    """Have `show` say how far the work in `words` is, `done` ticks `of` all, not at every tick."""
+def show_some(show: Show, words: str, of: int, done: int) -> None:
+    """Have `show` say how far the work in `words` is, `of` so many ticks `done`, not at every tick."""
     if done % 200 == 0 or done == of:
         show(words, done / max(of, 1))
 
@@ -40,17 +40,34 @@ class Work:
 
     def done(self, words: str, function: Callable[..., Any], tasks: Sequence[Sequence[Any]]) -> list[Any]:
         """Return what a `function` returns for the arguments in each of some `tasks`; `words` are shown."""
-        self.show(words, 0.0)
-        if self.pool is None:
-            found = []
-            for count, task in enumerate(tasks, start=1):
-                found.append(function(*task))
-                self.show(words, count / len(tasks))
+        return self.in_batches(words, function, len(tasks))(tasks) if tasks else []
+
+    def in_batches(
+        self, words: str, function: Callable[..., Any], usual: int
+    ) -> Callable[[Sequence[Sequence[Any]]], list[Any]]:
+        """Return what does batches of tasks, as for `done`, of which there are `usual` in all."""
+        count = 0
+
+        def one_more(found: Any) -> Any:
+            nonlocal count
+            count += 1
+            self.show(words, min(count / usual, 1.0))
             return found
-        coming = [self.pool.submit(function, *task) for task in tasks]
-        for count, _ in enumerate(as_completed(coming), start=1):
-            self.show(words, count / len(tasks))
-        return [future.result() for future in coming]
+
+        def batch(tasks: Sequence[Sequence[Any]]) -> list[Any]:
+            if self.pool is None:
+                return [one_more(function(*task)) for task in tasks]
+            coming = [self.pool.submit(function, *task) for task in tasks]
+            for future in as_completed(coming):
+                one_more(future)
+            return [future.result() for future in coming]
+
+        self.show(words, 0.0)
+        return batch
+
+
+HERE = Work(None, quiet)
+"""Work that this process does, and shows nothing."""
 
 
 @contextmanager

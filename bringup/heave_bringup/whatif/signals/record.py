@@ -138,8 +138,14 @@ class SensorRecord:
 
     def scalar(self, sensor: str) -> Array:
         """Return times and finite values that a `sensor` read, shape (m, 2), in its unit."""
-        rows = [tuple(one) for of_tick in self.measurements for one in of_tick.of(sensor) if np.isfinite(one.value)]
-        return np.array(rows).reshape(-1, 2)
+        if sensor not in self._scalars:
+            rows = [tuple(one) for given in self.measurements for one in given.of(sensor) if math.isfinite(one.value)]
+            self._scalars[sensor] = np.array(rows).reshape(-1, 2)
+        return self._scalars[sensor]
+
+    @cached_property
+    def _scalars(self) -> dict[str, Array]:
+        return {}
 
     def part(self, end: float) -> SensorRecord:
         """Return the record up to a time `end` [s]."""
