@@ -45,7 +45,7 @@ class Work:
     def in_batches(
         self, words: str, function: Callable[..., Any], usual: int
     ) -> Callable[[Sequence[Sequence[Any]]], list[Any]]:
-        """Return what does batches of tasks, as for `done`, of which there are `usual` in all."""
+        """Return what does batches of tasks for a `function`, of which there are `usual` in all; `words` are shown."""
         count = 0
 
         def one_more(found: Any) -> Any:

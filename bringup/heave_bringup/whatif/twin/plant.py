@@ -151,7 +151,12 @@ class Drive(NamedTuple):
 
 
 def driven(line: AxialLine, length: float, tip: Tip, payout: Array, rate: Array, tick_period: float) -> PlantMotion:
-    """Return the motion of the plant under a given payout; arguments as for Drive."""
+    """Return the motion of the plant under a given payout.
+
+    Parameters
+    ----------
+    line, length, tip, payout, rate, tick_period : as for Drive
+    """
     rows = np.column_stack((tip.heave, tip.rate, payout, rate))
     stepper = twin_stepper(line, length, rows[0], tick_period)
     table = np.vstack((stepper.state, stepper.follow(rows[1:])))
@@ -163,5 +168,5 @@ Follow = Callable[[Sequence[Drive]], list[PlantMotion]]
 
 
 def followed(drives: Sequence[Drive]) -> list[PlantMotion]:
-    """Return the motion of each plant under its drive, one after the other."""
+    """Return the motion of a plant under each of some `drives`, one after the other."""
     return [driven(*one) for one in drives]
