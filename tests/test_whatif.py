@@ -13,7 +13,7 @@ from heave_bags.mcap.reader import LOG_TIME, TIME, Bag
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif import fitness
 from heave_bringup.whatif.asked import nominal_of
-from heave_bringup.whatif.known import learn
+from heave_bringup.whatif.known import learn, other_plants
 from heave_bringup.whatif.signals.from_bag import (
     SELECTION,
     Gate,
@@ -27,6 +27,7 @@ from heave_bringup.whatif.signals.record import Loss, without_move
 from heave_bringup.whatif.study import answers, recorded, same_again
 from heave_bringup.whatif.twin.again import observed_again
 from heave_bringup.whatif.twin.replay import Asked, replay
+from heave_bringup.whatif.work import work_in
 from heave_msgs.msg import WinchState
 from heave_node.interface.sensors import WireReading
 from rclpy.serialization import deserialize_message, serialize_message
@@ -326,14 +327,22 @@ def test_the_same_law_gives_the_record_again_with_what_its_operator_did(monkeypa
 
 
 @pytest.mark.long
-def test_loops_that_are_closed_in_other_processes_answer_alike(monkeypatch):
-    monkeypatch.setattr(campaign, "DURATION", 100.0)
+def test_work_that_is_done_in_other_processes_answers_alike(monkeypatch):
+    monkeypatch.setattr(campaign, "DURATION", 70.0)
     scenario = scenario_of(make_draw(0, 1), "off")
     _, record = Recording(scenario).record()
     nominal = scenario.parameters["winch_controller"]
-    known = learn(record, nominal, start=40.0).part(1400)
+    known = learn(record, nominal, start=40.0)
     asked = [Asked(law, replace(nominal, law=law)) for law in ("lqg", "off")]
-    here, there = (answers(known, asked, [known], processes=count) for count in (1, 2))
+    plants, shown = other_plants(known, 1)[:3], []
+    found = []
+    for count in (1, 2):
+        with work_in(count, lambda words, share: shown.append((words, share))) as work:
+            fit = learn(record, nominal, start=40.0, work=work).fit
+            assert fit.values == known.fit.values
+            found.append(answers(known, asked, [known], plants, work=work))
+    here, there = found
+    assert shown[-1] == ("motions of each law on other plants", 1.0)
     for one, other in zip(here, there, strict=True):
         assert one.figures.values == other.figures.values
         assert one.figures.bands == other.figures.bands

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import partial
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -25,9 +25,19 @@ from heave_bringup.whatif.signals.record import SensorRecord, shortened, without
 from heave_bringup.whatif.signals.tip import HighPass
 from heave_bringup.whatif.signals.tip_source import tip_source
 from heave_bringup.whatif.twin.again import Again, observed_again
-from heave_bringup.whatif.twin.plant import PlantFactors, PlantMotion, driven, nominal_line, scaled_line
+from heave_bringup.whatif.twin.plant import (
+    Drive,
+    Follow,
+    PlantFactors,
+    PlantMotion,
+    driven,
+    followed,
+    nominal_line,
+    scaled_line,
+)
 from heave_bringup.whatif.twin.replay import Past, Replayed, locked
 from heave_bringup.whatif.twin.winch import mean_payout, past_winch, winch_under
+from heave_bringup.whatif.work import HERE, Work, show_some
 
 OFF = Mode.OFF.value
 """Law with which the winch is locked."""
@@ -54,14 +64,11 @@ PLANTS = 12
 DRAWN = 300.0
 """Longest part of what is judged over which a loop is closed again for the bands [s]: 30 waves."""
 
+USUAL = 100
+"""Number of twins that a search for cable and unit usually tries, to show how far it is."""
+
 LOOKS = 3
 """Number of searches for the time at which the cable is first slack."""
-
-Show = Callable[[str, float], None]
-
-
-def quiet(words: str, share: float) -> None:
-    """Show nothing of how far the work is, in `words`, by its `share`."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +87,7 @@ class Known:
     set_point : mean payout at each tick [m]
     off : the winch locked
     window : ticks that are judged
+    by_tip : standard deviation of the unit's motion by what is not known of the boom tip [m]
     evidence : of the record
     """
 
@@ -93,6 +101,7 @@ class Known:
     set_point: Array
     off: Replayed
     window: slice
+    by_tip: float
     evidence: Evidence = field(repr=False)
 
     def unexplained_in(self, payout: Array) -> Disturbance:
@@ -127,6 +136,10 @@ class Known:
         cut = {name: shortened(getattr(self, name), ticks, count) for name in of_ticks}
         return replace(self, **cut, window=slice(self.window.start, count))
 
+    def under(self, fits: Sequence[CableFit], follow: Follow) -> list[Known]:
+        """Return what is known under each of other `fits`, the winch as it is; `follow` returns motions of plants."""
+        return _known(self.evidence, self.again, fits, float(self.past.record.time[self.window.start]), follow)
+
     @property
     def model(self) -> float:
         """Relative error of the twins in what they add to the record: what they left of it over what they explained."""
@@ -135,19 +148,6 @@ class Known:
         left = math.sqrt(max(self.left**2 - self.by_tip**2, 0.0))
         return min(max(left / max(explained, 1e-9), MODEL_LEAST), MODEL_MOST)
 
-    @cached_property
-    def by_tip(self) -> float:
-        """Standard deviation of the unit's motion by what is not known of the boom tip, where waves are [m].
-
-        The depth sensor has seen the unit: what the tip leaves open at a resonance is no more than the sensor's noise.
-        """
-        evidence = self.evidence
-        open_ = evidence.covariance(self.fit.values, np.zeros(len(evidence.readings)))[:, 0, 0].real
-        power = open_ * evidence.noise[0] / (open_ + evidence.noise[0])
-        # one-sided density over omega: twice the power over 2 pi
-        step = float(evidence.omegas[1] - evidence.omegas[0])
-        return math.sqrt(float(np.sum(power)) * step / math.pi)
-
 
 def learn(
     record: SensorRecord,
@@ -155,7 +155,7 @@ def learn(
     *,
     start: float,
     prior: Prior | None = None,
-    show: Show = quiet,
+    work: Work = HERE,
 ) -> Known:
     """Return what a `record` shows.
 
@@ -165,38 +165,35 @@ def learn(
     nominal : parameters of its controller
     start : of the window that is judged [s]
     prior : what is known of cable, unit and MRU before; None: what the parameters say
-    show : called with what is done, and the share of it
+    work : that does independent parts
     """
-    ticks = record.ticks
-    again = observed_again(record, nominal, lambda done: show_some(show, "the same law again", done, ticks))
-    show("cable and unit", 0.0)
+    again = observed_again(record, nominal, partial(show_some, work.show, "the same law again", record.ticks))
     beliefs = again.beliefs
     winch = past_winch(record, winch_under(beliefs, nominal), beliefs.value(ENCODER_SCALE, nominal))
     source = tip_source(record, corrections(beliefs, nominal)["mru"], assumed_high_pass(beliefs, nominal))
     depth_scale, end = beliefs.value(DEPTH_SCALE, nominal), float(record.time[-1])
     evidence = Evidence(record, nominal, nominal_line(nominal), source, winch, depth_scale, end)
-    fit = identified(evidence, prior or prior_of(nominal))
-    show("cable and unit", 1.0)
-    return _known(evidence, again, fit, start)
+    follow = work.in_batches("cable and unit", driven, USUAL)
+    return _known(evidence, again, [identified(evidence, prior or prior_of(nominal), follow)], start, follow)[0]
 
 
-def identified(evidence: Evidence, prior: Prior) -> CableFit:
+def identified(evidence: Evidence, prior: Prior, follow: Follow = followed) -> CableFit:
     """Return cable and unit by the part of the `evidence` in which the cable is taut, and the `prior`.
 
-    A slack cable is not seen at its top; the twin shows it along the whole cable.
+    A slack cable is not seen at its top; `follow` returns motions of twins, which show it along the whole cable.
     """
-    fit = fit_cable(evidence, prior)
+    fit = fit_cable(evidence, prior, None, follow)
     for _ in range(LOOKS):
         end = max(taut_until(evidence, fit), float(evidence.record.time[0]) + BEGINS + LEAST_TAUT)
         if abs(end - fit.end) < AFTER_SNAP:
             break
-        fit = fit_cable(replace(evidence, end=end), prior, fit.values)
+        fit = fit_cable(replace(evidence, end=end), prior, fit.values, follow)
     return fit
 
 
 def taut_until(evidence: Evidence, fit: CableFit) -> float:
     """Return the time up to which the cable is taut by a `fit` of some `evidence` [s]: its end, or before a snap."""
-    slack = np.flatnonzero(evidence.motion(fit.values, slice(None)).least_tension <= 0.0)
+    slack = np.flatnonzero(driven(*evidence.drive(fit.values, slice(None))).least_tension <= 0.0)
     return evidence.end if slack.size == 0 else float(evidence.record.time[slack[0]]) - AFTER_SNAP
 
 
@@ -206,14 +203,37 @@ def assumed_high_pass(beliefs: Beliefs, nominal: WinchControllerParameters) -> H
     return HighPass(mru.high_pass_period, mru.high_pass_damping)
 
 
-def _known(evidence: Evidence, again: Again, fit: CableFit, start: float) -> Known:
-    """Return what is known under a `fit`; `start` is that of the window that is judged [s]."""
-    record, nominal, winch = evidence.record, evidence.nominal, evidence.winch
-    if evidence.source is not fit.source or evidence.end != fit.end:
-        evidence = replace(evidence, source=fit.source, end=fit.end)
-    tip, dt = evidence.tip(fit.values), record.tick_period
-    line = scaled_line(evidence.line(fit.values), PlantFactors(stiffness=fit.values[STIFFNESS]))
-    plant = driven(line, nominal.length, tip, winch.payout, winch.rate, tick_period=dt)
+def _known(evidence: Evidence, again: Again, fits: Sequence[CableFit], start: float, follow: Follow) -> list[Known]:
+    """Return what is known under each of some `fits` of one source and end.
+
+    `start` is that of the window that is judged [s]; `follow` returns the motions of plants.
+    """
+    if evidence.source is not fits[0].source or evidence.end != fits[0].end:
+        evidence = replace(evidence, source=fits[0].source, end=fits[0].end)
+    record, winch, dt = evidence.record, evidence.winch, evidence.record.tick_period
+    is_known, recorded, still = np.isfinite(record.set_points), [], []
+    for fit in fits:
+        tip = evidence.tip(fit.values)
+        line = scaled_line(evidence.line(fit.values), PlantFactors(stiffness=fit.values[STIFFNESS]))
+        set_point = np.where(is_known, record.set_points, mean_payout(record.time, winch.payout, tip.heave))
+        recorded.append(Drive(line, evidence.nominal.length, tip, winch.payout, winch.rate, dt))
+        still.append(recorded[-1]._replace(payout=set_point, rate=np.gradient(set_point, dt)))
+    motions = follow([*recorded, *still])
+    offs = map(partial(locked, record), still, motions[len(fits) :])
+    return [
+        _under(evidence, again, fit, start, drive, plant, off)
+        for fit, drive, plant, off in zip(fits, recorded, motions, offs, strict=False)
+    ]
+
+
+def _under(
+    evidence: Evidence, again: Again, fit: CableFit, start: float, drive: Drive, plant: PlantMotion, off: Replayed
+) -> Known:
+    """Return what is known under a `fit`, whose `plant` moved so by its `drive`, and was so with the winch locked.
+
+    `start` is that of the window that is judged [s].
+    """
+    record, nominal, set_point = evidence.record, evidence.nominal, off.payout
     heave, *cell = (np.column_stack(one) for one in evidence.readings)
     unexplained = disturbance(heave, record.time, plant.unit, nominal.sensors.depth.noise)
     is_shaken = record.time > fit.end
@@ -221,40 +241,37 @@ def _known(evidence: Evidence, again: Again, fit: CableFit, start: float) -> Kno
     pulled = disturbance(cell[0], record.time, plant.tension, math.inf).heave if cell else np.zeros(record.ticks)
     moved = PlantMotion(
         plant.unit + snapped,
-        plant.velocity + np.gradient(snapped, dt),
+        plant.velocity + np.gradient(snapped, record.tick_period),
         plant.tension + np.where(is_shaken, pulled, 0.0),
         plant.least_tension,
     )
     past = Past(
         record,
-        line,
-        nominal.length,
-        tip,
-        winch,
+        drive.line,
+        drive.length,
+        drive.tip,
+        evidence.winch,
         winch_under(again.beliefs, nominal),
         plant,
         moved,
         again.beliefs.value(ENCODER_SCALE, nominal),
         evidence.depth_scale,
     )
-    is_known = np.isfinite(record.set_points)
-    set_point = np.where(is_known, record.set_points, mean_payout(record.time, winch.payout, tip.heave))
     window = slice(int(np.searchsorted(record.time, start)), record.ticks)
-    off = locked(past, set_point)
     taut = (record.time >= evidence.start) & ~is_shaken
     left = float(np.std(without_move(record.time, unexplained.heave, set_point)[taut]))
-    return Known(nominal, again, fit, past, unexplained, snapped, left, set_point, off, window, evidence)
+    by_tip = evidence.by_tip(fit.values)
+    return Known(nominal, again, fit, past, unexplained, snapped, left, set_point, off, window, by_tip, evidence)
 
 
-def drawn(known: Known, seed: int, number: int) -> Known:
-    """Return what is `known` with another plant, and winch, that the record allows: draw `number` of a `seed`."""
+def drawn(known: Known, seed: int, number: int, follow: Follow = followed) -> Known:
+    """Return what is `known` with plant and winch of draw `number` of a `seed`; `follow` returns motions of plants."""
     random = random_stream(seed, f"whatif/{number}")
-    past, start = known.past, float(known.past.record.time[known.window.start])
-    other = _known(known.evidence, known.again, known.fit.drawn(random), start)
+    (other,) = known.under([known.fit.drawn(random)], follow)
     if winch_moved(known):
         return other
     lag, delay, gain = (spread * float(random.standard_normal()) for spread in WINCH_SPREAD)
-    winch = past.winch_parameters
+    winch = known.past.winch_parameters
     winch = replace(
         winch,
         time_constant=winch.time_constant * math.exp(lag),
@@ -264,11 +281,10 @@ def drawn(known: Known, seed: int, number: int) -> Known:
     return replace(other, past=replace(other.past, winch_parameters=winch))
 
 
-def other_plants(known: Known, seed: int) -> list[Known]:
-    """Return what is `known` with `PLANTS` other plants that the record allows, of a `seed`, the winch as it is."""
-    start = float(known.past.record.time[known.window.start])
+def other_plants(known: Known, seed: int) -> list[CableFit]:
+    """Return `PLANTS` other plants that the record allows by what is `known`, of a `seed`."""
     random = random_stream(seed, "whatif/plants")
-    return [_known(known.evidence, known.again, known.fit.drawn(random), start) for _ in range(PLANTS)]
+    return [known.fit.drawn(random) for _ in range(PLANTS)]
 
 
 def winch_moved(known: Known) -> bool:
@@ -280,9 +296,3 @@ def off_sigma(known: Known) -> float:
     """Return the standard deviation of the unit with the winch locked, by what is `known` [m]."""
     unexplained = known.unexplained_in(known.off.payout)
     return known.sigma(unit_motion(known.off, unexplained), unexplained)
-
-
-def show_some(show: Show, words: str, done: int, of: int) -> None:
-    """Have `show` say how far the work in `words` is, `done` ticks `of` all, not at every tick."""
-    if done % 200 == 0 or done == of:
-        show(words, done / max(of, 1))

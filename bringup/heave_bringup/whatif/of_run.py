@@ -25,9 +25,10 @@ from heave_node.parameters import ParameterError
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif.answer import Figures, unit_motion
 from heave_bringup.whatif.fitness import warnings
-from heave_bringup.whatif.known import OFF, Show, quiet
+from heave_bringup.whatif.known import OFF
 from heave_bringup.whatif.question import Question, ask
 from heave_bringup.whatif.words import Result, causes, check_line, headings, report_line, rows, to_json
+from heave_bringup.whatif.work import Show, quiet
 
 MOTIONS = ("unit_heave", "uncompensated_heave")
 TEXTS = ("bands", "headings", "rows", "lines", "warnings", "data")

@@ -15,18 +15,18 @@ from winch_controller_node.model.lqr import DesignError
 
 from heave_bringup.errors import CommandError
 from heave_bringup.output import warn
+from heave_bringup.whatif import DRAWS
 from heave_bringup.whatif.asked import Wish, asked_of, nominal_of
 from heave_bringup.whatif.fitness import check_known, check_record
 from heave_bringup.whatif.identify.prior import prior_of
-from heave_bringup.whatif.known import Show, drawn, learn, other_plants, quiet
+from heave_bringup.whatif.known import drawn, learn, other_plants
 from heave_bringup.whatif.signals.from_bag import read_record, scenario_text, write_text
 from heave_bringup.whatif.signals.from_others import read_others
 from heave_bringup.whatif.study import answers, recorded, same_again
+from heave_bringup.whatif.twin.plant import driven
 from heave_bringup.whatif.twin.winch import winch_under
 from heave_bringup.whatif.words import Result
-
-DRAWS = 4
-"""Plants over which each loop is closed again for the bands, where nobody says how many."""
+from heave_bringup.whatif.work import Show, quiet, work_in
 
 
 @dataclass(frozen=True)
@@ -93,10 +93,11 @@ def _asked(source: Path, question: Question, scratch: Path, show: Show) -> Resul
     record = record if question.end is None else record.part(question.end)
     start = run.transient if question.transient is None else question.transient
     check_record(record, start, str(source))
-    known = learn(record, nominal, start=start, prior=prior, show=show)
-    check_known(known, str(source))
-    others = [drawn(known, question.seed, number) for number in range(question.draws)]
-    wanted = asked_of(wish, known.past.winch_parameters, has_adviser=record.has_adviser)
-    plants = other_plants(known, question.seed)
-    found = answers(known, wanted, others, plants, processes=os.cpu_count() or 1, show=show)
+    with work_in(os.cpu_count() or 1, show) as work:
+        known = learn(record, nominal, start=start, prior=prior, work=work)
+        check_known(known, str(source))
+        follow = work.in_batches("draws of the plant", driven, 2 * question.draws)
+        others = [drawn(known, question.seed, number, follow) for number in range(question.draws)]
+        wanted = asked_of(wish, known.past.winch_parameters, has_adviser=record.has_adviser)
+        found = answers(known, wanted, others, other_plants(known, question.seed), work=work)
     return Result(known, recorded(known, found), found, same_again(known, show=show))

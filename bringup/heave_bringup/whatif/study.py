@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from concurrent.futures import as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 from heave_node.kpi import significant
 
-from heave_bringup.errors import CommandError
 from heave_bringup.whatif.answer import Figures, Spread, figures, unit_motion, with_bands
-from heave_bringup.whatif.known import OFF, Known, Show, off_sigma, quiet, show_some
+from heave_bringup.whatif.identify.cable import CableFit
+from heave_bringup.whatif.known import OFF, Known, off_sigma
 from heave_bringup.whatif.signals.record import shortened
 from heave_bringup.whatif.twin.plant import driven
 from heave_bringup.whatif.twin.replay import Asked, Past, Replayed, replay
-from heave_bringup.whatif.twin.winch import tension_at_ticks
-from heave_bringup.workers.pool import worker_pool
+from heave_bringup.whatif.work import HERE, Show, Work, quiet, show_some
 
 
 @dataclass(frozen=True)
@@ -46,10 +43,9 @@ def answers(
     known: Known,
     wanted: Sequence[Asked],
     others: Sequence[Known] = (),
-    plants: Sequence[Known] = (),
+    plants: Sequence[CableFit] = (),
     *,
-    processes: int = 1,
-    show: Show = quiet,
+    work: Work = HERE,
 ) -> list[Answer]:
     """Return what the loops that are asked for would have done.
 
@@ -59,19 +55,20 @@ def answers(
     wanted : controllers and winches
     others : draws of what the record allows, over which each loop is closed again, for the bands
     plants : draws of cable, unit and MRU, on which its payout is tried
-    processes : that close loops at a time
-    show : called with what is done, and the share of it
+    work : that closes loops
     """
     parts = [one.part(known.enough) for one in others]
     tasks = [(one, asked) for asked in wanted for one in (known, *parts)]
     seen = [_seen(one, asked) if one is known or _is_off(asked) else None for one, asked in tasks]
     open_ = [(one.past, asked) for (one, asked), done in zip(tasks, seen, strict=True) if done is None]
-    closed = iter(_closed(open_, processes, show))
-    done = [next(closed) if one is None else one for one in seen]
-    count = 1 + len(parts)
+    closed = iter(_closed(open_, work))
+    done, count = [next(closed) if one is None else one for one in seen], 1 + len(parts)
+    loops = [done[number : number + count] for number in range(0, len(done), count)]
+    on_plants = _on_plants(known, wanted, [of_law[0] for of_law in loops], plants, work)
+    parts = [known.part(known.enough), *parts]
     return [
-        _answer(known, asked, done[count * number : count * (number + 1)], parts, plants)
-        for number, asked in enumerate(wanted)
+        _answer(known, asked, of_law, parts, spread)
+        for asked, of_law, spread in zip(wanted, loops, on_plants, strict=True)
     ]
 
 
@@ -88,38 +85,65 @@ def _seen(known: Known, asked: Asked) -> Replayed | None:
     return _as_recorded(known) if is_own and known.again.is_same else None
 
 
-def _closed(tasks: Sequence[tuple[Past, Asked]], processes: int, show: Show) -> list[Replayed]:
-    """Return what each loop does over its past, closed in so many `processes`."""
+def _closed(tasks: Sequence[tuple[Past, Asked]], work: Work) -> list[Replayed]:
+    """Return what each loop does over its past, as `work` in several processes or here."""
+    if work.pool is not None and len(tasks) > 1:
+        return work.done("closing loops", replay, tasks)
     before = np.cumsum([0, *(past.record.ticks for past, _ in tasks)]).tolist()
-    if processes == 1 or len(tasks) <= 1:
-        return [
-            replay(past, asked, on_tick=partial(_show_of, show, asked.name, start, before[-1]))
-            for (past, asked), start in zip(tasks, before, strict=False)
-        ]
-    try:
-        with worker_pool(min(processes, len(tasks))) as pool:
-            coming = {pool.submit(replay, past, asked): past.record.ticks for past, asked in tasks}
-            done = 0
-            for future in as_completed(coming):
-                done += coming[future]
-                show("closing loops", done / before[-1])
-            return [future.result() for future in coming]
-    except BrokenProcessPool as error:
-        raise CommandError("a process ended without a result: it was killed, or out of memory") from error
+    return [
+        replay(past, asked, on_tick=partial(_show_of, work.show, asked.name, start, before[-1]))
+        for (past, asked), start in zip(tasks, before, strict=False)
+    ]
+
+
+def _on_plants(
+    known: Known, wanted: Sequence[Asked], loops: Sequence[Replayed], plants: Sequence[CableFit], work: Work
+) -> list[list[Figures]]:
+    """Return, for each loop that is `wanted`, its figures with the payout of what is `known` on each of other `plants`.
+
+    `loops` are what each of them does over what is known.
+    """
+    if not plants:
+        return [[] for _ in wanted]
+    others = known.under(plants, work.in_batches("motions of other plants", driven, 2 * len(plants)))
+    tasks = [
+        one.past.drive(done.payout, done.rate)
+        for asked, done in zip(wanted, loops, strict=True)
+        if not _is_off(asked)
+        for one in others
+    ]
+    motions = iter(work.done("motions of each law on other plants", driven, tasks))
+
+    def figures_on(one: Known, asked: Asked, done: Replayed) -> Figures:
+        if _is_off(asked):
+            return _figures(one, one.off)
+        motion = next(motions)
+        return _figures(one, replace(done, unit=motion.unit, tension=motion.tension))
+
+    return [[figures_on(one, asked, done) for one in others] for asked, done in zip(wanted, loops, strict=True)]
 
 
 def _answer(
-    known: Known, asked: Asked, loops: Sequence[Replayed], parts: Sequence[Known], plants: Sequence[Known]
+    known: Known, asked: Asked, loops: Sequence[Replayed], parts: Sequence[Known], on_plants: Sequence[Figures]
 ) -> Answer:
-    """Return what a loop would have done by its `loops`: over what is `known`, then over `parts` that are drawn."""
+    """Return what a loop would have done.
+
+    Parameters
+    ----------
+    known : by the record
+    asked : for the loop
+    loops : what it does over that, and over each draw
+    parts : the part over which draws are closed, of what is known, and of each draw
+    on_plants : its figures on other plants
+    """
     done, *drawn = loops
     base = _figures(known, done)
-    early = _figures(known.part(known.enough), shortened(done, len(done.time), known.enough))
-    draws = [_figures(one, what) for one, what in zip(parts, drawn, strict=True)]
+    early = _figures(parts[0], shortened(done, len(done.time), known.enough))
+    draws = [_figures(one, what) for one, what in zip(parts[1:], drawn, strict=True)]
     past, window = known.past, known.window
     spread = Spread(
         loops=[one.beside(early) for one in draws],
-        plants=[_figures(one, _on_plant(one, asked, done)).beside(base) for one in plants],
+        plants=[one.beside(base) for one in on_plants],
         added=float(np.std((done.unit + done.set_point - past.moved.unit - known.set_point)[window])),
         locked=float(np.std((known.off.unit - past.moved.unit)[window])),
         model=known.model,
@@ -132,19 +156,10 @@ def _answer(
     return Answer(asked, found, done, len(lost) / len(loops), lost[0].cause if lost else "")
 
 
-def _on_plant(known: Known, asked: Asked, done: Replayed) -> Replayed:
-    """Return what a loop has `done`, with the motions of the plant that is `known`."""
-    if _is_off(asked):
-        return known.off
-    past = known.past
-    motion = driven(past.line, past.length, past.tip, done.payout, done.rate, tick_period=past.record.tick_period)
-    return replace(done, unit=motion.unit, tension=motion.tension)
-
-
 def _figures(known: Known, done: Replayed) -> Figures:
     record = known.past.record
-    read = tension_at_ticks(record)
-    tension = read + done.tension - known.past.moved.tension if np.isfinite(read).any() else done.tension
+    is_read = bool(np.isfinite(record.tension).any())
+    tension = record.tension + done.tension - known.past.moved.tension if is_read else done.tension
     unexplained = known.unexplained_in(done.payout)
     unit = unit_motion(done, unexplained)
     return figures(
@@ -160,7 +175,7 @@ def _figures(known: Known, done: Replayed) -> Figures:
 
 def _show_of(show: Show, words: str, before: int, of: int, done: int) -> None:
     """Show how far a part of the work is, `before` which so much was done."""
-    show_some(show, words, before + done, of)
+    show_some(show, words, of, before + done)
 
 
 def recorded(known: Known, found: Sequence[Answer] = ()) -> Figures:
@@ -216,6 +231,6 @@ def same_again(known: Known, *, show: Show = quiet) -> tuple[float, float]:
         return math.nan, math.nan
     words, ticks = "the same law again, closed", record.ticks
     asked = Asked(words, known.nominal, None, record.has_adviser)
-    done = replay(known.past, asked, on_tick=lambda tick: show_some(show, words, tick, ticks))
+    done = replay(known.past, asked, on_tick=partial(show_some, show, words, ticks))
     error = (done.payout - known.past.winch.payout)[known.window]
     return float(np.std(error)), float(np.abs(error).max())

@@ -8,6 +8,7 @@ from pathlib import Path
 from heave_bringup.commands.arguments import add_settings
 from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
+from heave_bringup.whatif import DRAWS
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,7 +26,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--transient", type=float, metavar="S", help="initial time that is left out (the scenario's)")
     parser.add_argument("--end", type=float, metavar="S", help="time at which the record is cut off")
-    parser.add_argument("--draws", type=int, default=4, metavar="N", help="plants that are tried for the bands (4)")
+    parser.add_argument(
+        "--draws", type=int, default=DRAWS, metavar="N", help="plants that are tried for the bands (%(default)s)"
+    )
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the draws (1)")
     parser.add_argument(
         "--output", type=Path, metavar="FILE", help="page to write (default: whatif.html beside the bag)"
@@ -64,9 +67,12 @@ def execute(options: argparse.Namespace) -> None:
     )
     with ProgressLine() as progress:
         result = ask(folder, question, show=progress.show)
+        progress.show("the page", 0.0)
+        text = render(f"{folder.resolve().parent.name}: what would have been", result)
+        progress.show("the page", 1.0)
     page = options.output or folder.parent / "whatif.html"
     try:
-        page.write_text(render(f"{folder.resolve().parent.name}: what would have been", result), encoding="utf-8")
+        page.write_text(text, encoding="utf-8")
     except OSError as error:
         raise CommandError(f"{page}: cannot be written: {error.strerror}") from error
     table = make_table(headings(), rows(result))

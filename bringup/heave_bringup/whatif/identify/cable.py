@@ -28,6 +28,7 @@ from heave_bringup.whatif.identify.prior import (
     Prior,
 )
 from heave_bringup.whatif.signals.tip_source import TipSource, tip_source
+from heave_bringup.whatif.twin.plant import Follow, followed
 
 STEPS = {
     INERTIA: 0.003,
@@ -104,11 +105,13 @@ class Point(NamedTuple):
     Attributes
     ----------
     x : logarithms of the factors, the others as they are
-    left : what the twin leaves of the readings there, whitened (k, m)
+    gap : what the twin leaves of the readings there (m, k)
+    left : the same, whitened (k, m)
     loss : there [nats]
     """
 
     x: Array
+    gap: ComplexArray
     left: ComplexArray
     loss: float
 
@@ -132,10 +135,11 @@ class Search:
     prior : what is known before
     about : values about which the error of the boom tip goes into the readings
     noise : power of what else is in them
+    follow : returns the motions of twins
     """
 
-    def __init__(self, evidence: Evidence, prior: Prior, about: Values, noise: Array) -> None:
-        self._evidence, self._about = evidence, about
+    def __init__(self, evidence: Evidence, prior: Prior, about: Values, noise: Array, follow: Follow) -> None:
+        self._evidence, self._about, self._follow = evidence, about, follow
         self._centre = np.array([prior.centre[name] for name in about])
         self._sigma = np.array([prior.sigma[name] for name in about])
         self._steps = np.array([STEPS[name] for name in about])
@@ -144,30 +148,34 @@ class Search:
         held |= {STIFFNESS} if len(noise) < 2 else set()
         self._free = [place for place, name in enumerate(about) if name not in held]
 
-    def at(self, x: Array) -> Point:
-        """Return the point `x`."""
-        evidence = self._evidence
-        gap = evidence.seen - evidence.twin(values_at(x, self._about))
+    def at(self, *places: Array) -> list[Point]:
+        """Return the points at some `places`: logarithms of the factors, the others as they are."""
+        evidence, of_places = self._evidence, [values_at(x, self._about) for x in places]
+        motions = self._follow([evidence.drive(values, evidence.ticks) for values in of_places])
+        twins = map(evidence.twin, of_places, motions)
+        return [self._point(x, evidence.seen - twin) for x, twin in zip(places, twins, strict=True)]
+
+    def _point(self, x: Array, gap: ComplexArray) -> Point:
+        """Return the point `x`, at which the twin leaves this `gap` to the readings."""
         left = np.einsum("kij,jk->ki", self._whiten, gap)
         off = (x - self._centre) / self._sigma
-        return Point(x, left, float(INDEPENDENT * np.sum(np.abs(left) ** 2) + 0.5 * off @ off))
+        return Point(x, gap, left, float(INDEPENDENT * np.sum(np.abs(left) ** 2) + 0.5 * off @ off))
 
     def followed(self, point: Point, rounds: int) -> tuple[Point, Array]:
         """Return the least point near a `point`, after so many `rounds` at most, and the covariance there."""
         count = len(point.x)
         for _ in range(rounds):
             slopes = np.zeros((2 * point.left.size, count))
-            for place in self._free:
-                step = self._steps[place]
-                moved = self.at(point.x + step * np.eye(count)[place])
-                slopes[:, place] = _real(moved.left - point.left) / step
+            beside = self.at(*(point.x + self._steps[place] * np.eye(count)[place] for place in self._free))
+            for place, moved in zip(self._free, beside, strict=True):
+                slopes[:, place] = _real(moved.left - point.left) / self._steps[place]
             curvature = slopes.T @ slopes + np.diag(self._sigma**-2.0)
             pull = slopes.T @ _real(point.left) + (point.x - self._centre) / self._sigma**2
             move = -np.linalg.solve(curvature, pull)
             covariance = np.asarray(np.linalg.inv(curvature))
             before = point
             for _ in range(HALVINGS):
-                tried = self.at(before.x + move)
+                (tried,) = self.at(before.x + move)
                 if tried.loss < before.loss:
                     point = tried
                     break
@@ -183,7 +191,7 @@ def _real(values: ComplexArray) -> Array:
     return np.concatenate([flat.real, flat.imag])
 
 
-def fit_cable(evidence: Evidence, prior: Prior, near: Values | None = None) -> CableFit:
+def fit_cable(evidence: Evidence, prior: Prior, near: Values | None = None, follow: Follow = followed) -> CableFit:
     """Return the likeliest values, with another high-pass of the MRU where it is worth its price.
 
     Parameters
@@ -191,58 +199,58 @@ def fit_cable(evidence: Evidence, prior: Prior, near: Values | None = None) -> C
     evidence : of the record
     prior : what is known before
     near : values from which it is begun; None: a resonance is looked for
+    follow : returns the motions of twins
     """
     centre = values_at(np.array([*prior.centre.values()]), prior.centre)
     starts: list[Values] = [near] if near else [centre, *({**centre, INERTIA: math.exp(one)} for one in STARTS)]
-    fit = _fitted(evidence, prior, near or centre, starts)
+    fit = _fitted(evidence, prior, near or centre, starts, follow)
     assumed = evidence.source.high_pass
     x, noise = point_of(fit.values), evidence.noise
-    held = Search(evidence, prior, fit.values, noise).at(x).loss
+    held = Search(evidence, prior, fit.values, noise, follow).at(x)[0].loss
     for period in TRIED[HIGH_PASS]:
         if period == assumed.period:
             continue
         source = tip_source(evidence.record, evidence.source.assumed, assumed._replace(period=period))
         other = replace(evidence, source=source)
         # at the same values first: it is seldom worth a search of its own
-        if held - Search(other, prior, fit.values, noise).at(x).loss > PRICES[HIGH_PASS]:
-            tried = _fitted(other, prior, fit.values, [fit.values])
+        if held - Search(other, prior, fit.values, noise, follow).at(x)[0].loss > PRICES[HIGH_PASS]:
+            tried = _fitted(other, prior, fit.values, [fit.values], follow)
             fit = tried if tried.loss < fit.loss - PRICES[HIGH_PASS] else fit
     return fit
 
 
-def _fitted(evidence: Evidence, prior: Prior, about: Values, starts: list[Values]) -> CableFit:
-    """Return the likeliest values from several `starts`."""
+def _fitted(evidence: Evidence, prior: Prior, about: Values, starts: list[Values], follow: Follow) -> CableFit:
+    """Return the likeliest values from several `starts`; `follow` returns the motions of twins."""
     noise = evidence.noise.copy()
-    search = Search(evidence, prior, about, noise)
-    begun = [search.at(point_of(one)) for one in starts]
+    first = search = Search(evidence, prior, about, noise, follow)
+    begun = search.at(*map(point_of, starts))
     if len(starts) > 1:
         # a compensated record shows scale and delay of its MRU first: the resonance is looked for under them
         held = values_at(search.followed(begun[0], FIRST)[0].x, about)
-        begun += [search.at(point_of({**held, INERTIA: one[INERTIA]})) for one in starts]
+        begun += search.at(*(point_of({**held, INERTIA: one[INERTIA]}) for one in starts))
     begun = sorted(begun, key=lambda one: one.loss)[:BEST]
     best, covariance = min((search.followed(one, FIRST) for one in begun), key=lambda pair: pair[0].loss)
     is_settled = False
     for _ in range(2):
         values = values_at(best.x, about)
-        excess = np.maximum(_chi2(evidence, values), 1.0)
+        excess = np.maximum(_chi2(evidence, values, best.gap), 1.0)
         if np.any(excess * evidence.noise > ALIKE * noise) or not is_settled:
             noise, is_settled = evidence.noise * excess, True
-            search = Search(evidence, prior, values, noise)
-            best, covariance = search.followed(search.at(best.x), ROUNDS)
+            search = Search(evidence, prior, values, noise, follow)
+            best, covariance = search.followed(search.at(best.x)[0], ROUNDS)
     values = values_at(best.x, about)
     return CableFit(
         values,
         covariance,
         prior,
         evidence.source,
-        Search(evidence, prior, about, evidence.noise).at(best.x).loss,
-        float(_chi2(evidence, values)[0]),
+        first.at(best.x)[0].loss,
+        float(_chi2(evidence, values, best.gap)[0]),
         evidence.end,
     )
 
 
-def _chi2(evidence: Evidence, values: Values) -> Array:
-    """Return the mean square of what the twin leaves of each of the readings over its noise (m,), under `values`."""
-    gap = np.abs(evidence.seen - evidence.twin(values)) ** 2
+def _chi2(evidence: Evidence, values: Values, gap: ComplexArray) -> Array:
+    """Return the mean square of the `gap` of a twin under `values` to each of the readings over its noise (m,)."""
     held = np.einsum("kii->ik", evidence.covariance(values, evidence.noise)).real
-    return np.asarray(np.mean(gap / held, axis=1))
+    return np.asarray(np.mean(np.abs(gap) ** 2 / held, axis=1))

@@ -21,7 +21,7 @@ from heave_bringup.whatif.signals.record import SensorRecord
 from heave_bringup.whatif.signals.spectra import Speeds, Transform, gains_over_top, noise_power
 from heave_bringup.whatif.signals.tip import Tip
 from heave_bringup.whatif.signals.tip_source import TipSource
-from heave_bringup.whatif.twin.plant import PlantFactors, PlantMotion, driven, scaled_line
+from heave_bringup.whatif.twin.plant import Drive, PlantFactors, PlantMotion, scaled_line
 from heave_bringup.whatif.twin.winch import PastWinch
 
 BAND = (0.25, 4.0)
@@ -127,21 +127,21 @@ class Evidence:
         """Return the boom tip under `values`."""
         return self.source.under(values[SCALE], values[DELAY], values[LEVER_ARM])
 
-    def motion(self, values: Values, ticks: slice) -> PlantMotion:
-        """Return the motion of the twin under `values` over some `ticks`, its stiffness as nominal."""
+    def drive(self, values: Values, ticks: slice) -> Drive:
+        """Return what moves the twin under `values` over some `ticks`, its stiffness as nominal."""
         tip, winch = self.tip(values), self.winch
-        return driven(
+        return Drive(
             self.line(values),
             self.nominal.length,
             Tip(tip.heave[ticks], tip.rate[ticks], tip.sigma),
             winch.payout[ticks],
             winch.rate[ticks],
-            tick_period=self.record.tick_period,
+            self.record.tick_period,
         )
 
-    def twin(self, values: Values) -> ComplexArray:
-        """Return the transforms of what the twin would have read under `values` (m, k)."""
-        motion, time = self.motion(values, self.ticks), self.record.time[self.ticks]
+    def twin(self, values: Values, motion: PlantMotion) -> ComplexArray:
+        """Return the transforms of what the twin would have read under `values`, of its `motion` (m, k)."""
+        time = self.record.time[self.ticks]
         moved = (motion.unit, values[STIFFNESS] * motion.tension)
         return np.array(
             [
@@ -166,6 +166,17 @@ class Evidence:
         g = (H * np.array([[1.0], [values[STIFFNESS]]]))[: len(noise)].reshape(len(noise), *omegas.shape)
         shared = np.einsum("x,ikx,jkx->kij", leak / np.sum(leak), g, np.conj(g))
         return np.asarray(self.tip_noise[:, None, None] * shared + np.diag(noise))
+
+    def by_tip(self, values: Values) -> float:
+        """Return the standard deviation of the unit's motion under `values` by what is not known of the boom tip [m].
+
+        The depth sensor has seen the unit: what the tip leaves open at a resonance is no more than the sensor's noise.
+        """
+        open_ = self.covariance(values, np.zeros(len(self.readings)))[:, 0, 0].real
+        power = open_ * self.noise[0] / (open_ + self.noise[0])
+        # one-sided density over omega: twice the power over 2 pi
+        step = float(self.omegas[1] - self.omegas[0])
+        return math.sqrt(float(np.sum(power)) * step / math.pi)
 
     @cached_property
     def _speeds(self) -> Speeds:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property
@@ -98,6 +99,16 @@ class SensorRecord:
         return np.array([0 if one.winch is None else one.winch.limits_hit for one in self.measurements])
 
     @cached_property
+    def tension(self) -> Array:
+        """Newest tension that the load cell has read at each tick [N]; NaN: none yet."""
+        newest, found = math.nan, np.full(self.ticks, math.nan)
+        for index, of_tick in enumerate(self.measurements):
+            for one in of_tick.of("load_cell"):
+                newest = one.value if math.isfinite(one.value) else newest
+            found[index] = newest
+        return found
+
+    @cached_property
     def mru(self) -> Array:
         """Times, heaves and heave rates that the MRU read and stands by, shape (m, 3) [s], [m], [m/s]."""
         rows = [
@@ -127,8 +138,14 @@ class SensorRecord:
 
     def scalar(self, sensor: str) -> Array:
         """Return times and finite values that a `sensor` read, shape (m, 2), in its unit."""
-        rows = [tuple(one) for of_tick in self.measurements for one in of_tick.of(sensor) if np.isfinite(one.value)]
-        return np.array(rows).reshape(-1, 2)
+        if sensor not in self._scalars:
+            rows = [tuple(one) for given in self.measurements for one in given.of(sensor) if math.isfinite(one.value)]
+            self._scalars[sensor] = np.array(rows).reshape(-1, 2)
+        return self._scalars[sensor]
+
+    @cached_property
+    def _scalars(self) -> dict[str, Array]:
+        return {}
 
     def part(self, end: float) -> SensorRecord:
         """Return the record up to a time `end` [s]."""

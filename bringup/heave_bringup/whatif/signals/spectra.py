@@ -27,10 +27,11 @@ class Transform:
     Parameters
     ----------
     times : of the readings (n,) [s]
-    omegas : angular frequencies (k,) [rad/s]
+    omegas : angular frequencies (k,), evenly spaced [rad/s]
     start, end : of the taper [s]
 
-    The readings' own spacing is their weight, so that no interpolation bends what is fast.
+    The readings' own spacing is their weight, so that no interpolation bends what is fast. Each frequency is one of
+    sqrt(k) coarse ones and one of sqrt(k) fine steps, so that exponentials are of these alone.
     """
 
     def __init__(self, times: Array, omegas: Array, start: float, end: float) -> None:
@@ -40,13 +41,15 @@ class Transform:
         spacing = float(np.median(np.diff(t)))
         # the taper's own power is one, whatever the length of the record
         scale = spacing / math.sqrt(spacing * float(self._weight @ self._weight))
-        self._kernel = scale * np.exp(-1j * np.outer(omegas, t))
+        self._count, fine = len(omegas), math.ceil(math.sqrt(len(omegas)))
+        self._coarse = scale * np.exp(-1j * np.outer(omegas[::fine], t))
+        self._fine = np.exp(-1j * np.outer(t, omegas[:fine] - omegas[0]))
 
     def __call__(self, values: Array) -> ComplexArray:
         """Return the transform (k,) of `values` read at the times (n,), about their mean."""
         v, weight = values[self._inside], self._weight
         v = v - float(weight @ v) / float(np.sum(weight))
-        return np.asarray(self._kernel @ (weight * v))
+        return np.asarray(((self._coarse * (weight * v)) @ self._fine).ravel()[: self._count])
 
 
 def tapered_transform(times: Array, values: Array, omegas: Array, start: float, end: float) -> ComplexArray:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from cable_sim_node.vertical.axial_line import AxialLine
@@ -131,15 +132,41 @@ class PlantMotion:
         return np.gradient(self.velocity)
 
 
-def driven(line: AxialLine, length: float, tip: Tip, payout: Array, rate: Array, *, tick_period: float) -> PlantMotion:
+class Drive(NamedTuple):
+    """What moves a plant.
+
+    Attributes
+    ----------
+    line, length, tip : as for TwinPlant
+    payout, rate : of the cable at each tick (n,) [m], [m/s]
+    tick_period : [s]
+    """
+
+    line: AxialLine
+    length: float
+    tip: Tip
+    payout: Array
+    rate: Array
+    tick_period: float
+
+
+def driven(line: AxialLine, length: float, tip: Tip, payout: Array, rate: Array, tick_period: float) -> PlantMotion:
     """Return the motion of the plant under a given payout.
 
     Parameters
     ----------
-    line, length, tip, tick_period : as for TwinPlant
-    payout, rate : of the cable at each tick (n,) [m], [m/s]
+    line, length, tip, payout, rate, tick_period : as for Drive
     """
     rows = np.column_stack((tip.heave, tip.rate, payout, rate))
     stepper = twin_stepper(line, length, rows[0], tick_period)
     table = np.vstack((stepper.state, stepper.follow(rows[1:])))
     return PlantMotion(*table.T.copy())
+
+
+Follow = Callable[[Sequence[Drive]], list[PlantMotion]]
+"""What returns the motions of plants, each under its drive."""
+
+
+def followed(drives: Sequence[Drive]) -> list[PlantMotion]:
+    """Return the motion of a plant under each of some `drives`, one after the other."""
+    return [driven(*one) for one in drives]

@@ -23,7 +23,7 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 from heave_bringup.whatif.signals.record import Flags, SensorRecord
 from heave_bringup.whatif.signals.tip import Tip
 from heave_bringup.whatif.twin.core import Core
-from heave_bringup.whatif.twin.plant import PlantMotion, TwinPlant, driven
+from heave_bringup.whatif.twin.plant import Drive, PlantMotion, TwinPlant
 from heave_bringup.whatif.twin.winch import PastWinch, TwinWinch
 
 
@@ -52,6 +52,10 @@ class Past:
     moved: PlantMotion
     encoder_scale: float = 1.0
     depth_scale: float = 1.0
+
+    def drive(self, payout: Array, rate: Array) -> Drive:
+        """Return what moves cable and unit under another `payout` and its `rate` at each tick (n,) [m], [m/s]."""
+        return Drive(self.line, self.length, self.tip, payout, rate, self.record.tick_period)
 
 
 @dataclass(frozen=True)
@@ -249,15 +253,13 @@ def replay(
     )
 
 
-def locked(past: Past, set_point: Array) -> Replayed:
-    """Return what the winch at its mean payout, `set_point` at each tick [m], would have been in a `past`."""
-    rate = np.gradient(set_point, past.record.tick_period)
-    motion = driven(past.line, past.length, past.tip, set_point, rate, tick_period=past.record.tick_period)
-    ticks = past.record.ticks
+def locked(record: SensorRecord, drive: Drive, motion: PlantMotion) -> Replayed:
+    """Return what the winch at its mean payout would have been in a `record`: the `motion` under its `drive`."""
+    ticks, set_point = record.ticks, drive.payout
     return Replayed(
-        time=past.record.time,
+        time=record.time,
         payout=set_point,
-        rate=rate,
+        rate=drive.rate,
         set_point=set_point,
         unit=motion.unit,
         tension=motion.tension,

@@ -108,10 +108,9 @@ def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale:
         rate = np.gradient(payout, dt)
         return PastWinch(payout, rate, payout, rate, 0.0)
     twin = TwinWinch(parameters, tick_period=dt)
-    tension = tension_at_ticks(record)
     states = np.zeros((record.ticks, 3))
     for index in range(record.ticks - 1):
-        state = twin.step(record.first + index, record.orders[index], tension[index])
+        state = twin.step(record.first + index, record.orders[index], record.tension[index])
         states[index + 1] = state.payout, state.payout_rate, state.encoder_payout
     modelled, rate, as_read = states.T.copy()
     # what stands above the encoder's noise is what the model of the winch misses
@@ -137,13 +136,3 @@ def mean_payout(time: Array, payout: Array, heave: Array) -> Array:
     moved, waves = payout - mean(payout), heave - mean(heave)
     share = mean(moved * waves) / np.maximum(mean(waves**2), 1e-12)
     return mean(payout - share * heave)
-
-
-def tension_at_ticks(record: SensorRecord) -> Array:
-    """Return the newest tension that the load cell has read at each tick of a `record` [N]; NaN: none yet."""
-    newest, found = math.nan, np.full(record.ticks, math.nan)
-    for index, of_tick in enumerate(record.measurements):
-        for one in of_tick.of("load_cell"):
-            newest = one.value if math.isfinite(one.value) else newest
-        found[index] = newest
-    return found
