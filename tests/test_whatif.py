@@ -275,6 +275,9 @@ def test_a_bag_without_a_sensor_is_refused_in_one_line(calm_bag, tmp_path, left_
         (("--set", "system.sea.peak_period=9"), 2, "cannot be asked"),
         (("--know", "cable.colour=1+-2%"), 2, "must be NAME=VALUE+-SPREAD"),
         (("--draws", "-1"), 2, "must be from 0 to 100"),
+        (("--seed", "-3"), 2, "--seed -3: must be 0 or more"),
+        (("--end", "-1"), 2, "--end -1: must be 0 or more"),
+        (("--transient", "nan"), 2, "--transient nan: must be 0 or more"),
     ],
 )
 def test_what_cannot_be_answered_is_refused_in_one_line(calm_bag, options, status, words):
@@ -316,8 +319,11 @@ def test_the_same_law_gives_the_record_again_with_what_its_operator_did(monkeypa
     time, point = truth.column("time"), truth.column("depth_set_point")
     sigma = np.std(without_move(time, truth.column("unit") + point, point)[known.window])
     assert recorded(known).values["unit_sigma_m"] == pytest.approx(sigma, rel=0.1)
-    own, other = Asked("own", nominal), Asked("lqg", replace(nominal, law="lqg"))
-    (answered, moved), closed = answers(known, [own, other]), replay(known.past, own)
+    own, other, off = (Asked(law, replace(nominal, law=law)) for law in ("mpc", "lqg", "off"))
+    (answered, moved, locked), closed = answers(known, [own, other, off]), replay(known.past, own)
+    was = recorded(known, [locked])
+    low, high = was.bands["unit_sigma_m"]
+    assert low <= was.values["unit_sigma_m"] <= high
     assert np.abs(moved.done.set_point - record.set_points)[known.window].max() < 0.05
     assert moved.done.refused == ()
     # it is not closed for the answer: closing it gives nothing else

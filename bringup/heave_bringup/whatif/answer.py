@@ -36,6 +36,9 @@ KEYS = (
 )
 """Figures that are given, by their names as figures of merit."""
 
+SIGNED = ("unit_efficiency", "tension_min_n")
+"""Those that may be below 0."""
+
 
 @dataclass(frozen=True)
 class Figures:
@@ -160,7 +163,8 @@ def with_bands(base: Figures, spread: Spread, uncompensated: float, by_tip: floa
     bands = {}
     for key, value in base.values.items():
         half = spread.half(key)
-        bands[key] = (value - half, value + half)
+        low = value - half if key in SIGNED else max(value - half, 0.0)
+        bands[key] = (low, value + half)
     sigma, error = base.values["unit_sigma_m"], COVERED * spread.model * spread.added
     without_tip = math.sqrt(max(sigma**2 - by_tip**2, 0.0))
     above = math.hypot(sigma, error) - sigma + 0.5 * error

@@ -48,6 +48,9 @@ LOST = 1.0
 SAME_PAYOUT = 1e-3
 """Error of payout up to which the same law gives the record again [m]."""
 
+FAR = 5.0
+"""Standard deviations of what was known before from which on an identified value is hardly cable, unit or MRU."""
+
 LARGEST_WINCH_ERROR = 0.15
 """Payout that the model of the winch misses, over what the drum moves, above which it is another winch."""
 
@@ -152,6 +155,13 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             f"the fit of cable and unit leaves {known.fit.chi2:.1f} times the noise of the depth sensor: the bands "
             "may be too narrow"
         )
+    for name, value in known.fit.values.items():
+        off = known.fit.off_prior(name)
+        if off > FAR:
+            lines.append(
+                f"{name} is identified as {value:.3g}, {off:.0f} standard deviations from what was assumed: check "
+                "units and signs of the sensors, cable and unit, or give --know"
+            )
     if known.snapped.any():
         lines.append(
             f"the cable was slack at its lower end from {known.fit.end:.0f} s on: cable and unit are identified "

@@ -188,7 +188,7 @@ def recorded(known: Known, found: Sequence[Answer] = ()) -> Figures:
     figures, off = _figures(known, _as_recorded(known)), next((one for one in found if _is_off(one.asked)), None)
     if off is None:
         return figures
-    low, high = known.sigma_ends(known.past.plant.unit + known.set_point + known.unexplained.heave)
+    low, high = known.sigma_ends(unit_motion(_as_recorded(known), known.unexplained))
     sigma, value = figures.values["unit_sigma_m"], figures.values["unit_efficiency"]
     free, (free_low, free_high) = off.figures.values["unit_sigma_m"], off.figures.bands["unit_sigma_m"]
     # each end by both errors, which have nothing to do with one another

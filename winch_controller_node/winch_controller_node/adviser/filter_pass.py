@@ -231,6 +231,17 @@ def _innovation(row: Array, noise: float, x: Array, P: Array, left: Array, acros
     return spread
 
 
+@part_of_kernel
+def _take(x: Array, P: Array, left: Array, across: Array, spread: float) -> None:
+    """Take in a reading: K = P h' / S, x = x + K e, P = P - K S K', with P h' `across`, e `left` and S the `spread`."""
+    for i in range(len(x)):
+        gain = across[i] / spread
+        for j in range(len(left)):
+            x[i, j] += gain * left[j]
+        for j in range(len(x)):
+            P[i, j] -= gain * across[j]
+
+
 @kernel
 def _follow(motion: Motion, reads: Reads, commands: Array, x: Array, P: Array) -> tuple[Array, Array]:
     """Kalman filter of one model, readings one after the other; x (n, c) and P (n, n) are changed in place.
@@ -267,12 +278,6 @@ def _follow(motion: Motion, reads: Reads, commands: Array, x: Array, P: Array) -
             for j in range(c):
                 innovations[m, j] = left[j] / deviation
             if reads.used[m]:
-                # K = P h' / S, x = x + K e, P = P - K S K'
-                for i in range(n):
-                    gain = across[i] / variances[m]
-                    for j in range(c):
-                        x[i, j] += gain * left[j]
-                    for j in range(n):
-                        P[i, j] -= gain * across[j]
+                _take(x, P, left, across, variances[m])
         first = reads.ends[k]
     return innovations, variances

@@ -48,10 +48,14 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.whatif.words import causes, check_line, headings, identified_rows, report_line, rows
     from heave_bringup.whatif.words import to_json as json_of
 
-    warn(["whatif is experimental: its answers are not validated (docs/guide/howto/what_would_have_been.md)"])
+    warn(["whatif is experimental: compared with simulated runs alone (docs/guide/howto/what_would_have_been.md)"])
     check_output("--output", options.output, (".html",))
     if not 0 <= options.draws <= 100:
         raise ParameterError(f"--draws {options.draws}: must be from 0 to 100")
+    for name in ("seed", "transient", "end"):
+        value = getattr(options, name)
+        if value is not None and not value >= 0:
+            raise ParameterError(f"--{name} {value:g}: must be 0 or more")
     folder = bag_of(options.bag)
     question = Question(
         options.law,

@@ -93,6 +93,11 @@ class CableFit:
         """Return whether the record says more of the value `name` than was known before."""
         return self.sigma(name) < TELLS * self.prior.sigma[name]
 
+    def off_prior(self, name: str) -> float:
+        """Return how far the value `name` is from what was known before, in standard deviations of that."""
+        value = self.values[name] if name in AS_THEY_ARE else math.log(self.values[name])
+        return abs(value - self.prior.centre[name]) / self.prior.sigma[name]
+
     def drawn(self, random: np.random.Generator) -> CableFit:
         """Return a fit with other values that the record allows, by `random` numbers."""
         moves = WIDER * random.multivariate_normal(np.zeros(len(self.values)), self.covariance)
