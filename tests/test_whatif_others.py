@@ -133,6 +133,28 @@ def test_a_record_of_others_is_read_as_the_bag_itself(calm_bag, own, tmp_path, f
     assert found.encoder == pytest.approx(whole.encoder[: found.ticks], abs=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("column", "sensor", "every"),
+    [("heave", "mru", 1), ("pressure", "depth", 1), ("pressure", "depth", 3), ("", "", 3)],
+)
+def test_a_sensor_that_gave_no_numbers_is_a_loss_with_its_time(own, tmp_path, column, sensor, every):
+    # a log of 10 s at least; nothing of the sensor from 4 s to 7 s, and of each depth one of `every`
+    whole, nominal = own
+    names, *rows = write_log(whole, nominal, tmp_path / "log.csv").read_text().splitlines()
+    columns = names.split(",")
+    cells, read = [row.split(",") for row in rows], 0
+    for row in cells:
+        place = columns.index("pressure")
+        read += row[place] != ""
+        row[place] = row[place] if read % every == 0 else ""
+        if column and 4.0 < float(row[0]) - HOST < 7.0:
+            row[columns.index(column)] = "NaN"
+    (tmp_path / "log.csv").write_text("\n".join([names, *map(",".join, cells)]) + "\n", encoding="utf-8")
+    found, _ = read_others(tmp_path / "log.csv", map_of(tmp_path, LOG), nominal, TICK)
+    losses = [(one.sensor, round(one.end - one.start)) for one in found.losses if one.end - one.start > 1.0]
+    assert losses == ([(sensor, 3)] if column else [])
+
+
 @pytest.mark.parametrize("share", [0.0, 0.9])
 def test_the_mean_payout_of_a_drum_is_what_no_wave_moves(share):
     time = TICK * np.arange(1, 6001)

@@ -29,7 +29,7 @@ from winch_controller_node.interface.readings import WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.errors import CommandError
-from heave_bringup.whatif.signals.record import SensorRecord
+from heave_bringup.whatif.signals.record import Loss, SensorRecord
 
 OF_MRU = tuple(itertools.chain(*OUTPUTS[MRU.topic.name]))
 BESIDE = ("unit_heave", "pressure", "tension", "payout", "payout_rate", "ordered_rate")
@@ -38,6 +38,9 @@ Signals = dict[str, Signal]
 _SECOND = 1_000_000_000
 EARLY = 0.02
 """A reading belongs to a tick that it comes so little after, in ticks: stamps are rounded to the millisecond."""
+
+GAP = 3.0
+"""A sensor is lost where nothing comes for more than so many of its usual periods."""
 
 
 def read_others(
@@ -75,7 +78,17 @@ def read_others(
     )
     orders = _orders(signals, ticks, tick_period)
     unknown = np.full(ticks, math.nan)
-    return SensorRecord(tick_period, 1, taken, orders, unknown, ("",) * ticks, is_own=False), findings.notes
+    sensors = zip(("mru", "encoder", "depth"), needed, strict=True)
+    losses = tuple(loss for sensor, name in sensors for loss in _gaps(sensor, signals[name]))
+    record = SensorRecord(tick_period, 1, taken, orders, unknown, ("",) * ticks, losses=losses, is_own=False)
+    return record, findings.notes
+
+
+def _gaps(sensor: str, signal: Signal) -> Iterable[Loss]:
+    """Return when a `sensor` gave no number for longer than it does between most of those of its `signal`."""
+    between = np.diff(signal.time)
+    for place in np.flatnonzero(between > GAP * np.median(between)) if between.size else ():
+        yield Loss(sensor, float(signal.time[place]), float(signal.time[place + 1]), "no number came")
 
 
 def _check(source: Path, signals: Signals) -> None:
