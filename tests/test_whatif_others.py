@@ -155,6 +155,26 @@ def test_a_sensor_that_gave_no_numbers_is_a_loss_with_its_time(own, tmp_path, co
     assert losses == ([(sensor, 3)] if column else [])
 
 
+@pytest.mark.parametrize(
+    ("right", "wrong", "words"),
+    [
+        ("unit: kN", "unit: tf", "tension over the weight of cable and unit is 9.8"),
+        ("unit: kN", "unit: N", "tension over the weight of cable and unit is 0.001"),
+        ("unit: bar", "unit: kPa", "depth by pressure over the cable that is out is -0.0"),
+        ("column: heave, unit: cm, positive: down", "column: fixed", "heave never changes: another column"),
+    ],
+)
+def test_what_cannot_be_in_the_unit_of_the_map_is_refused_with_the_likely_cause(own, tmp_path, right, wrong, words):
+    whole, nominal = own
+    names, *rows = write_log(whole, nominal, tmp_path / "log.csv").read_text().splitlines()
+    (tmp_path / "log.csv").write_text(
+        "\n".join([f"{names},fixed", *(f"{row},2.5" for row in rows)]) + "\n", encoding="utf-8"
+    )
+    assert LOG.count(right) == 1
+    with pytest.raises(CommandError, match=words):
+        read_others(tmp_path / "log.csv", map_of(tmp_path, LOG.replace(right, wrong)), nominal, TICK)
+
+
 @pytest.mark.parametrize("share", [0.0, 0.9])
 def test_the_mean_payout_of_a_drum_is_what_no_wave_moves(share):
     time = TICK * np.arange(1, 6001)

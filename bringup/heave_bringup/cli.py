@@ -6,6 +6,7 @@ from heave_bringup.interrupts import forget_interrupts, raise_if_interrupted, ra
 
 # isort: split
 import argparse
+import errno
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,6 +19,9 @@ from heave_node.ros.transport.watchdog import check_memory
 from heave_bringup.commands.completion import complete
 from heave_bringup.errors import CommandError, ExitStatus
 from heave_bringup.parser import make_parser
+
+FULL = (errno.ENOSPC, errno.EDQUOT)
+"""Errors of a disk that is full: they come without the file's name."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -38,8 +42,6 @@ def _main(arguments: Sequence[str] | None) -> int:
     parser = make_parser()
     complete(parser)
     options = parser.parse_args(arguments)
-    if options.json not in (None, "-") and not Path(options.json).resolve().parent.is_dir():
-        return _exit_with(f"--json {options.json}: no such folder: {Path(options.json).parent}", ExitStatus.REFUSED)
     status = _status_after(options)
     if arguments is None and status == ExitStatus.INTERRUPTED:
         exit_at_once(status)
@@ -61,6 +63,10 @@ def _status_after(options: argparse.Namespace) -> int:
 
 def _execute(options: argparse.Namespace) -> None:
     raise_if_interrupted()
+    if options.json not in (None, "-"):
+        from heave_bringup.output import check_output  # noqa: PLC0415 - slow to import, and seldom needed here
+
+        check_output("--json", Path(options.json))
     try:
         options.execute(options)
     except (CommandError, ParameterError, BagError):
@@ -84,9 +90,9 @@ def _exit_with(error: object, status: ExitStatus) -> ExitStatus:
 def _refused_by_the_system(error: OSError) -> int:
     if isinstance(error, BrokenPipeError):  # the reader of our output has closed it
         return ExitStatus.FAILED
-    if error.filename is None:  # no file that the user named: a defect of ours, to be shown in full
+    if error.filename is None and error.errno not in FULL:  # no file that the user named: a defect of ours, in full
         raise error
-    return _exit_with(f"{error.filename}: {error.strerror}", ExitStatus.FAILED)
+    return _exit_with(f"{error.filename or 'output'}: {error.strerror}", ExitStatus.FAILED)
 
 
 if __name__ == "__main__":

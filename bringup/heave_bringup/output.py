@@ -5,9 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import sys
+import tempfile
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from errno import EISDIR
 from pathlib import Path
 
 from heave_node.parameters import ParameterError
@@ -129,24 +132,34 @@ def make_table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, texts: 
     return table
 
 
-def check_output(option: str, path: Path | None, endings: Sequence[str], *, makes_folder: bool = False) -> None:
+def check_output(option: str, path: Path | None, endings: Sequence[str] = (), *, makes_folder: bool = False) -> None:
     """Refuse an output file that could not be written, before the work for it begins.
 
     Parameters
     ----------
     option : of the command line, named in the message
     path : the file; None: no file
-    endings : of file names that the command can write
+    endings : of file names that the command can write; none: all
     makes_folder : whether the command makes the folder of the file
 
-    Raises ParameterError for another ending, or for a folder that does not exist.
+    Raises ParameterError for another ending, and for a folder or a file that does not exist or cannot be written.
     """
     if path is None:
         return
-    if path.suffix.lower() not in endings:
+    if endings and path.suffix.lower() not in endings:
         raise ParameterError(f"{option} {path}: must end in {' or '.join(endings)}")
     if not makes_folder and not path.resolve().parent.is_dir():
         raise ParameterError(f"{option} {path}: there is no folder {path.parent}")
+    folder = next(one for one in path.resolve().parents if one.is_dir())
+    try:
+        if path.is_file():
+            path.open("ab").close()
+        elif path.is_dir():
+            raise IsADirectoryError(EISDIR, os.strerror(EISDIR))
+        elif not path.exists():  # neither a pipe nor a device
+            tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise ParameterError(f"{option} {path}: cannot be written: {error.strerror}") from error
 
 
 def _finite(value: object) -> object:

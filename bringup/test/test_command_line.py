@@ -104,10 +104,26 @@ def test_the_version_is_that_of_the_project_with_its_commit_where_it_is_known(ca
     assert re.fullmatch(rf"heave {re.escape(version)}( \([0-9a-f]{{40}}(\+changes)?\))?\n", capsys.readouterr().out)
 
 
-def test_a_file_that_the_system_refuses_is_one_line_and_status_1(capsys):
-    assert main(["static", "b2_calm_300", "--picture", "/proc/x.svg"]) == 1
+def test_a_file_that_the_system_refuses_is_one_line_and_status_1(tmp_path, capsys):
+    (tmp_path / "full.svg").symlink_to("/dev/full")
+    assert main(["static", "b2_calm_300", "--picture", str(tmp_path / "full.svg")]) == 1
     # what is compiled once after installation is reported before
-    assert capsys.readouterr().err.splitlines()[-1] == "heave: /proc/x.svg: No such file or directory"
+    assert capsys.readouterr().err.splitlines()[-1].endswith(": No space left on device")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["static", "b2_calm_300", "--picture", "/proc/x.svg"], "--picture /proc/x.svg: cannot be written: "),
+        (["static", "b2_calm_300", "--json", "/proc/x.json"], "--json /proc/x.json: cannot be written: "),
+        (["static", "b2_calm_300", "--json", "/proc"], "--json /proc: cannot be written: Is a directory"),
+        (["static", "b2_calm_300", "--json", "no/x.json"], "--json no/x.json: there is no folder no"),
+        (["whatif", "no_bag", "--output", "/proc/x.html"], "--output /proc/x.html: cannot be written: "),
+    ],
+)
+def test_an_output_that_cannot_be_written_is_refused_before_the_work(arguments, words, capsys):
+    assert main(arguments) == 2
+    assert capsys.readouterr().err.splitlines()[-1].startswith(f"heave: {words}")
 
 
 def test_a_wrong_value_is_told_with_where_it_stands(tmp_path, capsys):

@@ -24,7 +24,7 @@ from heave_bags.errors import BagError
 from heave_bags.mcap.reader import TIME, Bag
 from heave_bags.play.device_log import device_signals
 from heave_bags.play.sample_checks import Findings, is_valid, without_fill, without_standstill
-from heave_bags.play.sea_mapping import SeaMapping, mapping_for_topic
+from heave_bags.play.sea_mapping import MOTIONS, SeaMapping, mapping_for_topic
 from heave_bags.play.ship_log import ShipLog, is_text
 from heave_bags.play.ship_time import time_words
 from heave_bags.play.stretches import Window, longest_stretch
@@ -237,11 +237,12 @@ def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findi
     cause = _backward_words(time)
     if left_out:
         findings.notes.append(
-            f"{name}: {left_out} samples that are not numbers or not later than their predecessor skipped{cause}"
+            f"{name}: {left_out} samples without a number, or not later than the one before, skipped{cause}"
         )
     checked = Signal(time[later], value[later])
     checked = without_fill(name, checked, "" if channel.acceleration or channel.velocity else name, findings)
-    checked = without_standstill(name, checked, findings)
+    if name.removesuffix("_rate").removesuffix("_acceleration") in MOTIONS:  # a drum may stand still
+        checked = without_standstill(name, checked, findings)
     if channel.acceleration:
         findings.ask(_gravity_question(name, checked.value))
     if checked.size < 10:

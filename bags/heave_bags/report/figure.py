@@ -174,14 +174,19 @@ def limit_line(height: float, name: str, axis: str = "y") -> list[dict[str, Any]
 def transient_band(record: RunRecord) -> list[dict[str, Any]]:
     """Return a grey band over the time of the run `record` that no figure counts."""
     first = record.signals.unit_heave.time[0] if record.signals.unit_heave.size else 0.0
-    if record.start <= first:
+    return uncounted_band(float(first), record.start)
+
+
+def uncounted_band(first: float, start: float) -> list[dict[str, Any]]:
+    """Return a grey band from a `first` time to the `start` of what figures count [s]; none where they count all."""
+    if start <= first:
         return []
     return [
         {
             "type": "rect",
             "xref": "x",
-            "x0": float(first),
-            "x1": record.start,
+            "x0": first,
+            "x1": start,
             "yref": "paper",
             "y0": 0,
             "y1": 1,

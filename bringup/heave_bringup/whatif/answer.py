@@ -12,7 +12,7 @@ from heave_node.kpi import efficiency, significant
 from heave_node.numerics.arrays import Array
 
 from heave_bringup.whatif.signals.disturbance import Disturbance
-from heave_bringup.whatif.signals.record import without_move
+from heave_bringup.whatif.signals.record import Flags, without_move
 from heave_bringup.whatif.twin.replay import Replayed
 
 MODES = (MODE_CHANGED, COMPENSATION_LOST)
@@ -23,6 +23,12 @@ COVERED = 1.645
 
 MODEL_LEAST, MODEL_MOST = 0.004, 0.04
 """Relative error of the twin in what it adds to a record: at least that of its mesh and drag; at most as stated."""
+
+Band = tuple[float, float]
+"""Lower and upper end."""
+
+COUNTED = int(~WinchLimit.PAYOUT)
+"""Limits of the winch that count as such: not the ends of its cable."""
 
 KEYS = (
     "unit_efficiency",
@@ -36,8 +42,8 @@ KEYS = (
 )
 """Figures that are given, by their names as figures of merit."""
 
-SIGNED = ("unit_efficiency", "tension_min_n")
-"""Those that may be below 0."""
+POSSIBLE = {"unit_efficiency": (-math.inf, 1.0), "time_at_limit_percent": (0.0, 100.0)}
+"""Least and largest that a figure can be; 0 and infinity for the others."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +61,7 @@ class Figures:
 
     values: Mapping[str, float]
     unit: Array = field(repr=False)
-    bands: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    bands: Mapping[str, Band] = field(default_factory=dict)
     lost_at: float = math.inf
     cause: str = ""
 
@@ -92,7 +98,6 @@ def figures(
     tick_period : [s]
     """
     rate = done.rate[window]
-    limits = done.limits_hit[window] & int(~WinchLimit.PAYOUT)
     top = tension[window]
     is_known = bool(np.isfinite(top).all())
     values = {
@@ -103,10 +108,16 @@ def figures(
         "tension_max_n": float(top.max()) if is_known else math.nan,
         "winch_speed_max_mps": float(np.abs(rate).max()),
         "winch_acceleration_max_mps2": float(np.abs(np.diff(rate)).max()) / tick_period,
-        "time_at_limit_percent": 100.0 * float(np.mean(limits != 0)),
+        "time_at_limit_percent": 100.0 * float(np.mean((done.limits_hit[window] & COUNTED) != 0)),
     }
     lost_at, cause = lost(done)
     return Figures(values, unit[window], {}, lost_at, cause)
+
+
+def limits_in(flags: Flags) -> list[WinchLimit]:
+    """Return the limits of the winch that acted in any of some ticks, given as sums of `flags`."""
+    acted = int(np.bitwise_or.reduce(flags, initial=0)) & COUNTED
+    return [one for one in WinchLimit if one & acted]
 
 
 def lost(done: Replayed) -> tuple[float, str]:
@@ -163,14 +174,13 @@ def with_bands(base: Figures, spread: Spread, uncompensated: float, by_tip: floa
     bands = {}
     for key, value in base.values.items():
         half = spread.half(key)
-        low = value - half if key in SIGNED else max(value - half, 0.0)
-        bands[key] = (low, value + half)
+        bands[key] = (value - half, value + half)
     sigma, error = base.values["unit_sigma_m"], COVERED * spread.model * spread.added
     without_tip = math.sqrt(max(sigma**2 - by_tip**2, 0.0))
     above = math.hypot(sigma, error) - sigma + 0.5 * error
     below = math.hypot(min(0.5 * error, 0.5 * sigma), sigma - without_tip)
     half = spread.half("unit_sigma_m")
-    low, high = max(sigma - math.hypot(half, below), 0.0), sigma + math.hypot(half, above)
+    low, high = sigma - math.hypot(half, below), sigma + math.hypot(half, above)
     bands["unit_sigma_m"], bands["significant_residual_m"] = (low, high), (significant(low), significant(high))
     value = base.values["unit_efficiency"]
     if uncompensated > 0.0:
@@ -180,7 +190,16 @@ def with_bands(base: Figures, spread: Spread, uncompensated: float, by_tip: floa
             value - math.hypot(half, above / uncompensated, by_off),
             value + math.hypot(half, below / uncompensated, by_off),
         )
-    return Figures(base.values, base.unit, bands, base.lost_at, base.cause)
+    return Figures(base.values, base.unit, possible(bands), base.lost_at, base.cause)
+
+
+def possible(bands: Mapping[str, Band]) -> dict[str, Band]:
+    """Return the part of some `bands` in which their figures can be."""
+    found = {}
+    for key, (low, high) in bands.items():
+        least, largest = POSSIBLE.get(key, (0.0, math.inf))
+        found[key] = (max(low, least), min(high, largest))
+    return found
 
 
 def _rms(values: Sequence[float]) -> float:

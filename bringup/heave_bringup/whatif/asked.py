@@ -60,10 +60,11 @@ def asked_of(wish: Wish, identified: WinchParameters, *, has_adviser: bool) -> l
     before = load_scenario(str(wish.scenario), needs_files=False)
     after = load_scenario(str(wish.scenario), settings=wish.settings, needs_files=False)
     changed = {node: _changes(before.parameters[node], after.parameters[node]) for node in after.parameters}
+    changed["all"] = _changes(before.run, after.run)
     fixed = [f"{node}.{name}" for node, names in changed.items() if node not in (CONTROLLER, WINCH) for name in names]
     if fixed:
         raise ParameterError(
-            f"--set: a record has one sea, cable, unit and set of sensors; {fixed[0]} cannot be asked, only "
+            f"--set: a record has one sea, cable, unit, set of sensors and length; {fixed[0]} cannot be asked, only "
             f"{CONTROLLER}.*, {WINCH}.* and system.winch.*"
         )
     nested = [name for name in changed[WINCH] if "." in name]

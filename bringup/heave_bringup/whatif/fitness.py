@@ -6,12 +6,13 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from heave_node.interface.codes import WinchLimit
+from heave_bags.analyse.events import words
 from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.errors import CommandError
+from heave_bringup.whatif.answer import limits_in
 from heave_bringup.whatif.identify.evidence import BEGINS
-from heave_bringup.whatif.identify.prior import DAMPING, INERTIA
+from heave_bringup.whatif.identify.prior import AS_THEY_ARE, DAMPING, INERTIA
 from heave_bringup.whatif.known import OFF, Known, off_sigma, winch_moved
 from heave_bringup.whatif.signals.record import Loss, SensorRecord
 from heave_bringup.whatif.study import Answer
@@ -30,7 +31,7 @@ POOR_CHI2 = 1.5
 """Mean square of what is left of the depth over its noise, above which a report warns."""
 
 WIDE = 0.05
-"""Half width of a band of the efficiency above which the record does not suffice [-]."""
+"""Distance from the efficiency to an end of its band above which the record does not suffice [-]."""
 
 NEEDED = {
     "mru": "the boom tip's motion is not known",
@@ -49,7 +50,7 @@ SAME_PAYOUT = 1e-3
 """Error of payout up to which the same law gives the record again [m]."""
 
 FAR = 5.0
-"""Standard deviations of what was known before from which on an identified value is hardly cable, unit or MRU."""
+"""Standard deviations of what was known before above which an identified value is none of cable, unit or MRU."""
 
 LARGEST_WINCH_ERROR = 0.15
 """Payout that the model of the winch misses, over what the drum moves, above which it is another winch."""
@@ -111,13 +112,7 @@ def _lasted(record: SensorRecord, loss: Loss, start: float) -> float:
 
 def check_known(known: Known, where: str) -> None:
     """Refuse an answer where what is `known` contradicts itself; raises CommandError with the reason, `where` in it."""
-    off = off_sigma(known)
-    if known.left > LARGEST_LEFT * off:
-        snap = " (the cable was slack from early on)" if known.snapped.any() else ""
-        raise CommandError(
-            f"{where}: the twin misses the depth by {100.0 * known.left:.1f} cm of {100.0 * off:.1f} cm (sigma){snap}: "
-            "cable and unit are not as assumed; check length, unit and cable, or give --know"
-        )
+    check_fit(known, off_sigma(known), where)
     missed, moved = known.past.winch.error, float(np.std(known.past.winch.payout - known.set_point))
     if winch_moved(known) and missed > LARGEST_WINCH_ERROR * moved:
         raise CommandError(
@@ -128,12 +123,47 @@ def check_known(known: Known, where: str) -> None:
         raise CommandError(f"{where}: the cable was slack: what came before a snap does not tell what comes after")
 
 
+def check_fit(known: Known, off: float, where: str) -> None:
+    """Refuse cable, unit and MRU that are not as assumed.
+
+    Parameters
+    ----------
+    known : by a record
+    off : standard deviation of the unit with the winch locked [m]
+    where : the bag, for the message
+
+    Raises CommandError, in one line, with what to check.
+    """
+    if known.left > LARGEST_LEFT * off:
+        snap = " (the cable was slack from early on)" if known.snapped.any() else ""
+        raise CommandError(
+            f"{where}: the twin misses the depth by {100.0 * known.left:.1f} cm of {100.0 * off:.1f} cm (sigma){snap}: "
+            f"{_check_words(known)}, then length, unit and cable"
+        )
+    for name, value in known.fit.values.items():
+        off_prior = known.fit.off_prior(name)
+        if off_prior > FAR:
+            spread = "+-0.02" if name in AS_THEY_ARE else "+-5%"
+            raise CommandError(
+                f"{where}: {name} is identified as {value:.3g}, {off_prior:.0f} standard deviations from what was "
+                f"assumed: {_check_words(known)}; if it is so, give --know {name}={value:.3g}{spread}"
+            )
+
+
+def _check_words(known: Known) -> str:
+    """Return what to check where a record does not fit what is assumed, by what is `known` of it, in words."""
+    drum, unit = known.evidence.shares
+    return (
+        f"of the boom tip's heave the drum takes out {drum:.2f} and the unit shows {unit:.2f}, which should add up to "
+        "1: check units, signs and columns of MRU, encoder, depth sensor and load cell"
+    )
+
+
 def reported(known: Known) -> list[tuple[str, bool, str]]:
     """Return what the record shows by what is `known` of it: of what, whether, and why, in words."""
     fit, record, window = known.fit, known.past.record, known.window
-    limits = record.limits_hit[window] & int(~WinchLimit.PAYOUT)
-    reached, moved = bool(np.any(limits)), winch_moved(known)
-    plant = f"inertia to {100.0 * fit.sigma(INERTIA):.1f} %, chi2 {fit.chi2:.1f}"
+    reached, moved = limits_in(record.limits_hit[window]), winch_moved(known)
+    plant = f"inertia within {100.0 * fit.sigma(INERTIA):.1f} %, chi2 {fit.chi2:.1f}"
     still = "it stood still" if record.has_orders else "its orders are not in the record"
     winch = "it answered orders" if moved else still
     if moved and not known.again.beliefs.values:
@@ -141,9 +171,9 @@ def reported(known: Known) -> list[tuple[str, bool, str]]:
     unhit = "they were never reached" if record.is_own else "nothing reports them"
     return [
         ("cable and unit", fit.tells(INERTIA), plant),
-        ("damping", fit.tells(DAMPING), f"to {100.0 * fit.sigma(DAMPING):.0f} %"),
+        ("damping", fit.tells(DAMPING), f"within {100.0 * fit.sigma(DAMPING):.0f} %"),
         ("winch", moved, winch),
-        ("winch limits", reached, "they were reached" if reached else unhit),
+        ("winch limits", bool(reached), f"reached: {' and '.join(map(words, reached))}" if reached else unhit),
     ]
 
 
@@ -155,13 +185,6 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             f"the fit of cable and unit leaves {known.fit.chi2:.1f} times the noise of the depth sensor: the bands "
             "may be too narrow"
         )
-    for name, value in known.fit.values.items():
-        off = known.fit.off_prior(name)
-        if off > FAR:
-            lines.append(
-                f"{name} is identified as {value:.3g}, {off:.0f} standard deviations from what was assumed: check "
-                "units and signs of the sensors, cable and unit, or give --know"
-            )
     if known.snapped.any():
         lines.append(
             f"the cable was slack at its lower end from {known.fit.end:.0f} s on: cable and unit are identified "
@@ -186,22 +209,23 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             lines.append(f"{answer.asked.name}: does not take what the operator requested: {refused[0]}")
         lacking = lacks(known, answer)
         if lacking:
-            lines.append(f"{answer.asked.name}: the record does not suffice: {'; '.join(lacking)}")
+            lines.append(f"{answer.asked.name}: this record alone does not carry the answer: {'; '.join(lacking)}")
     return lines
 
 
 def lacks(known: Known, answer: Answer) -> list[str]:
     """Return what the record does not show that an `answer` on what is `known` needs, in words; empty: it suffices."""
     shows = {of: (is_reported, why) for of, is_reported, why in reported(known)}
-    values, (low, high) = answer.figures.values, answer.figures.bands["unit_efficiency"]
+    efficiency, limit = (answer.figures.values[key] for key in ("unit_efficiency", "time_at_limit_percent"))
+    low, high = answer.figures.bands["unit_efficiency"]
     found = []
     if not shows["cable and unit"][0]:
         found.append(f"cable and unit are not known from it ({shows['cable and unit'][1]})")
     if answer.asked.controller.law != OFF and not shows["winch"][0]:
         found.append(f"how the winch answers is assumed ({shows['winch'][1]})")
-    limit = values["time_at_limit_percent"]
     if limit > 0.0 and not shows["winch limits"][0]:
-        found.append(f"it is at the winch's limits for {limit:.1f} % of the time, and they are assumed")
-    if high - low > 2.0 * WIDE:
+        limits = " and ".join(map(words, limits_in(answer.done.limits_hit[known.window])))
+        found.append(f"it is at the winch's limits ({limits}) for {limit:.1f} % of the time, and they are assumed")
+    if max(efficiency - low, high - efficiency) > WIDE:
         found.append(f"its efficiency is anywhere from {100.0 * low:.0f} to {100.0 * high:.0f} %")
     return found

@@ -24,7 +24,6 @@ from heave_node.parameters import ParameterError
 
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif.answer import Figures, unit_motion
-from heave_bringup.whatif.fitness import warnings
 from heave_bringup.whatif.known import OFF
 from heave_bringup.whatif.question import Question, ask
 from heave_bringup.whatif.words import Result, causes, check_line, headings, report_line, rows, to_json
@@ -91,7 +90,7 @@ def reconstruction(result: Result) -> Reconstruction:
         headings(),
         rows(result),
         [check_line(result), report_line(known)],
-        [*warnings(known, result.answers), *causes(result.answers)],
+        [*result.warnings, *causes(result.answers)],
         to_json(result),
     )
 

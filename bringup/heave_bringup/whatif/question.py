@@ -14,7 +14,6 @@ from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.model.lqr import DesignError
 
 from heave_bringup.errors import CommandError
-from heave_bringup.output import warn
 from heave_bringup.whatif import DRAWS
 from heave_bringup.whatif.asked import Wish, asked_of, nominal_of
 from heave_bringup.whatif.fitness import check_known, check_record
@@ -86,10 +85,11 @@ def _asked(source: Path, question: Question, scratch: Path, show: Show) -> Resul
     asked_of(wish, winch_under(Beliefs(-1), nominal), has_adviser=True)
     prior = prior_of(nominal, question.know)
     if question.device_map is None:
-        record = read_record(Bag(source), nominal, progress=lambda share: show("reading", share))
+        bag = Bag(source)
+        record = read_record(bag, nominal, progress=lambda share: show("reading", share))
+        notes = [*bag.notes, *map(str, bag.losses)]
     else:
         record, notes = read_others(source, question.device_map, nominal, run.tick_period)
-        warn(notes)
     record = record if question.end is None else record.part(question.end)
     start = run.transient if question.transient is None else question.transient
     check_record(record, start, str(source))
@@ -100,4 +100,4 @@ def _asked(source: Path, question: Question, scratch: Path, show: Show) -> Resul
         others = [drawn(known, question.seed, number, follow) for number in range(question.draws)]
         wanted = asked_of(wish, known.past.winch_parameters, has_adviser=record.has_adviser)
         found = answers(known, wanted, others, other_plants(known, question.seed), work=work)
-    return Result(known, recorded(known, found), found, same_again(known, show=show))
+    return Result(notes, known, recorded(known, found), found, same_again(known, show=show))

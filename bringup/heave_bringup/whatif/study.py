@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from heave_node.kpi import significant
 
-from heave_bringup.whatif.answer import Figures, Spread, figures, unit_motion, with_bands
+from heave_bringup.whatif.answer import Figures, Spread, figures, possible, unit_motion, with_bands
 from heave_bringup.whatif.identify.cable import CableFit
 from heave_bringup.whatif.known import OFF, Known, off_sigma
 from heave_bringup.whatif.signals.record import shortened
@@ -197,7 +197,7 @@ def recorded(known: Known, found: Sequence[Answer] = ()) -> Figures:
         value + math.hypot(sigma - low, sigma * (1.0 - free / max(free_high, 1e-9))) / free,
     )
     bands = {"unit_sigma_m": (low, high), "significant_residual_m": (significant(low), significant(high))}
-    return replace(figures, bands={**bands, "unit_efficiency": ends})
+    return replace(figures, bands=possible({**bands, "unit_efficiency": ends}))
 
 
 def _as_recorded(known: Known) -> Replayed:

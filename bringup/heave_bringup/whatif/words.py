@@ -19,22 +19,35 @@ BRIEF = ("unit_efficiency", "unit_sigma_m", "significant_residual_m", "tension_m
 """Figures of the table in a terminal, beside time at limits and the chance of a fade-out."""
 
 
+IDENTIFIED = ("identified", "value", "sigma", "assumed", "known by")
+"""Headings of the table of what was identified."""
+
+EXPERIMENTAL = "whatif is experimental: compared with simulated runs alone (docs/guide/howto/what_would_have_been.md)"
+
+
 @dataclass(frozen=True)
 class Result:
     """All that a command has to say.
 
     Attributes
     ----------
+    notes : on the record as it was read, a line each
     known : by the record
     recorded : figures of the record itself
     answers : the first asked first
     payout_error : of the same law again, standard deviation and largest [m]
     """
 
+    notes: Sequence[str]
     known: Known
     recorded: Figures
     answers: Sequence[Answer]
     payout_error: tuple[float, float]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must be aware of, a line each."""
+        return [*self.notes, *warnings(self.known, self.answers)]
 
 
 def banded(key: str, figures: Figures) -> str:
@@ -59,8 +72,14 @@ def rows(result: Result) -> list[list[str]]:
     found = [["recorded", *(banded(key, result.recorded) for key in BRIEF), limits, "-"]]
     for answer in result.answers:
         cells = [banded(key, answer.figures) for key in BRIEF]
-        found.append([answer.asked.name, *cells, _limits(answer.figures), f"{100.0 * answer.fade_out:.0f} %"])
+        found.append([answer.asked.name, *cells, _limits(answer.figures), _fade_out(answer)])
     return found
+
+
+def _fade_out(answer: Answer) -> str:
+    """Return how likely an `answer` gives up compensation, and when it does so in the motion of its figures."""
+    lost_at = answer.figures.lost_at
+    return f"{100.0 * answer.fade_out:.0f} %" + (f", here at {lost_at:.0f} s" if math.isfinite(lost_at) else "")
 
 
 def _limits(figures: Figures) -> str:
@@ -73,14 +92,14 @@ def check_line(result: Result) -> str:
     if not past.record.is_own:
         return (
             "same law again: not asked, the record is of another controller; twin of the unit within "
-            f"{sigma_of_unit:.1f} mm of the depth (sigma)"
+            f"{sigma_of_unit:.1f} mm of the depth (standard deviation)"
         )
     sigma, largest = result.payout_error
     verdict = "gives the record again" if largest <= SAME_PAYOUT else "DOES NOT GIVE THE RECORD AGAIN"
     return (
         f"same law again: {verdict}: payout within {1e3 * largest:.2f} mm (sigma {1e3 * sigma:.2f} mm); model of the "
         f"winch alone within {1e3 * past.winch.error:.1f} mm of the encoder, twin of the unit within "
-        f"{sigma_of_unit:.1f} mm of the depth (both sigma)"
+        f"{sigma_of_unit:.1f} mm of the depth (standard deviations)"
     )
 
 
@@ -92,25 +111,37 @@ def report_line(known: Known) -> str:
 
 
 def identified_rows(known: Known) -> list[list[str]]:
-    """Return what was identified, by what is `known`: name, value, standard deviation, and what was assumed."""
+    """Return a row for each of IDENTIFIED with what was identified, by what is `known`."""
     found = []
     for name, value in known.fit.values.items():
-        unit, nominal = (AS_THEY_ARE[name], "0") if name in AS_THEY_ARE else ("", "1")
-        found.append([name, f"{value:.4g} {unit}".strip(), f"{known.fit.sigma(name):.2g} {unit}".strip(), nominal])
+        unit, nominal = (f" {AS_THEY_ARE[name]}", "0") if name in AS_THEY_ARE else ("", "1")
+        by = "this record" if known.fit.tells(name) else "what was assumed"
+        found.append([name, *(f"{text}{unit}" for text in _with_sigma(value, known.fit.sigma(name))), nominal, by])
     for name, belief in known.again.beliefs.values.items():
-        found.append([f"{name} (adviser)", f"{belief.value:.4g}", f"{belief.sigma:.2g}", "as nominal"])
+        found.append([name, *_with_sigma(belief.value, belief.sigma), "-", "the adviser"])
     if known.fit.source.high_pass.period:
-        found.append(["mru.high_pass_period", f"{known.fit.source.high_pass.period:.0f} s", "-", "-"])
+        found.append(["mru.high_pass_period", f"{known.fit.source.high_pass.period:.0f} s", "-", "-", "this record"])
     return found
 
 
+def _with_sigma(value: float, sigma: float) -> tuple[str, str]:
+    """Return a `value` and its standard deviation, two digits of that and no more of the value."""
+    decimals = max(1 - math.floor(math.log10(sigma)), 0) if sigma > 0.0 else 4
+    return f"{value:.{decimals}f}", f"{sigma:.{decimals}f}"
+
+
 def causes(answers: Sequence[Answer]) -> list[str]:
-    """Return a line for each of the `answers` that may give up compensation: how likely, and by what."""
-    return [
-        f"{one.asked.name}: fades out with a probability of {100.0 * one.fade_out:.0f} %: {one.cause}"
-        for one in answers
-        if one.fade_out > 0.0
-    ]
+    """Return a line for each of the `answers` that may give up compensation: how likely, by what, and what is shown."""
+    found = []
+    for one in answers:
+        lost_at = one.figures.lost_at
+        if one.fade_out > 0.0:
+            shown = f"after it has faded out at {lost_at:.1f} s" if math.isfinite(lost_at) else "without a fade-out"
+            found.append(
+                f"{one.asked.name}: fades out with a probability of {100.0 * one.fade_out:.0f} %: {one.cause}; its "
+                f"figures and its motion are those {shown}"
+            )
+    return found
 
 
 def to_json(result: Result) -> dict[str, Any]:
@@ -126,7 +157,7 @@ def to_json(result: Result) -> dict[str, Any]:
         "chi2": known.fit.chi2,
         "uncompensated_sigma_m": off_sigma(known),
         "recorded": {key: result.recorded.values[key] for key in KEYS},
-        "warnings": warnings(known, result.answers),
+        "warnings": result.warnings,
         "answers": [
             {
                 "name": one.asked.name,
@@ -135,6 +166,7 @@ def to_json(result: Result) -> dict[str, Any]:
                 "bands": {key: list(band) for key, band in one.figures.bands.items()},
                 "fade_out_probability": one.fade_out,
                 "fade_out_cause": one.cause,
+                "fade_out_at_s": one.figures.lost_at,
                 "record_lacks": lacks(known, one),
             }
             for one in result.answers

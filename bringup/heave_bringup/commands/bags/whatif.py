@@ -18,7 +18,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--compare", default="", metavar="LAW,LAW", help="further laws: off,industrial,lqg,mpc")
     add_settings(parser)
     parser.add_argument(
-        "--know", action="append", default=[], metavar="NAME=VALUE+-SPREAD", help="cable.axial_stiffness=1.42e7+-2%%"
+        "--know",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE+-SPREAD",
+        help="what you know better than the scenario, with its standard deviation: cable.axial_stiffness=1.42e7+-2%%, "
+        "cable.inertia_factor, cable.damping_factor, cable.drag_factor, cable.stiffness_factor, mru.scale, mru.delay "
+        "[s] or mru.lever_arm [m]; may be repeated",
     )
     parser.add_argument("--scenario", metavar="SCENARIO", help="of the run, for a record that carries none")
     parser.add_argument(
@@ -42,21 +48,31 @@ def execute(options: argparse.Namespace) -> None:
 
     from heave_bringup.output import check_output, make_table, warn, write_result
     from heave_bringup.progress import ProgressLine
-    from heave_bringup.whatif.fitness import warnings
     from heave_bringup.whatif.page import render
     from heave_bringup.whatif.question import Question, ask
-    from heave_bringup.whatif.words import causes, check_line, headings, identified_rows, report_line, rows
-    from heave_bringup.whatif.words import to_json as json_of
+    from heave_bringup.whatif.words import (
+        EXPERIMENTAL,
+        IDENTIFIED,
+        causes,
+        check_line,
+        headings,
+        identified_rows,
+        report_line,
+        rows,
+        to_json,
+    )
 
-    warn(["whatif is experimental: compared with simulated runs alone (docs/guide/howto/what_would_have_been.md)"])
-    check_output("--output", options.output, (".html",))
+    warn([EXPERIMENTAL])
     if not 0 <= options.draws <= 100:
         raise ParameterError(f"--draws {options.draws}: must be from 0 to 100")
     for name in ("seed", "transient", "end"):
         value = getattr(options, name)
         if value is not None and not value >= 0:
             raise ParameterError(f"--{name} {value:g}: must be 0 or more")
+    check_output("--output", options.output, (".html",))
     folder = bag_of(options.bag)
+    page = options.output or folder.parent / "whatif.html"
+    check_output("--output", page)
     question = Question(
         options.law,
         [one for one in options.compare.split(",") if one],
@@ -74,17 +90,16 @@ def execute(options: argparse.Namespace) -> None:
         progress.show("the page", 0.0)
         text = render(f"{folder.resolve().parent.name}: what would have been", result)
         progress.show("the page", 1.0)
-    page = options.output or folder.parent / "whatif.html"
     try:
         page.write_text(text, encoding="utf-8")
     except OSError as error:
         raise CommandError(f"{page}: cannot be written: {error.strerror}") from error
     table = make_table(headings(), rows(result))
-    values = make_table(["identified", "value", "sigma", "assumed"], identified_rows(result.known))
+    values = make_table(IDENTIFIED, identified_rows(result.known), texts=IDENTIFIED[-1:])
     lines = [check_line(result), report_line(result.known), *causes(result.answers)]
-    warn(warnings(result.known, result.answers))
+    warn(result.warnings)
     ends = f"bands are of 90 %\n\npage      {page.resolve()}"
-    write_result(options, ["\n".join(lines), table, values, ends], {**json_of(result), "page": str(page.resolve())})
+    write_result(options, ["\n".join(lines), table, values, ends], {**to_json(result), "page": str(page.resolve())})
 
 
 COMMAND = Command(

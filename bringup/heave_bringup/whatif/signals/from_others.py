@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
+from heave_bags.analyse.time_base import LONGEST_GAP
 from heave_bags.play.sample_checks import Findings
 from heave_bags.play.sea_import import record_channels
 from heave_bags.play.sea_mapping import read_mapping
@@ -22,6 +23,7 @@ from heave_node.devices.live.taker import Taken
 from heave_node.devices.maps.channel import Channel
 from heave_node.devices.maps.device_map import read_device_map
 from heave_node.devices.maps.quantities import OUTPUTS
+from heave_node.files.plausible import question
 from heave_node.interface.sensors import MRU, STANDARD_WATER, Water, WireReading
 from heave_node.numerics.constants import ATMOSPHERIC_PRESSURE
 from winch_controller_node.interface.conversions import measurements
@@ -30,17 +32,22 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif.signals.record import Loss, SensorRecord
+from heave_bringup.whatif.signals.spectra import BAND, tapered_transform
+from heave_bringup.whatif.twin.plant import nominal_line
 
 OF_MRU = tuple(itertools.chain(*OUTPUTS[MRU.topic.name]))
 BESIDE = ("unit_heave", "pressure", "tension", "payout", "payout_rate", "ordered_rate")
 Signals = dict[str, Signal]
 
+TOGETHER = 0.5
+"""Coherence above which heave and its rate show how large one is over the other."""
+
+FIRST = 10
+"""Readings of the depth at the start that are compared with the cable that was out then."""
+
 _SECOND = 1_000_000_000
 EARLY = 0.02
 """A reading belongs to a tick that it comes so little after, in ticks: stamps are rounded to the millisecond."""
-
-GAP = 3.0
-"""A sensor is lost where nothing comes for more than so many of its usual periods."""
 
 
 def read_others(
@@ -57,15 +64,18 @@ def read_others(
 
     Raises BagError for what cannot be read, CommandError where the record lacks what every answer needs.
     """
-    findings = Findings(accepts=True)
+    findings = Findings()
     signals = record_channels(source, read_mapping(mapping, (*OF_MRU, *BESIDE)), findings)
     _check(source, signals)
+    water = Water(nominal.water_density, nominal.gravity)
+    _ask(signals, nominal, water, findings)
+    if findings.questions:
+        raise CommandError(f"{source}: {findings.questions[0]} Say it in the map, or leave that column out of it")
     # a host's clock counts from 1970: from the first tick on, no digits are lost
     before = min(float(one.time[0]) for one in signals.values()) - tick_period
     signals = {name: Signal(one.time - before, one.value) for name, one in signals.items()}
     needed = ("heave", "payout", "pressure" if "pressure" in signals else "unit_heave")
     ticks = math.floor(min(float(signals[name].time[-1]) for name in needed) / tick_period + EARLY)
-    water = Water(nominal.water_density, nominal.gravity)
     delivered = {
         MRU.name: _by_tick(_mru(signals, mapping), tick_period),
         "depth": _by_tick(_pressures(signals, nominal.length, water), tick_period),
@@ -87,7 +97,7 @@ def read_others(
 def _gaps(sensor: str, signal: Signal) -> Iterable[Loss]:
     """Return when a `sensor` gave no number for longer than it does between most of those of its `signal`."""
     between = np.diff(signal.time)
-    for place in np.flatnonzero(between > GAP * np.median(between)) if between.size else ():
+    for place in np.flatnonzero(between > LONGEST_GAP * np.median(between)) if between.size else ():
         yield Loss(sensor, float(signal.time[place]), float(signal.time[place + 1]), "no number came")
 
 
@@ -101,6 +111,33 @@ def _check(source: Path, signals: Signals) -> None:
     for names, why in needed.items():
         if signals.keys().isdisjoint(names):
             raise CommandError(f"{source}: the map names no {' or '.join(names)}: {why}")
+
+
+def _ask(signals: Signals, nominal: WinchControllerParameters, water: Water, findings: Findings) -> None:
+    """Ask in `findings` for what `signals` of one record cannot be together, in `water`, or as `nominal` has it."""
+    heave = signals["heave"]
+    findings.ask("" if np.ptp(heave.value) > 0.0 else "heave never changes: another column?")
+    if "heave_rate" in signals:
+        share = over_integral(heave, signals["heave_rate"])
+        findings.ask(question("heave over the integral of heave rate", share))
+    if "pressure" in signals:
+        depth = (float(np.median(signals["pressure"].value[:FIRST])) - ATMOSPHERIC_PRESSURE) / water.pressure_per_metre
+        findings.ask(question("depth by pressure over the cable that is out", depth / nominal.length))
+    if "tension" in signals:
+        weight = nominal_line(nominal).static_top_tension(nominal.length)
+        share = float(np.median(signals["tension"].value)) / weight
+        findings.ask(question("tension over the weight of cable and unit", share))
+
+
+def over_integral(heave: Signal, rate: Signal) -> float:
+    """Return how many times the integral of a heave `rate` is in a `heave`, in the band of waves; 1 in noise [-]."""
+    start, end = max(heave.time[0], rate.time[0]), min(heave.time[-1], rate.time[-1])
+    omegas = np.arange(*BAND, 2.0 * math.pi / max(end - start, 1.0))
+    was = tapered_transform(heave.time, heave.value, omegas, start, end)
+    by = tapered_transform(rate.time, rate.value, omegas, start, end) / (1j * omegas)
+    shared, power = float(np.vdot(by, was).real), float(np.vdot(by, by).real)
+    is_hidden = shared**2 <= TOGETHER * power * float(np.vdot(was, was).real)
+    return 1.0 if is_hidden else shared / power
 
 
 def _mru(signals: Signals, mapping: Path) -> Iterable[WireReading]:

@@ -9,6 +9,9 @@ import numpy as np
 from cable_sim_node.vertical.axial_line import AxialLine
 from heave_node.numerics.arrays import Array, ComplexArray
 
+BAND = (0.25, 4.0)
+"""Angular frequencies of waves, which are judged [rad/s]."""
+
 QUIET, HIGHEST = 5.0, 0.9
 """Angular frequency above which what is read is noise, but for narrow resonances [rad/s]; and share of the highest that
 the readings can show, up to which it is looked at."""
