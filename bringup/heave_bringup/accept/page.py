@@ -9,12 +9,12 @@ from collections.abc import Sequence
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bags.analyse.verdict import FAILED, PASSED, Judged, required_words
 from heave_bags.report.figure import BOOM_TIP, CM, KN, PAYOUT, UNCOMPENSATED, UNIT, Figure, line
+from heave_bags.report.parts import notice, table
 from heave_bags.report.report import place_figure, render_page, unbroken
 from heave_bags.signals import Signal
 
 from heave_bringup.accept.figures import RESIDUALS
 from heave_bringup.accept.results import Acceptance, StepResult
-from heave_bringup.operability.page_parts import notice, table
 
 FOOTER = (
     "Figures are of the time that is judged. Outlet: what the winch leaves of the boom tip's heave. Residuals are "

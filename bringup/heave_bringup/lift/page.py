@@ -9,6 +9,7 @@ import numpy as np
 import pandas
 from heave_bags.analyse.verdict import FAILED
 from heave_bags.report.figure import LIMIT, OTHER, RUN_COLOURS, UNCOMPENSATED, UNIT, Figure
+from heave_bags.report.parts import table
 from heave_bags.report.report import place_figure, render_page, unbroken
 
 from heave_bringup.lift.forecast import allowed
@@ -24,7 +25,6 @@ from heave_bringup.lift.tables import (
     weather_table,
 )
 from heave_bringup.operability.figures import HEIGHT_AXIS, PERIOD_AXIS, curve_traces
-from heave_bringup.operability.page_parts import table
 from heave_bringup.operability.record import HS
 
 FOOTER = (

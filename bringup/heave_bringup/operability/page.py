@@ -11,12 +11,13 @@ from typing import Any
 
 import pandas
 from heave_bags.report.figure import Figure
+from heave_bags.report.parts import notice, table
 from heave_bags.report.report import place_figure, render_page
 from heave_node.criteria import Criterion
 
 from heave_bringup.operability import figures
 from heave_bringup.operability.limits import interval, limit_words, title_of, too_few_seeds
-from heave_bringup.operability.page_parts import cases_table, criteria_table, notice, number, provenance_table, table
+from heave_bringup.operability.page_parts import cases_table, criteria_table, number, provenance_table
 from heave_bringup.operability.record import SeaRecord
 from heave_bringup.operability.study import Exposure, Place, Situation
 from heave_bringup.operability.windows import ALL

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from heave_bags.report.figure import Figure
+from heave_bags.report.parts import notice, table
 from heave_bags.report.report import place_figure, render_page
 from heave_node.criteria import Criterion
 from heave_node.kpi import RATED_SHARE
@@ -17,10 +18,8 @@ from heave_bringup.operability.page import About
 from heave_bringup.operability.page_parts import (
     cases_table,
     criteria_table,
-    notice,
     number,
     provenance_table,
-    table,
 )
 from heave_bringup.operability.record import SeaRecord
 from heave_bringup.sizing.candidates import PARTICULARS

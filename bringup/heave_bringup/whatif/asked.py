@@ -72,12 +72,8 @@ def asked_of(wish: Wish, identified: WinchParameters, *, has_adviser: bool) -> l
         raise ParameterError(f"--set: {WINCH}.{nested[0]} cannot be asked of a record: its winch is a speed servo")
     winch = replace(identified, **changed[WINCH]) if changed[WINCH] else None
     controller: WinchControllerParameters = after.parameters[CONTROLLER]
-    words = " ".join(wish.settings)
     laws = [wish.law or controller.law, *(law for law in wish.compare if law != (wish.law or controller.law))]
-    return [
-        Asked(f"{law} {words}".strip() if law != "off" else law, replace(controller, law=law), winch, has_adviser)
-        for law in dict.fromkeys(laws)
-    ]
+    return [Asked(law, replace(controller, law=law), winch, has_adviser) for law in dict.fromkeys(laws)]
 
 
 def _changes(before: Any, after: Any) -> dict[str, Any]:

@@ -26,7 +26,7 @@ from heave_bringup.errors import CommandError
 from heave_bringup.whatif.answer import Figures, unit_motion
 from heave_bringup.whatif.known import OFF
 from heave_bringup.whatif.question import Question, ask
-from heave_bringup.whatif.words import Result, causes, check_line, headings, report_line, rows, to_json
+from heave_bringup.whatif.words import Result, causes, headings, lines_before, rows, to_json
 from heave_bringup.whatif.work import Show, quiet
 
 MOTIONS = ("unit_heave", "uncompensated_heave")
@@ -89,7 +89,7 @@ def reconstruction(result: Result) -> Reconstruction:
         bands,
         headings(),
         rows(result),
-        [check_line(result), report_line(known)],
+        lines_before(result),
         [*result.warnings, *causes(result.answers)],
         to_json(result),
     )

@@ -6,11 +6,11 @@ import html
 from collections.abc import Sequence
 
 from heave_bags.report.figure import CM, KN, RUN_COLOURS, TRANSIENT, UNCOMPENSATED, Figure, line, uncounted_band
+from heave_bags.report.parts import notice, table
 from heave_bags.report.report import place_figure, render_page
 from heave_bags.signals import Signal
 from heave_node.numerics.arrays import Array
 
-from heave_bringup.operability.page_parts import notice, table
 from heave_bringup.whatif.answer import unit_motion
 from heave_bringup.whatif.known import Known
 from heave_bringup.whatif.signals.record import without_move
@@ -19,10 +19,9 @@ from heave_bringup.whatif.words import (
     IDENTIFIED,
     Result,
     causes,
-    check_line,
     headings,
     identified_rows,
-    report_line,
+    lines_before,
     rows,
 )
 
@@ -41,8 +40,7 @@ def render(title: str, result: Result) -> str:
     body = [
         f"<h1>{html.escape(title)}</h1>",
         '<p class="lead">What another law, gain or winch would have done in the sea of this record</p>',
-        f"<p>{html.escape(check_line(result))}</p>",
-        f"<p>{html.escape(report_line(result.known))}</p>",
+        *(f"<p>{html.escape(one)}</p>" for one in lines_before(result)),
         *map(notice, notices),
         "<h2>Answers</h2>",
         table(headings(), rows(result), texts=1),

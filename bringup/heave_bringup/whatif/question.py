@@ -100,4 +100,4 @@ def _asked(source: Path, question: Question, scratch: Path, show: Show) -> Resul
         others = [drawn(known, question.seed, number, follow) for number in range(question.draws)]
         wanted = asked_of(wish, known.past.winch_parameters, has_adviser=record.has_adviser)
         found = answers(known, wanted, others, other_plants(known, question.seed), work=work)
-    return Result(notes, known, recorded(known, found), found, same_again(known, show=show))
+    return Result(question.settings, notes, known, recorded(known, found), found, same_again(known, show=show))

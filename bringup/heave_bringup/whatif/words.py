@@ -31,6 +31,7 @@ class Result:
 
     Attributes
     ----------
+    settings : changes that were asked for, as for `--set`
     notes : on the record as it was read, a line each
     known : by the record
     recorded : figures of the record itself
@@ -38,6 +39,7 @@ class Result:
     payout_error : of the same law again, standard deviation and largest [m]
     """
 
+    settings: Sequence[str]
     notes: Sequence[str]
     known: Known
     recorded: Figures
@@ -55,9 +57,8 @@ def banded(key: str, figures: Figures) -> str:
     definition, value = DEFINITION_OF[key], figures.values[key]
     if not math.isfinite(value):
         return "-"
-    low, high = figures.bands.get(key, (value, value))
-    text = definition.text(value)
-    return text if low == high else f"{text} ({definition.text(low)} to {definition.text(high)})"
+    text, low, high = map(definition.text, (value, *figures.bands.get(key, (value, value))))
+    return text if low == high else f"{text} ({low} to {high})"
 
 
 def headings() -> list[str]:
@@ -101,6 +102,12 @@ def check_line(result: Result) -> str:
         f"winch alone within {1e3 * past.winch.error:.1f} mm of the encoder, twin of the unit within "
         f"{sigma_of_unit:.1f} mm of the depth (standard deviations)"
     )
+
+
+def lines_before(result: Result) -> list[str]:
+    """Return the lines that come before the answers of a `result`: the check, what is known, what was changed."""
+    asked = [f"each law with {' and '.join(result.settings)}"] if result.settings else []
+    return [check_line(result), report_line(result.known), *asked]
 
 
 def report_line(known: Known) -> str:
@@ -148,6 +155,7 @@ def to_json(result: Result) -> dict[str, Any]:
     """Return all of a `result` for a machine; bands are of 90 %."""
     known = result.known
     return {
+        "settings": list(result.settings),
         "same_law_again": {"payout_sigma_m": result.payout_error[0], "payout_largest_m": result.payout_error[1]},
         "reported": {of: {"is_reported": is_reported, "why": why} for of, is_reported, why in reported(known)},
         "identified": {

@@ -54,10 +54,9 @@ def execute(options: argparse.Namespace) -> None:
         EXPERIMENTAL,
         IDENTIFIED,
         causes,
-        check_line,
         headings,
         identified_rows,
-        report_line,
+        lines_before,
         rows,
         to_json,
     )
@@ -96,7 +95,7 @@ def execute(options: argparse.Namespace) -> None:
         raise CommandError(f"{page}: cannot be written: {error.strerror}") from error
     table = make_table(headings(), rows(result))
     values = make_table(IDENTIFIED, identified_rows(result.known), texts=IDENTIFIED[-1:])
-    lines = [check_line(result), report_line(result.known), *causes(result.answers)]
+    lines = [*lines_before(result), *causes(result.answers)]
     warn(result.warnings)
     ends = f"bands are of 90 %\n\npage      {page.resolve()}"
     write_result(options, ["\n".join(lines), table, values, ends], {**to_json(result), "page": str(page.resolve())})

@@ -26,6 +26,7 @@ from heave_node.devices.maps.quantities import OUTPUTS
 from heave_node.files.plausible import question
 from heave_node.interface.sensors import MRU, STANDARD_WATER, Water, WireReading
 from heave_node.numerics.constants import ATMOSPHERIC_PRESSURE
+from winch_controller_node.design.design import assumed_plant
 from winch_controller_node.interface.conversions import measurements
 from winch_controller_node.interface.readings import WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -33,7 +34,6 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif.signals.record import Loss, SensorRecord
 from heave_bringup.whatif.signals.spectra import BAND, tapered_transform
-from heave_bringup.whatif.twin.plant import nominal_line
 
 OF_MRU = tuple(itertools.chain(*OUTPUTS[MRU.topic.name]))
 BESIDE = ("unit_heave", "pressure", "tension", "payout", "payout_rate", "ordered_rate")
@@ -124,7 +124,7 @@ def _ask(signals: Signals, nominal: WinchControllerParameters, water: Water, fin
         depth = (float(np.median(signals["pressure"].value[:FIRST])) - ATMOSPHERIC_PRESSURE) / water.pressure_per_metre
         findings.ask(question("depth by pressure over the cable that is out", depth / nominal.length))
     if "tension" in signals:
-        weight = nominal_line(nominal).static_top_tension(nominal.length)
+        weight = assumed_plant(nominal).line(nominal.length).static_top_tension(nominal.length)
         share = float(np.median(signals["tension"].value)) / weight
         findings.ask(question("tension over the weight of cable and unit", share))
 
