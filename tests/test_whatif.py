@@ -2,8 +2,10 @@
 
 import contextlib
 import math
+import os
 import random
 import re
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -273,6 +275,7 @@ def test_a_bag_without_a_sensor_is_refused_in_one_line(calm_bag, tmp_path, left_
         (("--law", "best"), 2, "best: no such law; known:"),
         (("--set", "cable_sim.length=500"), 2, "cable_sim.length cannot be asked"),
         (("--set", "system.sea.peak_period=9"), 2, "cannot be asked"),
+        (("--set", "all.duration=20"), 2, "all.duration cannot be asked"),
         (("--know", "cable.colour=1+-2%"), 2, "must be NAME=VALUE+-SPREAD"),
         (("--draws", "-1"), 2, "must be from 0 to 100"),
         (("--seed", "-3"), 2, "--seed -3: must be 0 or more"),
@@ -284,6 +287,15 @@ def test_what_cannot_be_answered_is_refused_in_one_line(calm_bag, options, statu
     found, said, complaint = heave(["whatif", str(calm_bag), *options])
     assert (found, words in complaint) == (status, True), complaint
     assert judge(found, said, complaint) == ""
+
+
+def test_a_bag_that_is_cut_is_said_to_be(calm_bag, tmp_path):
+    bag = shutil.copytree(calm_bag, tmp_path / "bag")
+    (file,) = bag.glob("*.mcap")
+    os.truncate(file, file.stat().st_size // 2)
+    _, _, complaint = heave(["whatif", str(bag), "--transient", "0"])
+    assert re.search(r"warning: .*\.mcap: the file ends within a record at byte \d+: everything from \d", complaint)
+    assert "s are left after its transient of 0 s" in complaint
 
 
 @pytest.mark.long

@@ -10,10 +10,12 @@ from pathlib import Path
 
 from cable_sim_node.errors import PlantError
 from heave_bags.mcap.reader import Bag
+from heave_node.parameters import ParameterError
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.model.lqr import DesignError
 
 from heave_bringup.errors import CommandError
+from heave_bringup.output import warn
 from heave_bringup.whatif import DRAWS
 from heave_bringup.whatif.asked import Wish, asked_of, nominal_of
 from heave_bringup.whatif.fitness import check_known, check_record
@@ -26,6 +28,9 @@ from heave_bringup.whatif.twin.plant import driven
 from heave_bringup.whatif.twin.winch import winch_under
 from heave_bringup.whatif.words import Result
 from heave_bringup.whatif.work import Show, quiet, work_in
+
+MOST_DRAWS = 100
+"""Plants that are tried for the bands at most."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +60,15 @@ class Question:
     draws: int = DRAWS
     seed: int = 1
     device_map: Path | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ParameterError for a number that says nothing."""
+        if not 0 <= self.draws <= MOST_DRAWS:
+            raise ParameterError(f"--draws {self.draws}: must be from 0 to {MOST_DRAWS}")
+        for name in ("seed", "transient", "end"):
+            value = getattr(self, name)
+            if value is not None and not value >= 0:
+                raise ParameterError(f"--{name} {value:g}: must be 0 or more")
 
 
 def ask(source: Path, question: Question, *, show: Show = quiet) -> Result:
@@ -90,6 +104,7 @@ def _asked(source: Path, question: Question, scratch: Path, show: Show) -> Resul
         notes = [*bag.notes, *map(str, bag.losses)]
     else:
         record, notes = read_others(source, question.device_map, nominal, run.tick_period)
+    warn(notes)
     record = record if question.end is None else record.part(question.end)
     start = run.transient if question.transient is None else question.transient
     check_record(record, start, str(source))

@@ -44,10 +44,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Answer and write the page, as `options` say."""
     from heave_bags.mcap.read.folder import bag_of
-    from heave_node.parameters import ParameterError
 
     from heave_bringup.output import check_output, make_table, warn, write_result
     from heave_bringup.progress import ProgressLine
+    from heave_bringup.whatif.fitness import warnings
     from heave_bringup.whatif.page import render
     from heave_bringup.whatif.question import Question, ask
     from heave_bringup.whatif.words import (
@@ -62,12 +62,6 @@ def execute(options: argparse.Namespace) -> None:
     )
 
     warn([EXPERIMENTAL])
-    if not 0 <= options.draws <= 100:
-        raise ParameterError(f"--draws {options.draws}: must be from 0 to 100")
-    for name in ("seed", "transient", "end"):
-        value = getattr(options, name)
-        if value is not None and not value >= 0:
-            raise ParameterError(f"--{name} {value:g}: must be 0 or more")
     check_output("--output", options.output, (".html",))
     folder = bag_of(options.bag)
     page = options.output or folder.parent / "whatif.html"
@@ -96,7 +90,7 @@ def execute(options: argparse.Namespace) -> None:
     table = make_table(headings(), rows(result))
     values = make_table(IDENTIFIED, identified_rows(result.known), texts=IDENTIFIED[-1:])
     lines = [*lines_before(result), *causes(result.answers)]
-    warn(result.warnings)
+    warn(warnings(result.known, result.answers))
     ends = f"bands are of 90 %\n\npage      {page.resolve()}"
     write_result(options, ["\n".join(lines), table, values, ends], {**to_json(result), "page": str(page.resolve())})
 
