@@ -21,7 +21,7 @@ from heave_node.devices.live.mru_maker import MruMaker
 from heave_node.devices.live.recent_motion import RecentMotion
 from heave_node.devices.live.taker import Taken
 from heave_node.devices.maps.channel import Channel
-from heave_node.devices.maps.device_map import read_device_map
+from heave_node.devices.maps.device_map import DeviceMap, read_device_map
 from heave_node.devices.maps.quantities import OUTPUTS
 from heave_node.files.plausible import question
 from heave_node.interface.sensors import MRU, STANDARD_WATER, Water, WireReading
@@ -38,6 +38,9 @@ from heave_bringup.whatif.signals.spectra import BAND, tapered_transform
 OF_MRU = tuple(itertools.chain(*OUTPUTS[MRU.topic.name]))
 BESIDE = ("unit_heave", "pressure", "tension", "payout", "payout_rate", "ordered_rate")
 Signals = dict[str, Signal]
+
+LONGEST_COMPARED = 900.0
+"""Part of a record, its last, over which heave is compared with its rate [s]."""
 
 TOGETHER = 0.5
 """Coherence above which heave and its rate show how large one is over the other."""
@@ -66,7 +69,8 @@ def read_others(
     """
     findings = Findings()
     signals = record_channels(source, read_mapping(mapping, (*OF_MRU, *BESIDE)), findings)
-    _check(source, signals)
+    device = read_device_map(mapping)
+    _check(source, signals, mapping, device)
     water = Water(nominal.water_density, nominal.gravity)
     _ask(signals, nominal, water, findings)
     if findings.questions:
@@ -77,7 +81,7 @@ def read_others(
     needed = ("heave", "payout", "pressure" if "pressure" in signals else "unit_heave")
     ticks = math.floor(min(float(signals[name].time[-1]) for name in needed) / tick_period + EARLY)
     delivered = {
-        MRU.name: _by_tick(_mru(signals, mapping), tick_period),
+        MRU.name: _by_tick(_mru(signals, device), tick_period),
         "depth": _by_tick(_pressures(signals, nominal.length, water), tick_period),
         "load_cell": _by_tick(_plain(signals.get("tension", Signal())), tick_period),
     }
@@ -101,8 +105,8 @@ def _gaps(sensor: str, signal: Signal) -> Iterable[Loss]:
         yield Loss(sensor, float(signal.time[place]), float(signal.time[place + 1]), "no number came")
 
 
-def _check(source: Path, signals: Signals) -> None:
-    """Refuse a record without what every answer needs."""
+def _check(source: Path, signals: Signals, mapping: Path, device: DeviceMap) -> None:
+    """Refuse a record whose `signals`, by a `mapping` that was read as `device`, lack what every answer needs."""
     needed = {
         ("heave",): "the boom tip's motion is not known",
         ("payout",): "what the drum did is not known",
@@ -111,6 +115,9 @@ def _check(source: Path, signals: Signals) -> None:
     for names, why in needed.items():
         if signals.keys().isdisjoint(names):
             raise CommandError(f"{source}: the map names no {' or '.join(names)}: {why}")
+    wrong = next((name for name in OF_MRU if name in device.channels and _is_derived(device.channels[name])), None)
+    if wrong is not None:
+        raise CommandError(f"{mapping}: {wrong}: of a velocity, or an acceleration, no heave is made here: give it")
 
 
 def _ask(signals: Signals, nominal: WinchControllerParameters, water: Water, findings: Findings) -> None:
@@ -132,7 +139,10 @@ def _ask(signals: Signals, nominal: WinchControllerParameters, water: Water, fin
 def over_integral(heave: Signal, rate: Signal) -> float:
     """Return how many times the integral of a heave `rate` is in a `heave`, in the band of waves; 1 in noise [-]."""
     start, end = max(heave.time[0], rate.time[0]), min(heave.time[-1], rate.time[-1])
-    omegas = np.arange(*BAND, 2.0 * math.pi / max(end - start, 1.0))
+    start = max(start, end - LONGEST_COMPARED)
+    if end - start < 2.0 * math.pi / BAND[0]:
+        return 1.0
+    omegas = np.arange(*BAND, 2.0 * math.pi / (end - start))
     was = tapered_transform(heave.time, heave.value, omegas, start, end)
     by = tapered_transform(rate.time, rate.value, omegas, start, end) / (1j * omegas)
     shared, power = float(np.vdot(by, was).real), float(np.vdot(by, by).real)
@@ -140,12 +150,8 @@ def over_integral(heave: Signal, rate: Signal) -> float:
     return 1.0 if is_hidden else shared / power
 
 
-def _mru(signals: Signals, mapping: Path) -> Iterable[WireReading]:
+def _mru(signals: Signals, device: DeviceMap) -> Iterable[WireReading]:
     """Return the readings of the boom tip, carried there from the sensor as a live one's are."""
-    device = read_device_map(mapping)
-    wrong = next((name for name in OF_MRU if name in device.channels and _is_derived(device.channels[name])), None)
-    if wrong is not None:
-        raise CommandError(f"{mapping}: {wrong}: of a velocity, or an acceleration, no heave is made here: give it")
     times = np.unique(np.concatenate([signals[name].time for name in OF_MRU if name in signals]))
     values: dict[float, dict[str, float]] = {time: {} for time in times.tolist()}
     for name in OF_MRU:
