@@ -52,7 +52,7 @@ def test_what_the_record_lacks_for_an_answer_is_said_and_no_more(monkeypatch, la
     asked = SimpleNamespace(name="first", controller=SimpleNamespace(law=law))
     answer = SimpleNamespace(asked=asked, figures=figures, done=SimpleNamespace(refused=(), limits_hit=LIMITS_HIT))
     lines = fitness.warnings(known, [answer])
-    assert lines == ([f"first: this record alone does not carry the answer: {words}"] if words else [])
+    assert lines == ([f"first: this record does not show all that the answer stands on: {words}"] if words else [])
 
 
 def test_an_efficiency_at_one_end_of_its_band_is_no_better_known(monkeypatch):
