@@ -56,10 +56,10 @@ def imported_names(module: Path) -> set[str]:
 def console_scripts_of_setup(path: Path) -> dict[str, str]:
     """Return the console scripts of a setup.py, read without running it."""
     for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.keyword) and node.arg == "entry_points":
-            scripts = ast.literal_eval(node.value).get("console_scripts", [])
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "set_up":
+            scripts = [script for words in node.keywords for script in ast.literal_eval(words.value)]
             return dict(re.split(r"\s*=\s*", script, maxsplit=1) for script in scripts)
-    raise AssertionError(f"{path} has no entry_points")
+    raise AssertionError(f"{path} sets no package up")
 
 
 def test_every_package_of_the_house_has_a_manifest():
