@@ -26,7 +26,8 @@ A campaign file is YAML:
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -37,7 +38,7 @@ from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.plan import Campaign, Link
 from heave_bringup.campaign.sampling import Draws
-from heave_bringup.settings import make_setting
+from heave_bringup.settings import make_setting, plain_settings
 
 VARY = "--vary"
 """Option that varies a parameter without a file."""
@@ -169,15 +170,6 @@ def _link(text: str) -> Link:
     return {place: tuple(found)}
 
 
-def with_settings(campaign: Campaign, settings: Sequence[str]) -> dict[str, object]:
-    """Return what is common to every case of a `campaign` with the `settings` of the command line, PLACE=VALUE each."""
-    common = dict(campaign.common)
-    for text in settings:
-        place, separator, value = text.partition("=")
-        if not separator:
-            raise ParameterError(f"--set {text}: must be NODE.PARAM=VALUE, for example system.sea.peak_period=9")
-        try:
-            common[place] = parse_yaml(value, only_true_and_false=True)
-        except YamlError as error:
-            raise ParameterError(f"--set {text}: {value!r} is not a YAML value: {error}") from error
-    return common
+def with_settings(campaign: Campaign, settings: Iterable[str]) -> Campaign:
+    """Return the `campaign` with `settings` of the command line, PLACE=VALUE each, in every case."""
+    return replace(campaign, common={**campaign.common, **plain_settings(settings)})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -127,7 +127,7 @@ def _campaign(options: argparse.Namespace) -> Campaign:
         campaign = campaign_of(options.campaign, options.vary)
     else:
         campaign = read_campaign(find_campaign(options.campaign))
-    return replace(campaign, common=with_settings(campaign, options.set))
+    return with_settings(campaign, options.set)
 
 
 COMMAND = Command(

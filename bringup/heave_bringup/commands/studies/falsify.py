@@ -150,7 +150,7 @@ def _search(options: argparse.Namespace, folder: Path) -> Search:
     from heave_bringup.falsify.search import Search, over_scenario, population
 
     space = over_scenario(read_campaign(find_campaign(options.space)), options.scenario)
-    space = population(replace(space, common=with_settings(space, options.set)), options.population)
+    space = population(with_settings(space, options.set), options.population)
     space = space.shortened(duration=options.duration, draws=None)
     if options.seed is not None and space.draws is not None:
         space = replace(space, draws=replace(space.draws, seed=options.seed))

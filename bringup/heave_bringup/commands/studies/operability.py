@@ -17,7 +17,6 @@ from heave_bringup.commands.studies.sea_options import (
     sea_grid,
     study_cases,
     study_criteria,
-    yaml_value,
 )
 
 if TYPE_CHECKING:
@@ -78,6 +77,8 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def _campaign(options: argparse.Namespace, settings: Mapping[str, object], required: list[Criterion]) -> Campaign:
+    from heave_bringup.settings import yaml_value
+
     vary = {}
     for text in options.vary:
         name, separator, value = text.partition("=")
