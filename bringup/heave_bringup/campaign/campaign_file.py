@@ -33,7 +33,7 @@ from pathlib import Path
 from typing import Any
 
 from heave_node.files.bounded_yaml import YamlError, parse_yaml
-from heave_node.files.stated_files import find_stated, refuse_keys
+from heave_node.files.stated_files import find_stated, read_stated, refuse_keys
 from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.plan import Campaign, Link
@@ -53,15 +53,7 @@ def find_campaign(name: str) -> Path:
 
 def read_campaign(path: Path) -> Campaign:
     """Read and check the campaign file `path`; raise ParameterError, in one line, for what is wrong with it."""
-    try:
-        content = parse_yaml(path.read_bytes(), only_true_and_false=True)
-    except OSError as error:
-        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from error
-    except YamlError as error:
-        raise ParameterError(f"{path}: {error}") from error
-    if not isinstance(content, Mapping) or "scenario" not in content:
-        raise ParameterError(f"{path}: must be a mapping with at least the key scenario")
-    refuse_keys(content, _KEYS, str(path))
+    _, content = read_stated(path, _KEYS, ("scenario",))
     draw = content.get("draw") or {}
     try:
         refuse_keys(_mapping(draw, "draw"), _DRAW_KEYS, f"{path}: draw")
