@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
 from types import TracebackType
 from typing import Any, TypeVar
@@ -13,6 +14,8 @@ from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.plan import Case
 from heave_bringup.campaign.runs import CaseResult, Task
+
+_KEPT = [field.name for field in fields(CaseResult) if field.name != "case"]
 
 
 def digest_of(tasks: Sequence[Task], version: str, files: Iterable[str] = ()) -> str:
@@ -128,30 +131,15 @@ class Journal(KeptResults):
         found = self.results.get(case.number)
         if found is None:
             return None
+        given = {name: found[name] for name in _KEPT}
         return CaseResult(
-            case,
-            kpis=found["kpis"],
-            failure=str(found["failure"]),
-            compensating=float(found["compensating"]),
-            reason=str(found["reason"]),
-            missed=tuple(found["missed"]),
-            baseline_unknown=str(found["baseline_unknown"]),
-            breaches=tuple(found["breaches"]),
+            case, **{name: tuple(value) if isinstance(value, list) else value for name, value in given.items()}
         )
 
     def add(self, result: CaseResult) -> None:
         """Keep a result: after this it is on the disk."""
-        content = {
-            "number": result.case.number,
-            "kpis": dict(result.kpis),
-            "failure": result.failure,
-            "compensating": result.compensating,
-            "reason": result.reason,
-            "missed": list(result.missed),
-            "baseline_unknown": result.baseline_unknown,
-            "breaches": list(result.breaches),
-        }
-        self.keep(content)
+        kept = {name: getattr(result, name) for name in _KEPT}
+        self.keep({"number": result.case.number, **kept, "kpis": dict(result.kpis)})
 
     def remove(self) -> None:
         """Remove the file: the table holds everything."""
