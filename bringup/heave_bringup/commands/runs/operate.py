@@ -223,14 +223,14 @@ def _do(options: argparse.Namespace, link: RunLink) -> Answer:
 
 
 def _task(options: argparse.Namespace, link: RunLink) -> Task:
-    from heave_bringup.operate import requests, tasks
+    from heave_bringup.operate import moves, requests, tasks
 
     begin: dict[str, Callable[[], Task]] = {
         "mode": lambda: link.start(requests.request_mode(options.mode, options.tension)),
         "depth": lambda: link.start_move(options.depth, options.speed),
-        "move": lambda: tasks.MoveBy(link, options.by, options.speed),
+        "move": lambda: moves.MoveBy(link, options.by, options.speed),
         "hold": link.cancel_moves,
-        "speed": lambda: tasks.Lowering(link, options.speed, options.seconds),
+        "speed": lambda: moves.Lowering(link, options.speed, options.seconds),
         "factor": lambda: link.start(requests.request_factor(options.factor)),
         "stop": lambda: link.start(requests.request_mode("stopped")) if options.no_wait else tasks.Stop(link),
         "emergency-stop": lambda: tasks.EmergencyStop(link),
@@ -256,7 +256,7 @@ def _fault(options: argparse.Namespace, link: RunLink) -> Task:
 
 def _follow(move: Move, link: RunLink, *, waits: bool) -> Answer:
     """Show how a move goes until it has ended or, where nobody `waits` for that, is under way."""
-    from heave_bringup.operate.tasks import Followed
+    from heave_bringup.operate.moves import Followed
     from heave_bringup.progress import ProgressLine
 
     with ProgressLine() as line:
