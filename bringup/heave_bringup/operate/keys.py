@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from heave_node.interface.faults import FAULTS
+from heave_node.interface.fault_kinds import FAULTS
 
 from heave_bringup.operate.answer import refusal
 from heave_bringup.operate.moves import Lowering, MoveBy

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from heave_node.interface.faults import FAULTS, faults_of
+from heave_node.interface.fault_kinds import FAULTS, faults_of
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_namespace, add_network
