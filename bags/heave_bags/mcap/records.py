@@ -12,7 +12,6 @@ import struct
 import zlib
 from io import BytesIO
 from pathlib import Path
-from types import TracebackType
 from typing import NamedTuple
 
 from mcap.data_stream import ReadDataStream
@@ -110,9 +109,7 @@ class RecordFile:
     def __enter__(self) -> RecordFile:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         os.close(self._file)
 
     def read(self, position: int, count: int) -> bytes:

@@ -7,7 +7,6 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
-from types import TracebackType
 from typing import Any, TypeVar
 
 from heave_node.parameters import ParameterError
@@ -97,9 +96,7 @@ class KeptResults:
     def __enter__(self: K) -> K:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._file.close()
 
     def _read(self, mark: Mapping[str, str]) -> list[str]:
@@ -131,10 +128,10 @@ class Journal(KeptResults):
         found = self.results.get(case.number)
         if found is None:
             return None
-        given = {name: found[name] for name in _KEPT}
-        return CaseResult(
-            case, **{name: tuple(value) if isinstance(value, list) else value for name, value in given.items()}
-        )
+        given: dict[str, Any] = {name: found[name] for name in _KEPT}
+        for name in ("missed", "breaches"):
+            given[name] = tuple(given[name])
+        return CaseResult(case, **given)
 
     def add(self, result: CaseResult) -> None:
         """Keep a result: after this it is on the disk."""
