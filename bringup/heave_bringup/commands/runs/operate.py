@@ -12,13 +12,21 @@ from heave_node.interface.fault_kinds import FAULTS, faults_of
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_namespace, add_network
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
     from heave_bringup.operate.answer import Answer
     from heave_bringup.operate.link import RunLink
     from heave_bringup.operate.tasks import Move, Task
+
+SUMMARY = "Operate a run that is under way in another terminal: on a screen, or with one verb."
+EXAMPLES = (
+    "heave operate",
+    "heave operate status",
+    "heave operate depth 295 --speed 0.2",
+    "heave operate fault inject mru freeze --duration 10",
+    "heave operate emergency-stop",
+)
 
 MODES = ("standby", "compensating", "constant_tension", "manual", "stopped", "emergency_stop")
 """Modes that can be requested."""
@@ -265,18 +273,3 @@ def _follow(move: Move, link: RunLink, *, waits: bool) -> Answer:
             line.show(f"mean depth {depth:.2f} m at {rate:+.3f} m/s, {time_to_go:.0f} s to go")
 
         return link.finish(Followed(move, show, waits=waits))
-
-
-COMMAND = Command(
-    name="operate",
-    summary="Operate a run that is under way in another terminal: on a screen, or with one verb.",
-    examples=(
-        "heave operate",
-        "heave operate status",
-        "heave operate depth 295 --speed 0.2",
-        "heave operate fault inject mru freeze --duration 10",
-        "heave operate emergency-stop",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)
