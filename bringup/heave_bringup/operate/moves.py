@@ -1,4 +1,7 @@
-"""What moves the unit: a speed of the mean payout, and moves to a depth or by one. Tasks, see `tasks`."""
+"""What moves the unit: a speed of the mean payout, and moves to a depth or by one. Tasks, see `tasks`.
+
+Arguments: `link` is the way to the run.
+"""
 
 from __future__ import annotations
 
