@@ -24,6 +24,8 @@ REPOSITORY = Path(__file__).parents[1]
 PYPROJECT = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())
 MANIFESTS = sorted(REPOSITORY.glob("*/package.xml"))
 PYTHON_MANIFESTS = [path for path in MANIFESTS if path.parent.name != "msgs"]
+LAUNCHING = {"launch", "launch_ros"}
+"""Packages of ROS that have no wheel: launch files alone need them, and who launches has them."""
 
 
 def manifest(path: Path) -> ElementTree.Element:
@@ -56,10 +58,10 @@ def imported_names(module: Path) -> set[str]:
 def console_scripts_of_setup(path: Path) -> dict[str, str]:
     """Return the console scripts of a setup.py, read without running it."""
     for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.keyword) and node.arg == "entry_points":
-            scripts = ast.literal_eval(node.value).get("console_scripts", [])
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "set_up":
+            scripts = [script for words in node.keywords for script in ast.literal_eval(words.value)]
             return dict(re.split(r"\s*=\s*", script, maxsplit=1) for script in scripts)
-    raise AssertionError(f"{path} has no entry_points")
+    raise AssertionError(f"{path} sets no package up")
 
 
 def test_every_package_of_the_house_has_a_manifest():
@@ -136,7 +138,7 @@ def test_every_distribution_that_is_imported_is_declared(path):
     providers = packages_distributions()
     undeclared = set()
     for module in (path.parent / name_of(path)).rglob("*.py"):
-        for name in imported_names(module) - suite - set(sys.stdlib_module_names):
+        for name in imported_names(module) - suite - LAUNCHING - set(sys.stdlib_module_names):
             # A ROS package's wheel also brings an egg-info of the bare name: either spelling is the same wheel.
             names = {canonical(provider) for provider in providers.get(name, [name])}
             if not names & declared and f"ros-{canonical(name)}" not in declared:
@@ -169,10 +171,10 @@ def test_a_launch_file_starts_what_its_package_installs(path):
     folder = path.parents[1]
     calls = [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)]
     for call in calls:
-        if isinstance(call.func, ast.Name) and call.func.id == "Node":
-            words = {keyword.arg: keyword.value for keyword in call.keywords}
-            assert ast.literal_eval(words["package"]) == name_of(folder / "package.xml")
-            assert ast.literal_eval(words["executable"]) in console_scripts_of_setup(folder / "setup.py")
+        if isinstance(call.func, ast.Name) and call.func.id == "one_node":
+            package, executable = map(ast.literal_eval, call.args)
+            assert package == name_of(folder / "package.xml")
+            assert executable in console_scripts_of_setup(folder / "setup.py")
 
 
 def test_every_node_of_the_loop_has_the_launch_file_that_the_loop_includes():

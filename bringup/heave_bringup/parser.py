@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from heave_bringup.commands.bags import export, import_sea, kpi, record, repair, replay, report, whatif
-from heave_bringup.commands.command import Command
+from heave_bringup.commands.command import Command, commands_of
 from heave_bringup.commands.models import design, fmu, identify, modes, static
 from heave_bringup.commands.runs import accept, adapt, check, operate, panel, run, view
 from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
@@ -17,21 +17,12 @@ from heave_bringup.commands.version import VersionAction
 from heave_bringup.errors import ExitStatus
 
 COMMANDS: tuple[Command, ...] = (
-    *(run.COMMAND, operate.COMMAND, panel.COMMAND, view.COMMAND, check.COMMAND, adapt.COMMAND, accept.COMMAND),
-    *(list_scenarios.COMMAND, new.COMMAND, catalogue.COMMAND, params.COMMAND),
-    *(report.COMMAND, kpi.COMMAND, whatif.COMMAND, export.COMMAND),
-    *(record.COMMAND, replay.COMMAND, import_sea.COMMAND, repair.COMMAND),
-    *(design.COMMAND, identify.COMMAND, static.COMMAND, modes.COMMAND, fmu.COMMAND),
-    *(
-        campaign.COMMAND,
-        falsify.COMMAND,
-        operability.COMMAND,
-        sizing.COMMAND,
-        extremes.COMMAND,
-        lift.COMMAND,
-        benchmark.COMMAND,
-        bench.COMMAND,
-    ),
+    *commands_of(run, operate, panel, view, check, adapt, accept),
+    *commands_of(list_scenarios, new, catalogue, params),
+    *(*commands_of(report, kpi), whatif.COMMAND, *commands_of(export)),
+    *commands_of(record, replay, import_sea, repair),
+    *commands_of(design, identify, static, modes, fmu),
+    *commands_of(campaign, falsify, operability, sizing, extremes, lift, benchmark, bench),
 )
 """All subcommands, in the order of the help."""
 

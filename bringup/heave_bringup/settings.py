@@ -6,7 +6,7 @@ And where else a parameter is that somebody gave to the wrong node, or without t
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -114,6 +114,27 @@ def parse_setting(text: str) -> Setting:
         return make_setting(place, parse_yaml(value), source)
     except YamlError as error:
         raise ParameterError(f"{source}: {value!r} is not a YAML value: {error}") from error
+
+
+def plain_settings(texts: Iterable[str]) -> dict[str, object]:
+    """Return the value of each place that the `texts` of `--set` options change, as the cases of a campaign take it.
+
+    Raises ParameterError, in one line, for what parse_setting refuses, and for a value that is no YAML.
+    """
+    values = {}
+    for text in texts:
+        parse_setting(text)
+        place, _, value = text.partition("=")
+        values[place] = yaml_value(value, f"--set {text}")
+    return values
+
+
+def yaml_value(text: str, source: str) -> object:
+    """Return the YAML value that a `text` is, with `off` as a word; raise ParameterError, naming its `source`, else."""
+    try:
+        return parse_yaml(text, only_true_and_false=True)
+    except YamlError as error:
+        raise ParameterError(f"{source}: {text!r} is not a YAML value: {error}") from error
 
 
 def near_places(target: str, name: str) -> list[str]:

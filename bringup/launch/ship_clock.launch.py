@@ -1,23 +1,9 @@
 """Start the clock of a run whose plant is the ship: ros2 launch heave_bringup ship_clock.launch.py scenario:=FILE."""
 
-from heave_node.ros.transport.parents_death import environment
+from heave_node.ros.one_node import one_node
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument
-from launch.substitutions import LaunchConfiguration
-from launch_ros.actions import Node
 
 
 def generate_launch_description() -> LaunchDescription:
     """Return the node with the parameter file of the run."""
-    return LaunchDescription(
-        [
-            DeclareLaunchArgument("scenario", description="Parameter file that all nodes of the run share."),
-            Node(
-                package="heave_bringup",
-                executable="ship_clock",
-                parameters=[LaunchConfiguration("scenario")],
-                output="screen",
-                additional_env=environment(),  # no node outlives its launch
-            ),
-        ]
-    )
+    return one_node("heave_bringup", "ship_clock")

@@ -71,9 +71,7 @@ def test_published_laws_leave_of_a_sine_what_their_transfer_functions_say(law: s
             sample_time=sample_time,
             duration=duration,
             motion=sine(0.02, period, ramp=10.0),
-            make_winch=lambda: DrivenWinch(
-                PumpDrive(zinage_drive()), encoder_step=0.0, sample_time=sample_time, shows_instruments=True
-            ),
+            make_winch=lambda: DrivenWinch(PumpDrive(zinage_drive()), encoder_step=0.0, sample_time=sample_time),
             make_load=lambda start: CarriedLoad(0.0, start),
             sensors=PERFECT,
             make_target=lambda: TargetProgramme(WinchControllerParameters(), sample_time=sample_time),

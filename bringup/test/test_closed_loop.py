@@ -28,7 +28,7 @@ from heave_bringup.scenarios import make_scenario
 from heave_node.crane.messages import pose_message
 from heave_node.crane.pose import POSE_FIELDS, pose_of, pose_to_wire
 from heave_node.interface import topics
-from heave_node.interface.faults import FAULTS, LARGEST_DELAY, faults_of
+from heave_node.interface.fault_kinds import FAULTS, LARGEST_DELAY, faults_of
 from heave_node.interface.messages import MessageReader, SensorMessages
 from heave_node.interface.sensors import MRU, SENSORS, STANDARD_WATER, Water, WireReading, all_to_wire
 from heave_node.interface.topic import Topic

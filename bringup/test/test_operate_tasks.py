@@ -2,8 +2,9 @@
 
 import pytest
 from heave_bringup.operate.answer import Answer, refusal
+from heave_bringup.operate.moves import Followed, Lowering, MoveBy
 from heave_bringup.operate.situation import PAUSED, RUNNING, RunStatus
-from heave_bringup.operate.tasks import AnyOf, ClockTask, EmergencyStop, Followed, Lowering, MoveBy, Stop
+from heave_bringup.operate.tasks import AnyOf, ClockTask, EmergencyStop, Stop
 
 from bringup.test.operate_fakes import FakeLink, Given
 

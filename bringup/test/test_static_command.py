@@ -11,7 +11,7 @@ from heave_bringup.commands.models import modes, static
 from heave_bringup.parser import make_parser
 
 PLANT_README = Path(__file__).parents[2] / "cable_sim_node" / "README.md"
-EXAMPLES = [*static.COMMAND.examples, *modes.COMMAND.examples]
+EXAMPLES = [*static.EXAMPLES, *modes.EXAMPLES]
 if PLANT_README.is_file():
     EXAMPLES += re.findall(r"^(heave (?:static|modes) .*?)(?: +#.*)?$", PLANT_README.read_text("utf-8"), re.MULTILINE)
 

@@ -10,7 +10,6 @@ that cannot be computed (no samples, no reference) is NaN, and None in JSON; it 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -114,10 +113,16 @@ def max_abs(values: ArrayLike) -> float:
     return float(np.abs(array - array.mean()).max()) if array.size else math.nan
 
 
-def percentile_abs(values: ArrayLike, percent: float = 99.9) -> float:
+def percentile_abs(values: ArrayLike, percent: float) -> float:
     """Return the percentile `percent` [%] of the deviation of `values` from their mean."""
     array = np.asarray(values, dtype=float)
-    return float(np.percentile(np.abs(array - array.mean()), percent)) if array.size else math.nan
+    return percentile(np.abs(array - array.mean()), percent) if array.size else math.nan
+
+
+def percentile(values: ArrayLike, percent: float) -> float:
+    """Return the percentile `percent` [%] of `values`; 100 is the maximum. NaN without samples."""
+    array = np.asarray(values, dtype=float)
+    return float(np.percentile(array, percent)) if array.size else math.nan
 
 
 def percent_true(flags: ArrayLike) -> float:
@@ -383,9 +388,3 @@ def phase_lead_degrees(output: Harmonic, driver: Harmonic) -> float:
     """Return by how much `output` leads `driver` [deg], from -180 (excluded) to 180."""
     lead = math.degrees(output.phase - driver.phase) % 360.0
     return lead - 360.0 if lead > 180.0 else lead
-
-
-def percentiles(values: ArrayLike, percents: Sequence[float] = (50.0, 99.0, 100.0)) -> list[float]:
-    """Return the percentiles `percents` [%] of `values`; 100 is the maximum. NaN without samples."""
-    array = np.asarray(values, dtype=float)
-    return [float(np.percentile(array, percent)) if array.size else math.nan for percent in percents]

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from heave_node.interface.faults import FAULTS, LARGEST_DELAY, FaultParameters, FaultSchedule, FaultyValues, faults_of
+from heave_node.interface.fault_kinds import FAULTS, LARGEST_DELAY, faults_of
+from heave_node.interface.faults import FaultParameters, FaultSchedule, FaultyValues
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -1,7 +1,7 @@
 """The silence of another node: what counts, and what does not."""
 
 import pytest
-from heave_node.ros.silence import Lasting, MasterWaits, Silence
+from heave_node.ros.silence import MasterWaits, Patience, Silence
 
 
 class Clock:
@@ -35,18 +35,17 @@ def test_the_time_in_which_this_process_stood_still_is_not_the_silence_of_anothe
     assert silence.look() == pytest.approx(0.7)
 
 
-def test_a_finding_counts_once_it_has_stood_for_long_enough_and_another_begins_anew():
+def test_what_is_seen_counts_once_it_has_stayed_the_same_for_long_enough_and_another_begins_anew():
     clock = Clock()
-    finding = Lasting(0.5, clock)
-    assert finding.settled("one") == ""
+    patience = Patience(0.5, clock)
+    assert not patience.is_over("one")
     clock.time += 0.4
-    assert finding.settled("one") == ""
+    assert not patience.is_over("one")
     clock.time += 0.2
-    assert finding.settled("one") == "one"
-    assert finding.settled("another") == ""
+    assert patience.is_over("one")
+    assert not patience.is_over("another")
     clock.time += 0.6
-    assert finding.settled("another") == "another"
-    assert finding.settled("") == ""
+    assert patience.is_over("another")
 
 
 def test_what_is_not_answered_is_sent_again_after_a_wait_that_doubles():

@@ -37,7 +37,8 @@ LARGEST_EXTENSION = 20.0
 CONFIDENCE = 0.9
 """Two-sided, of the intervals."""
 RESAMPLES = 200
-STREAM = "extremes/bootstrap"
+SEED, STREAM = 1, "extremes/bootstrap"
+"""Of the random numbers of the confidence intervals."""
 FLAT = 1e-9
 """Shapes below this are 0."""
 
@@ -160,7 +161,7 @@ def fit_peaks(peaks: Peaks) -> Largest:
     return per_peak.within(peaks.duration)
 
 
-def from_blocks(maxima: Array, block: float, duration: float, *, seed: int = 1) -> Estimate | None:
+def from_blocks(maxima: Array, block: float, duration: float) -> Estimate | None:
     """Return what is to be expected of the largest value within a time, by maxima of blocks; None for too few.
 
     Parameters
@@ -168,7 +169,6 @@ def from_blocks(maxima: Array, block: float, duration: float, *, seed: int = 1) 
     maxima : of blocks, or of records of one length: deviations from the mean, not negative, shape (n,)
     block : length of each [s]
     duration : the time [s]
-    seed : of the confidence intervals
     """
     if maxima.size < FEWEST:
         return None
@@ -179,7 +179,7 @@ def from_blocks(maxima: Array, block: float, duration: float, *, seed: int = 1) 
         return fit_blocks(generator.choice(squares, squares.size), block)
 
     best = fit_blocks(squares, block)
-    return _estimate("block maxima", best, maxima.size, maxima.size * block, duration, again, seed)
+    return _estimate("block maxima", best, maxima.size, maxima.size * block, duration, again)
 
 
 def most_probable_by_blocks(maxima: Array, block: float, duration: float) -> float:
@@ -192,14 +192,13 @@ def most_probable_by_blocks(maxima: Array, block: float, duration: float) -> flo
     return _figures(fit_blocks(np.square(maxima), block).within(duration))[0]
 
 
-def from_peaks(peaks: Peaks, duration: float, *, seed: int = 1) -> Estimate | None:
+def from_peaks(peaks: Peaks, duration: float) -> Estimate | None:
     """Return what is to be expected of the largest value within a time, by peaks; None for too few.
 
     Parameters
     ----------
     peaks : over a threshold: deviations from the mean
     duration : the time [s]
-    seed : of the confidence intervals
     """
     count = peaks.excess.size
     if count < FEWEST:
@@ -212,7 +211,7 @@ def from_peaks(peaks: Peaks, duration: float, *, seed: int = 1) -> Estimate | No
         return fit_peaks(Peaks(drawn, threshold, peaks.duration))
 
     best = fit_peaks(Peaks(excess, threshold, peaks.duration))
-    return _estimate("peaks over threshold", best, count, peaks.duration, duration, again, seed)
+    return _estimate("peaks over threshold", best, count, peaks.duration, duration, again)
 
 
 def _estimate(
@@ -222,9 +221,8 @@ def _estimate(
     recorded: float,
     duration: float,
     again: Callable[[np.random.Generator], Largest],
-    seed: int,
 ) -> Estimate:
-    generator = random_stream(seed, STREAM)
+    generator = random_stream(SEED, STREAM)
     drawn = np.array([_figures(again(generator).within(duration)) for _ in range(RESAMPLES)])
     low, high = np.quantile(drawn, (0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE), axis=0)
     most_probable, p90 = _figures(best.within(duration))

@@ -68,14 +68,13 @@ class Expected:
         return {"name": self.name, "unit": self.unit, "seen": self.seen, "methods": methods, "without_a_seed": without}
 
 
-def expected_of_run(record: RunRecord, duration: float, *, seed: int = 1) -> list[Expected]:
+def expected_of_run(record: RunRecord, duration: float) -> list[Expected]:
     """Return what is to be expected of a longer run in the same sea, by both methods.
 
     Parameters
     ----------
     record : of a run; its transient does not count
     duration : of the longer one [s]
-    seed : of the confidence intervals
     """
     signals = record.signals
     quantities = (
@@ -85,13 +84,13 @@ def expected_of_run(record: RunRecord, duration: float, *, seed: int = 1) -> lis
         ("top tension, smallest", "N", signals.tension, -1.0),
     )
     return [
-        _of_signal(name, unit, signal.window(record.start, record.end), sign, duration, seed)
+        _of_signal(name, unit, signal.window(record.start, record.end), sign, duration)
         for name, unit, signal, sign in quantities
         if signal.window(record.start, record.end).size > 1
     ]
 
 
-def _of_signal(name: str, unit: str, part: Signal, sign: float, duration: float, seed: int) -> Expected:
+def _of_signal(name: str, unit: str, part: Signal, sign: float, duration: float) -> Expected:
     """Return it for one signal; `sign` 0: deviations to either side count."""
     mean = float(part.value.mean())
     about = part.value - mean
@@ -102,8 +101,8 @@ def _of_signal(name: str, unit: str, part: Signal, sign: float, duration: float,
     blocks = [block_maxima(side * about, cycles) for side in sides]
     largest = np.max(blocks, axis=0)
     peaks = peaks_over_threshold(np.concatenate(crests), recorded)
-    found = [from_blocks(np.maximum(largest, 0.0), recorded / max(largest.size, 1), duration, seed=seed)]
-    found.append(from_peaks(peaks, duration, seed=seed))
+    found = [from_blocks(np.maximum(largest, 0.0), recorded / max(largest.size, 1), duration)]
+    found.append(from_peaks(peaks, duration))
     seen = float(np.max([np.max(side * about) for side in sides]))
     centre = 0.0 if sign == 0.0 else mean
     estimates = tuple(one for one in found if one is not None)
@@ -111,7 +110,7 @@ def _of_signal(name: str, unit: str, part: Signal, sign: float, duration: float,
 
 
 def expected_of_seeds(
-    maxima: Mapping[str, tuple[str, Array, Array, float]], record: float, duration: float, *, seed: int = 1
+    maxima: Mapping[str, tuple[str, Array, Array, float]], record: float, duration: float
 ) -> list[Expected]:
     """Return what is to be expected by runs that differ in their seed only.
 
@@ -120,11 +119,10 @@ def expected_of_seeds(
     maxima : by name: unit, mean and largest deviation of each run, and the sign that `Expected` has
     record : length of each [s]
     duration : of the time that is asked for [s]
-    seed : of the confidence intervals
     """
     found = []
     for name, (unit, means, deviations, sign) in maxima.items():
-        estimate = from_blocks(deviations, record, duration, seed=seed)
+        estimate = from_blocks(deviations, record, duration)
         if estimate is None:
             continue
         mean = float(np.mean(means))

@@ -156,7 +156,7 @@ class BagWriter:
         for name, values in self._records if not self._closed_files else ():
             self._writer.add_metadata(name, values)
         for attachment in self._attachments:
-            self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data, log_time=0)
+            self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data)
         self._describe()
 
     def _describe(self) -> None:
@@ -326,7 +326,7 @@ class BagWriter:
             if not self._topics[name].channel:
                 self._register(self._topics[name])
         for attachment in self._closing_attachments():
-            self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data, log_time=0)
+            self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data)
         if outcome:
             self._writer.add_metadata(OUTCOME_RECORD, outcome)
         self._complete_file()

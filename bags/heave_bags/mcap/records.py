@@ -12,7 +12,6 @@ import struct
 import zlib
 from io import BytesIO
 from pathlib import Path
-from types import TracebackType
 from typing import NamedTuple
 
 from mcap.data_stream import ReadDataStream
@@ -110,9 +109,7 @@ class RecordFile:
     def __enter__(self) -> RecordFile:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         os.close(self._file)
 
     def read(self, position: int, count: int) -> bytes:
@@ -129,35 +126,32 @@ class RecordFile:
 
     def record_at(self, position: int) -> Record | None:
         """Return the record that begins at `position`, whole or cut off by the end of the file; None if none does."""
-        head = self.read(position, HEAD.size)
-        if len(head) < HEAD.size:
+        stated = self._stated(position)
+        true_length = None if stated is None else self._length_by_parts(stated)
+        if stated is None or true_length is None:
             return None
-        opcode, length = HEAD.unpack(head)
-        stated = Record(opcode, position, length)
-        true_length = self._length_by_parts(stated)
-        if true_length is None:
-            return None
-        if true_length == length:
+        if true_length == stated.length:
             return stated
-        repaired = Record(opcode, position, true_length)  # a damaged length shows by what follows the true one
+        repaired = stated._replace(length=true_length)  # a damaged length shows by what follows the true one
         return repaired if repaired.end < self.size and self._begins_record(repaired.end) else None
 
     def record_of_stated_length(self, position: int) -> Record | None:
         """Return a record at `position` whose parts are damaged, if its length leads to another record; None if not."""
+        record = self._stated(position)
+        is_followed = record is not None and record.end < self.size and self._begins_record(record.end)
+        return record if is_followed else None
+
+    def _stated(self, position: int) -> Record | None:
+        """Return what the bytes at `position` say as the head of a record; None where the file ends."""
         head = self.read(position, HEAD.size)
         if len(head) < HEAD.size:
             return None
         opcode, length = HEAD.unpack(head)
-        record = Record(opcode, position, length)
-        return record if record.end < self.size and self._begins_record(record.end) else None
+        return Record(opcode, position, length)
 
     def _begins_record(self, position: int) -> bool:
-        head = self.read(position, HEAD.size)
-        if len(head) < HEAD.size:
-            return False
-        opcode, length = HEAD.unpack(head)
-        by_parts = self._length_by_parts(Record(opcode, position, length))
-        return by_parts is not None and by_parts == int(length)
+        record = self._stated(position)
+        return record is not None and self._length_by_parts(record) == record.length
 
     def _length_by_parts(self, record: Record) -> int | None:
         """Return the length of a body as its parts add up to it; None where they do not make sense."""

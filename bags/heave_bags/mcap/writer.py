@@ -10,7 +10,7 @@ import struct
 import zlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import lz4.frame
 import zstandard
@@ -272,22 +272,13 @@ class McapWriter:
             return compressed
         return records
 
-    def add_attachment(self, name: str, media_type: str, data: bytes, *, log_time: int, create_time: int = 0) -> None:
-        """Add a file of its own to the MCAP file: `name`, `media_type`, `data`; `log_time` and `create_time` [ns]."""
+    def add_attachment(self, name: str, media_type: str, data: bytes) -> None:
+        """Add a file of its own to the MCAP file: `name`, `media_type`, `data`; without times."""
         self.close_chunk()
-        attachment = Attachment(create_time=create_time, log_time=log_time, name=name, media_type=media_type, data=data)
-        encoded = _encode(attachment)
-        self._attachment_indexes.append(
-            AttachmentIndex(
-                offset=self.size,
-                length=len(encoded),
-                create_time=create_time,
-                log_time=log_time,
-                data_size=len(data),
-                name=name,
-                media_type=media_type,
-            )
-        )
+        about: dict[str, Any] = {"create_time": 0, "log_time": 0, "name": name, "media_type": media_type}
+        encoded = _encode(Attachment(**about, data=data))
+        index = AttachmentIndex(offset=self.size, length=len(encoded), data_size=len(data), **about)
+        self._attachment_indexes.append(index)
         self._put(encoded)
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:

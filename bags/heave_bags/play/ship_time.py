@@ -49,16 +49,15 @@ class TimeError(ValueError):
     """Times that cannot be read, or in two ways; the message says which and what to do, without the file's name."""
 
 
-def unix_time(text: str, order: str = "") -> float:
+def unix_time(text: str) -> float:
     """Return the Unix time of a date and time [s]; NaN where `text` is none. Without a zone it is UTC.
 
     Parameters
     ----------
-    text : ISO 8601, or a date with its year last, which is read in `order`
-    order : one of DATE_ORDERS; "": dates with the year last are none, but for those parted by points (day first)
+    text : ISO 8601, or a date with its year last whose parts are parted by points, day first
     """
     found = _TEXT.fullmatch(text.strip())
-    day = _midnight(found, order) if found else None
+    day = _midnight(found, order="") if found else None
     return math.nan if found is None or day is None else day + _clock(found)
 
 

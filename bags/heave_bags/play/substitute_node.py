@@ -110,15 +110,12 @@ def substitute_type(node: str) -> type[Any]:
     return type(f"Substitute_{node}", (base,), {"name": node})
 
 
-def program(node: str, bag: Path, start: float = 0.0) -> list[str]:
-    """Return the module that runs the substitute of `node`, and its arguments; more of ROS may follow.
-
-    It plays `bag` from `start` on [s].
-    """
+def program(node: str, bag: Path) -> list[str]:
+    """Return the module that plays `bag` in the place of `node`, and its arguments; more of ROS may follow."""
     return [
         *("heave_bags.play.substitute_node", node, "--ros-args"),
         *("-r", f"__node:={node}_from_bag"),  # the parameters of the node itself do not concern its substitute
-        *("-p", f"bag:={bag}", "-p", f"bag_start:={float(start)}"),
+        *("-p", f"bag:={bag}"),
     ]
 
 

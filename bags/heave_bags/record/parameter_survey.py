@@ -9,6 +9,7 @@ from typing import Any
 
 import yaml
 from heave_node.files.bounded_yaml import DUMPER
+from heave_node.ros.node_parameters import plain_value
 from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
@@ -45,7 +46,7 @@ class ParameterSurvey:
 
     def _keep(self, name: str, names: list[str], answer: Any) -> None:
         values = [parameter_value_to_python(value) for value in answer.values]
-        plain = {key: _plain(value) for key, value in zip(names, values, strict=True)}
+        plain = {key: plain_value(value) for key, value in zip(names, values, strict=True)}
         self._values[name] = {key: value for key, value in sorted(plain.items()) if value is not None}
 
     def to_yaml(self) -> bytes:
@@ -58,7 +59,3 @@ class ParameterSurvey:
     def is_empty(self) -> bool:
         """Return whether no node has answered."""
         return not any(self._values.values())
-
-
-def _plain(value: Any) -> Any:
-    return list(value) if hasattr(value, "__iter__") and not isinstance(value, str) else value

@@ -41,13 +41,17 @@ def save_report(records: Sequence[RunRecord], output: Path, verdicts: Sequence[V
 
 def render(records: Sequence[RunRecord], verdicts: Sequence[Verdict] = ()) -> str:
     """Return the report of `records` as HTML text; `verdicts` as for `save_report`."""
-    from plotly.offline import get_plotlyjs  # noqa: PLC0415 - slow to import, needed for its script only
-
     figures: list[Figure] = []
     content = page_content(records, figures, verdicts)
+    return _page("report.html", figures, **content)
+
+
+def _page(name: str, figures: Sequence[Figure], **content: Any) -> str:
+    """Return a page with the script that draws its figures, as HTML."""
+    from plotly.offline import get_plotlyjs  # noqa: PLC0415 - slow to import, needed for its script only
+
     scripts = [get_plotlyjs(), f"\n{_asset('report.js')}"]
-    page = _template("report.html")
-    return page.render(
+    return _template(name).render(
         **content,
         policy=security_policy(scripts),
         style=_asset("report.css"),
@@ -95,19 +99,7 @@ def render_page(title: str, body: str, figures: Sequence[Figure], footer: str) -
     figures : in the order of their places
     footer : a line at the end
     """
-    from plotly.offline import get_plotlyjs  # noqa: PLC0415 - slow to import, needed for its script only
-
-    scripts = [get_plotlyjs(), f"\n{_asset('report.js')}"]
-    page = _template("study.html")
-    return page.render(
-        title=title,
-        body=body,
-        footer=footer,
-        policy=security_policy(scripts),
-        style=_asset("report.css"),
-        scripts=scripts,
-        figures=_as_script(figures),
-    )
+    return _page("study.html", figures, title=title, body=body, footer=footer)
 
 
 def place_figure(figure: Figure, figures: list[Figure]) -> str:

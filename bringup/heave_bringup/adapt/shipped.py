@@ -7,13 +7,13 @@ from pathlib import Path
 
 from heave_node.devices.maps.channel import MapError
 from heave_node.devices.maps.device_map import DeviceMap, read_device_map
+from heave_node.files.stated_files import shipped_files
 from heave_node.parameters import ParameterError
 
 
 def shipped_maps() -> dict[str, Path]:
     """Return the files of the shipped maps by their names."""
-    folder = Path(str(resources.files("heave_bringup") / "device_maps"))
-    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+    return shipped_files(Path(str(resources.files("heave_bringup") / "device_maps")))
 
 
 def title_of(path: Path) -> str:

@@ -164,9 +164,7 @@ def _zinage_maker(name: str, sea: str, records: Path | None, *, is_noisy: bool) 
         facts = Facts(name, sample_time, duration, winch, sensors, expected, belief)
 
         def make_winch() -> Winch:
-            return DrivenWinch(
-                PumpDrive(drive), encoder_step=sensors.encoder_step, sample_time=sample_time, shows_instruments=True
-            )
+            return DrivenWinch(PumpDrive(drive), encoder_step=sensors.encoder_step, sample_time=sample_time)
 
         definition = {"drive": flatten(drive), "record": record.digest}
         motion = RecordedMotion(record)
@@ -262,12 +260,8 @@ def _drawworks_maker(
         facts = Facts(name, sample_time, duration, winch, sensors, sea, belief)
 
         def make_winch() -> Winch:
-            return DrivenWinch(
-                ValveDrive(drive, tension=weight),
-                encoder_step=sensors.encoder_step,
-                sample_time=sample_time,
-                shows_instruments=True,
-            )
+            moved = ValveDrive(drive, tension=weight)
+            return DrivenWinch(moved, encoder_step=sensors.encoder_step, sample_time=sample_time)
 
         definition = {"drive": flatten(drive)}
         return _problem(facts, motion, make_winch, lambda start: CarriedLoad(weight, start), seed, definition)

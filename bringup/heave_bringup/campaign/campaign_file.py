@@ -26,18 +26,19 @@ A campaign file is YAML:
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from heave_node.files.bounded_yaml import YamlError, parse_yaml
-from heave_node.files.stated_files import find_stated, refuse_keys
+from heave_node.files.stated_files import find_stated, read_stated, refuse_keys
 from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.plan import Campaign, Link
 from heave_bringup.campaign.sampling import Draws
-from heave_bringup.settings import make_setting
+from heave_bringup.settings import make_setting, plain_settings
 
 VARY = "--vary"
 """Option that varies a parameter without a file."""
@@ -52,15 +53,7 @@ def find_campaign(name: str) -> Path:
 
 def read_campaign(path: Path) -> Campaign:
     """Read and check the campaign file `path`; raise ParameterError, in one line, for what is wrong with it."""
-    try:
-        content = parse_yaml(path.read_bytes(), only_true_and_false=True)
-    except OSError as error:
-        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from error
-    except YamlError as error:
-        raise ParameterError(f"{path}: {error}") from error
-    if not isinstance(content, Mapping) or "scenario" not in content:
-        raise ParameterError(f"{path}: must be a mapping with at least the key scenario")
-    refuse_keys(content, _KEYS, str(path))
+    _, content = read_stated(path, _KEYS, ("scenario",))
     draw = content.get("draw") or {}
     try:
         refuse_keys(_mapping(draw, "draw"), _DRAW_KEYS, f"{path}: draw")
@@ -169,15 +162,6 @@ def _link(text: str) -> Link:
     return {place: tuple(found)}
 
 
-def with_settings(campaign: Campaign, settings: Sequence[str]) -> dict[str, object]:
-    """Return what is common to every case of a `campaign` with the `settings` of the command line, PLACE=VALUE each."""
-    common = dict(campaign.common)
-    for text in settings:
-        place, separator, value = text.partition("=")
-        if not separator:
-            raise ParameterError(f"--set {text}: must be NODE.PARAM=VALUE, for example system.sea.peak_period=9")
-        try:
-            common[place] = parse_yaml(value, only_true_and_false=True)
-        except YamlError as error:
-            raise ParameterError(f"--set {text}: {value!r} is not a YAML value: {error}") from error
-    return common
+def with_settings(campaign: Campaign, settings: Iterable[str]) -> Campaign:
+    """Return the `campaign` with `settings` of the command line, PLACE=VALUE each, in every case."""
+    return replace(campaign, common={**campaign.common, **plain_settings(settings)})

@@ -5,14 +5,16 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
-from types import TracebackType
 from typing import Any, TypeVar
 
 from heave_node.parameters import ParameterError
 
 from heave_bringup.campaign.plan import Case
 from heave_bringup.campaign.runs import CaseResult, Task
+
+_KEPT = [field.name for field in fields(CaseResult) if field.name != "case"]
 
 
 def digest_of(tasks: Sequence[Task], version: str, files: Iterable[str] = ()) -> str:
@@ -94,9 +96,7 @@ class KeptResults:
     def __enter__(self: K) -> K:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._file.close()
 
     def _read(self, mark: Mapping[str, str]) -> list[str]:
@@ -128,30 +128,15 @@ class Journal(KeptResults):
         found = self.results.get(case.number)
         if found is None:
             return None
-        return CaseResult(
-            case,
-            kpis=found["kpis"],
-            failure=str(found["failure"]),
-            compensating=float(found["compensating"]),
-            reason=str(found["reason"]),
-            missed=tuple(found["missed"]),
-            baseline_unknown=str(found["baseline_unknown"]),
-            breaches=tuple(found["breaches"]),
-        )
+        given: dict[str, Any] = {name: found[name] for name in _KEPT}
+        for name in ("missed", "breaches"):
+            given[name] = tuple(given[name])
+        return CaseResult(case, **given)
 
     def add(self, result: CaseResult) -> None:
         """Keep a result: after this it is on the disk."""
-        content = {
-            "number": result.case.number,
-            "kpis": dict(result.kpis),
-            "failure": result.failure,
-            "compensating": result.compensating,
-            "reason": result.reason,
-            "missed": list(result.missed),
-            "baseline_unknown": result.baseline_unknown,
-            "breaches": list(result.breaches),
-        }
-        self.keep(content)
+        kept = {name: getattr(result, name) for name in _KEPT}
+        self.keep({"number": result.case.number, **kept, "kpis": dict(result.kpis)})
 
     def remove(self) -> None:
         """Remove the file: the table holds everything."""

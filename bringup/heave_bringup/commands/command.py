@@ -3,10 +3,35 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 DEFAULT_MODEL = "b3_deep_900"
+
+
+class CommandModule(Protocol):
+    """The module of a subcommand. The command has its name, up to a `_`: no module can be called `import`."""
+
+    __name__: str
+
+    @property
+    def SUMMARY(self) -> str:
+        """What it does, in one sentence."""
+
+    @property
+    def EXAMPLES(self) -> tuple[str, ...]:
+        """Command lines that a user may try."""
+
+    def add_arguments(self, parser: argparse.ArgumentParser, /) -> None:
+        """Add its own arguments to its `parser`; those that every command has are there already."""
+
+    def execute(self, options: argparse.Namespace, /) -> None:
+        """Do it, as `options` say.
+
+        Raises CommandError, ParameterError or BagError, in one line, where it cannot, and VerdictError where it gives a
+        verdict that is FAILED.
+        """
 
 
 @dataclass(frozen=True)
@@ -16,18 +41,21 @@ class Command:
     Attributes
     ----------
     name : as given on the command line
-    summary : what it does, in one sentence
-    examples : command lines that a user may try
-    execute : does it; raises CommandError, ParameterError or BagError, in one line, where it cannot, and VerdictError
-        where it gives a verdict that is FAILED
-    add_arguments : adds its own arguments to its parser; those that every command has are there already
+    summary, examples, execute, add_arguments : as its module has them
     """
 
     name: str
     summary: str
     examples: tuple[str, ...]
     execute: Callable[[argparse.Namespace], None]
-    add_arguments: Callable[[argparse.ArgumentParser], object] = lambda parser: None  # noqa: ARG005
+    add_arguments: Callable[[argparse.ArgumentParser], None]
+
+
+def commands_of(*modules: CommandModule) -> Iterator[Command]:
+    """Return the subcommands that `modules` declare."""
+    for module in modules:
+        name = module.__name__.rpartition(".")[2].partition("_")[0]
+        yield Command(name, module.SUMMARY, module.EXAMPLES, module.execute, module.add_arguments)
 
 
 def add_model(parser: argparse.ArgumentParser, words: str) -> None:

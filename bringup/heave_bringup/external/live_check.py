@@ -8,19 +8,16 @@ from collections.abc import Callable
 from operator import attrgetter
 from typing import Any
 
-import rclpy
 from heave_node.interface import topics
 from heave_node.interface.messages import message_type
-from heave_node.ros.process import in_namespace, leave_ros
+from heave_node.ros.process import leave_ros, node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
+from heave_node.ros.transport.identity import node_of_endpoint
 from heave_node.ros.transport.qos import qos_of, reader_qos_of
-from heave_node.ros.transport.watchdog import watched_start
 from heave_node.tick.clock_rule import ClockRule
 from heave_node.tick.tick import seconds_of, stamp_of_seconds
-from rclpy.node import Node
 from rclpy.qos import QoSCompatibility, qos_check_compatible
-from rclpy.signals import SignalHandlerOptions
 
 from heave_bringup.errors import CommandError
 from heave_bringup.external.check import Finding, Heard, Plan, WinchTrial, is_plausible, judge_topic, judge_winch
@@ -50,9 +47,7 @@ def check_node(
     Raises CommandError where a run is under way in this ROS domain: the node would then take part in that run.
     """
     prepare_environment()
-    with watched_start():
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        listener = _Listener(contract, seconds, namespace)
+    listener = _Listener(contract, seconds, namespace)
     try:
         return listener.listen(rule)
     finally:
@@ -64,7 +59,7 @@ class _Listener:
 
     def __init__(self, contract: Contract, seconds: float, namespace: str) -> None:
         self._contract = contract
-        self._node = Node(ME, namespace=namespace, cli_args=in_namespace(namespace), start_parameter_services=False)
+        self._node = node_beside(ME, namespace)
         self._spinner = Spinner(self._node)
         self._plan = Plan(seconds, 2 * seconds, 2 * seconds + 2.5, 2 * seconds + 3.5, 2 * seconds + 6.0)
         self._heard = {port.topic.name: Heard() for port in contract.publishes}
@@ -126,7 +121,7 @@ class _Listener:
         """Note who publishes a topic, and what does not match."""
         heard = self._heard[port.topic.name]
         for info in self._node.get_publishers_info_by_topic(port.topic.name):
-            heard.publishers.append(f"{info.node_namespace.rstrip('/')}/{info.node_name}")
+            heard.publishers.append(node_of_endpoint(info))
             heard.types.append(info.topic_type)
             compatibility, reason = qos_check_compatible(
                 info.qos_profile, reader_qos_of(port.topic.role, is_external=True)

@@ -6,9 +6,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from heave_node.interface.faults import FAULTS
+from heave_node.interface.fault_kinds import FAULTS
 
 from heave_bringup.operate.answer import refusal
+from heave_bringup.operate.moves import Lowering, MoveBy
 from heave_bringup.operate.requests import (
     NODE_OF_DEVICE,
     request_factor,
@@ -18,7 +19,7 @@ from heave_bringup.operate.requests import (
     request_snapshot,
 )
 from heave_bringup.operate.situation import Situation
-from heave_bringup.operate.tasks import AnyOf, ClockTask, EmergencyStop, Link, Lowering, MoveBy, Stop, Task
+from heave_bringup.operate.tasks import AnyOf, ClockTask, EmergencyStop, Link, Stop, Task
 
 EMERGENCY, QUIT, ESCAPE, ENTER, ERASE = " ", "q", "\x1b", ("\r", "\n"), ("\x7f", "\b")
 NUDGE = 0.1

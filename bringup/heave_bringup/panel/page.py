@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from heave_node.interface.alarm import Severity
-from heave_node.interface.faults import FAULTS
+from heave_node.interface.fault_kinds import FAULTS
 from nicegui import ui
 
 from heave_bringup.operate.keys import COMMANDS, Command, devices_of

@@ -9,14 +9,12 @@ import json
 import os
 import re
 import sys
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from heave_node.cdr.layout import PRIMITIVES, SEPARATOR
+from heave_node.cdr.layout import PRIMITIVES, SEPARATOR, field_lines
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*/msg/[A-Z][A-Za-z0-9]*")
-_FIELD = re.compile(r"^(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[(?:<=)?\d*\])?\s+(?P<name>[A-Za-z]\w*)\s*(?P<rest>.*)$")
 
 
 class DefinitionError(LookupError):
@@ -29,21 +27,9 @@ def prefixes() -> list[Path]:
     return [*named, Path(sys.prefix)]
 
 
-def field_types(text: str) -> Iterator[str]:
-    """Yield the type of each field of a .msg text, without bounds and brackets; constants are left out."""
-    return (match["type"] for match in _fields(text))
-
-
 def field_names(text: str) -> list[str]:
     """Return the name of each field of a .msg text; constants are left out."""
-    return [match["name"] for match in _fields(text)]
-
-
-def _fields(text: str) -> Iterator[re.Match[str]]:
-    for line in text.splitlines():
-        match = _FIELD.match(line.split("#", 1)[0].strip())
-        if match and not match["rest"].startswith("="):
-            yield match
+    return [match["name"] for match in field_lines(text.splitlines())]
 
 
 def _split(message_type: str) -> tuple[str, str]:
@@ -91,7 +77,7 @@ def schema_text(message_type: str) -> str:
             return
         text = _find(key, ".msg").read_text(encoding="utf-8")
         texts[key] = text
-        for field_type in field_types(text):
+        for field_type in (match["type"] for match in field_lines(text.splitlines())):
             if field_type not in PRIMITIVES:
                 visit(field_type if "/" in field_type else f"{package}/{field_type}")
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -136,11 +136,16 @@ def parse_schema(name: str, text: str) -> dict[str, list[Field]]:
     return types
 
 
-def _fields(lines: Sequence[str], package: str) -> Iterator[Field]:
+def field_lines(lines: Iterable[str]) -> Iterator[re.Match[str]]:
+    """Yield type, array and name of each field among the `lines` of a definition; constants are left out."""
     for line in lines:
         match = _FIELD.match(line.split("#", 1)[0].strip())
-        if not match or match["rest"].startswith("="):
-            continue
+        if match and not match["rest"].startswith("="):
+            yield match
+
+
+def _fields(lines: Iterable[str], package: str) -> Iterator[Field]:
+    for match in field_lines(lines):
         kind, array = match["type"], match["array"]
         if kind not in PRIMITIVES:
             parts = kind.split("/")

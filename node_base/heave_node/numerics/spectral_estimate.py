@@ -204,18 +204,17 @@ class HeightAndPeriod:
     peak_period_interval: tuple[float, float]
 
 
-def height_and_period(record: Array, period: float, *, segment: float = SEGMENT_TIME) -> HeightAndPeriod:
+def height_and_period(record: Array, period: float) -> HeightAndPeriod:
     """Return height and period of an evenly sampled record of elevation or heave [m].
 
     Parameters
     ----------
     record : samples [m], shape (n,)
     period : between samples [s]
-    segment : length of a segment of the spectrum [s]
 
     Raises RecordTooShortError where the record holds fewer than three half-overlapping segments.
     """
-    estimate = estimate_spectrum(record, period, segment=segment, least_segments=3)
+    estimate = estimate_spectrum(record, period, least_segments=3)
     omega, segments = estimate.omega[1:], estimate.segments[:, 1:]
     density = segments.mean(axis=0)
     m0 = float(record.var())

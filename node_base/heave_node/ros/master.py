@@ -24,7 +24,7 @@ from heave_node.interface.node_alarms import NODE_ALARMS
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
-from heave_node.ros.silence import Lasting, MasterWaits, Patience
+from heave_node.ros.silence import MasterWaits, Patience
 from heave_node.ros.transport.exchange import LocalPublisher
 from heave_node.ros.transport.host_clocks import HostClocks
 from heave_node.ros.transport.identity import describe_sender, host_of, identity_of_endpoint
@@ -84,7 +84,7 @@ class ClockMasterNode(HeaveNode):
         self._speakers: dict[str, Speakers] = {}
         self.run_state = TickStatus.WAITING
         self._reason = ""
-        self._mismatch = Lasting(MISMATCH_PATIENCE)
+        self._mismatch = Patience(MISMATCH_PATIENCE)
         self._stepped = True
         self._failed_participant: tuple[str, float] | None = None
         self._patience = Patience()
@@ -167,7 +167,7 @@ class ClockMasterNode(HeaveNode):
         found = "; ".join(
             text for topic in self._external_topics() for text in mismatches(self, topic, self.roster.expected)
         )
-        return self._mismatch.settled(found)
+        return found if self._mismatch.is_over(found) else ""
 
     def _rivals(self) -> list[str]:
         """Describe on which topics several external processes publish: none of them would be the right one."""

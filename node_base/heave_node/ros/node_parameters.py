@@ -80,7 +80,7 @@ def _given(node: Node, files: Sequence[tuple[Path, Sections]]) -> dict[str, Give
         held = sections_of_node(sections, node.get_fully_qualified_name())
         origins |= {name: f"{path}: {section}" for name, section in held.items()}
     return {
-        name: Given(_plain(parameter.value), name, origins.get(name, f"{node.get_name()}: command line"))
+        name: Given(plain_value(parameter.value), name, origins.get(name, f"{node.get_name()}: command line"))
         for name, parameter in node.get_parameters_by_prefix("").items()
         if name not in _OF_ROS and not name.startswith("qos_overrides.")
     }
@@ -116,7 +116,7 @@ def _descriptor(info: ParameterInfo) -> ParameterDescriptor:
     return descriptor
 
 
-def _plain(value: Any) -> object:
+def plain_value(value: Any) -> object:
     """Return a parameter value of rclpy as plain Python (its arrays are array.array)."""
     return list(value) if hasattr(value, "__iter__") and not isinstance(value, str) else value
 

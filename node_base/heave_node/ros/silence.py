@@ -43,47 +43,25 @@ class Silence:
 
 
 class Patience:
-    """Waits while what is missing becomes less.
+    """Waits while something changes: messages that are missing become fewer, or what is found may not be all yet.
 
     Parameters
     ----------
-    seconds : for which the number may stand still [s]
+    seconds : for which it may stay the same [s]
     clock : returns the wall time [s]
     """
 
     def __init__(self, seconds: float = FLUSH_PATIENCE, clock: Callable[[], float] = time.monotonic) -> None:
-        self._seconds = seconds
-        self._clock = clock
-        self._missing = -1
+        self._seconds, self._clock = seconds, clock
+        self._seen: object = None
         self._since = clock()
 
-    def is_over(self, missing: int) -> bool:
-        """Return whether as many messages as now, `missing`, have been missing for too long; ask again and again."""
+    def is_over(self, seen: object) -> bool:
+        """Return whether what is `seen` now, a number or words, has been the same for too long; ask again and again."""
         now = self._clock()
-        if missing != self._missing:
-            self._missing, self._since = missing, now
+        if seen != self._seen:
+            self._seen, self._since = seen, now
         return now - self._since >= self._seconds
-
-
-class Lasting:
-    """A finding that counts once it has stood for a while: at first it may be that not all is known.
-
-    Parameters
-    ----------
-    seconds : for which it must have stood [s]
-    clock : returns the wall time [s]
-    """
-
-    def __init__(self, seconds: float, clock: Callable[[], float] = time.monotonic) -> None:
-        self._seconds, self._clock = seconds, clock
-        self._found, self._since = "", 0.0
-
-    def settled(self, found: str) -> str:
-        """Return what was `found`, in words, where that has been so for long enough, else ""; ask again and again."""
-        now = self._clock()
-        if found != self._found:
-            self._found, self._since = found, now
-        return found if now - self._since >= self._seconds else ""
 
 
 class MasterWaits:

@@ -15,7 +15,8 @@ from collections import deque
 
 import numpy as np
 from heave_node.interface.codes import MruStatus
-from heave_node.interface.faults import LARGEST_DELAY, FaultSchedule, FaultyValues
+from heave_node.interface.fault_kinds import LARGEST_DELAY
+from heave_node.interface.faults import FaultSchedule, FaultyValues
 from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream

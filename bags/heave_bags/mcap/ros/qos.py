@@ -67,26 +67,15 @@ _WORDS = {
 def from_mapping(values: Mapping[str, Any]) -> OfferedQos:
     """Read the profile `values` of a bag; a policy that is missing or not known takes the default."""
     default = OfferedQos()
-    words: dict[str, str] = {}
+    found: dict[str, Any] = {}
     for name, meanings in _WORDS.items():
         value = values.get(name)
         word = str(meanings.get(value) if isinstance(value, int) else value).lower()
-        words[name] = word if word in meanings.values() else getattr(default, name)
-    durations = {
-        name: _nanoseconds(values[name]) if name in values else INFINITE
-        for name in ("deadline", "lifespan", "liveliness_lease_duration")
-    }
+        found[name] = word if word in meanings.values() else getattr(default, name)
+    for name in ("deadline", "lifespan", "liveliness_lease_duration"):
+        found[name] = _nanoseconds(values[name]) if name in values else INFINITE
     depth = int(values.get("depth", default.depth))
-    return OfferedQos(
-        history=words["history"],
-        depth=depth if depth > 0 else default.depth,
-        reliability=words["reliability"],
-        durability=words["durability"],
-        liveliness=words["liveliness"],
-        deadline=durations["deadline"],
-        lifespan=durations["lifespan"],
-        liveliness_lease_duration=durations["liveliness_lease_duration"],
-    )
+    return OfferedQos(depth=depth if depth > 0 else default.depth, **found)
 
 
 def to_yaml(profiles: list[OfferedQos] | tuple[OfferedQos, ...]) -> str:

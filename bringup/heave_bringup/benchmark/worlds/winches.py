@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -50,14 +49,12 @@ class DrivenWinch:
     drive : the drive
     encoder_step : resolution of the encoder [m]; 0 is none
     sample_time : [s]
-    shows_instruments : the drive's instruments are in the reading
     """
 
-    def __init__(self, drive: Drive, *, encoder_step: float, sample_time: float, shows_instruments: bool) -> None:
+    def __init__(self, drive: Drive, *, encoder_step: float, sample_time: float) -> None:
         self._drive = drive
         self._step = encoder_step
         self._dt = sample_time
-        self._shows = shows_instruments
         self._last = 0.0
         self._rate = 0.0
         self._taken = 0
@@ -71,11 +68,9 @@ class DrivenWinch:
     def reading(self) -> WinchReading:
         """Return the reading now; with a perfect encoder the rate is that of the drum, else a difference."""
         state = self._drive.state
-        instruments: Mapping[str, float] = self._drive.instruments() if self._shows else {}
         rate = state.payout_rate if self._step == 0.0 else self._rate
-        return WinchReading(
-            self._quantised(state.payout), rate, state.brake, WINCH_OK, int(state.limits), self._taken, instruments
-        )
+        payout, instruments = self._quantised(state.payout), self._drive.instruments()
+        return WinchReading(payout, rate, state.brake, WINCH_OK, int(state.limits), self._taken, instruments)
 
     def step(self, tick: int, command: Command, tension: float) -> None:
         """See `Winch.step`. A set-point that is not a number stops the drum with the brake."""

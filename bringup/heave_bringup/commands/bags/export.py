@@ -10,11 +10,16 @@ from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
     from heave_bags.analyse.time_base import Column
+
+SUMMARY = "Write the signals of a bag on one time base, as CSV, Parquet or a spreadsheet."
+EXAMPLES = (
+    "heave export runs/b2_calm_300-001 --csv b2.csv",
+    "heave export runs/b2_calm_300-001 --topics winch/state winch/load_cell --period 0.1 --parquet winch.parquet",
+)
 
 ENDINGS = (".csv", ".parquet", ".xlsx")
 
@@ -97,15 +102,3 @@ def _described(column: Column) -> str:
     """Return meaning and unit of a `column` in words."""
     has_unit = not column.unit or f"[{column.unit}]" in column.meaning
     return column.meaning if has_unit else f"{column.meaning} [{column.unit}]"
-
-
-COMMAND = Command(
-    name="export",
-    summary="Write the signals of a bag on one time base, as CSV, Parquet or a spreadsheet.",
-    examples=(
-        "heave export runs/b2_calm_300-001 --csv b2.csv",
-        "heave export runs/b2_calm_300-001 --topics winch/state winch/load_cell --period 0.1 --parquet winch.parquet",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -13,7 +13,7 @@ from heave_bags.play.ship_time import DATE_ORDERS
 from heave_bags.play.stretches import DEFAULT_BRIDGE, LONGEST_BRIDGE, Window
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.command import Command, add_model
+from heave_bringup.commands.command import add_model
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
@@ -21,6 +21,13 @@ if TYPE_CHECKING:
     from heave_node.numerics.arrays import Array
     from heave_node.numerics.spectral_estimate import HeightAndPeriod
     from heave_node.scenario import Sections
+
+SUMMARY = "Make a sea from a ship's own record: a bag with any standard motion type, or a log in columns."
+EXAMPLES = (
+    "heave import sea_trial/ --topic /imu/data --output sea.csv",
+    "heave import mru.csv --column heave_m --output sea.csv --scenario sea.yaml --like unit_1500",
+    "heave import seapath.nmea --mapping psxn --output sea.csv",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -221,16 +228,3 @@ def _height_and_period(heave: Array, period: float) -> tuple[HeightAndPeriod | N
         f"significant heave {found.significant_height:.2f} m ({low:.2f} to {high:.2f}), peak period "
         f"{found.peak_period:.1f} s ({shortest:.1f} to {longest:.1f}); 95 % intervals"
     )
-
-
-COMMAND = Command(
-    name="import",
-    summary="Make a sea from a ship's own record: a bag with any standard motion type, or a log in columns.",
-    examples=(
-        "heave import sea_trial/ --topic /imu/data --output sea.csv",
-        "heave import mru.csv --column heave_m --output sea.csv --scenario sea.yaml --like unit_1500",
-        "heave import seapath.nmea --mapping psxn --output sea.csv",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

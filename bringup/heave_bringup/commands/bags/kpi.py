@@ -9,7 +9,9 @@ from pathlib import Path
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_bags, add_baseline
-from heave_bringup.commands.command import Command
+
+SUMMARY = "Print the figures of merit of one or several bags, side by side."
+EXAMPLES = ("heave kpi runs/b2_calm_300-001/bag --window 60 --table kpis.csv",)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,12 +51,3 @@ def execute(options: argparse.Namespace) -> None:
     if options.table is not None:
         analysis.save_frame(analysis.kpi_frame(records, options.window), options.table)
     write_result(options, text, results[0] if len(results) == 1 else {"runs": results})
-
-
-COMMAND = Command(
-    name="kpi",
-    summary="Print the figures of merit of one or several bags, side by side.",
-    examples=("heave kpi runs/b2_calm_300-001/bag --window 60 --table kpis.csv",),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -8,8 +8,10 @@ from pathlib import Path
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_network
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
+
+SUMMARY = "Record every topic of any type, on a ship or beside any other program, until Ctrl-C."
+EXAMPLES = ("heave record sea_trial --set split_duration=600.0",)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,12 +44,3 @@ def execute(options: argparse.Namespace) -> None:
     write_result(options, text, {"bag": str(bag.path), "messages": bag.message_count, "topics": len(bag.topics)})
     if status:
         raise CommandError(f"{bag.path}: the recording is incomplete; see above")
-
-
-COMMAND = Command(
-    name="record",
-    summary="Record every topic of any type, on a ship or beside any other program, until Ctrl-C.",
-    examples=("heave record sea_trial --set split_duration=600.0",),
-    add_arguments=add_arguments,
-    execute=execute,
-)

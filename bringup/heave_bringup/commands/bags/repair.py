@@ -5,8 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
+
+SUMMARY = "Recover what is readable in a damaged bag into a new one, or reindex a folder; report what is lost."
+EXAMPLES = ("heave repair damaged/bag --output saved",)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,12 +42,3 @@ def execute(options: argparse.Namespace) -> None:
     losses = [str(loss) for loss in saved.losses]
     result = {"bag": str(saved.folder), "messages": saved.messages, "losses": losses, "notes": list(saved.notes)}
     write_result(options, str(saved), result)
-
-
-COMMAND = Command(
-    name="repair",
-    summary="Recover what is readable in a damaged bag into a new one, or reindex a folder; report what is lost.",
-    examples=("heave repair damaged/bag --output saved",),
-    add_arguments=add_arguments,
-    execute=execute,
-)

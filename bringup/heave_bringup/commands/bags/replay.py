@@ -7,8 +7,13 @@ from pathlib import Path
 
 from heave_bags.play.player_options import add_arguments as add_player_arguments
 
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
+
+SUMMARY = "Republish a bag with the recorded types and quality of service, and /clock; or answer it again."
+EXAMPLES = (
+    "heave replay runs/b2_calm_300-001/bag --rate 4 --nodes wave_vessel",
+    "heave replay runs/b2_calm_300-001/bag --adviser",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -89,15 +94,3 @@ def _play(bag: Path, options: argparse.Namespace) -> None:
         "notes": list(played.notes),
     }
     write_result(options, "\n".join(text), result)
-
-
-COMMAND = Command(
-    name="replay",
-    summary="Republish a bag with the recorded types and quality of service, and /clock; or answer it again.",
-    examples=(
-        "heave replay runs/b2_calm_300-001/bag --rate 4 --nodes wave_vessel",
-        "heave replay runs/b2_calm_300-001/bag --adviser",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

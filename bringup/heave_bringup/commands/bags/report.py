@@ -10,8 +10,14 @@ from pathlib import Path
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_bags, add_baseline, add_full
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import VerdictError
+
+SUMMARY = "Write the HTML report of one or several bags: one file that opens offline; on request a PDF too."
+EXAMPLES = (
+    "heave report runs/b2_calm_300-001 --pdf",
+    "heave report runs/b2_calm_300-001 runs/b2_calm_300-002 --output compared.html",
+    "heave report runs/sea_trial --whatif",
+)
 
 REPORT = "report.html"
 """Name of the report of one run, in the folder of the run."""
@@ -103,16 +109,3 @@ def _output(given: Path | None, bags: Sequence[Path]) -> Path:
     while (path := above / f"comparison-{number:03d}.html").exists():
         number += 1
     return path
-
-
-COMMAND = Command(
-    name="report",
-    summary="Write the HTML report of one or several bags: one file that opens offline; on request a PDF too.",
-    examples=(
-        "heave report runs/b2_calm_300-001 --pdf",
-        "heave report runs/b2_calm_300-001 runs/b2_calm_300-002 --output compared.html",
-        "heave report runs/sea_trial --whatif",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

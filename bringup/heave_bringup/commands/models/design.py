@@ -8,12 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_bringup.commands.arguments import add_scenario
-from heave_bringup.commands.command import Command
 from heave_bringup.commands.models.loads import load_lines, refuse_failed, strengths_in
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
     from winch_controller_node.design.report import DesignReport
+
+SUMMARY = "Design the law lqg: gains, poles, margins, predicted motion, bounds, trade-offs, demand on the winch."
+EXAMPLES = ("heave design b3_deep_900 --set system.sea.peak_period=12",)
 
 HOURS = 3.0
 """Duration of a sea state, in which the largest tension is expected [h]."""
@@ -87,12 +89,3 @@ def expected_loads(report: DesignReport) -> tuple[float, float]:
         weight + rise if 0.0 < weight < math.inf else math.nan for weight in (cable.static_tension, cable.unit_weight)
     )
     return top, unit
-
-
-COMMAND = Command(
-    name="design",
-    summary="Design the law lqg: gains, poles, margins, predicted motion, bounds, trade-offs, demand on the winch.",
-    examples=("heave design b3_deep_900 --set system.sea.peak_period=12",),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -10,8 +10,14 @@ from heave_node.extras import how_to_install
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_scenario
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
+
+SUMMARY = "Export sea and vessel, plant, winch and controller of a scenario as FMUs for co-simulation (FMI 2.0)."
+EXAMPLES = (
+    "heave fmu b2_calm_300",
+    "heave fmu b3_deep_900 --part plant --part winch --folder fmus",
+    "heave fmu b2_calm_300 --part controller --language c --set winch_controller.law=lqg",
+)
 
 PARTS = ("vessel", "plant", "winch", "controller")
 
@@ -61,16 +67,3 @@ def execute(options: argparse.Namespace) -> None:
     system = None if options.part else write_system(scenario, folder, options.language).resolve()
     lines += [] if system is None else [f"{system}: all of them, wired for libcosim"]
     write_result(options, "\n".join(lines), {"parts": files, "system": system and str(system)})
-
-
-COMMAND = Command(
-    name="fmu",
-    summary="Export sea and vessel, plant, winch and controller of a scenario as FMUs for co-simulation (FMI 2.0).",
-    examples=(
-        "heave fmu b2_calm_300",
-        "heave fmu b3_deep_900 --part plant --part winch --folder fmus",
-        "heave fmu b2_calm_300 --part controller --language c --set winch_controller.law=lqg",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_bringup.commands.arguments import add_settings
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
     from winch_controller_node.identification.cable import Identification
+
+SUMMARY = "Identify the two-state cable, a z'' + b z' + z = z0 - p, from a simulated or a recorded response."
+EXAMPLES = ("heave identify b3_deep_900 --drag quadratic",)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -100,12 +102,3 @@ def _print_lengths(options: argparse.Namespace) -> None:
         for point in points
     ]
     write_result(options, format_lengths(points), {"lengths": values})
-
-
-COMMAND = Command(
-    name="identify",
-    summary="Identify the two-state cable, a z'' + b z' + z = z0 - p, from a simulated or a recorded response.",
-    examples=("heave identify b3_deep_900 --drag quadratic",),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -9,8 +9,10 @@ from pathlib import Path
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_scenario
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
+
+SUMMARY = "Print and draw natural periods and mode shapes of cable and unit, and the lengths at which they resonate."
+EXAMPLES = ("heave modes b3_deep_900", "heave modes b6_resonance_payout --period 10 --longest 900")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -72,12 +74,3 @@ def _check_options(options: argparse.Namespace) -> None:
         value = getattr(options, name)
         if value is not None and not 0.0 < value < float("inf"):
             raise ParameterError(f"--{name} {value:g}: must be a number above 0")
-
-
-COMMAND = Command(
-    name="modes",
-    summary="Print and draw natural periods and mode shapes of cable and unit, and the lengths at which they resonate.",
-    examples=("heave modes b3_deep_900", "heave modes b6_resonance_payout --period 10 --longest 900"),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_scenario
-from heave_bringup.commands.command import Command
 from heave_bringup.commands.models.loads import load_lines, refuse_failed, strengths_in
 from heave_bringup.errors import CommandError
 
@@ -19,6 +18,15 @@ if TYPE_CHECKING:
     from cable_sim_node.reports.report import LoadReport
 
     from heave_bringup.scenarios import Scenario
+
+SUMMARY = "Print and draw cable and unit at rest: hanging, towed, moored, at the limit of reach, or laid."
+EXAMPLES = (
+    "heave static s300_driven --set 'cable_sim.current=[0.5, 0.0]' --picture shape.png",
+    "heave static s300_driven --towing --speed 0.5 1 1.5 2",
+    "heave static s300_driven --mooring --depth 290 --offset 45 55 65 75",
+    "heave static s300_driven --footprint --depth 280 --thrust 2000",
+    "heave static s300_driven --laying --depth 280 --speed 0.5 1 2",
+)
 
 BELONGS = {
     "speed": ("towing", "laying"),
@@ -211,18 +219,3 @@ PROBLEMS: dict[str, Callable[[Any, argparse.Namespace], LoadReport]] = {
     "footprint": _footprint,
     "laying": _laying,
 }
-
-
-COMMAND = Command(
-    name="static",
-    summary="Print and draw cable and unit at rest: hanging, towed, moored, at the limit of reach, or laid.",
-    examples=(
-        "heave static s300_driven --set 'cable_sim.current=[0.5, 0.0]' --picture shape.png",
-        "heave static s300_driven --towing --speed 0.5 1 1.5 2",
-        "heave static s300_driven --mooring --depth 290 --offset 45 55 65 75",
-        "heave static s300_driven --footprint --depth 280 --thrust 2000",
-        "heave static s300_driven --laying --depth 280 --speed 0.5 1 2",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

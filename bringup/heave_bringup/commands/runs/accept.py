@@ -9,11 +9,18 @@ from typing import TYPE_CHECKING
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_external, add_network, add_settings
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import VerdictError
 
 if TYPE_CHECKING:
     from heave_bringup.accept.session import Parts
+
+SUMMARY = "Run an acceptance test by a procedure, with virtual or real parts or on a record; one report to sign."
+EXAMPLES = (
+    "heave accept --list",
+    "heave accept winch_factory_test --pdf                      # the virtual winch",
+    "heave accept winch_factory_test --winch my_winch.yaml      # a real one: it moves",
+    "heave accept my_trial.yaml --record log.csv --map my_log.yaml",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -158,17 +165,3 @@ def _figures(options: argparse.Namespace) -> None:
     rows = [[key, of.title, of.unit, of.group] for key, of in {**DEFINITIONS, **DEFINITION_OF}.items()]
     head = ("figure", "what it is", "shown in", "group")
     write_result(options, make_table(head, rows, texts=head), [dict(zip(head, row, strict=True)) for row in rows])
-
-
-COMMAND = Command(
-    name="accept",
-    summary="Run an acceptance test by a procedure, with virtual or real parts or on a record; one report to sign.",
-    examples=(
-        "heave accept --list",
-        "heave accept winch_factory_test --pdf                      # the virtual winch",
-        "heave accept winch_factory_test --winch my_winch.yaml      # a real one: it moves",
-        "heave accept my_trial.yaml --record log.csv --map my_log.yaml",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -11,13 +11,20 @@ from typing import TYPE_CHECKING
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_namespace, add_network
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
     from heave_node.devices.maps.device_map import DeviceMap
 
     from heave_bringup.adapt.session import Session
+
+SUMMARY = "Put a sensor or a winch of others into a run by a map file: serial, UDP, TCP, Modbus/TCP, OPC UA, ROS."
+EXAMPLES = (
+    "heave adapt --list",
+    "heave adapt --show psxn > my_mru.yaml",
+    "heave adapt my_winch.yaml --wiggle 20        # out by 20 mm and back: are signs and units right?",
+    "heave adapt my_mru.yaml my_load_cell.yaml    # in another terminal: heave run ... --external wave_vessel",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -112,17 +119,3 @@ def _wiggle(options: argparse.Namespace, session: Session) -> None:
 
 def _from(device: DeviceMap) -> str:
     return str(device.link or ", ".join(device.topics) or "a record")
-
-
-COMMAND = Command(
-    name="adapt",
-    summary="Put a sensor or a winch of others into a run by a map file: serial, UDP, TCP, Modbus/TCP, OPC UA, ROS.",
-    examples=(
-        "heave adapt --list",
-        "heave adapt --show psxn > my_mru.yaml",
-        "heave adapt my_winch.yaml --wiggle 20        # out by 20 mm and back: are signs and units right?",
-        "heave adapt my_mru.yaml my_load_cell.yaml    # in another terminal: heave run ... --external wave_vessel",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -9,8 +9,10 @@ from heave_node.parameters import ParameterError
 from heave_node.tick.clock_rule import parse_clock
 
 from heave_bringup.commands.arguments import add_namespace, add_network
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import VerdictError
+
+SUMMARY = "Check a live external node against the contract; a winch is braked and released, never moved."
+EXAMPLES = ("heave check --external virtual_winch", "heave check --external wave_vessel=own")
 
 REPLACEABLE = ("winch_controller", "virtual_winch", "wave_vessel", "cable_sim")
 
@@ -57,12 +59,3 @@ def execute(options: argparse.Namespace) -> None:
     )
     if wrong:
         raise VerdictError([f"{node}: {one.topic}: {one.what}" for one in wrong], "the table above")
-
-
-COMMAND = Command(
-    name="check",
-    summary="Check a live external node against the contract; a winch is braked and released, never moved.",
-    examples=("heave check --external virtual_winch", "heave check --external wave_vessel=own"),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -8,17 +8,25 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from heave_node.interface.faults import FAULTS, faults_of
+from heave_node.interface.fault_kinds import FAULTS, faults_of
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_namespace, add_network
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
     from heave_bringup.operate.answer import Answer
     from heave_bringup.operate.link import RunLink
     from heave_bringup.operate.tasks import Move, Task
+
+SUMMARY = "Operate a run that is under way in another terminal: on a screen, or with one verb."
+EXAMPLES = (
+    "heave operate",
+    "heave operate status",
+    "heave operate depth 295 --speed 0.2",
+    "heave operate fault inject mru freeze --duration 10",
+    "heave operate emergency-stop",
+)
 
 MODES = ("standby", "compensating", "constant_tension", "manual", "stopped", "emergency_stop")
 """Modes that can be requested."""
@@ -223,14 +231,14 @@ def _do(options: argparse.Namespace, link: RunLink) -> Answer:
 
 
 def _task(options: argparse.Namespace, link: RunLink) -> Task:
-    from heave_bringup.operate import requests, tasks
+    from heave_bringup.operate import moves, requests, tasks
 
     begin: dict[str, Callable[[], Task]] = {
         "mode": lambda: link.start(requests.request_mode(options.mode, options.tension)),
         "depth": lambda: link.start_move(options.depth, options.speed),
-        "move": lambda: tasks.MoveBy(link, options.by, options.speed),
+        "move": lambda: moves.MoveBy(link, options.by, options.speed),
         "hold": link.cancel_moves,
-        "speed": lambda: tasks.Lowering(link, options.speed, options.seconds),
+        "speed": lambda: moves.Lowering(link, options.speed, options.seconds),
         "factor": lambda: link.start(requests.request_factor(options.factor)),
         "stop": lambda: link.start(requests.request_mode("stopped")) if options.no_wait else tasks.Stop(link),
         "emergency-stop": lambda: tasks.EmergencyStop(link),
@@ -256,7 +264,7 @@ def _fault(options: argparse.Namespace, link: RunLink) -> Task:
 
 def _follow(move: Move, link: RunLink, *, waits: bool) -> Answer:
     """Show how a move goes until it has ended or, where nobody `waits` for that, is under way."""
-    from heave_bringup.operate.tasks import Followed
+    from heave_bringup.operate.moves import Followed
     from heave_bringup.progress import ProgressLine
 
     with ProgressLine() as line:
@@ -265,18 +273,3 @@ def _follow(move: Move, link: RunLink, *, waits: bool) -> Answer:
             line.show(f"mean depth {depth:.2f} m at {rate:+.3f} m/s, {time_to_go:.0f} s to go")
 
         return link.finish(Followed(move, show, waits=waits))
-
-
-COMMAND = Command(
-    name="operate",
-    summary="Operate a run that is under way in another terminal: on a screen, or with one verb.",
-    examples=(
-        "heave operate",
-        "heave operate status",
-        "heave operate depth 295 --speed 0.2",
-        "heave operate fault inject mru freeze --duration 10",
-        "heave operate emergency-stop",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

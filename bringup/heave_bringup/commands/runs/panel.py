@@ -6,8 +6,10 @@ import argparse
 import importlib.util
 
 from heave_bringup.commands.arguments import add_namespace, add_network, port_number
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
+
+SUMMARY = "Serve an operator's page for a run that is under way in another terminal."
+EXAMPLES = ("heave panel", "heave panel --port 8090", "heave panel --host 0.0.0.0")
 
 DEFAULT_PORT = 8080
 
@@ -36,12 +38,3 @@ def execute(options: argparse.Namespace) -> None:
     set_up_transport(network=options.network)
     with listen(options.host, options.port) as listener:
         serve(RunLink(options.namespace or ""), listener, options.host)
-
-
-COMMAND = Command(
-    name="panel",
-    summary="Serve an operator's page for a run that is under way in another terminal.",
-    examples=("heave panel", "heave panel --port 8090", "heave panel --host 0.0.0.0"),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -25,7 +25,6 @@ from heave_bringup.commands.arguments import (
     add_network,
     add_scenario,
 )
-from heave_bringup.commands.command import Command
 from heave_bringup.commands.runs.substitutes import add_substitutes, substitutes
 from heave_bringup.errors import CommandError, VerdictError
 from heave_bringup.interrupts import raise_if_interrupted
@@ -36,6 +35,12 @@ if TYPE_CHECKING:
     from heave_bringup.run.evaluation import Evaluation
     from heave_bringup.run.run import Composed, RunFolder
     from heave_bringup.scenarios import Scenario
+
+SUMMARY = "Run a scenario: start its nodes, record every topic, print the figures of merit, write a report."
+EXAMPLES = (
+    "heave run b2_calm_300 --duration 600 --set system.sea.peak_period=7",
+    "heave run b3_deep_900 --require 'unit_sigma_m<0.01' --require 'compensating_percent>=95'",
+)
 
 EVALUATION = "heave_bringup.run.evaluation"
 SPECTRA = "scipy.signal"
@@ -272,15 +277,3 @@ def _composed(options: argparse.Namespace) -> Composed | None:
 
 def _reported(heading: str, lines: Sequence[str]) -> list[str]:
     return [heading, *(f"  {line}" for line in lines), ""] if lines else []
-
-
-COMMAND = Command(
-    name="run",
-    summary="Run a scenario: start its nodes, record every topic, print the figures of merit, write a report.",
-    examples=(
-        "heave run b2_calm_300 --duration 600 --set system.sea.peak_period=7",
-        "heave run b3_deep_900 --require 'unit_sigma_m<0.01' --require 'compensating_percent>=95'",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -7,8 +7,14 @@ import importlib.util
 import sys
 
 from heave_bringup.commands.arguments import add_namespace, add_network, port_number
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
+
+SUMMARY = "Stream a run that is under way, or a replayed bag, to Foxglove on this machine, which needs no ROS."
+EXAMPLES = (
+    "heave view",
+    "heave view --port 8766",
+    "heave replay runs/b2_calm_300-001/bag --loop    # in another terminal: the view shows the bag",
+)
 
 DEFAULT_PORT = 8765
 """Port that Foxglove offers by default."""
@@ -37,16 +43,3 @@ def execute(options: argparse.Namespace) -> None:
     sys.stdout.write("Ctrl-C ends the view; the run goes on\n")
     sys.stdout.flush()
     stream.serve()
-
-
-COMMAND = Command(
-    name="view",
-    summary="Stream a run that is under way, or a replayed bag, to Foxglove on this machine, which needs no ROS.",
-    examples=(
-        "heave view",
-        "heave view --port 8766",
-        "heave replay runs/b2_calm_300-001/bag --loop    # in another terminal: the view shows the bag",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

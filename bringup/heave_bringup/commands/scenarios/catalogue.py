@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 from heave_node.catalogue import KINDS, Entry, entries, find
 
-from heave_bringup.commands.command import Command
-
 if TYPE_CHECKING:
     from rich.table import Table
+
+SUMMARY = "List cables, units and winches with published particulars, which a scenario can name."
+EXAMPLES = ("heave catalogue cable", "heave catalogue cable wire_28mm_6x36")
 
 HOW_TO_USE = """in a scenario: system: {cable: NAME, unit: NAME, winch: NAME}; for one run: --set system.cable=NAME
 all values of an entry, and its sources: heave catalogue KIND NAME"""
@@ -66,12 +67,3 @@ def _to_json(entry: Entry) -> dict[str, object]:
         "values": dict(entry.values),
         "breaking_force_n": entry.breaking_force or None,
     }
-
-
-COMMAND = Command(
-    name="catalogue",
-    summary="List cables, units and winches with published particulars, which a scenario can name.",
-    examples=("heave catalogue cable", "heave catalogue cable wire_28mm_6x36"),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-from heave_bringup.commands.command import Command
+SUMMARY = "List the shipped scenarios."
+EXAMPLES = ("heave list",)
+
+
+def add_arguments(_: argparse.ArgumentParser) -> None:
+    """Add nothing to the parser: the command has no arguments of its own."""
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -14,11 +19,3 @@ def execute(options: argparse.Namespace) -> None:
 
     scenarios = {name: description_of(path) for name, path in shipped_scenarios().items()}
     write_result(options, make_table(["scenario", "description"], scenarios.items(), texts=["description"]), scenarios)
-
-
-COMMAND = Command(
-    name="list",
-    summary="List the shipped scenarios.",
-    examples=("heave list",),
-    execute=execute,
-)

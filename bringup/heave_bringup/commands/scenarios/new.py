@@ -12,12 +12,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from heave_node.catalogue import FROM, KINDS
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.command import Command, add_model
+from heave_bringup.commands.command import add_model
 
 if TYPE_CHECKING:
     from heave_node.scenario import Sections
 
     from heave_bringup.scenarios import Scenario
+
+SUMMARY = "Write a scenario file of your own, with unit and meaning beside each value."
+EXAMPLES = (
+    "heave new my_lift",
+    "heave new my_lift --mass 6000 --volume 1.2 --depth 2000 --hs 2.2 --tp 9",
+    "heave new my_lift --like unit_1500 --cable wire_28mm_6x36 --length 1500",
+)
 
 STRENGTHS = {"cable": ("breaking_force", "safety_factor"), "unit": (), "winch": ("rated_pull",)}
 """Values of the model that another cable or winch does not take over, whether its entry states them or not."""
@@ -191,16 +198,3 @@ def _refuse_hidden(found: Mapping[str, object], sections: Sections, like: str) -
         hidden = [name for name in found if section != WILDCARD and own_name(node, name) in values]
         if hidden:
             raise ParameterError(f"{hidden[0]}: {like} states another for {node}; --like another scenario")
-
-
-COMMAND = Command(
-    name="new",
-    summary="Write a scenario file of your own, with unit and meaning beside each value.",
-    examples=(
-        "heave new my_lift",
-        "heave new my_lift --mass 6000 --volume 1.2 --depth 2000 --hs 2.2 --tp 9",
-        "heave new my_lift --like unit_1500 --cable wire_28mm_6x36 --length 1500",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.command import Command
 from heave_bringup.commands.completion import completed_by
 from heave_bringup.nodes import NODE_BY_NAME
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+SUMMARY = "Print every parameter of every node: unit, range, default, meaning."
+EXAMPLES = ("heave params winch_controller mpc.", "heave params peak_period", 'heave params "*noise*"')
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -66,12 +68,3 @@ def _table(rows: list) -> Table:  # type: ignore[type-arg]
     shown = [number for number, name in enumerate(COLUMNS) if name != "shared" or any(line[number] for line in lines)]
     columns = [COLUMNS[number] for number in shown]
     return make_table(columns, [[line[number] for number in shown] for line in lines], texts=columns)
-
-
-COMMAND = Command(
-    name="params",
-    summary="Print every parameter of every node: unit, range, default, meaning.",
-    examples=("heave params winch_controller mpc.", "heave params peak_period", 'heave params "*noise*"'),
-    add_arguments=add_arguments,
-    execute=execute,
-)

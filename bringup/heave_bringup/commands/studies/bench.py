@@ -9,7 +9,11 @@ from typing import Any
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.command import Command
+SUMMARY = (
+    "Measure the speed of the plant (beside MoorDyn) and of statics (beside MoorPy), the loop over ROS, the "
+    "controller and the recorder on this machine."
+)
+EXAMPLES = ("heave bench --only loop controller --json bench.json",)
 
 PARTS = ("plant", "statics", "loop", "controller", "recorder")
 SEGMENTS = (20, 50, 100, 200, 400, 1000)
@@ -58,13 +62,3 @@ def execute(options: argparse.Namespace) -> None:
 
             result["recorder"] = measure_recorder(min(options.seconds, LONGEST_RECORDING), progress.show)
     write_result(options, tables(result), result)
-
-
-COMMAND = Command(
-    name="bench",
-    summary="Measure the speed of the plant (beside MoorDyn) and of statics (beside MoorPy), the loop over ROS, the "
-    "controller and the recorder on this machine.",
-    examples=("heave bench --only loop controller --json bench.json",),
-    add_arguments=add_arguments,
-    execute=execute,
-)

@@ -11,11 +11,15 @@ from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.command import Command
-
 if TYPE_CHECKING:
     from heave_bringup.benchmark.case import Case
     from heave_bringup.benchmark.run import Result, Task
+
+SUMMARY = "Run any controller on the open benchmark of heave compensation, without ROS, and print a table."
+EXAMPLES = (
+    "heave benchmark list",
+    "heave benchmark run my_controller.py:MyController industrial --cases b3_deep_900 u2_hold --seeds 2",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -146,15 +150,3 @@ def _listed(cases: Mapping[str, Case]) -> dict[str, object]:
         ],
         "entrants": {name: words for name, (_, words) in SHIPPED.items()},
     }
-
-
-COMMAND = Command(
-    name="benchmark",
-    summary="Run any controller on the open benchmark of heave compensation, without ROS, and print a table.",
-    examples=(
-        "heave benchmark list",
-        "heave benchmark run my_controller.py:MyController industrial --cases b3_deep_900 u2_hold --seeds 2",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

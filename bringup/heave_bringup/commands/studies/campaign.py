@@ -4,20 +4,27 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import SAME_SEA, add_settings, add_workers
-from heave_bringup.commands.command import Command
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from heave_bringup.campaign.plan import Campaign
     from heave_bringup.output import FittedTable
+
+SUMMARY = "Run many cases of a scenario (seeds, a grid, random draws) without ROS, and print a table."
+EXAMPLES = (
+    "heave campaign b2_calm_300 --vary winch_controller.law=off,lqg,mpc --seeds 3",
+    "heave campaign b9_model_error --json result.json",
+    "heave campaign b9_model_error --output b9.parquet --plot b9.svg",
+    "heave campaign b3_robustness --no-baseline --output b3.parquet --tornado b3.svg",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -127,18 +134,4 @@ def _campaign(options: argparse.Namespace) -> Campaign:
         campaign = campaign_of(options.campaign, options.vary)
     else:
         campaign = read_campaign(find_campaign(options.campaign))
-    return replace(campaign, common=with_settings(campaign, options.set))
-
-
-COMMAND = Command(
-    name="campaign",
-    summary="Run many cases of a scenario (seeds, a grid, random draws) without ROS, and print a table.",
-    examples=(
-        "heave campaign b2_calm_300 --vary winch_controller.law=off,lqg,mpc --seeds 3",
-        "heave campaign b9_model_error --json result.json",
-        "heave campaign b9_model_error --output b9.parquet --plot b9.svg",
-        "heave campaign b3_robustness --no-baseline --output b3.parquet --tornado b3.svg",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)
+    return with_settings(campaign, options.set)

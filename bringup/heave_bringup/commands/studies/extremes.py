@@ -9,10 +9,14 @@ from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.command import Command
-
 if TYPE_CHECKING:
     from rich.table import Table
+
+SUMMARY = "Print the largest motion and tension to be expected in 3 h of the same sea, with confidence."
+EXAMPLES = (
+    "heave extremes runs/b3_deep_900-001/bag",
+    "heave extremes b3.parquet --hours 1    # of heave campaign b3_seeds --no-baseline --output b3.parquet",
+)
 
 HOURS = 3.0
 """A stationary sea state, as design codes take it."""
@@ -64,15 +68,3 @@ def execute(options: argparse.Namespace) -> None:
         ]
     seas = [{"sea": name, "expected": [one.to_json() for one in expected]} for name, expected in found]
     write_result(options, parts, {"hours": options.hours, "seas": seas})
-
-
-COMMAND = Command(
-    name="extremes",
-    summary="Print the largest motion and tension to be expected in 3 h of the same sea, with confidence.",
-    examples=(
-        "heave extremes runs/b3_deep_900-001/bag",
-        "heave extremes b3.parquet --hours 1    # of heave campaign b3_seeds --no-baseline --output b3.parquet",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

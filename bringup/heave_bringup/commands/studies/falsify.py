@@ -11,11 +11,17 @@ from typing import TYPE_CHECKING
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_scenario
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError, VerdictError
 
 if TYPE_CHECKING:
     from heave_bringup.falsify.search import Found, Search
+
+SUMMARY = "Search sea, plant, faults and operator for the worst minute of a scenario that no alarm announces."
+EXAMPLES = (
+    "heave falsify b3_deep_900 --budget 3600",
+    "heave falsify b2_calm_300 --space my_space.yaml --output my_search",
+    "heave run falsify-b3_deep_900/worst_1.yaml          # the worst case again, with a bag and a report",
+)
 
 SPACE = "worst_case"
 """Campaign whose draws are searched where no other is named."""
@@ -150,7 +156,7 @@ def _search(options: argparse.Namespace, folder: Path) -> Search:
     from heave_bringup.falsify.search import Search, over_scenario, population
 
     space = over_scenario(read_campaign(find_campaign(options.space)), options.scenario)
-    space = population(replace(space, common=with_settings(space, options.set)), options.population)
+    space = population(with_settings(space, options.set), options.population)
     space = space.shortened(duration=options.duration, draws=None)
     if options.seed is not None and space.draws is not None:
         space = replace(space, draws=replace(space.draws, seed=options.seed))
@@ -200,16 +206,3 @@ def _json(found: Found, file: Path) -> dict[str, object]:
         "values": dict(found.values),
         "scenario": str(file),
     }
-
-
-COMMAND = Command(
-    name="falsify",
-    summary="Search sea, plant, faults and operator for the worst minute of a scenario that no alarm announces.",
-    examples=(
-        "heave falsify b3_deep_900 --budget 3600",
-        "heave falsify b2_calm_300 --space my_space.yaml --output my_search",
-        "heave run falsify-b3_deep_900/worst_1.yaml          # the worst case again, with a bag and a report",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

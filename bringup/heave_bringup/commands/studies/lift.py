@@ -6,11 +6,11 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from heave_bringup.commands.command import Command
-
 if TYPE_CHECKING:
     from heave_bags.analyse.run_record import RunRecord
 
+SUMMARY = "Experimental: a lift by phases: limits, go or no-go by a forecast; its bag by the same criteria."
+EXAMPLES = ("heave lift module_1500", "heave lift my_lift.yaml --forecast forecast.csv --bag runs/my_lift-001/bag")
 
 GUIDE = "docs/guide/howto/plan_a_lift.md"
 """Where the figures of the validation are."""
@@ -71,12 +71,3 @@ def _record(bag: Path) -> RunRecord:
     from heave_bringup.run.records import read_records
 
     return read_records([bag_of(bag)])[0]
-
-
-COMMAND = Command(
-    name="lift",
-    summary="Experimental: a lift by phases: limits, go or no-go by a forecast; its bag by the same criteria.",
-    examples=("heave lift module_1500", "heave lift my_lift.yaml --forecast forecast.csv --bag runs/my_lift-001/bag"),
-    add_arguments=add_arguments,
-    execute=execute,
-)

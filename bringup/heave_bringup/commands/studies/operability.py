@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.command import Command
 from heave_bringup.commands.studies.sea_options import (
     add_files,
     add_grid,
@@ -17,7 +16,6 @@ from heave_bringup.commands.studies.sea_options import (
     sea_grid,
     study_cases,
     study_criteria,
-    yaml_value,
 )
 
 if TYPE_CHECKING:
@@ -30,6 +28,12 @@ if TYPE_CHECKING:
     from heave_bringup.campaign.plan import Campaign
     from heave_bringup.operability.study import Place, Situation
     from heave_bringup.scenarios import Scenario
+
+SUMMARY = "Find the seas in which criteria hold, compensated and not, and how long one waits for them."
+EXAMPLES = (
+    "heave operability unit_1500 --record 46042w1996.txt.gz",
+    "heave operability b3_deep_900 --heights 1 2 3 4 --periods 8 10 12 --require 'unit_sigma_m<0.02'",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -78,6 +82,8 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def _campaign(options: argparse.Namespace, settings: Mapping[str, object], required: list[Criterion]) -> Campaign:
+    from heave_bringup.settings import yaml_value
+
     vary = {}
     for text in options.vary:
         name, separator, value = text.partition("=")
@@ -149,15 +155,3 @@ def _tables(found: list[Situation], place: Place | None) -> list[str | Table]:
                 for hours, compensated, alone in zip(place.windows, *both, strict=False)
             ]
     return parts
-
-
-COMMAND = Command(
-    name="operability",
-    summary="Find the seas in which criteria hold, compensated and not, and how long one waits for them.",
-    examples=(
-        "heave operability unit_1500 --record 46042w1996.txt.gz",
-        "heave operability b3_deep_900 --heights 1 2 3 4 --periods 8 10 12 --require 'unit_sigma_m<0.02'",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

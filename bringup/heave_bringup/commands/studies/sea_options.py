@@ -117,36 +117,16 @@ def study_cases(
     Raises ParameterError for a table of another scenario.
     """
     from heave_bringup.campaign.study import run_study
+    from heave_bringup.settings import plain_settings
     from heave_bringup.tables.case_table import read_cases
 
     if options.cases is None:
-        run_study(campaign(_settings(options)), output=table, processes=options.processes, dask=options.dask)
+        run_study(campaign(plain_settings(options.set)), output=table, processes=options.processes, dask=options.dask)
     frame, facts = read_cases(table)
     of_table = facts.get("scenario", options.scenario)
     if Path(of_table).stem != Path(options.scenario).stem:
         raise ParameterError(f"{table}: holds cases of {of_table}, not of {options.scenario}: name {of_table}")
     return frame, facts
-
-
-def _settings(options: argparse.Namespace) -> dict[str, object]:
-    from heave_bringup.settings import parse_setting
-
-    settings = {}
-    for text in options.set:
-        parse_setting(text)
-        name, _, value = text.partition("=")
-        settings[name] = yaml_value(value, f"--set {text}")
-    return settings
-
-
-def yaml_value(text: str, source: str) -> object:
-    """Return the YAML value that a `text` is; raise ParameterError, naming its `source`, where it is none."""
-    from heave_node.files.bounded_yaml import YamlError, parse_yaml
-
-    try:
-        return parse_yaml(text, only_true_and_false=True)
-    except YamlError as error:
-        raise ParameterError(f"{source}: {text!r} is not a YAML value: {error}") from error
 
 
 def study_criteria(

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.command import Command
 from heave_bringup.commands.studies.sea_options import (
     add_files,
     add_grid,
@@ -29,6 +28,12 @@ if TYPE_CHECKING:
     from heave_bringup.campaign.plan import Campaign
     from heave_bringup.scenarios import Scenario
     from heave_bringup.sizing.study import Knee, Prices, Sized
+
+SUMMARY = "Find the winch that is needed: what speed, acceleration, power and delay are worth, and what they cost."
+EXAMPLES = (
+    "heave sizing unit_1500 --record 46042w1996.txt.gz",
+    "heave sizing b3_deep_900 --speed 0.6 1 1.5 --acceleration --power --delay --require 'unit_sigma_m<0.05'",
+)
 
 HEIGHTS, PERIODS = (1.5, 3.0, 4.5), (8.0, 11.0)
 """Seas where none are given [m, s]: fewer than for operability, since every winch is tried in each."""
@@ -161,15 +166,3 @@ def _tables(found: list[Sized], knees: list[Knee], seas: str) -> list[str | Tabl
         "an hour of compensation, mean over the workable seas",
         make_table(DUTY, duty_rows(found)),
     ]
-
-
-COMMAND = Command(
-    name="sizing",
-    summary="Find the winch that is needed: what speed, acceleration, power and delay are worth, and what they cost.",
-    examples=(
-        "heave sizing unit_1500 --record 46042w1996.txt.gz",
-        "heave sizing b3_deep_900 --speed 0.6 1 1.5 --acceleration --power --delay --require 'unit_sigma_m<0.05'",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)

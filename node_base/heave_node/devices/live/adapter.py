@@ -15,7 +15,7 @@ from heave_node.devices.live.drum_count import DrumCount
 from heave_node.devices.live.link_watch import LinkWatch
 from heave_node.devices.live.mru_maker import MruMaker
 from heave_node.devices.live.recent_motion import RecentMotion
-from heave_node.devices.live.taker import Taken, Taker
+from heave_node.devices.live.taker import Recent, Taken, Taker
 from heave_node.devices.maps.device_map import DeviceMap
 from heave_node.interface import sensors, topics
 from heave_node.interface.sensors import WireReading
@@ -80,7 +80,7 @@ class Adapter:
         self.drum_count = DrumCount()
         self._counted: dict[str, CountedTime] = {}
         self._payout = RecentMotion()
-        self._beside: dict[str, float] = {}
+        self._beside = Recent(("payout_rate", "tension", "brake", "fault"))
         self._count = math.nan
         self.is_counting = True
 
@@ -182,18 +182,14 @@ class Adapter:
         return WireReading(stamp, (taken.values[name], accuracy if math.isfinite(accuracy) else 0.0))
 
     def _winch(self, taken: Taken, stamp: int) -> WinchReading | None:
-        for name in ("payout_rate", "tension", "brake", "fault"):
-            self._beside |= {name: taken.values[name]} if name in taken.values else {}
-            if name in taken.invalid:
-                self._beside.pop(name, None)
+        measured_rate, *beside = self._beside.take(taken).values()
         if "payout" not in taken.values:
             return None
         is_measured = "payout_rate" in self.device.channels
-        rate = self._beside.get("payout_rate", math.nan) if is_measured else self._recent_rate(taken.time)
+        rate = measured_rate if is_measured else self._recent_rate(taken.time)
         payout = self._counted_on(taken.values["payout"], rate, taken.time)
         self._payout.add(taken.time, payout)
         rate = rate if is_measured else self._recent_rate(taken.time)
-        beside = (self._beside.get(name, math.nan) for name in ("tension", "brake", "fault"))
         return WinchReading(stamp, payout, rate, *beside)
 
     def _recent_rate(self, time: float) -> float:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 from heave_node.crane.kinematics import JOINTS
 from heave_node.crane.pose import POSE_FIELDS
-from heave_node.devices.live.taker import Taken
+from heave_node.devices.live.taker import Recent, Taken
 
 
 class CraneMaker:
@@ -18,20 +16,11 @@ class CraneMaker:
     """
 
     def __init__(self, timeout: float) -> None:
-        self._timeout = timeout
-        self._newest: dict[str, tuple[float, float]] = {}
+        self._recent = Recent(POSE_FIELDS, timeout)
 
     def take(self, taken: Taken) -> tuple[float, ...] | None:
         """Return the numbers of POSE_FIELDS that a sample, `taken`, completes; None where it holds no joint."""
-        for name in POSE_FIELDS:
-            if name in taken.values:
-                self._newest[name] = (taken.time, taken.values[name])
-            elif name in taken.invalid:
-                self._newest.pop(name, None)
+        pose = self._recent.take(taken)
         if not any(joint in taken.values or joint in taken.invalid for joint in JOINTS):
             return None
-        return tuple(self._recent(name, taken.time) for name in POSE_FIELDS)
-
-    def _recent(self, name: str, time: float) -> float:
-        at, value = self._newest.get(name, (-math.inf, math.nan))
-        return value if time - at <= self._timeout else math.nan
+        return tuple(pose.values())

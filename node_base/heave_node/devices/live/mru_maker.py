@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from heave_node.devices.live.taker import Taken
+from heave_node.devices.live.taker import Recent, Taken
 from heave_node.devices.live.tip_motion import TipMotion
 from heave_node.devices.maps.device_map import DeviceMap
 from heave_node.interface.codes import MruStatus
@@ -24,23 +24,17 @@ class MruMaker:
     def __init__(self, device: DeviceMap) -> None:
         self._tip = TipMotion(device.lever_arm)
         self._has_arm = any(device.lever_arm)
-        self._timeout = device.timeout
+        self._recent = Recent(_BESIDE, device.timeout)
         self._sigma = {name: channel.sigma for name, channel in device.channels.items()}
-        self._newest: dict[str, tuple[float, float]] = {}
         self.sequence = 0
 
     def take(self, taken: Taken) -> MruReading | None:
         """Return the reading that a sample, `taken`, completes; None where it holds no heave, nor calls it invalid."""
         time = taken.time
-        for name in _BESIDE:
-            if name in taken.values:
-                self._newest[name] = (time, taken.values[name])
-            elif name in taken.invalid:
-                self._newest.pop(name, None)
+        beside = self._recent.take(taken)
         if "heave" not in taken.values and "heave" not in taken.invalid:
             return None
         self.sequence += 1
-        beside = {name: self._recent(name, time) for name in _BESIDE}
         roll, pitch = beside["roll"], beside["pitch"]
         turning = (beside["roll_rate"], beside["pitch_rate"])
         heave = taken.values.get("heave", math.nan)
@@ -58,8 +52,3 @@ class MruMaker:
             self._sigma.get("heave", math.nan),
             self._sigma.get("heave_rate", math.nan),
         )
-
-    def _recent(self, name: str, time: float) -> float:
-        """Return the newest value of a quantity; NaN where there is none, or an old one."""
-        at, value = self._newest.get(name, (-math.inf, math.nan))
-        return value if time - at <= self._timeout else math.nan

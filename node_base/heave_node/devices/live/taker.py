@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -37,6 +38,30 @@ class Taken:
     values: dict[str, float] = field(default_factory=dict)
     invalid: set[str] = field(default_factory=set)
     status: MruStatus = MruStatus.OK
+
+
+class Recent:
+    """The newest value of each of some quantities that samples give by and by.
+
+    Parameters
+    ----------
+    names : of the quantities
+    timeout : age above which a value is old [s]
+    """
+
+    def __init__(self, names: Sequence[str], timeout: float = math.inf) -> None:
+        self._names, self._timeout = names, timeout
+        self._newest: dict[str, tuple[float, float]] = {}
+
+    def take(self, taken: Taken) -> dict[str, float]:
+        """Return all of them after a sample, `taken`; NaN for one that has not come, is old, or was invalid since."""
+        for name in self._names:
+            if name in taken.values:
+                self._newest[name] = (taken.time, taken.values[name])
+            elif name in taken.invalid:
+                self._newest.pop(name, None)
+        newest = {name: self._newest.get(name, (-math.inf, math.nan)) for name in self._names}
+        return {name: value if taken.time - at <= self._timeout else math.nan for name, (at, value) in newest.items()}
 
 
 @dataclass

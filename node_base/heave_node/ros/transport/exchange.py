@@ -8,7 +8,7 @@ what there is; they are given what is meant to be seen outside.
 from __future__ import annotations
 
 import time
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Callable
 from typing import Any
 
@@ -101,8 +101,8 @@ class Exchange:
     def __init__(self, *, is_public: bool) -> None:
         self._is_public = is_public
         self._identity = ""
-        self._readers: dict[str, list[Reader]] = {}
-        self._publishers: dict[str, list[LocalPublisher]] = {}
+        self._readers: defaultdict[str, list[Reader]] = defaultdict(list)
+        self._publishers: defaultdict[str, list[LocalPublisher]] = defaultdict(list)
         self._queue: deque[tuple[list[Reader], bytes, int]] = deque()
         self.wake: Future[None] = Future()
 
@@ -111,18 +111,14 @@ class Exchange:
         self._identity = identity
         name = outside.topic_name
         is_whole = self._is_public or topic.role in (Role.LATCHED, Role.KEPT) or topic.name in _ALWAYS
-        publisher = LocalPublisher(self._of(self._readers, name), self._enqueue, outside, 0.0 if is_whole else GLANCE)
-        self._of(self._publishers, name).append(publisher)
+        publisher = LocalPublisher(self._readers[name], self._enqueue, outside, 0.0 if is_whole else GLANCE)
+        self._publishers[name].append(publisher)
         return publisher
 
     def subscribe(self, name: str, reader: Reader) -> LocalSubscription:
         """Give every message of the topic with the resolved `name` to a `reader`."""
-        self._of(self._readers, name).append(reader)
-        return LocalSubscription(self._of(self._publishers, name))
-
-    @staticmethod
-    def _of(lists: dict[str, list[Any]], name: str) -> list[Any]:
-        return lists.setdefault(name, [])
+        self._readers[name].append(reader)
+        return LocalSubscription(self._publishers[name])
 
     def _enqueue(self, readers: list[Reader], data: bytes) -> None:
         self._queue.append((readers, data, time.time_ns()))

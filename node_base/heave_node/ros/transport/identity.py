@@ -28,8 +28,8 @@ _PREFIX = 12
 _OF_DDS = ("fastrtps", "cyclonedds", "connextdds")
 UNKNOWN_SENDER = "a node that has left"
 NAMELESS_SENDER = "a program without a ROS node name"
-_NO_NAME = "_NODE_NAME_UNKNOWN_"
-"""Name in the graph of a publisher that is no ROS node, or whose node is not known yet."""
+NO_NAME = "_NODE_NAME_UNKNOWN_"
+"""Name in the graph of an endpoint that is of no ROS node, or whose node is not known yet."""
 _FAST_DDS = bytes([0x01, 0x0F])
 """Vendor number at the start of Fast DDS's prefixes; 2 bytes for the host and 2 for the process follow."""
 
@@ -52,6 +52,11 @@ def identity_of_endpoint(info: Any) -> str:
     return _identity(info.endpoint_gid)
 
 
+def node_of_endpoint(info: Any) -> str:
+    """Return the full name of the node of a publisher or subscription by the graph's entry for it, `info`."""
+    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+
+
 def identity_of_sender(info: Mapping[str, Any]) -> str:
     """Return the identity of the process that sent a message by its `info`; ANYONE where this release has no such."""
     gid = info.get("publisher_gid")
@@ -72,7 +77,7 @@ def describe_sender(node: Node, topic: str, identity: str, own: str, hosts: Mapp
     if ANYONE in (identity, own):
         return UNKNOWN_SENDER
     found = [info for info in node.get_publishers_info_by_topic(topic) if identity_of_endpoint(info) == identity]
-    names = {f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in found if info.node_name != _NO_NAME}
+    names = {node_of_endpoint(info) for info in found if info.node_name != NO_NAME}
     who = " and ".join(sorted(names)) or (NAMELESS_SENDER if found else UNKNOWN_SENDER)
     return f"{who} ({place_of(identity, own, hosts)})"
 

@@ -22,6 +22,7 @@ from rclpy.qos import (
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from heave_node.interface.topic import Role
+from heave_node.ros.transport.identity import NO_NAME, node_of_endpoint
 
 STREAM_DEPTH = 200
 """Messages kept for a subscriber that is slower than its publisher: ten seconds at 20 Hz."""
@@ -96,10 +97,6 @@ def unused_overrides(node: Node, used: set[tuple[str, str]]) -> list[str]:
     return sorted(f"{OVERRIDES}{name}" for name in given if not name.startswith(prefixes))
 
 
-NOT_YET_NAMED = "_NODE_NAME_UNKNOWN_"
-"""Name that ROS gives a node before it has discovered the real one."""
-
-
 def mismatches(node: Node, topic: str, names: Collection[str]) -> list[str]:
     """Describe which publishers of a topic certain readers cannot receive from, and why.
 
@@ -110,12 +107,12 @@ def mismatches(node: Node, topic: str, names: Collection[str]) -> list[str]:
     names : of the nodes that read
     """
     # a node's name is discovered a moment after its publishers: it is looked at again
-    publishers = [info for info in node.get_publishers_info_by_topic(topic) if info.node_name != NOT_YET_NAMED]
+    publishers = [info for info in node.get_publishers_info_by_topic(topic) if info.node_name != NO_NAME]
     readers = [info for info in node.get_subscriptions_info_by_topic(topic) if info.node_name in names]
     found: dict[str, None] = {}
     for publisher in publishers:
         for reader in readers:
-            words = f"{_name(publisher)} and {_name(reader)} do not match on {topic}: "
+            words = f"{node_of_endpoint(publisher)} and {node_of_endpoint(reader)} do not match on {topic}: "
             if publisher.topic_type != reader.topic_type:
                 found[words + f"the types are {publisher.topic_type} and {reader.topic_type}"] = None
                 continue
@@ -123,10 +120,6 @@ def mismatches(node: Node, topic: str, names: Collection[str]) -> list[str]:
             if compatibility == QoSCompatibility.ERROR:
                 found[words + _plain(reason)] = None
     return list(found)
-
-
-def _name(info: Any) -> str:
-    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
 
 
 def _plain(reason: str) -> str:

@@ -137,12 +137,7 @@ def watched_start(seconds: float = TIMEOUT) -> Iterator[Watchdog]:
 
 
 @contextmanager
-def watched_end(seconds: float = TIMEOUT) -> Iterator[None]:
-    """Do the same where what is within removes nodes whose work is done.
-
-    Parameters
-    ----------
-    seconds : wall time that it may take [s]
-    """
-    with closing(Watchdog(seconds, WORDS_OF_END)):
+def watched_end() -> Iterator[None]:
+    """Do the same where what is within removes nodes whose work is done."""
+    with closing(Watchdog(TIMEOUT, WORDS_OF_END)):
         yield
