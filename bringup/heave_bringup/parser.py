@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from heave_bringup.commands.bags import export, import_sea, kpi, record, repair, replay, report, whatif
-from heave_bringup.commands.command import Command, commands_of
+from heave_bringup.commands.command import CommandModule, name_of
 from heave_bringup.commands.models import design, fmu, identify, modes, static
 from heave_bringup.commands.runs import accept, adapt, check, operate, panel, run, view
 from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
@@ -16,13 +16,12 @@ from heave_bringup.commands.studies import bench, benchmark, campaign, extremes,
 from heave_bringup.commands.version import VersionAction
 from heave_bringup.errors import ExitStatus
 
-COMMANDS: tuple[Command, ...] = (
-    *commands_of(run, operate, panel, view, check, adapt, accept),
-    *commands_of(list_scenarios, new, catalogue, params),
-    *(*commands_of(report, kpi), whatif.COMMAND, *commands_of(export)),
-    *commands_of(record, replay, import_sea, repair),
-    *commands_of(design, identify, static, modes, fmu),
-    *commands_of(campaign, falsify, operability, sizing, extremes, lift, benchmark, bench),
+COMMANDS: tuple[CommandModule, ...] = (
+    *(run, operate, panel, view, check, adapt, accept),
+    *(list_scenarios, new, catalogue, params),
+    *(report, kpi, whatif, export, record, replay, import_sea, repair),
+    *(design, identify, static, modes, fmu),
+    *(campaign, falsify, operability, sizing, extremes, lift, benchmark, bench),
 )
 """All subcommands, in the order of the help."""
 
@@ -95,10 +94,10 @@ def make_parser() -> argparse.ArgumentParser:
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in COMMANDS:
         subparser = subparsers.add_parser(
-            command.name,
-            help=command.summary[0].lower() + command.summary[1:].rstrip("."),
-            description=command.summary,
-            epilog="\n".join(f"example: {example}" for example in command.examples),
+            name_of(command),
+            help=command.SUMMARY[0].lower() + command.SUMMARY[1:].rstrip("."),
+            description=command.SUMMARY,
+            epilog="\n".join(f"example: {example}" for example in command.EXAMPLES),
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         subparser.set_defaults(execute=command.execute)

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Protocol
 
 DEFAULT_MODEL = "b3_deep_900"
 
 
 class CommandModule(Protocol):
-    """The module of a subcommand. The command has its name, up to a `_`: no module can be called `import`."""
+    """The module of a subcommand, which has its name, up to a `_`: no module can be called `import`."""
 
     __name__: str
 
@@ -34,28 +32,9 @@ class CommandModule(Protocol):
         """
 
 
-@dataclass(frozen=True)
-class Command:
-    """A subcommand.
-
-    Attributes
-    ----------
-    name : as given on the command line
-    summary, examples, execute, add_arguments : as its module has them
-    """
-
-    name: str
-    summary: str
-    examples: tuple[str, ...]
-    execute: Callable[[argparse.Namespace], None]
-    add_arguments: Callable[[argparse.ArgumentParser], None]
-
-
-def commands_of(*modules: CommandModule) -> Iterator[Command]:
-    """Return the subcommands that `modules` declare."""
-    for module in modules:
-        name = module.__name__.rpartition(".")[2].partition("_")[0]
-        yield Command(name, module.SUMMARY, module.EXAMPLES, module.execute, module.add_arguments)
+def name_of(command: CommandModule) -> str:
+    """Return the name of a `command` on the command line."""
+    return command.__name__.rpartition(".")[2].partition("_")[0]
 
 
 def add_model(parser: argparse.ArgumentParser, words: str) -> None:

@@ -209,7 +209,8 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             lines.append(f"{answer.asked.name}: does not take what the operator requested: {refused[0]}")
         lacking = lacks(known, answer)
         if lacking:
-            lines.append(f"{answer.asked.name}: this record does not show all that the answer stands on: {'; '.join(lacking)}")
+            words = "; ".join(lacking)
+            lines.append(f"{answer.asked.name}: this record does not show all that the answer stands on: {words}")
     return lines
 
 

@@ -6,9 +6,14 @@ import argparse
 from pathlib import Path
 
 from heave_bringup.commands.arguments import add_settings
-from heave_bringup.commands.command import Command
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif import DRAWS
+
+SUMMARY = "Experimental: say what another law, gain or winch would have done in the sea of a bag, by its sensors."
+EXAMPLES = (
+    "heave whatif runs/b2_calm_300-001/bag --compare off,industrial,lqg,mpc",
+    "heave whatif log.csv --map log_map.yaml --scenario b2_calm_300 --law mpc --compare off",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -93,15 +98,3 @@ def execute(options: argparse.Namespace) -> None:
     warn(warnings(result.known, result.answers))
     ends = f"bands are of 90 %\n\npage      {page.resolve()}"
     write_result(options, ["\n".join(lines), table, values, ends], {**to_json(result), "page": str(page.resolve())})
-
-
-COMMAND = Command(
-    name="whatif",
-    summary="Experimental: say what another law, gain or winch would have done in the sea of a bag, by its sensors.",
-    examples=(
-        "heave whatif runs/b2_calm_300-001/bag --compare off,industrial,lqg,mpc",
-        "heave whatif log.csv --map log_map.yaml --scenario b2_calm_300 --law mpc --compare off",
-    ),
-    add_arguments=add_arguments,
-    execute=execute,
-)
