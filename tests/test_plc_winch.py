@@ -72,7 +72,7 @@ def plc_of():
 
         def give(kind):
             if kind not in running:
-                running[kind] = stack.enter_context(emulated(kind, *(SPOILT if kind == "udp" else ())))
+                running[kind] = stack.enter_context(emulated(kind))
             running[kind].begin_anew()
             return running[kind]
 
@@ -81,7 +81,12 @@ def plc_of():
 
 @pytest.fixture(params=KINDS)
 def plc(request, plc_of):
-    return plc_of(request.param)
+    """The PLC of each kind; of UDP one of its own, whose datagrams are spoilt by the same draws in each test."""
+    if request.param != "udp":
+        yield plc_of(request.param)
+        return
+    with emulated("udp", *SPOILT) as own:
+        yield own
 
 
 @pytest.fixture
