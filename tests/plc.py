@@ -30,8 +30,16 @@ class EmulatedPlc:
             stderr=subprocess.DEVNULL,
             text=True,
         )
+        self._wait_until_ready()
+
+    def _wait_until_ready(self) -> None:
         assert self.process.stdout is not None
         assert self.process.stdout.readline() == "ready\n"
+
+    def begin_anew(self) -> None:
+        """Let it be as it was when it was started."""
+        self.tell("anew")
+        self._wait_until_ready()
 
     def tell(self, word: str) -> None:
         assert self.process.stdin is not None

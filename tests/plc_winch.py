@@ -7,7 +7,7 @@ it is sent has not changed for 0.5 s the drum stops and brakes, and a fault is l
 
 Words on its standard input: `halt` (the program stands, the server still answers), `go`, `refuse` (the server answers
 each request with an exception), `accept`, `trip` (the drive trips), `restart` (its count and its clock
-begin at 0), `where` (it prints its greatest speed since the
+begin at 0), `anew` (all is as at its start, and is said to be so), `where` (it prints its greatest speed since the
 last time, and the place of its drum), `end`. It prints `ready` once it can be reached.
 """
 
@@ -37,6 +37,9 @@ class Plc:
 
     def __init__(self, dead_time, speed_limit=SPEED):
         self.dead_time, self.speed_limit = dead_time, speed_limit
+        self.begin_anew()
+
+    def begin_anew(self):
         self.position = self.speed = 0.0  # [m], [m/s], positive hauls in
         self.order, self.control, self.counter = 0, 0, -1
         self.heard = time.monotonic()
@@ -46,6 +49,7 @@ class Plc:
         self.is_halted = self.refuses = False
         self.cycles = 0
         self.fastest = 0.0
+        self.newest = None  # number of the newest datagram
         self.restart()
 
     def restart(self):
@@ -175,7 +179,6 @@ class Line(asyncio.DatagramProtocol):
     def __init__(self, plc, options):
         self.plc, self.options = plc, options
         self.random = random.Random(options.seed)
-        self.newest = None
         self.number = 0
 
     def connection_made(self, transport):
@@ -200,10 +203,11 @@ class Line(asyncio.DatagramProtocol):
             return
         mark, sequence, _, order, control = struct.unpack(ORDER, data[:-4])
         is_alone = time.monotonic() - self.plc.heard > WATCHDOG  # then the sender may have restarted
-        is_newer = self.newest is None or is_alone or 0 < (sequence - self.newest) % 2**32 < 2**31
+        newest = self.plc.newest
+        is_newer = newest is None or is_alone or 0 < (sequence - newest) % 2**32 < 2**31
         if mark != ORDER_MARK or not is_newer:
             return
-        self.newest = sequence
+        self.plc.newest = sequence
         self.plc.take(order, control, sequence)
 
     async def speak(self):
@@ -238,6 +242,10 @@ async def run(options):
             plc.fault = True
         elif word == "restart":
             plc.restart()
+        elif word == "anew":
+            plc.begin_anew()
+            sys.stdout.write("ready\n")
+            sys.stdout.flush()
         elif word == "where":
             sys.stdout.write(f"fastest {plc.fastest:.4f} position {plc.position:.5f}\n")
             sys.stdout.flush()

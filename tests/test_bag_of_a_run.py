@@ -84,7 +84,9 @@ def test_the_bag_says_what_it_is(calm_bag):
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(calm_bag, tmp_path):
     again = run_scenario(tmp_path / "again", duration=CALM_DURATION)
     assert recorded_messages(again) == recorded_messages(calm_bag)
-    other = run_scenario(tmp_path / "other", duration=1.0, options=["--seed", "2", "--set", "all.transient=0"])
+    other = run_scenario(
+        tmp_path / "other", duration=1.0, options=["--composed", "--seed", "2", "--set", "all.transient=0"]
+    )
     assert not {m for m in recorded_messages(other) if m[0] == "/boom_tip"} <= set(recorded_messages(calm_bag))
 
 

@@ -10,6 +10,12 @@ import pytest
 
 PACKAGES = ("heave_node", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "heave_bags", "heave_bringup")
 HEAVY = ("rclpy", "numpy", "numba", "scipy", "pandas", "matplotlib")
+NODES = (
+    "wave_vessel_node.node",
+    "cable_sim_node.node",
+    "winch_controller_node.node",
+    "winch_controller_node.adviser_node",
+)
 OF_REPORTS = ("scipy.signal", "scipy.stats", "scipy.ndimage", "pandas", "matplotlib")
 
 
@@ -39,8 +45,12 @@ def test_a_face_can_be_listed_before_anything_of_it_is_used(package):
 
 @pytest.mark.parametrize(
     ("modules", "left_out"),
-    [(PACKAGES, HEAVY), (("heave_bringup.run.evaluation",), OF_REPORTS)],
-    ids=["packages", "what judges a run"],
+    [
+        (PACKAGES, HEAVY),
+        (("heave_bringup.run.evaluation",), OF_REPORTS),
+        (("heave_bringup.scenarios", *NODES), ("scipy.optimize", *OF_REPORTS)),
+    ],
+    ids=["packages", "what judges a run", "scenarios and nodes"],
 )
 def test_nothing_heavy_is_loaded_before_it_is_needed(modules, left_out):
     program = f"import sys, {', '.join(modules)}; print([name for name in {left_out} if name in sys.modules])"

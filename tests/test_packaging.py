@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from functools import cache
 from importlib.metadata import packages_distributions
 from pathlib import Path
 from xml.etree import ElementTree
@@ -44,15 +45,22 @@ def canonical(distribution: str) -> str:
     return re.sub(r"[-_.]+", "-", distribution).lower()
 
 
-def imported_names(module: Path) -> set[str]:
-    """Return the top-level names of what a module imports."""
+@cache
+def names_in(module: Path) -> tuple[set[str], set[str]]:
+    """Return the top-level names of what a module imports, and its texts."""
     names: set[str] = set()
+    texts: set[str] = set()
     for node in ast.walk(ast.parse(module.read_text())):
         if isinstance(node, ast.ImportFrom) and node.level == 0:
             names.add((node.module or "").split(".")[0])
         elif isinstance(node, ast.Import):
             names |= {alias.name.split(".")[0] for alias in node.names}
-    return names
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            texts.add(node.value)
+    return names, texts
+
+
+providers_of_names = cache(packages_distributions)
 
 
 def console_scripts_of_setup(path: Path) -> dict[str, str]:
@@ -120,10 +128,10 @@ def test_a_manifest_names_each_package_of_the_suite_that_is_imported_and_no_othe
     named = {element.text for element in manifest(path) if element.tag in ("depend", "exec_depend")} & suite
     imported: set[str] = set()
     for module in (path.parent / name_of(path)).rglob("*.py"):
-        imported |= imported_names(module)
-        for node in ast.walk(ast.parse(module.read_text())):
-            if isinstance(node, ast.Constant) and isinstance(node.value, str):  # modules started or looked up by name
-                imported |= {name for name in suite if node.value.startswith((f"{name}.", f"{name}:"))}
+        names, texts = names_in(module)
+        # modules started or looked up by name
+        by_name = {name for name in suite for text in texts if text.startswith((f"{name}.", f"{name}:"))}
+        imported |= names | by_name
     assert named == (imported & suite) - {name_of(path)}
 
 
@@ -135,10 +143,10 @@ def test_every_distribution_that_is_imported_is_declared(path):
     wanted = [*PYPROJECT["project"]["dependencies"], *of_extras]
     declared = {canonical(re.split(r"[\[<>=~!; ]", requirement)[0]) for requirement in wanted}
     suite = {name_of(other) for other in MANIFESTS}
-    providers = packages_distributions()
+    providers = providers_of_names()
     undeclared = set()
     for module in (path.parent / name_of(path)).rglob("*.py"):
-        for name in imported_names(module) - suite - LAUNCHING - set(sys.stdlib_module_names):
+        for name in names_in(module)[0] - suite - LAUNCHING - set(sys.stdlib_module_names):
             # A ROS package's wheel also brings an egg-info of the bare name: either spelling is the same wheel.
             names = {canonical(provider) for provider in providers.get(name, [name])}
             if not names & declared and f"ros-{canonical(name)}" not in declared:

@@ -4,6 +4,7 @@ The PLC is a program of its own with the stock servers of pymodbus and asyncua; 
 """
 
 import time
+from contextlib import ExitStack
 
 import pytest
 from heave_bringup.adapt.device import LiveDevice
@@ -63,10 +64,29 @@ class Bench:
         return health_of(self.device, {})
 
 
+@pytest.fixture(scope="module")
+def plc_of():
+    """Return a function that gives the PLC of a kind as it is at its start: to start one takes two seconds."""
+    running = {}
+    with ExitStack() as stack:
+
+        def give(kind):
+            if kind not in running:
+                running[kind] = stack.enter_context(emulated(kind))
+            running[kind].begin_anew()
+            return running[kind]
+
+        yield give
+
+
 @pytest.fixture(params=KINDS)
-def plc(request):
-    with emulated(request.param, *(SPOILT if request.param == "udp" else ())) as running:
-        yield running
+def plc(request, plc_of):
+    """The PLC of each kind; of UDP one of its own, whose datagrams are spoilt by the same draws in each test."""
+    if request.param != "udp":
+        yield plc_of(request.param)
+        return
+    with emulated("udp", *SPOILT) as own:
+        yield own
 
 
 @pytest.fixture
@@ -159,11 +179,10 @@ def test_without_commands_the_drive_is_told_to_stop_and_its_own_watchdog_is_fed(
         ("opcua", ("s=Winch.Reset", "s=Winch.Resets"), "s=Winch.Resets: "),
     ],
 )
-def test_a_map_that_names_what_the_plc_does_not_have_is_told_in_one_line(kind, change, words, bench_of):
-    with emulated(kind) as plc:
-        bench = bench_of(plc.text_of_map().replace(*change))
-        bench.command(lambda: words in bench.health.message, brake=True)
-        assert bench.health.level is Level.ERROR
+def test_a_map_that_names_what_the_plc_does_not_have_is_told_in_one_line(kind, change, words, plc_of, bench_of):
+    bench = bench_of(plc_of(kind).text_of_map().replace(*change))
+    bench.command(lambda: words in bench.health.message, brake=True)
+    assert bench.health.level is Level.ERROR
 
 
 @pytest.mark.parametrize(
@@ -174,27 +193,25 @@ def test_a_map_that_names_what_the_plc_does_not_have_is_told_in_one_line(kind, c
         (("scale: 10.0", "scale: 100.0"), "braked: "),
     ],
 )
-def test_a_move_of_millimetres_shows_a_wrong_sign_and_stops_at_a_wrong_scale(change, words, bench_of):
-    with emulated("modbus") as plc:
-        bench = bench_of(plc.text_of_map().replace(*change))
-        plc.drum()
-        try:
-            verdicts = Wiggle(bench.device, time.sleep, 0.02).run()
-            found = "; ".join(verdict.words for verdict in verdicts if not verdict.is_good)
-        except CommandError as error:
-            found = str(error)
-        assert words in found if words else found == ""
-        assert plc.drum()["fastest"] < 0.12, "2 d / T is 0.01 m/s, and ten times as much is stopped at once"
+def test_a_move_of_millimetres_shows_a_wrong_sign_and_stops_at_a_wrong_scale(change, words, plc_of, bench_of):
+    plc = plc_of("modbus")
+    bench = bench_of(plc.text_of_map().replace(*change))
+    try:
+        verdicts = Wiggle(bench.device, time.sleep, 0.02).run()
+        found = "; ".join(verdict.words for verdict in verdicts if not verdict.is_good)
+    except CommandError as error:
+        found = str(error)
+    assert words in found if words else found == ""
+    assert plc.drum()["fastest"] < 0.12, "2 d / T is 0.01 m/s, and ten times as much is stopped at once"
 
 
-def test_a_drum_that_turns_against_the_command_is_held_within_the_time_of_its_supervision(bench_of):
-    with emulated("modbus") as plc:
-        bench = bench_of(plc.text_of_map().replace("scale: 10.0, positive: in", "scale: 10.0, positive: out"))
-        bench.release()
-        plc.drum()
-        bench.command(lambda: bench.device.orders.handshake.fault == WinchFault.DRIVE, rate=0.1)
-        assert "stopped: the drum turns against the command" in bench.health.message
-        bench.command(bench.says(brake=True, fault=int(WinchFault.DRIVE)), rate=0.1)
+def test_a_drum_that_turns_against_the_command_is_held_within_the_time_of_its_supervision(plc_of, bench_of):
+    text = plc_of("modbus").text_of_map()
+    bench = bench_of(text.replace("scale: 10.0, positive: in", "scale: 10.0, positive: out"))
+    bench.release()
+    bench.command(lambda: bench.device.orders.handshake.fault == WinchFault.DRIVE, rate=0.1)
+    assert "stopped: the drum turns against the command" in bench.health.message
+    bench.command(bench.says(brake=True, fault=int(WinchFault.DRIVE)), rate=0.1)
 
 
 @pytest.mark.parametrize("kind", ["modbus", "udp"])
@@ -207,13 +224,13 @@ def test_a_link_that_is_lost_holds_the_winch_until_the_controller_releases_it(ki
     assert "\n" not in bench.health.message
 
 
-def test_an_order_that_does_not_fit_its_register_is_not_sent_and_holds_the_winch(bench_of):
-    with emulated("modbus") as own:
-        bench = bench_of(own.text_of_map().replace("scale: 10.0, positive: in}", "scale: 1.0e+9, positive: in}"))
-        bench.release()
-        bench.command(lambda: bench.device.orders.handshake.fault, rate=0.5)
-        assert "holding:0:int32: -5e+11 does not fit int32: check unit and scale of the map" in bench.health.message
-        assert own.drum()["fastest"] == 0.0
+def test_an_order_that_does_not_fit_its_register_is_not_sent_and_holds_the_winch(plc_of, bench_of):
+    plc = plc_of("modbus")
+    bench = bench_of(plc.text_of_map().replace("scale: 10.0, positive: in}", "scale: 1.0e+9, positive: in}"))
+    bench.release()
+    bench.command(lambda: bench.device.orders.handshake.fault, rate=0.5)
+    assert "holding:0:int32: -5e+11 does not fit int32: check unit and scale of the map" in bench.health.message
+    assert plc.drum()["fastest"] == 0.0
 
 
 def test_a_plc_that_restarts_and_counts_from_nought_is_told_and_held_and_counted_on(plc, bench_of):

@@ -39,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _main(arguments: Sequence[str] | None) -> int:
-    parser = make_parser()
+    parser = make_parser(sys.argv[1:] if arguments is None else arguments)
     complete(parser)
     options = parser.parse_args(arguments)
     status = _status_after(options)

@@ -195,19 +195,28 @@ def loop_of_parts(scenario, sources, mode):
     return LoopRecord(np.array(rows, dtype=float), modes)
 
 
+LOOPS = Path(__file__).parent / "fmu_loops.py"
+
+
+@pytest.fixture(scope="module")
+def closed(tmp_path_factory):
+    """Return a scenario, a folder with its parts as FMUs, and the record of the loop that the reference closes."""
+    scenario = load_scenario("b2_calm_300", settings=[*LQG, "all.duration=40", "all.transient=15"])
+    folder = tmp_path_factory.mktemp("parts")
+    for part in ("controller", "winch", "vessel", "plant"):
+        export_part(scenario, part, folder, "c")
+    write_system(scenario, folder, "c")
+    stated = runpy.run_path(str(LOOPS))
+    return scenario, folder, loop_of_parts(scenario, stated["SOURCES"], stated["MODE"])
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("master", ["fmpy", "libcosimpy"])
-def test_closed_by_a_master_it_gives_the_figures_of_its_reference(tmp_path, master):
+def test_closed_by_a_master_it_gives_the_figures_of_its_reference(closed, tmp_path, master):
     pytest.importorskip(master, reason=f"{master} is not installed: the extra fmu")
-    scenario = load_scenario("b2_calm_300", settings=[*LQG, "all.duration=40", "all.transient=15"])
-    for part in ("controller", "winch", "vessel", "plant"):
-        export_part(scenario, part, tmp_path, "c")
-    write_system(scenario, tmp_path, "c")
-    loops, file = Path(__file__).parent / "fmu_loops.py", tmp_path / "rows.npz"
+    (scenario, folder, reference), file = closed, tmp_path / "rows.npz"
     times = [str(scenario.run.tick_period), str(scenario.run.duration)]
-    subprocess.run([sys.executable, str(loops), master, str(tmp_path), str(file), *times], check=True, timeout=500)
-    stated = runpy.run_path(str(loops))
-    reference = loop_of_parts(scenario, stated["SOURCES"], stated["MODE"])
+    subprocess.run([sys.executable, str(LOOPS), master, str(folder), str(file), *times], check=True, timeout=500)
     with np.load(file) as found:
         record = LoopRecord(found["rows"], found["modes"].tolist())
     figures, wanted = (

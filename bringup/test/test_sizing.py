@@ -21,7 +21,7 @@ from heave_bringup.sizing.page import DUTY, duty_rows
 from heave_bringup.sizing.study import Prices, even_seas, knees, size_winches
 from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 OWN = Candidate(speed=2.0, acceleration=1.5, power=math.inf, delay=0.2)
@@ -125,6 +125,7 @@ def test_a_winch_that_can_work_nowhere_has_no_hour():
     assert math.isnan(one.duty.peak)
 
 
+@settings(max_examples=25)
 @given(st.floats(0.05, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 2.0))
 def test_energy_is_conserved_and_heat_is_never_negative(efficiency, regeneration, price):
     duty = sized([], Prices(efficiency, regeneration, price))[0].duty

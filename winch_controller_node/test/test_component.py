@@ -3,6 +3,7 @@
 import dataclasses
 import itertools
 import math
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -96,10 +97,16 @@ def mru_fault(kind, start, duration):
     return {f"mru.faults.{name}": [value] for name, value in columns.items()}
 
 
+@pytest.fixture(scope="module")
+def run_by():
+    """Return a function that gives the record of 70 s in which all is as assumed, by a law; each is run once."""
+    return lru_cache(lambda law: ClosedLoop(loop_parameters(law=law, duration=70.0)).run())
+
+
 @pytest.mark.parametrize("law", ["mpc", "lqg"])
-def test_the_unit_is_held_still_with_real_sensors_and_delay(law):
+def test_the_unit_is_held_still_with_real_sensors_and_delay(run_by, law):
     """World class for this sea is a sigma of 0.5 cm (benchmark B3); uncompensated it is some tens of centimetres."""
-    record = ClosedLoop(loop_parameters(law=law)).run()
+    record = run_by(law)
     assert record.unit_sigma(45.0) < 0.005
     assert record.unit_sigma(45.0) < 0.05 * record.uncompensated_sigma(45.0)
 
@@ -227,7 +234,7 @@ def test_the_units_motion_is_not_told_where_no_sensor_tells_it(sensors, is_known
 
 
 def lost_commands(start: float, duration: float) -> LoopParameters:
-    parameters = loop_parameters(duration=130.0)
+    parameters = loop_parameters(duration=start + 50.0)
     faults = FaultParameters(kind=("gap",), start=(start,), duration=(duration,), magnitude=(0.0,))
     return dataclasses.replace(parameters, winch=dataclasses.replace(parameters.winch, faults=faults))
 
@@ -237,18 +244,18 @@ def loop_with_lost_commands(start: float, duration: float) -> ClosedLoop:
 
 
 def test_commands_that_are_late_for_a_moment_do_not_end_compensation():
-    record = loop_with_lost_commands(60.0, 0.3).run()
+    record = loop_with_lost_commands(40.0, 0.3).run()
     assert set(record.modes[round(20.0 / DT) :]) == {"compensating"}
 
 
 def test_after_a_hiccup_that_trips_the_watchdog_compensation_is_back_within_a_minute():
     """1 s without commands, twice the winch's watchdog of 0.5 s."""
-    loop = loop_with_lost_commands(60.0, 1.0)
+    loop = loop_with_lost_commands(40.0, 1.0)
     record = loop.run()
     assert "stopped" in record.modes
-    assert set(record.modes[round(70.0 / DT) :]) == {"compensating"}
+    assert set(record.modes[round(50.0 / DT) :]) == {"compensating"}
     assert loop.winch.state.fault is WinchFault.NONE
-    assert record.unit_sigma(100.0) < 0.005, "as before: the swing that the sudden stop has left is taken out"
+    assert record.unit_sigma(75.0) < 0.005, "as before: the swing that the sudden stop has left is taken out"
     (lost,) = [alarm for _, alarm in record.alarms if alarm.code == "COMPENSATION_LOST"]
     assert lost.values["reason"].startswith("winch fault: command timeout: ")
     assert lost.values["reason"].endswith("resumes automatically 3 s after commands reach the winch again")
@@ -285,14 +292,14 @@ def test_a_hiccup_while_a_lost_sensor_fades_compensation_out_does_not_park_the_w
 def test_an_emergency_stop_brakes_within_the_deceleration_of_the_winch():
     """From at most 2 m/s at 1.5 m/s^2, after the command delay of 0.2 s."""
     loop = ClosedLoop(loop_parameters(duration=60.0))
-    for _ in range(1000):
+    for _ in range(600):
         loop.step()
     loop.controller.set_mode("emergency_stop")
     rates = [float(loop.step()[1][5]) for _ in range(60)]
     assert abs(rates[-1]) < 1e-9
     assert np.max(np.abs(np.diff(rates))) <= 1.5 * DT + 1e-9
     loop.controller.set_mode("compensating")
-    for _ in range(800):
+    for _ in range(300):
         outputs, _ = loop.step()
     assert outputs.report.mode == "compensating"
     assert loop.winch.state.fault is WinchFault.NONE
@@ -302,7 +309,7 @@ def test_an_emergency_stop_brakes_within_the_deceleration_of_the_winch():
 def test_a_requested_stop_leaves_the_unit_no_more_than_its_uncompensated_swing(mode):
     """A winch that stops within a second lets a heavy unit go at any phase: it then swings by up to twice as much."""
     loop = ClosedLoop(loop_parameters(duration=60.0, **{"modes.fade_out_time": 10.0}))
-    for _ in range(1000):
+    for _ in range(600):
         loop.step()
     loop.controller.set_mode(mode)
     rows, modes = [], []
@@ -318,10 +325,10 @@ def test_a_requested_stop_leaves_the_unit_no_more_than_its_uncompensated_swing(m
 
 def test_a_move_lowers_the_unit_while_it_is_compensated():
     loop = ClosedLoop(loop_parameters(duration=60.0))
-    for _ in range(700):
+    for _ in range(500):
         loop.step()
     loop.controller.move_to_payout(3.0, 0.3)
-    rows = np.array([loop.step()[1] for _ in range(1100)])
+    rows = np.array([loop.step()[1] for _ in range(850)])
     start, end = rows[0, 2], np.mean(rows[-100:, 2])
     # the stretch of 3 m more cable adds its share: below 1 %
     assert start - end == pytest.approx(3.0, abs=0.05)
@@ -330,7 +337,7 @@ def test_a_move_lowers_the_unit_while_it_is_compensated():
 
 def test_an_operator_lowers_the_unit_while_it_is_compensated_and_a_joystick_that_falls_silent_stops_it():
     loop = ClosedLoop(loop_parameters(duration=60.0))
-    for _ in range(700):
+    for _ in range(500):
         loop.step()
     controller = loop.controller
     rows = []
@@ -346,7 +353,7 @@ def test_an_operator_lowers_the_unit_while_it_is_compensated_and_a_joystick_that
     assert np.std((rows[:, 2] + rows[:, COLUMNS.index("depth_set_point")])[500:]) < 0.01
     assert np.max(np.abs(np.diff(rows[:, 5]))) <= 1.5 * DT + 1e-9
     told = []
-    for _ in range(500):
+    for _ in range(350):
         controller.operate(5.0)
         told += loop.step()[0].alarms
     # 30 % of 2 m/s are the operator's
@@ -356,7 +363,9 @@ def test_an_operator_lowers_the_unit_while_it_is_compensated_and_a_joystick_that
 
 
 def test_manual_speed_moves_the_winch_alone_and_stops_before_the_end_of_its_range():
-    loop = ClosedLoop(loop_parameters(duration=60.0, height=0.01, **{"modes.start": "standby"}))
+    belief = {"modes.start": "standby", "winch.payout_maximum": 15.0}
+    parameters = loop_parameters(duration=60.0, height=0.01, **belief)
+    loop = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(payout_maximum=15.0)))
     for _ in range(100):
         loop.step()
     controller = loop.controller
@@ -364,13 +373,13 @@ def test_manual_speed_moves_the_winch_alone_and_stops_before_the_end_of_its_rang
         controller.operate(0.3)
     controller.set_mode("manual")
     rows = []
-    for _ in range(2400):
+    for _ in range(1000):
         controller.operate(0.6)
         rows.append(loop.step()[1])
     rows = np.array(rows)
-    # 50 m less the margin of 1 m
-    assert rows[-1, 4] == pytest.approx(49.0, abs=0.5)
-    assert np.max(rows[:, 4]) < 49.0 + 0.05
+    # 15 m less the margin of 1 m
+    assert rows[-1, 4] == pytest.approx(14.0, abs=0.5)
+    assert np.max(rows[:, 4]) < 14.0 + 0.05
     assert np.max(rows[:, 5]) == pytest.approx(0.6, abs=0.01)
     controller.set_mode("stopped")
     modes = [loop.step()[0].report.mode for _ in range(40)]
@@ -388,7 +397,7 @@ def test_compensation_that_cannot_begin_now_is_refused_to_an_operator_and_does_n
 
 def test_a_mode_that_is_on_its_way_is_told_as_such():
     loop = ClosedLoop(loop_parameters(duration=60.0))
-    for _ in range(1000):
+    for _ in range(500):
         loop.step()
     assert loop.controller.ask_for_mode("compensating") == "compensating"
     assert loop.controller.ask_for_mode("standby") == "fade_out, on the way to standby"
@@ -432,7 +441,7 @@ def test_rubbish_from_every_sensor_never_becomes_a_rubbish_command():
 
 def test_redesign_for_another_sea_goes_on_without_a_step():
     loop = ClosedLoop(loop_parameters(duration=60.0))
-    for _ in range(800):
+    for _ in range(500):
         before, _ = loop.step()
     parameters = loop.controller.parameters
     sea = dataclasses.replace(parameters.sea, significant_wave_height=3.0, peak_period=8.0)
@@ -475,9 +484,8 @@ def test_an_identified_winch_that_cannot_be_designed_for_is_an_alarm_and_the_loo
     assert outputs[-1].report.mode == "compensating"
 
 
-def test_a_winch_as_believed_is_left_alone():
-    record = ClosedLoop(loop_parameters(duration=60.0)).run()
-    assert "WINCH_MODEL_UPDATED" not in {alarm.code for _, alarm in record.alarms}
+def test_a_winch_as_believed_is_left_alone(run_by):
+    assert "WINCH_MODEL_UPDATED" not in {alarm.code for _, alarm in run_by("mpc").alarms}
 
 
 @pytest.mark.parametrize(("time_constant", "delay"), [(0.15, 0.2), (0.08, 0.25), (0.08, 0.237)])
@@ -498,7 +506,7 @@ def test_limits_are_kept_as_well_with_a_delay_within_a_tick(time_constant, delay
 @pytest.mark.parametrize(("law", "plans"), [("lqg", True), ("mpc", True), ("lqr", False), ("feedforward", False)])
 def test_the_loop_is_kept_in_a_sea_beyond_the_winch_and_a_law_that_plans_takes_all_of_it(law, plans):
     """Hs 3 m at 8 s asks for more than 1.5 m/s^2: other laws are given a smaller share; none is worse than off."""
-    record = ClosedLoop(loop_parameters(law=law, height=3.0, period=8.0, duration=120.0)).run()
+    record = ClosedLoop(loop_parameters(law=law, height=3.0, period=8.0, duration=90.0)).run()
     share = min(record.column("authority", after=60.0))
     assert share == 1.0 if plans else share < 0.9
     assert record.unit_sigma(40.0) < record.uncompensated_sigma(40.0)
@@ -550,19 +558,19 @@ def test_a_motion_reference_unit_of_the_wrong_sign_is_contradicted_by_the_depth_
 
 def test_the_regulator_of_the_unit_alone_compensates_and_does_no_harm_where_it_takes_the_winch_to_its_limits():
     """Without limits it would leave 12 % here (stationary prediction); its authority is what the winch bears."""
-    record = ClosedLoop(loop_parameters(law="lqr", duration=150.0)).run()
+    record = ClosedLoop(loop_parameters(law="lqr", duration=110.0)).run()
     assert not {alarm.code for _, alarm in record.alarms} & HARMFUL
     assert record.unit_sigma(60.0) < 0.5 * record.uncompensated_sigma(60.0)
 
 
 def test_compensation_begins_again_at_once_after_an_emergency_stop_and_takes_out_the_swing_that_it_left():
     """The winch stops suddenly: to the uncompensated motion of the unit comes a free swing of 17 s."""
-    loop = ClosedLoop(loop_parameters(duration=120.0))
+    loop = ClosedLoop(loop_parameters(duration=90.0))
     outputs, rows = [], []
-    while loop.tick * DT < 120.0:
-        if loop.tick == round(60.0 / DT):
+    while loop.tick * DT < 90.0:
+        if loop.tick == round(30.0 / DT):
             loop.controller.set_mode("emergency_stop")
-        if loop.tick == round(63.0 / DT):
+        if loop.tick == round(33.0 / DT):
             loop.controller.set_mode("compensating")
         output, row = loop.step()
         outputs.append(output)
@@ -574,16 +582,16 @@ def test_compensation_begins_again_at_once_after_an_emergency_stop_and_takes_out
     assert np.std(np.array(rows)[-300:, 2]) < 0.005
 
 
-def test_a_known_position_loop_of_the_winch_costs_little():
+def test_a_known_position_loop_of_the_winch_costs_little(run_by):
     parameters = loop_parameters(duration=70.0, **{"winch.position_gain": 0.5})
     record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(position_gain=0.5))).run()
-    assert record.unit_sigma(45.0) < 1.2 * ClosedLoop(loop_parameters(duration=70.0)).run().unit_sigma(45.0)
+    assert record.unit_sigma(45.0) < 1.2 * run_by("mpc").unit_sigma(45.0)
 
 
 def test_the_mean_moves_and_a_stopped_winch_stays_under_a_position_loop():
     parameters = loop_parameters(duration=80.0, **{"winch.position_gain": 0.5})
     loop = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(position_gain=0.5)))
-    for _ in range(600):
+    for _ in range(500):
         loop.step()
     loop.controller.move_to_payout(2.0, 0.3)
     moved = np.array([loop.step()[1] for _ in range(600)])
@@ -610,11 +618,11 @@ def test_a_controller_that_is_started_anew_compensates_where_the_drum_stands(win
     loop = ClosedLoop(parameters)
     for _ in range(600):
         loop.step()
-    loop.controller.move_to_payout(2.0, 0.1)
-    for _ in range(800):
+    loop.controller.move_to_payout(2.0, 0.2)
+    for _ in range(400):
         loop.step()
     loop.controller = WinchController(parameters.controller, tick_period=DT)
-    after = [loop.step() for _ in range(1800)]
+    after = [loop.step() for _ in range(1500)]
     alarms = [alarm for outputs, _ in after for alarm in outputs.alarms if alarm.severity > Severity.EVENT]
     assert not {alarm.row.part for alarm in alarms} & {"mru", "depth", "encoder", "sensors", "loop"}
     assert not {alarm.code for alarm in alarms} & {"CABLE_INERTIA", "CABLE_DAMPING"}
@@ -670,7 +678,7 @@ def test_one_reading_of_the_encoder_alone_does_not_say_where_the_drum_stands():
 
 
 def thesis_parameters():
-    return parameters_of(load_scenario("b1_thesis", settings=["all.seed=1", "all.duration=120.0"]))
+    return parameters_of(load_scenario("b1_thesis", settings=["all.seed=1", "all.duration=90.0"]))
 
 
 def test_the_thesis_system_is_compensated_and_the_guard_leaves_it_alone():
@@ -699,7 +707,7 @@ def test_a_first_order_winch_moves_the_unit_while_it_compensates():
 
 def test_a_first_order_winch_comes_to_rest_and_is_braked():
     loop = ClosedLoop(thesis_parameters())
-    for _ in range(1200):
+    for _ in range(800):
         loop.step()
     loop.controller.set_mode("stopped")
     modes = [loop.step()[0].report.mode for _ in range(400)]
@@ -755,7 +763,7 @@ def test_a_touchdown_while_the_mru_is_lost_for_a_moment_is_acted_upon(monkeypatc
     controller = WinchController(loop_parameters().controller, tick_period=DT)
     loop = ClosedLoop(loop_parameters(duration=60.0))
     loop.controller = controller
-    for _ in range(700):
+    for _ in range(450):
         loop.step()
     assert controller.mode.value == "compensating"
     step = controller.step
@@ -807,7 +815,7 @@ def test_constant_tension_refuses_a_hanging_unit_at_whatever_instant_of_a_wave_u
     controller = loop.controller
     controller.set_mode("stopped")
     tension = []
-    for tick in range(3000):
+    for tick in range(1600):
         tension.append(loop.step()[1][7])
         if tick > 600 and tick % 4 == 0:
             with pytest.raises(ModeError, match="the unit is suspended: "):

@@ -4,12 +4,14 @@ Its unit swings by 0.3 m (1 sigma) where it is let be; it compensates from 23 s 
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 import pytest
-from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_node.interface.alarm import Severity
+from heave_node.interface.alarm import Alarm, Severity
+from winch_controller_node.interface.readings import Report
 
 TICK = 0.05
 END = 125.0
@@ -20,9 +22,9 @@ WHO = ["winch", "encoder"]
 TURNED_OVER = {"kind": ["scale"], "start": [0.0], "duration": [0.0], "magnitude": [-1.0]}
 
 
-def loop_of(who):
-    """Return a loop in which `who` is reversed from the start."""
-    settings = [f"all.duration={END}", "all.seed=1"]
+def loop_of(who, duration=END):
+    """Return a loop of a `duration` [s] in which `who` is reversed from the start."""
+    settings = [f"all.duration={duration}", "all.seed=1"]
     if who == "encoder":
         settings += [f"virtual_winch.encoder.faults.{name}={value}" for name, value in TURNED_OVER.items()]
     loop = ClosedLoop(loop_parameters(load_scenario("b3_deep_900", settings=settings)))
@@ -34,18 +36,28 @@ def loop_of(who):
     return loop
 
 
+class Run(NamedTuple):
+    """What `run_of` returns."""
+
+    record: LoopRecord
+    reports: list[Report]
+    answer: str
+    modes: list[str]
+    alarms: list[Alarm]
+
+
 @lru_cache
 def run_of(who):
-    """Return the record of a run, and modes and alarms of a minute after an operator has asked for it again."""
-    loop = loop_of(who)
-    record = loop.run()
+    """Return a run: its record and reports; the answer to an operator who asks again; modes and alarms of a minute."""
+    loop, reports = loop_of(who), []
+    record = loop.run(lambda _, outputs: reports.append(outputs.report))
     modes, alarms = [], []
-    loop.controller.set_mode("compensating")
+    answer = loop.controller.ask_for_mode("compensating")
     for _ in range(round(60.0 / TICK)):
         outputs, _ = loop.step()
         modes += [] if modes[-1:] == [outputs.mode] else [outputs.mode]
         alarms += outputs.alarms
-    return record, modes, alarms
+    return Run(record, reports, answer, modes, alarms)
 
 
 def modes_of(record):
@@ -54,7 +66,7 @@ def modes_of(record):
 
 @pytest.mark.parametrize("who", WHO)
 def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_of_motion(who):
-    record, _, _ = run_of(who)
+    record = run_of(who).record
     moving = record.column("time")[np.abs(record.column("payout_rate")) > MOVES]
     assert len(moving) > 0
     assert moving[-1] - moving[0] < 3.0
@@ -67,26 +79,23 @@ def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_of_moti
 @pytest.mark.parametrize("who", WHO)
 def test_a_winch_that_goes_the_other_way_is_tried_again_once_an_operator_asks(who):
     """It is no better, and is stopped again; once it is right it would go on."""
-    _, modes, alarms = run_of(who)
-    assert modes == ["standby", "compensating", "fade_out", "stopping", "standby"]
-    assert [alarm.code for alarm in alarms].count("ENCODER_REVERSED") == 1
+    assert run_of(who).modes == ["standby", "compensating", "fade_out", "stopping", "standby"]
+    assert [alarm.code for alarm in run_of(who).alarms].count("ENCODER_REVERSED") == 1
 
 
 def test_what_stands_beside_it_is_that_it_is_not_tried_again_until_an_operator_asks():
     """An operator who asks is not refused: only that ends it."""
-    loop = loop_of("encoder")
-    reports = []
-    loop.run(lambda _, outputs: reports.append(outputs.report))
+    reports = run_of("encoder").reports
     stopped = max(k for k, report in enumerate(reports) if report.mode == "stopping")
     stands = [report.reason for report in reports[stopped + 1 :]]
     assert len(stands) > 60.0 / TICK
     assert all("encoder" in reason for reason in stands)
-    assert loop.controller.ask_for_mode("compensating") == "standby, on the way to compensating"
+    assert run_of("encoder").answer == "standby, on the way to compensating"
 
 
 @pytest.mark.parametrize("who", WHO)
 def test_a_unit_whose_winch_goes_the_other_way_is_never_worse_off(who):
-    record, _, _ = run_of(who)
+    record = run_of(who).record
     time, unit, off = (record.column(name) for name in ("time", "unit", "uncompensated"))
     for begin in np.arange(30.0, END - 60.0, 1.0):
         minute = (time >= begin) & (time < begin + 60.0)
@@ -94,8 +103,8 @@ def test_a_unit_whose_winch_goes_the_other_way_is_never_worse_off(who):
 
 
 def test_a_winch_that_was_set_right_goes_on_once_an_operator_asks():
-    loop = loop_of("winch")
-    loop.run()
+    loop = loop_of("winch", 60.0)
+    assert "ENCODER_REVERSED" in {alarm.code for _, alarm in loop.run().alarms}
     del loop.winch.step  # what it is sent is what it does from now on
     loop.controller.set_mode("compensating")
     found = [loop.step() for _ in range(round(60.0 / TICK))]

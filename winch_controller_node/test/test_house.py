@@ -122,17 +122,6 @@ def test_core_and_adviser_import_nothing_of_one_another():
     assert across == []
 
 
-def test_no_function_asks_for_more_than_ten_arguments():
-    long = []
-    for path in PACKAGE.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.FunctionDef):
-                arguments = node.args
-                count = len(arguments.posonlyargs) + len(arguments.args) + len(arguments.kwonlyargs)
-                long += [f"{path.name}: {node.name}"] if count > 10 else []
-    assert not long
-
-
 def test_a_law_is_named_by_its_own_file_and_nowhere_else():
     """What the rest must know of a law, the law says: nobody asks for it by name."""
     own = {Path(sys.modules[law.__module__].__file__) for law in LAWS.values()}

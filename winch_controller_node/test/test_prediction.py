@@ -93,7 +93,7 @@ def test_the_bound_grows_with_the_delay():
 def test_margins_of_a_loop_known_in_closed_form():
     # L = K e^{-s tau}/s: crossover K, phase margin pi/2 - K tau, gain margin pi/(2 K tau), delay margin pi/(2K) - tau
     K, tau = 1.5, 0.3
-    omegas = np.geomspace(1e-2, 30.0, 40_000)
+    omegas = np.geomspace(1e-2, 30.0, 4_000)
     found = margins(omegas, K * np.exp(-1j * omegas * tau) / (1j * omegas))
     assert found.phase == pytest.approx(math.pi / 2 - K * tau, rel=1e-3)
     assert found.gain_up == pytest.approx(math.pi / (2.0 * K * tau), rel=1e-3)

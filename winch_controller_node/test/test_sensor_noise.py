@@ -85,7 +85,7 @@ def told_quiet(record):
 
 def test_sensors_that_are_believed_five_times_noisier_than_they_are_are_told_once_and_compensation_goes_on():
     sensors = "winch_controller.sensors"
-    record = run_b3(180.0, f"{sensors}.mru.noise=0.05", f"{sensors}.mru.rate_noise=0.05", f"{sensors}.depth.noise=0.1")
+    record = run_b3(140.0, f"{sensors}.mru.noise=0.05", f"{sensors}.mru.rate_noise=0.05", f"{sensors}.depth.noise=0.1")
     told = told_quiet(record)
     assert sorted(name for _, name in told) == ["mru_heave", "mru_heave_rate", "unit_heave"]
     # their mean squares fall from 1 to 0.4 within half a minute (the depth sensor reads half as often), and
@@ -98,7 +98,7 @@ def test_sensors_that_are_believed_five_times_noisier_than_they_are_are_told_onc
 
 
 def test_sensors_as_believed_are_not_told_also_in_a_sea_far_lower_than_believed():
-    assert not told_quiet(run_b3(150.0, "wave_vessel.significant_wave_height=0.1"))
+    assert not told_quiet(run_b3(125.0, "wave_vessel.significant_wave_height=0.1"))
 
 
 def test_noise_of_the_depth_that_has_become_known_is_not_told_as_jumps():

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.hydrostatics import weight_in_fluid
-from scipy.optimize import brentq
 
 from cable_sim_node.parameters import CableParameters, CableSimParameters
 from cable_sim_node.physics.hydrodynamics import box_added_mass, wet_part
@@ -175,6 +174,8 @@ def depth_at_rest(parameters: CableSimParameters, depth_under: Callable[[float],
         return 0.0
     if depth_under(height) >= height:
         return math.inf
+    from scipy.optimize import brentq  # noqa: PLC0415 (0.1 s, and every command comes here)
+
     return float(brentq(lambda depth: depth - depth_under(depth), 0.0, height, xtol=1e-9))
 
 
