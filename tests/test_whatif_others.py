@@ -175,6 +175,30 @@ def test_what_cannot_be_in_the_unit_of_the_map_is_refused_with_the_likely_cause(
         read_others(tmp_path / "log.csv", map_of(tmp_path, LOG.replace(right, wrong)), nominal, TICK)
 
 
+@pytest.mark.parametrize(
+    ("column", "text", "sensor", "note"),
+    [
+        ("load", "NaN", "", "tension: no number came from 4.0 s to 7.0 s: the load cell is not used"),
+        ("load", "-9999", "", "tension: 59 samples of -9999, the first at"),
+        ("rope", "-9999", "encoder", "payout: 59 samples of -9999, the first at"),
+        ("pressure", "99.999", "depth", "pressure: 29 samples of 99.999, the first at"),
+        ("heave", "9999", "mru", "heave: 59 samples of 9999, the first at"),
+    ],
+)
+def test_what_stands_for_no_number_is_none_and_said(own, tmp_path, column, text, sensor, note):
+    whole, nominal = own
+    names, *rows = write_log(whole, nominal, tmp_path / "log.csv").read_text().splitlines()
+    place, cells = names.split(",").index(column), [row.split(",") for row in rows]
+    for row in cells:
+        if 4.0 < float(row[0]) - HOST < 7.0 and row[place]:
+            row[place] = text
+    (tmp_path / "log.csv").write_text("\n".join([names, *map(",".join, cells)]) + "\n", encoding="utf-8")
+    found, notes = read_others(tmp_path / "log.csv", map_of(tmp_path, LOG), nominal, TICK)
+    assert any(one.startswith(note) for one in notes), notes
+    assert [one.sensor for one in found.losses if one.end - one.start > 1.0] == ([sensor] if sensor else [])
+    assert np.isnan(found.tension).all() == (column == "load")
+
+
 @pytest.mark.parametrize("share", [0.0, 0.9])
 def test_the_mean_payout_of_a_drum_is_what_no_wave_moves(share):
     time = TICK * np.arange(1, 6001)
@@ -206,7 +230,7 @@ def test_a_map_without_what_every_answer_needs_is_refused_in_one_line(own, tmp_p
 def test_a_record_of_others_needs_a_scenario(own, tmp_path):
     source = write_log(*own, tmp_path / "log.csv")
     status, said, complaint = heave(["whatif", str(source), "--map", str(map_of(tmp_path, LOG))])
-    assert status == 1
+    assert status == 2
     assert "say with --scenario what cable, unit, winch and controller are" in complaint
     assert judge(status, said, complaint) == ""
 

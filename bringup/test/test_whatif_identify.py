@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from heave_bringup.scenarios import load_scenario
-from heave_bringup.whatif.identify.cable import fit_cable
+from heave_bringup.whatif.identify.cable import CableFit, fit_cable
 from heave_bringup.whatif.identify.evidence import Evidence
-from heave_bringup.whatif.identify.prior import DELAY, INERTIA, LEVER_ARM, SCALE, STIFFNESS, USUAL, prior_of
-from heave_bringup.whatif.known import identified, taut_until
+from heave_bringup.whatif.identify.prior import DELAY, GIVEN, INERTIA, LEVER_ARM, SCALE, STIFFNESS, USUAL, prior_of
+from heave_bringup.whatif.known import identified, set_point_of, taut_until
 from heave_bringup.whatif.signals.record import SensorRecord
 from heave_bringup.whatif.signals.tip import HighPass, Tip
 from heave_bringup.whatif.signals.tip_source import TipSource, tip_source
@@ -147,10 +147,30 @@ def test_an_uncertain_mru_widens_the_prior(nominal):
     assert prior_of(uncertain).sigma[SCALE] == 0.05
 
 
-@pytest.mark.parametrize("text", ["cable.colour=1+-2%", "mru.scale=1", "mru.scale=-1+-2%", "mru.scale=1+-0"])
+@pytest.mark.parametrize(
+    "text", ["cable.colour=1+-2%", "mru.scale=1", "mru.scale=-1+-2%", "mru.scale=1+-0", f"{GIVEN}=1.42e7+-2"]
+)
 def test_another_form_is_refused(nominal, text):
     with pytest.raises(ParameterError, match="--know"):
         prior_of(nominal, [text])
+
+
+def test_ticks_that_the_controller_left_out_move_no_set_point():
+    # a unit that is lowered at 0.2 m/s: a mean of a minute stood 1.2 m off in the ticks between
+    moved, time = 0.2 * TIME, np.arange(len(TIME))
+    left_out = (time >= 850) & (time < 857)
+    record = SensorRecord(TICK, 1, (), (), np.where(left_out, math.nan, moved), ())
+    assert set_point_of(record, np.zeros(len(TIME)), np.zeros(len(TIME))) == pytest.approx(moved, abs=1e-9)
+
+
+def test_a_value_that_was_known_before_is_known(nominal):
+    for texts, sigma, is_shown, is_known in (
+        ([], 0.02, True, True),
+        ([], 0.12, False, False),
+        (["cable.inertia_factor=1+-1%"], 0.008, False, True),
+    ):
+        fit = CableFit({INERTIA: 1.0}, np.array([[sigma**2]]), prior_of(nominal, texts), None, 0.0, 1.0, 100.0)
+        assert (fit.is_shown(INERTIA), fit.tells(INERTIA)) == (is_shown, is_known)
 
 
 def test_a_long_record_is_judged_by_its_last_part(nominal):

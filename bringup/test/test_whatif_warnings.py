@@ -1,13 +1,15 @@
 """What stands beside the figures of an answer: what the record lacks for it."""
 
+import math
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif import fitness
+from heave_bringup.whatif.answer import lost
 from heave_bringup.whatif.identify.cable import CableFit
-from heave_bringup.whatif.identify.prior import Prior
+from heave_bringup.whatif.identify.prior import USUAL, Prior
 from heave_node.interface.codes import WinchLimit
 
 LIMITS_HIT = np.array([WinchLimit.FLOW, 0, WinchLimit.SPEED, WinchLimit.SPEED | WinchLimit.POWER | WinchLimit.PAYOUT])
@@ -63,18 +65,45 @@ def test_an_efficiency_at_one_end_of_its_band_is_no_better_known(monkeypatch):
     assert fitness.lacks(SimpleNamespace(), answer) == ["its efficiency is anywhere from 91 to 100 %"]
 
 
-def test_a_value_far_from_what_was_known_before_is_refused():
+ADDED = ", which should add up to 1"
+
+
+@pytest.mark.parametrize(
+    ("shares", "words", "after"),
+    [
+        ((0.9, 0.05), "check length, cable and unit, depth sensor and load cell; MRU and encoder fit together: ", ""),
+        ((-0.9, 0.05), "the sign of MRU, encoder or depth sensor is wrong: ", ADDED),
+        (
+            (3.28, 0.0),
+            "the unit or the column of MRU, encoder or depth sensor is wrong: ",
+            ", which should add up to 1",
+        ),
+    ],
+)
+def test_a_value_far_from_what_was_known_before_is_refused_with_what_to_check(shares, words, after):
     # a load cell in kN that is read as tf: 9.8 times the tension of a cable whose stiffness is known to 10 %
-    sigma = {"cable.stiffness_factor": 0.1, "mru.delay": 0.04}
-    prior = Prior(sigma, dict.fromkeys(sigma, 0.0))
+    prior = Prior(USUAL, dict.fromkeys(USUAL, 0.0))
     values = {"cable.stiffness_factor": 2.5, "mru.delay": -0.08}
     fit = CableFit(values, np.eye(2), prior, None, 0.0, 1.0, 100.0)
-    evidence = SimpleNamespace(shares=(0.0, 1.0))
+    evidence = SimpleNamespace(shares=shares)
     known = SimpleNamespace(fit=fit, evidence=evidence, left=0.0)
     with pytest.raises(CommandError) as refused:
         fitness.check_fit(known, 1.0, "bag")
     assert str(refused.value) == (
-        "bag: cable.stiffness_factor is identified as 2.5, 9 standard deviations from what was assumed: of the boom "
-        "tip's heave the drum takes out 0.00 and the unit shows 1.00, which should add up to 1: check units, signs and "
-        "columns of MRU, encoder, depth sensor and load cell; if it is so, give --know cable.stiffness_factor=2.5+-5%"
+        "bag: cable.stiffness_factor is identified as 2.5, 9 standard deviations from what was known before: "
+        f"{words}of the boom tip's heave the drum takes out {shares[0]:.2f} and the unit shows {shares[1]:.2f}{after}; "
+        "if it is so, give --know cable.stiffness_factor=2.5+-5%"
     )
+
+
+def test_a_law_that_never_began_has_given_up_at_its_first_alarm():
+    alarm = SimpleNamespace(code="COMMANDS_TOO_LATE", brief="commands come too late")
+    time = np.arange(3.0)
+    for modes, lost_at, cause in (
+        (("standby",) * 3, 2.0, "it never began: commands come too late"),
+        (("standby", "compensating", "compensating"), math.inf, ""),
+        (("off",) * 3, math.inf, ""),  # asked for
+        (("",) * 3, math.inf, ""),  # a record that does not say
+    ):
+        assert lost(SimpleNamespace(time=time, modes=modes, alarms=((2.0, alarm),))) == (lost_at, cause)
+    assert lost(SimpleNamespace(time=time, modes=("standby",) * 3, alarms=())) == (0.0, "it never began")

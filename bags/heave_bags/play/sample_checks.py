@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,6 +16,8 @@ from heave_bags.signals import Signal
 
 _FAR = 3.0
 """A fill value is beyond what is plausible by this factor at least; what is nearer is another unit."""
+_FAR_FROM_MOST = 10.0
+"""A value that stands for none is so many times further from the median than most are."""
 _FILL_VALUES = 2
 """A record uses so many fill values at most."""
 
@@ -88,6 +91,32 @@ def without_fill(name: str, signal: Signal, quantity: str, findings: Findings) -
         return signal
     findings.notes.append(f"{name}: {int(fill.sum())} samples of {words}, the first at {at}, taken as fill values")
     return Signal(signal.time[~fill], signal.value[~fill])
+
+
+def without_marks(name: str, signal: Signal, findings: Findings) -> Signal:
+    """Return a channel, in the unit of its record, without values that stand for none by custom, such as -9999.
+
+    One is far from all others and comes at once. `name` is that of the channel, `signal` its samples; `findings` takes
+    what is said.
+    """
+    if not signal.size:
+        return signal
+    about, value = np.abs(signal.value - np.median(signal.value)), signal.value
+    far = np.unique(value[about > _FAR_FROM_MOST * np.quantile(about, 0.6)])
+    steps = np.abs(np.diff(value, prepend=math.inf))
+    marks = [one for one in far if _is_mark(one) and (steps > 0.5 * about)[(value == one) & (steps > 0.0)].all()]
+    if not marks or findings.accepts:
+        return signal
+    fill = np.isin(signal.value, marks)
+    words, at = " and ".join(f"{value:g}" for value in marks), time_words(signal.time[int(np.argmax(fill))])
+    findings.notes.append(f"{name}: {int(fill.sum())} samples of {words}, the first at {at}, taken as fill values")
+    return Signal(signal.time[~fill], signal.value[~fill])
+
+
+def _is_mark(value: float) -> bool:
+    """Return whether a value stands for none by custom: nines alone, an end of whole numbers of 16 bits, or huge."""
+    digits = f"{abs(value):.6g}".replace(".", "")
+    return abs(value) >= 1e19 or value in (-32768.0, 32767.0, 65535.0) or (len(digits) > 1 and set(digits) == {"9"})
 
 
 def without_standstill(name: str, signal: Signal, findings: Findings) -> Signal:

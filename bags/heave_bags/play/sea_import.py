@@ -23,7 +23,7 @@ from scipy.interpolate import CubicSpline
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import TIME, Bag
 from heave_bags.play.device_log import device_signals
-from heave_bags.play.sample_checks import Findings, is_valid, without_fill, without_standstill
+from heave_bags.play.sample_checks import Findings, is_valid, without_fill, without_marks, without_standstill
 from heave_bags.play.sea_mapping import MOTIONS, SeaMapping, mapping_for_topic
 from heave_bags.play.ship_log import ShipLog, is_text
 from heave_bags.play.ship_time import time_words
@@ -229,11 +229,12 @@ def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findi
     """Return the usable samples of a channel, in metres or radians, in order of time."""
     channel = mapping.channels[name]
     good = np.isfinite(signal.value) & np.isfinite(signal.time)
-    time, value = signal.time[good], channel.factor(name) * signal.value[good] + channel.offset
+    numbers = without_marks(name, Signal(signal.time[good], signal.value[good]), findings)
+    time, value = numbers.time, channel.factor(name) * numbers.value + channel.offset
     later = np.ones(time.size, dtype=bool)
     if time.size:
         later[1:] = time[1:] > np.maximum.accumulate(time)[:-1]
-    left_out = signal.size - int(later.sum()) - findings.taken_out(name)
+    left_out = int((~good).sum()) + int((~later).sum()) - findings.taken_out(name)
     cause = _backward_words(time)
     if left_out:
         findings.notes.append(

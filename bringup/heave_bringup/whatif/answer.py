@@ -10,6 +10,7 @@ import numpy as np
 from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, WinchLimit
 from heave_node.kpi import efficiency, significant
 from heave_node.numerics.arrays import Array
+from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.whatif.signals.disturbance import Disturbance
 from heave_bringup.whatif.signals.record import Flags, without_move
@@ -121,12 +122,19 @@ def limits_in(flags: Flags) -> list[WinchLimit]:
 
 
 def lost(done: Replayed) -> tuple[float, str]:
-    """Return when a loop, as `done`, gave up compensation unrequested [s], and by which alarm; infinite: never."""
+    """Return when a loop, as `done`, gave up compensation unrequested [s], and by which alarm; infinite: never.
+
+    One that never began has given up at its first alarm.
+    """
     for time, lost_one in done.alarms:
         if lost_one.code == COMPENSATION_LOST:
             near = [one for at, one in done.alarms if abs(at - time) < 1.0 and one.code not in MODES]
             return time, near[0].brief if near else str(lost_one.values["reason"])
-    return math.inf, ""
+    has_begun = Mode.COMPENSATING.value in done.modes or set(done.modes) <= {Mode.OFF.value, ""}
+    if has_begun:
+        return math.inf, ""
+    causes = [(time, f"it never began: {one.brief}") for time, one in done.alarms if one.code not in MODES]
+    return causes[0] if causes else (float(done.time[0]), "it never began")
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from winch_controller_node.supervision.modes import Mode
 from heave_bringup.errors import CommandError
 from heave_bringup.whatif.answer import limits_in
 from heave_bringup.whatif.identify.evidence import BEGINS
-from heave_bringup.whatif.identify.prior import AS_THEY_ARE, DAMPING, INERTIA
+from heave_bringup.whatif.identify.prior import AS_THEY_ARE, DAMPING, INERTIA, USUAL
 from heave_bringup.whatif.known import OFF, Known, off_sigma, winch_moved
-from heave_bringup.whatif.signals.record import Loss, SensorRecord
+from heave_bringup.whatif.signals.record import LOST, Loss, SensorRecord
 from heave_bringup.whatif.study import Answer
 
 SHORTEST = 60.0
@@ -43,14 +43,17 @@ NEEDED = {
 STALE = "stale"
 """Reason of the controller where no reading has come."""
 
-LOST = 1.0
-"""Longest time without one of them that is bridged [s]."""
-
 SAME_PAYOUT = 1e-3
 """Error of payout up to which the same law gives the record again [m]."""
 
 FAR = 5.0
 """Standard deviations of what was known before above which an identified value is none of cable, unit or MRU."""
+
+ADDS_UP = 0.4
+"""Distance from 1 up to which what drum and unit share of the boom tip's heave adds up."""
+
+SELDOM = 0.05
+"""Time at limits that a table shows as none [%]."""
 
 LARGEST_WINCH_ERROR = 0.15
 """Payout that the model of the winch misses, over what the drum moves, above which it is another winch."""
@@ -71,7 +74,7 @@ def check_record(record: SensorRecord, start: float, where: str) -> None:
     if left < SHORTEST:
         raise CommandError(
             f"{where}: {max(left, 0.0):.0f} s are left after its transient of {start:g} s; {SHORTEST:g} s at least are "
-            "needed: record longer, or give --transient"
+            "needed: record longer, or give another --transient or --end"
         )
     spans = {"mru": record.mru[:, 0], "depth": record.scalar("depth")[:, 0]}
     for sensor, times in spans.items():
@@ -138,7 +141,7 @@ def check_fit(known: Known, off: float, where: str) -> None:
         snap = " (the cable was slack from early on)" if known.snapped.any() else ""
         raise CommandError(
             f"{where}: the twin misses the depth by {100.0 * known.left:.1f} cm of {100.0 * off:.1f} cm (sigma){snap}: "
-            f"{_check_words(known)}, then length, unit and cable"
+            f"{_check_words(known)}"
         )
     for name, value in known.fit.values.items():
         off_prior = known.fit.off_prior(name)
@@ -146,17 +149,19 @@ def check_fit(known: Known, off: float, where: str) -> None:
             spread = "+-0.02" if name in AS_THEY_ARE else "+-5%"
             raise CommandError(
                 f"{where}: {name} is identified as {value:.3g}, {off_prior:.0f} standard deviations from what was "
-                f"assumed: {_check_words(known)}; if it is so, give --know {name}={value:.3g}{spread}"
+                f"known before: {_check_words(known)}; if it is so, give --know {name}={value:.3g}{spread}"
             )
 
 
 def _check_words(known: Known) -> str:
     """Return what to check where a record does not fit what is assumed, by what is `known` of it, in words."""
     drum, unit = known.evidence.shares
-    return (
-        f"of the boom tip's heave the drum takes out {drum:.2f} and the unit shows {unit:.2f}, which should add up to "
-        "1: check units, signs and columns of MRU, encoder, depth sensor and load cell"
-    )
+    shares = f"of the boom tip's heave the drum takes out {drum:.2f} and the unit shows {unit:.2f}"
+    told = ", or --know" if known.fit.prior.centre != dict.fromkeys(USUAL, 0.0) else ""
+    if abs(drum + unit - 1.0) < ADDS_UP:
+        return f"check length, cable and unit{told}, depth sensor and load cell; MRU and encoder fit together: {shares}"
+    wrong = "the sign" if drum + unit < 0.0 else "the unit or the column"
+    return f"{wrong} of MRU, encoder or depth sensor is wrong: {shares}, which should add up to 1"
 
 
 def reported(known: Known) -> list[tuple[str, bool, str]]:
@@ -224,7 +229,7 @@ def lacks(known: Known, answer: Answer) -> list[str]:
         found.append(f"cable and unit are not known from it ({shows['cable and unit'][1]})")
     if answer.asked.controller.law != OFF and not shows["winch"][0]:
         found.append(f"how the winch answers is assumed ({shows['winch'][1]})")
-    if limit > 0.0 and not shows["winch limits"][0]:
+    if limit >= SELDOM and not shows["winch limits"][0]:
         limits = " and ".join(map(words, limits_in(answer.done.limits_hit[known.window])))
         found.append(f"it is at the winch's limits ({limits}) for {limit:.1f} % of the time, and they are assumed")
     if max(efficiency - low, high - efficiency) > WIDE:

@@ -16,12 +16,12 @@ from winch_controller_node.beliefs.quantities import DEPTH_SCALE, ENCODER_SCALE
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.supervision.modes import Mode
 
-from heave_bringup.whatif.answer import MODEL_LEAST, MODEL_MOST, unit_motion
+from heave_bringup.whatif.answer import COVERED, MODEL_LEAST, MODEL_MOST, unit_motion
 from heave_bringup.whatif.identify.cable import CableFit, fit_cable
 from heave_bringup.whatif.identify.evidence import BEGINS, Evidence
 from heave_bringup.whatif.identify.prior import STIFFNESS, Prior, prior_of
 from heave_bringup.whatif.signals.disturbance import Disturbance, disturbance
-from heave_bringup.whatif.signals.record import SensorRecord, shortened, without_move
+from heave_bringup.whatif.signals.record import SensorRecord, bridged, shortened, without_move
 from heave_bringup.whatif.signals.tip import HighPass
 from heave_bringup.whatif.signals.tip_source import tip_source
 from heave_bringup.whatif.twin.again import Again, observed_again
@@ -121,8 +121,9 @@ class Known:
 
     def sigma_ends(self, motion: Array) -> tuple[float, float]:
         """Return the least and the largest that `sigma` can be of the record's own `motion` (n,) [m]."""
-        with_noise = float(np.std(motion[self.window]))
-        return math.sqrt(max(with_noise**2 - self.unexplained.left**2, 0.0)), math.hypot(with_noise, self.by_tip)
+        with_noise, error = float(np.std(motion[self.window])), COVERED * self.model
+        least = math.sqrt(max(with_noise**2 - self.unexplained.left**2, 0.0))
+        return (1.0 - error) * least, (1.0 + error) * math.hypot(with_noise, self.by_tip)
 
     @property
     def enough(self) -> int:
@@ -211,11 +212,11 @@ def _known(evidence: Evidence, again: Again, fits: Sequence[CableFit], start: fl
     if evidence.source is not fits[0].source or evidence.end != fits[0].end:
         evidence = replace(evidence, source=fits[0].source, end=fits[0].end)
     record, winch, dt = evidence.record, evidence.winch, evidence.record.tick_period
-    is_known, recorded, still = np.isfinite(record.set_points), [], []
+    recorded, still = [], []
     for fit in fits:
         tip = evidence.tip(fit.values)
         line = scaled_line(evidence.line(fit.values), PlantFactors(stiffness=fit.values[STIFFNESS]))
-        set_point = np.where(is_known, record.set_points, mean_payout(record.time, winch.payout, tip.heave))
+        set_point = set_point_of(record, winch.payout, tip.heave)
         recorded.append(Drive(line, evidence.nominal.length, tip, winch.payout, winch.rate, dt))
         still.append(recorded[-1]._replace(payout=set_point, rate=np.gradient(set_point, dt)))
     motions = follow([*recorded, *still])
@@ -224,6 +225,17 @@ def _known(evidence: Evidence, again: Again, fits: Sequence[CableFit], start: fl
         _under(evidence, again, fit, start, drive, plant, off)
         for fit, drive, plant, off in zip(fits, recorded, motions, offs, strict=False)
     ]
+
+
+def set_point_of(record: SensorRecord, payout: Array, heave: Array) -> Array:
+    """Return the mean payout at each tick of a `record` (n,) [m].
+
+    Where the controller left ticks out it is between those before and after. Where none states it, it is that of the
+    `payout` (n,) [m] which no `heave` of the boom tip (n,) [m] moves.
+    """
+    if np.isfinite(record.set_points).any():
+        return bridged(record.set_points)
+    return mean_payout(record.time, payout, heave)
 
 
 def _under(

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from cable_sim_node.errors import PlantError
 from heave_bags.mcap.reader import Bag
+from heave_bags.play.ship_log import is_text
 from heave_node.parameters import ParameterError
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.model.lqr import DesignError
@@ -91,8 +92,10 @@ def ask(source: Path, question: Question, *, show: Show = quiet) -> Result:
 
 def _asked(source: Path, question: Question, scratch: Path, show: Show) -> Result:
     """Return what the record at `source` answers to a `question`; its scenario is written into `scratch`."""
+    if question.device_map is None and is_text(source):
+        raise ParameterError(f"{source}: is a log in columns: say with --map where it has what")
     if question.device_map is not None and not question.scenario:
-        raise CommandError(f"{source}: of others: say with --scenario what cable, unit, winch and controller are")
+        raise ParameterError(f"{source}: say with --scenario what cable, unit, winch and controller are")
     scenario = question.scenario or write_text(scratch, scenario_text(Bag(source)))
     nominal, run = nominal_of(scenario)
     wish = Wish(scenario, question.law, question.settings, question.compare)

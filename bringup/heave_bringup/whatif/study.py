@@ -28,13 +28,15 @@ class Answer:
     asked : for it
     figures : with their bands
     done : motions
-    fade_out : probability that it gives up compensation [-]
+    plants : number of plants over which it was closed
+    fade_out : share of them on which it gives up compensation, or never begins [-]
     cause : the alarm with which it does; empty: it does not
     """
 
     asked: Asked
     figures: Figures
     done: Replayed = field(repr=False)
+    plants: int
     fade_out: float
     cause: str
 
@@ -153,7 +155,7 @@ def _answer(
         # it is the reference of the efficiency
         found = replace(found, bands={**found.bands, "unit_efficiency": (0.0, 0.0)})
     lost = [one for one in (base, *draws) if math.isfinite(one.lost_at)]
-    return Answer(asked, found, done, len(lost) / len(loops), lost[0].cause if lost else "")
+    return Answer(asked, found, done, len(loops), len(lost) / len(loops), lost[0].cause if lost else "")
 
 
 def _figures(known: Known, done: Replayed) -> Figures:

@@ -22,6 +22,9 @@ BRIEF = ("unit_efficiency", "unit_sigma_m", "significant_residual_m", "tension_m
 IDENTIFIED = ("identified", "value", "sigma", "assumed", "known by")
 """Headings of the table of what was identified."""
 
+MOST_REQUESTS = 6
+"""Requests of an operator that are named."""
+
 EXPERIMENTAL = "whatif is experimental: compared with simulated runs alone (docs/guide/howto/what_would_have_been.md)"
 
 
@@ -64,23 +67,24 @@ def banded(key: str, figures: Figures) -> str:
 def headings() -> list[str]:
     """Return the headings of the table of answers."""
     titles = [f"{DEFINITION_OF[key].title} [{DEFINITION_OF[key].unit}]" for key in BRIEF]
-    return ["law", *titles, "at limits [%]", "fade-out"]
+    return ["law", "gives up", *titles, "at limits [%]"]
 
 
 def rows(result: Result) -> list[list[str]]:
     """Return the rows of the table of a `result`: the record itself, then what would have been."""
     limits = _limits(result.recorded) if result.known.past.record.is_own else "-"
-    found = [["recorded", *(banded(key, result.recorded) for key in BRIEF), limits, "-"]]
+    found = [["recorded", "-", *(banded(key, result.recorded) for key in BRIEF), limits]]
     for answer in result.answers:
         cells = [banded(key, answer.figures) for key in BRIEF]
-        found.append([answer.asked.name, *cells, _limits(answer.figures), _fade_out(answer)])
+        found.append([answer.asked.name, _gives_up(answer), *cells, _limits(answer.figures)])
     return found
 
 
-def _fade_out(answer: Answer) -> str:
-    """Return how likely an `answer` gives up compensation, and when it does so in the motion of its figures."""
+def _gives_up(answer: Answer) -> str:
+    """Return on how many plants an `answer` gives up compensation, and when on that of its figures."""
     lost_at = answer.figures.lost_at
-    return f"{100.0 * answer.fade_out:.0f} %" + (f", here at {lost_at:.0f} s" if math.isfinite(lost_at) else "")
+    here = f", here at {lost_at:.0f} s" if math.isfinite(lost_at) else ""
+    return f"{round(answer.plants * answer.fade_out)} of {answer.plants}{here}"
 
 
 def _limits(figures: Figures) -> str:
@@ -107,7 +111,18 @@ def check_line(result: Result) -> str:
 def lines_before(result: Result) -> list[str]:
     """Return the lines that come before the answers of a `result`: the check, what is known, what was changed."""
     asked = [f"each law with {' and '.join(result.settings)}"] if result.settings else []
-    return [check_line(result), report_line(result.known), *asked]
+    return [check_line(result), report_line(result.known), *_operator_lines(result.known), *asked]
+
+
+def _operator_lines(known: Known) -> list[str]:
+    """Return a line on what the operator of the record requested, as it is `known`; none where that was nothing."""
+    record = known.past.record
+    done = [(tick, one) for tick, of_tick in sorted(record.requests.items()) for one in of_tick]
+    if not done:
+        return []
+    words = [f"{one.words} at {tick * record.tick_period:.1f} s" for tick, one in done[:MOST_REQUESTS]]
+    rest = [f"{len(done) - MOST_REQUESTS} more"] if len(done) > MOST_REQUESTS else []
+    return [f"requests of the operator, given to each law again: {', '.join([*words, *rest])}"]
 
 
 def report_line(known: Known) -> str:
@@ -122,7 +137,7 @@ def identified_rows(known: Known) -> list[list[str]]:
     found = []
     for name, value in known.fit.values.items():
         unit, nominal = (f" {AS_THEY_ARE[name]}", "0") if name in AS_THEY_ARE else ("", "1")
-        by = "this record" if known.fit.tells(name) else "what was assumed"
+        by = "this record" if known.fit.is_shown(name) else "--know" if known.fit.tells(name) else "what was assumed"
         found.append([name, *(f"{text}{unit}" for text in _with_sigma(value, known.fit.sigma(name))), nominal, by])
     for name, belief in known.again.beliefs.values.items():
         found.append([name, *_with_sigma(belief.value, belief.sigma), "-", "the adviser"])
@@ -133,20 +148,23 @@ def identified_rows(known: Known) -> list[list[str]]:
 
 def _with_sigma(value: float, sigma: float) -> tuple[str, str]:
     """Return a `value` and its standard deviation, two digits of that and no more of the value."""
-    decimals = max(1 - math.floor(math.log10(sigma)), 0) if sigma > 0.0 else 4
+    if not sigma > 0.0:
+        return f"{value:.4g}", "-"
+    decimals = max(1 - math.floor(math.log10(sigma)), 0)
     return f"{value:.{decimals}f}", f"{sigma:.{decimals}f}"
 
 
 def causes(answers: Sequence[Answer]) -> list[str]:
-    """Return a line for each of the `answers` that may give up compensation: how likely, by what, and what is shown."""
+    """Return a line for each of the `answers` that may give up compensation: on how many plants, and by what."""
     found = []
     for one in answers:
         lost_at = one.figures.lost_at
         if one.fade_out > 0.0:
-            shown = f"after it has faded out at {lost_at:.1f} s" if math.isfinite(lost_at) else "without a fade-out"
+            is_shown = math.isfinite(lost_at)
+            shown = f"at {lost_at:.1f} s, and the figures count both before and after" if is_shown else "none"
             found.append(
-                f"{one.asked.name}: fades out with a probability of {100.0 * one.fade_out:.0f} %: {one.cause}; its "
-                f"figures and its motion are those {shown}"
+                f"{one.asked.name}: gives up compensation on {round(one.plants * one.fade_out)} of {one.plants} plants "
+                f"that the record allows: {one.cause}; in the motion that is shown {shown}"
             )
     return found
 

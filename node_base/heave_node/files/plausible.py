@@ -57,7 +57,8 @@ PLAUSIBLE: Mapping[str, Plausible] = {
     "roll": _size("rad", 1.2, "degrees, or a fill value?"),
     "pitch": _size("rad", 1.2, "degrees, or a fill value?"),
     "mean vertical acceleration": Plausible("m/s^2", -20.0, 20.0, "mm/s^2?"),
-    "heave over the integral of heave rate": Plausible("", 0.5, 2.0, "another unit?", "another unit, column or sign?"),
+    "heave over the integral of heave rate": Plausible("", 0.5, 2.0, "another unit?", "another unit, or sign?"),
+    "payout over the integral of payout rate": Plausible("", 0.5, 2.0, "another unit?", "another unit, or sign?"),
     "depth by pressure over the cable that is out": Plausible("", 0.05, 1.2, "another unit?"),
     # half of it by a load cell in one of two falls
     "tension over the weight of cable and unit": Plausible("", 0.4, 2.0, "another unit?", "another unit, or tared?"),

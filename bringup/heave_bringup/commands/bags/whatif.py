@@ -49,6 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Answer and write the page, as `options` say."""
     from heave_bags.mcap.read.folder import bag_of
+    from heave_bags.play.ship_log import is_text
 
     from heave_bringup.output import check_output, make_table, warn, write_result
     from heave_bringup.progress import ProgressLine
@@ -68,7 +69,7 @@ def execute(options: argparse.Namespace) -> None:
 
     warn([EXPERIMENTAL])
     check_output("--output", options.output, (".html",))
-    folder = bag_of(options.bag)
+    folder = options.bag if options.bag.is_file() and is_text(options.bag) else bag_of(options.bag)
     page = options.output or folder.parent / "whatif.html"
     check_output("--output", page)
     question = Question(

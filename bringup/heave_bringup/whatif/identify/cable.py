@@ -25,6 +25,7 @@ from heave_bringup.whatif.identify.prior import (
     LEVER_ARM,
     SCALE,
     STIFFNESS,
+    USUAL,
     Prior,
 )
 from heave_bringup.whatif.signals.tip_source import TipSource, tip_source
@@ -58,7 +59,7 @@ ALIKE = 1.2
 """Noise that has grown by less is the same."""
 
 TELLS = 0.5
-"""A quantity whose standard deviation is less than so much of its prior is known from the record."""
+"""A quantity whose standard deviation is less than so much of its usual one is known."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +91,10 @@ class CableFit:
         return math.sqrt(float(self.covariance[place, place]))
 
     def tells(self, name: str) -> bool:
+        """Return whether the value `name` is known better than the parameters say: by the record, or by both."""
+        return self.sigma(name) < TELLS * max(self.prior.sigma[name], USUAL[name])
+
+    def is_shown(self, name: str) -> bool:
         """Return whether the record says more of the value `name` than was known before."""
         return self.sigma(name) < TELLS * self.prior.sigma[name]
 

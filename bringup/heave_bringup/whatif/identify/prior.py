@@ -28,6 +28,10 @@ NUMBER = r"[-+]?[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?"
 FORM = re.compile(rf"(?P<name>[a-z_.]+)=(?P<value>{NUMBER})\+-(?P<spread>{NUMBER})(?P<percent>%?)")
 
 
+LEAST_SPREAD = 1e-4
+"""Relative spread that nobody can state of a factor."""
+
+
 class Prior(NamedTuple):
     """What is known before the record.
 
@@ -83,6 +87,8 @@ def _parsed(text: str) -> tuple[str, float, float]:
         spread *= 0.01 if is_factor else 0.01 * abs(value)
     elif is_factor:
         spread /= abs(value or 1.0)
+    if is_factor and 0.0 < spread < LEAST_SPREAD:
+        raise ParameterError(f"--know {text}: a spread of {100.0 * spread:.2g} %: is +-{found['spread']}% meant?")
     if not (spread > 0.0 and (value > 0.0 or not is_factor)):
         raise ParameterError(f"--know {text}: value and spread must be above 0")
     return name, value, spread

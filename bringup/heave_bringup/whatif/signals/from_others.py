@@ -32,7 +32,7 @@ from winch_controller_node.interface.readings import WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_bringup.errors import CommandError
-from heave_bringup.whatif.signals.record import Loss, SensorRecord
+from heave_bringup.whatif.signals.record import LOST, Loss, SensorRecord
 from heave_bringup.whatif.signals.spectra import BAND, tapered_transform
 
 OF_MRU = tuple(itertools.chain(*OUTPUTS[MRU.topic.name]))
@@ -40,10 +40,10 @@ BESIDE = ("unit_heave", "pressure", "tension", "payout", "payout_rate", "ordered
 Signals = dict[str, Signal]
 
 LONGEST_COMPARED = 900.0
-"""Part of a record, its last, over which heave is compared with its rate [s]."""
+"""Part of a record, its last, over which a motion is compared with its rate [s]."""
 
 TOGETHER = 0.5
-"""Coherence above which heave and its rate show how large one is over the other."""
+"""Coherence above which a motion and its rate show how large one is over the other."""
 
 FIRST = 10
 """Readings of the depth at the start that are compared with the cable that was out then."""
@@ -78,6 +78,11 @@ def read_others(
     # a host's clock counts from 1970: from the first tick on, no digits are lost
     before = min(float(one.time[0]) for one in signals.values()) - tick_period
     signals = {name: Signal(one.time - before, one.value) for name, one in signals.items()}
+    for loss in [one for one in _gaps("load_cell", signals.get("tension", Signal())) if one.end - one.start > LOST]:
+        findings.notes.append(
+            f"tension: no number came from {loss.start:.1f} s to {loss.end:.1f} s: the load cell is not used"
+        )
+        signals.pop("tension", None)
     needed = ("heave", "payout", "pressure" if "pressure" in signals else "unit_heave")
     ticks = math.floor(min(float(signals[name].time[-1]) for name in needed) / tick_period + EARLY)
     delivered = {
@@ -127,6 +132,9 @@ def _ask(signals: Signals, nominal: WinchControllerParameters, water: Water, fin
     if "heave_rate" in signals:
         share = over_integral(heave, signals["heave_rate"])
         findings.ask(question("heave over the integral of heave rate", share))
+    if "payout_rate" in signals:
+        share = over_integral(signals["payout"], signals["payout_rate"])
+        findings.ask(question("payout over the integral of payout rate", share))
     if "pressure" in signals:
         depth = (float(np.median(signals["pressure"].value[:FIRST])) - ATMOSPHERIC_PRESSURE) / water.pressure_per_metre
         findings.ask(question("depth by pressure over the cable that is out", depth / nominal.length))
@@ -136,14 +144,14 @@ def _ask(signals: Signals, nominal: WinchControllerParameters, water: Water, fin
         findings.ask(question("tension over the weight of cable and unit", share))
 
 
-def over_integral(heave: Signal, rate: Signal) -> float:
-    """Return how many times the integral of a heave `rate` is in a `heave`, in the band of waves; 1 in noise [-]."""
-    start, end = max(heave.time[0], rate.time[0]), min(heave.time[-1], rate.time[-1])
+def over_integral(motion: Signal, rate: Signal) -> float:
+    """Return how many times the integral of a `rate` is in a `motion`, in the band of waves; 1 in noise [-]."""
+    start, end = max(motion.time[0], rate.time[0]), min(motion.time[-1], rate.time[-1])
     start = max(start, end - LONGEST_COMPARED)
     if end - start < 2.0 * math.pi / BAND[0]:
         return 1.0
     omegas = np.arange(*BAND, 2.0 * math.pi / (end - start))
-    was = tapered_transform(heave.time, heave.value, omegas, start, end)
+    was = tapered_transform(motion.time, motion.value, omegas, start, end)
     by = tapered_transform(rate.time, rate.value, omegas, start, end) / (1j * omegas)
     shared, power = float(np.vdot(by, was).real), float(np.vdot(by, by).real)
     is_hidden = shared**2 <= TOGETHER * power * float(np.vdot(was, was).real)

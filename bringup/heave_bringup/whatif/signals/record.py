@@ -20,6 +20,10 @@ Flags = NDArray[np.int64]
 """Sums of flags, one a tick."""
 
 
+LOST = 1.0
+"""Longest time without a sensor that is bridged [s]."""
+
+
 class Loss(NamedTuple):
     """A time in which the controller did not use a sensor.
 
