@@ -112,7 +112,7 @@ def test_a_csv_log_is_the_sea_and_bad_cells_are_told(tmp_path):
     log.write_text("# ship log\nms,heave_cm\n" + "\n".join(rows) + "\n")
     mapping = SeaMapping({"heave": Channel(column="heave_cm", scale=0.01)}, time_column="ms", time_scale=1e-3)
     sea = import_sea(log, mapping)
-    assert sea.notes == ["heave: 1 samples without a number, or not later than the one before, skipped"]
+    assert sea.notes == ["heave: 1 sample without a number, or not later than the one before, skipped"]
     expected = np.sin(OMEGA * sea.time)
     assert np.abs(sea.position[:, 2] - (expected - expected.mean())).max() < 1e-3
 

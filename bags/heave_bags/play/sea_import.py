@@ -20,6 +20,7 @@ from heave_node.numerics.kinematics import euler_part
 from heave_node.numerics.spectral_estimate import RecordTooShortError, height_and_period
 from scipy.interpolate import CubicSpline
 
+from heave_bags.analyse.time_base import LONGEST_GAP
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import TIME, Bag
 from heave_bags.play.device_log import device_signals
@@ -234,12 +235,12 @@ def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findi
     later = np.ones(time.size, dtype=bool)
     if time.size:
         later[1:] = time[1:] > np.maximum.accumulate(time)[:-1]
-    left_out = int((~good).sum()) + int((~later).sum()) - findings.taken_out(name)
+    blank = 0 if _is_slower(time, signal.time) else int((~good).sum())
+    left_out = blank + int((~later).sum()) - (findings.taken_out(name) if blank else 0)
     cause = _backward_words(time)
     if left_out:
-        findings.notes.append(
-            f"{name}: {left_out} samples without a number, or not later than the one before, skipped{cause}"
-        )
+        what = "1 sample" if left_out == 1 else f"{left_out} samples"
+        findings.notes.append(f"{name}: {what} without a number, or not later than the one before, skipped{cause}")
     checked = Signal(time[later], value[later])
     checked = without_fill(name, checked, "" if channel.acceleration or channel.velocity else name, findings)
     if name.removesuffix("_rate").removesuffix("_acceleration") in MOTIONS:  # a drum may stand still
@@ -249,6 +250,15 @@ def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findi
     if checked.size < 10:
         raise BagError(f"{source}: {name} has {checked.size} usable samples, 10 are needed{cause}")
     return checked
+
+
+def _is_slower(time: Array, rows: Array) -> bool:
+    """Return whether a channel with numbers at each `time` [s] is but slower than the `rows` of its log [s]."""
+    between = np.diff(time)
+    if between.size < 2 or rows.size < 2:
+        return False
+    period = float(np.median(between))
+    return period > 1.5 * float(np.median(np.diff(rows))) and float(between.max()) <= LONGEST_GAP * period
 
 
 def _backward_words(time: Array) -> str:
