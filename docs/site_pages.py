@@ -167,8 +167,9 @@ def written_pages() -> list[tuple[str, str]]:
 
 def commands_page() -> str:
     """Return the help of every command, with its examples."""
+    from heave_bringup.commands.command import name_of  # noqa: PLC0415 (the site is the only one that needs it)
     from heave_bringup.errors import status_table  # noqa: PLC0415 (as below)
-    from heave_bringup.parser import COMMANDS, make_parser  # noqa: PLC0415 (the site is the only one that needs it)
+    from heave_bringup.parser import COMMANDS, make_parser  # noqa: PLC0415
 
     os.environ["COLUMNS"] = "100"  # the width of the help
     subparsers = make_parser()._subparsers
@@ -176,11 +177,12 @@ def commands_page() -> str:
     (chosen,) = (action for action in subparsers._group_actions if action.choices)
     parsers = dict(chosen.choices or {})
     parts = ["# Commands", "What `heave COMMAND --help` prints.", status_table()]
-    parts += [", ".join(f"[{command.name}](#heave-{command.name})" for command in COMMANDS)]
-    for command in COMMANDS:
-        usage = parsers[command.name].format_help().partition("\nexample: ")[0].rstrip()
-        parts += [f"## heave {command.name}", f"```text\n{usage}\n```"]
-        parts += ["```sh\n" + "\n".join(command.examples) + "\n```"] if command.examples else []
+    names = {name_of(command): command for command in COMMANDS}
+    parts += [", ".join(f"[{name}](#heave-{name})" for name in names)]
+    for name, command in names.items():
+        usage = parsers[name].format_help().partition("\nexample: ")[0].rstrip()
+        parts += [f"## heave {name}", f"```text\n{usage}\n```"]
+        parts += ["```sh\n" + "\n".join(command.EXAMPLES) + "\n```"] if command.EXAMPLES else []
     return "\n\n".join(parts) + "\n"
 
 

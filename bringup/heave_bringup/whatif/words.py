@@ -12,7 +12,7 @@ from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bringup.whatif.answer import KEYS, Figures
 from heave_bringup.whatif.fitness import SAME_PAYOUT, lacks, reported, warnings
 from heave_bringup.whatif.identify.prior import AS_THEY_ARE
-from heave_bringup.whatif.known import Known, off_sigma
+from heave_bringup.whatif.known import OFF, Known, off_sigma
 from heave_bringup.whatif.study import Answer
 
 BRIEF = ("unit_efficiency", "unit_sigma_m", "significant_residual_m", "tension_max_n", "winch_speed_max_mps")
@@ -82,6 +82,8 @@ def rows(result: Result) -> list[list[str]]:
 
 def _gives_up(answer: Answer) -> str:
     """Return on how many plants an `answer` gives up compensation, and when on that of its figures."""
+    if answer.asked.controller.law == OFF:
+        return "-"
     lost_at = answer.figures.lost_at
     here = f", here at {lost_at:.0f} s" if math.isfinite(lost_at) else ""
     return f"{round(answer.plants * answer.fade_out)} of {answer.plants}{here}"
