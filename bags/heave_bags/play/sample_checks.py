@@ -84,13 +84,7 @@ def without_fill(name: str, signal: Signal, quantity: str, findings: Findings) -
         return signal
     if not fill.any():
         return signal
-    words = " and ".join(f"{value:g}" for value in values)
-    at = time_words(signal.time[int(np.argmax(fill))])
-    if findings.accepts:
-        findings.notes.append(f"{name}: {int(fill.sum())} samples of {words}, the first at {at}, are fill values?")
-        return signal
-    findings.notes.append(f"{name}: {int(fill.sum())} samples of {words}, the first at {at}, taken as fill values")
-    return Signal(signal.time[~fill], signal.value[~fill])
+    return _without(name, signal, fill, findings)
 
 
 def without_marks(name: str, signal: Signal, findings: Findings) -> Signal:
@@ -107,9 +101,18 @@ def without_marks(name: str, signal: Signal, findings: Findings) -> Signal:
     marks = [one for one in far if _is_mark(one) and (steps > 0.5 * about)[(value == one) & (steps > 0.0)].all()]
     if not marks or findings.accepts:
         return signal
-    fill = np.isin(signal.value, marks)
-    words, at = " and ".join(f"{value:g}" for value in marks), time_words(signal.time[int(np.argmax(fill))])
-    findings.notes.append(f"{name}: {int(fill.sum())} samples of {words}, the first at {at}, taken as fill values")
+    return _without(name, signal, np.isin(signal.value, marks), findings)
+
+
+def _without(name: str, signal: Signal, fill: NDArray[np.bool_], findings: Findings) -> Signal:
+    """Return a channel without its samples that are a `fill`, which is said; with them where all is accepted."""
+    words = " and ".join(f"{value:g}" for value in np.unique(signal.value[fill]))
+    at = time_words(signal.time[int(np.argmax(fill))])
+    found = f"{name}: {int(fill.sum())} samples of {words}, the first at {at}"
+    if findings.accepts:
+        findings.notes.append(f"{found}, are fill values?")
+        return signal
+    findings.notes.append(f"{found}, taken as fill values")
     return Signal(signal.time[~fill], signal.value[~fill])
 
 

@@ -235,8 +235,8 @@ def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findi
     later = np.ones(time.size, dtype=bool)
     if time.size:
         later[1:] = time[1:] > np.maximum.accumulate(time)[:-1]
-    blank = 0 if _is_slower(time, signal.time) else int((~good).sum())
-    left_out = blank + int((~later).sum()) - (findings.taken_out(name) if blank else 0)
+    blank = 0 if _is_slower(time, signal.time) else int((~good).sum()) - findings.taken_out(name)
+    left_out = blank + int((~later).sum())
     cause = _backward_words(time)
     if left_out:
         what = "1 sample" if left_out == 1 else f"{left_out} samples"

@@ -25,6 +25,8 @@ OTHER = "#cc79a7"
 RUN_COLOURS = ("#009e73", "#0072b2", "#e69f00", "#cc79a7", "#56b4e9", "#d55e00", "#8c564b")
 TRANSIENT = "rgba(136, 136, 136, 0.2)"
 """The time that no figure counts."""
+UNCOUNTED = ("transient, not counted", TRANSIENT)
+"""Its entry in a legend."""
 CM, KN = QUANTITIES["m"][1], QUANTITIES["N"][1]
 """Motions [cm] and forces [kN] as people see them, over their SI units."""
 LABEL_HEIGHT = 18.0

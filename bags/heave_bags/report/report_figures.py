@@ -20,8 +20,8 @@ from heave_bags.report.figure import (
     OTHER,
     PAYOUT,
     RUN_COLOURS,
-    TRANSIENT,
     UNCOMPENSATED,
+    UNCOUNTED,
     UNIT,
     Figure,
     about_mean,
@@ -166,7 +166,7 @@ def ribbon_legend(record: RunRecord) -> list[tuple[str, str]]:
     found += [
         (f"alarm, {name}", LEVEL_COLOURS[level]) for level, name in ((1, "warning"), (2, "error")) if level in levels
     ]
-    return [*found, *([("transient, not counted", TRANSIENT)] if transient_band(record) else [])]
+    return [*found, *([UNCOUNTED] if transient_band(record) else [])]
 
 
 def unit_figure(record: RunRecord) -> Figure:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from heave_bags.analyse.events import words
 from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, WinchLimit
 from heave_node.kpi import efficiency, significant
 from heave_node.numerics.arrays import Array
@@ -115,10 +116,10 @@ def figures(
     return Figures(values, unit[window], {}, lost_at, cause)
 
 
-def limits_in(flags: Flags) -> list[WinchLimit]:
-    """Return the limits of the winch that acted in any of some ticks, given as sums of `flags`."""
+def limit_words(flags: Flags) -> str:
+    """Return the limits of the winch that acted in any of some ticks, given as sums of `flags`; empty: none."""
     acted = int(np.bitwise_or.reduce(flags, initial=0)) & COUNTED
-    return [one for one in WinchLimit if one & acted]
+    return " and ".join(words(one) for one in WinchLimit if one & acted)
 
 
 def lost(done: Replayed) -> tuple[float, str]:

@@ -6,11 +6,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from heave_bags.analyse.events import words
 from winch_controller_node.supervision.modes import Mode
 
 from heave_bringup.errors import CommandError
-from heave_bringup.whatif.answer import limits_in
+from heave_bringup.whatif.answer import limit_words
 from heave_bringup.whatif.identify.evidence import BEGINS
 from heave_bringup.whatif.identify.prior import AS_THEY_ARE, DAMPING, INERTIA, USUAL
 from heave_bringup.whatif.known import OFF, Known, off_sigma, winch_moved
@@ -167,7 +166,7 @@ def _check_words(known: Known) -> str:
 def reported(known: Known) -> list[tuple[str, bool, str]]:
     """Return what the record shows by what is `known` of it: of what, whether, and why, in words."""
     fit, record, window = known.fit, known.past.record, known.window
-    reached, moved = limits_in(record.limits_hit[window]), winch_moved(known)
+    reached, moved = limit_words(record.limits_hit[window]), winch_moved(known)
     plant = f"inertia within {100.0 * fit.sigma(INERTIA):.1f} %, chi2 {fit.chi2:.1f}"
     still = "it stood still" if record.has_orders else "its orders are not in the record"
     winch = "it answered orders" if moved else still
@@ -178,7 +177,7 @@ def reported(known: Known) -> list[tuple[str, bool, str]]:
         ("cable and unit", fit.tells(INERTIA), plant),
         ("damping", fit.tells(DAMPING), f"within {100.0 * fit.sigma(DAMPING):.0f} %"),
         ("winch", moved, winch),
-        ("winch limits", bool(reached), f"reached: {' and '.join(map(words, reached))}" if reached else unhit),
+        ("winch limits", bool(reached), f"reached: {reached}" if reached else unhit),
     ]
 
 
@@ -214,8 +213,8 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             lines.append(f"{answer.asked.name}: does not take what the operator requested: {refused[0]}")
         lacking = lacks(known, answer)
         if lacking:
-            words = "; ".join(lacking)
-            lines.append(f"{answer.asked.name}: this record does not show all that the answer stands on: {words}")
+            lacked = "; ".join(lacking)
+            lines.append(f"{answer.asked.name}: this record does not show all that the answer stands on: {lacked}")
     return lines
 
 
@@ -230,7 +229,7 @@ def lacks(known: Known, answer: Answer) -> list[str]:
     if answer.asked.controller.law != OFF and not shows["winch"][0]:
         found.append(f"how the winch answers is assumed ({shows['winch'][1]})")
     if limit >= SELDOM and not shows["winch limits"][0]:
-        limits = " and ".join(map(words, limits_in(answer.done.limits_hit[known.window])))
+        limits = limit_words(answer.done.limits_hit[known.window])
         found.append(f"it is at the winch's limits ({limits}) for {limit:.1f} % of the time, and they are assumed")
     if max(efficiency - low, high - efficiency) > WIDE:
         found.append(f"its efficiency is anywhere from {100.0 * low:.0f} to {100.0 * high:.0f} %")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 
-from heave_bags.report.figure import CM, KN, RUN_COLOURS, TRANSIENT, UNCOMPENSATED, Figure, line, uncounted_band
+from heave_bags.report.figure import CM, KN, RUN_COLOURS, UNCOMPENSATED, UNCOUNTED, Figure, line, uncounted_band
 from heave_bags.report.parts import notice, table
 from heave_bags.report.report import place_figure, render_page
 from heave_bags.signals import Signal
@@ -60,13 +60,12 @@ def _over_time(title: str, caption: str, axis: str, drawn: Sequence[tuple[str, A
         for number, (name, values) in enumerate(drawn)
     ]
     transient = uncounted_band(float(time[0]), float(time[known.window.start]))
-    legend = [("transient, not counted", TRANSIENT)] if transient else []
     layout = {
         "xaxis": {"title": {"text": "time of the record [s]"}},
         "yaxis": {"title": {"text": axis}},
         "shapes": transient,
     }
-    return Figure(title, caption, traces, layout, legend=legend)
+    return Figure(title, caption, traces, layout, legend=[UNCOUNTED] if transient else [])
 
 
 def _unit(result: Result) -> Figure:

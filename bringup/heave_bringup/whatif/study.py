@@ -29,7 +29,7 @@ class Answer:
     figures : with their bands
     done : motions
     plants : number of plants over which it was closed
-    fade_out : share of them on which it gives up compensation, or never begins [-]
+    lost : number of them on which it gives up compensation, or never begins
     cause : the alarm with which it does; empty: it does not
     """
 
@@ -37,8 +37,13 @@ class Answer:
     figures: Figures
     done: Replayed = field(repr=False)
     plants: int
-    fade_out: float
+    lost: int
     cause: str
+
+    @property
+    def fade_out(self) -> float:
+        """Share of the plants on which it gives up compensation, or never begins [-]."""
+        return self.lost / self.plants
 
 
 def answers(
@@ -155,7 +160,7 @@ def _answer(
         # it is the reference of the efficiency
         found = replace(found, bands={**found.bands, "unit_efficiency": (0.0, 0.0)})
     lost = [one for one in (base, *draws) if math.isfinite(one.lost_at)]
-    return Answer(asked, found, done, len(loops), len(lost) / len(loops), lost[0].cause if lost else "")
+    return Answer(asked, found, done, len(loops), len(lost), lost[0].cause if lost else "")
 
 
 def _figures(known: Known, done: Replayed) -> Figures:

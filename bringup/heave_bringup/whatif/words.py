@@ -86,7 +86,7 @@ def _gives_up(answer: Answer) -> str:
         return "-"
     lost_at = answer.figures.lost_at
     here = f", here at {lost_at:.0f} s" if math.isfinite(lost_at) else ""
-    return f"{round(answer.plants * answer.fade_out)} of {answer.plants}{here}"
+    return f"{answer.lost} of {answer.plants}{here}"
 
 
 def _limits(figures: Figures) -> str:
@@ -161,11 +161,11 @@ def causes(answers: Sequence[Answer]) -> list[str]:
     found = []
     for one in answers:
         lost_at = one.figures.lost_at
-        if one.fade_out > 0.0:
+        if one.lost:
             is_shown = math.isfinite(lost_at)
             shown = f"at {lost_at:.1f} s, and the figures count both before and after" if is_shown else "none"
             found.append(
-                f"{one.asked.name}: gives up compensation on {round(one.plants * one.fade_out)} of {one.plants} plants "
+                f"{one.asked.name}: gives up compensation on {one.lost} of {one.plants} plants "
                 f"that the record allows: {one.cause}; in the motion that is shown {shown}"
             )
     return found

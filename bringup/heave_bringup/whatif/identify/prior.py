@@ -27,7 +27,6 @@ MASS_PRIOR = 0.1
 NUMBER = r"[-+]?[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?"
 FORM = re.compile(rf"(?P<name>[a-z_.]+)=(?P<value>{NUMBER})\+-(?P<spread>{NUMBER})(?P<percent>%?)")
 
-
 LEAST_SPREAD = 1e-4
 """Relative spread that nobody can state of a factor."""
 

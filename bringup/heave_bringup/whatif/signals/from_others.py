@@ -78,11 +78,11 @@ def read_others(
     # a host's clock counts from 1970: from the first tick on, no digits are lost
     before = min(float(one.time[0]) for one in signals.values()) - tick_period
     signals = {name: Signal(one.time - before, one.value) for name, one in signals.items()}
-    for loss in [one for one in _gaps("load_cell", signals.get("tension", Signal())) if one.end - one.start > LOST]:
-        findings.notes.append(
-            f"tension: no number came from {loss.start:.1f} s to {loss.end:.1f} s: the load cell is not used"
-        )
-        signals.pop("tension", None)
+    holes = [one for one in _gaps("load_cell", signals.get("tension", Signal())) if one.end - one.start > LOST]
+    if holes:
+        del signals["tension"]
+        first = f"tension: no number came from {holes[0].start:.1f} s to {holes[0].end:.1f} s"
+        findings.notes.append(f"{first}: the load cell is not used")
     needed = ("heave", "payout", "pressure" if "pressure" in signals else "unit_heave")
     ticks = math.floor(min(float(signals[name].time[-1]) for name in needed) / tick_period + EARLY)
     delivered = {

@@ -19,7 +19,6 @@ from winch_controller_node.interface.requests import Request
 Flags = NDArray[np.int64]
 """Sums of flags, one a tick."""
 
-
 LOST = 1.0
 """Longest time without a sensor that is bridged [s]."""
 
