@@ -23,7 +23,7 @@ PINNED = $(if $(PINS),UV_CONSTRAINT=$(CURDIR)/$(PINS) UV_BUILD_CONSTRAINT=$(CURD
 # What takes a minute says every 15 s that it goes on.
 TELLING := sh tools/patiently.sh
 
-.PHONY: help run test validate mutants style lint docs gallery coverage install constraints clean
+.PHONY: help run test validate mutants bench style lint docs gallery coverage install constraints clean
 .DELETE_ON_ERROR:
 
 help:  ## what can be made
@@ -56,6 +56,9 @@ validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of six ho
 
 mutants: $(VENV)/.test-installed  ## change the modules that safety rests on, one small thing at a time, and count what no test notices: two hours or three; MUTANTS="--only guard --sample 50" tries a part
 	$(BIN)/python -m tests.campaigns.mutants $(MUTANTS)
+
+bench: $(VENV)/.test-installed  ## how fast the suite is on this machine, beside its peers: plant, statics, loop, controller, recorder; BENCH="--only plant" measures a part
+	$(BIN)/python -m benchmarks.bench $(BENCH)
 
 style: $(VENV)/.test-installed  ## set up, then ruff
 	$(BIN)/ruff check .

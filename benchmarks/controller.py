@@ -21,12 +21,12 @@ from pathlib import Path
 import numpy as np
 from heave_bags.analyse import kpi_set
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
-from heave_bringup.run.kappa import bounds_of
+from heave_bringup.run.baseline_law import BASELINE_LAW
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting, make_setting
-from heave_bringup.tables.baseline_law import BASELINE_LAW
 from heave_node.kpi import kappa
+from heave_studies.kappa import bounds_of
 from winch_controller_node.design.bounds import BOUND_STEP
 from winch_controller_node.interface.readings import Measurements, Outputs
 

@@ -16,12 +16,13 @@ DATA_SUFFIXES = ("c", "csv", "css", "h", "html", "js", "json", "md", "npz", "txt
 """Endings of the files inside a package that are installed with its modules."""
 
 
-def set_up(*, scripts: Sequence[str] = ()) -> None:
+def set_up(*, scripts: Sequence[str] = (), commands: Sequence[str] = ()) -> None:
     """Set up the package in the working folder.
 
     Parameters
     ----------
     scripts : its executables, each "NAME = MODULE:FUNCTION"
+    commands : its subcommands of `heave`, each "NAME = MODULE"
     """
     manifest = ElementTree.parse("package.xml").getroot()
     name = manifest.findtext("name")
@@ -42,7 +43,7 @@ def set_up(*, scripts: Sequence[str] = ()) -> None:
         install_requires=["setuptools"],
         extras_require={"test": ["pytest"]},
         zip_safe=False,
-        entry_points={"console_scripts": list(scripts)},
+        entry_points={"console_scripts": list(scripts), "heave.commands": list(commands)},
     )
 
 

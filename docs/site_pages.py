@@ -38,7 +38,6 @@ PAGES = {
     "bags/README.md": "reference/bags.md",
     "bringup/README.md": "packages/bringup.md",
     "bringup/heave_bringup/scenarios/README.md": "reference/scenarios.md",
-    "bringup/heave_bringup/benchmark/README.md": "packages/benchmark.md",
     "cable_sim_node/README.md": "packages/cable_sim.md",
     "cable_sim_node/cable_sim_node/winch/drives/README.md": "packages/drives.md",
     "msgs/README.md": "packages/msgs.md",
@@ -169,7 +168,7 @@ def commands_page() -> str:
     """Return the help of every command, with its examples."""
     from heave_bringup.commands.command import name_of  # noqa: PLC0415 (the site is the only one that needs it)
     from heave_bringup.errors import status_table  # noqa: PLC0415 (as below)
-    from heave_bringup.parser import COMMANDS, make_parser  # noqa: PLC0415
+    from heave_bringup.parser import all_commands, make_parser  # noqa: PLC0415
 
     os.environ["COLUMNS"] = "100"  # the width of the help
     subparsers = make_parser()._subparsers
@@ -177,7 +176,7 @@ def commands_page() -> str:
     (chosen,) = (action for action in subparsers._group_actions if action.choices)
     parsers = dict(chosen.choices or {})
     parts = ["# Commands", "What `heave COMMAND --help` prints.", status_table()]
-    names = {name_of(command): command for command in COMMANDS}
+    names = {name_of(command): command for command in all_commands()}
     parts += [", ".join(f"[{name}](#heave-{name})" for name in names)]
     for name, command in names.items():
         usage = parsers[name].format_help().partition("\nexample: ")[0].rstrip()

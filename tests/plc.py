@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from heave_bringup.adapt.shipped import shipped_maps
+from heave_devices.adapt.shipped import shipped_maps
 
 KINDS = ("modbus", "opcua", "udp")
 SPOILT = ("--lost", "0.05", "--double", "0.05", "--late", "0.05", "--broken", "0.05", "--delay", "0.01")

@@ -29,12 +29,14 @@ PACKAGES = {
     "winch_controller_node": "winch_controller_node",
     "bags": "heave_bags",
     "bringup": "heave_bringup",
+    **{f"extras/{name}": f"heave_{name}" for name in ("devices", "studies", "statics", "panel", "fmu")},
 }
 
 
 def module_name(path: Path) -> str:
     """Return the dotted name of the module in a file."""
-    parts = path.relative_to(ROOT).with_suffix("").parts[1:]
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    parts = parts[2:] if parts[0] == "extras" else parts[1:]
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 

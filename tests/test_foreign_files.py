@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from heave_bags.errors import BagError
-from heave_bags.play.sea_import import import_sea
-from heave_bags.play.sea_mapping import Channel, SeaMapping
+from heave_devices.records.sea_import import import_sea
+from heave_devices.records.sea_mapping import Channel, SeaMapping
 from wave_vessel_node.sea.spectrum_files import SpectrumFileError, read_spectra
 from wave_vessel_node.vessel.rao import RaoError
 from wave_vessel_node.vessel.rao_files import read_rao

@@ -8,12 +8,12 @@ import pytest
 from heave_bags.analyse import kpi_set
 from heave_bags.analyse.read_run import read_run
 from heave_bags.mcap.reader import Bag
-from heave_bringup.campaign.campaign_file import read_campaign
-from heave_bringup.campaign.study import run_study
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
-from heave_bringup.run.baseline import add_baseline
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import load_scenario
+from heave_studies.baseline import add_baseline
+from heave_studies.campaign.campaign_file import read_campaign
+from heave_studies.campaign.study import run_study
 
 from tests.loop_runs import recorded_messages, run_scenario
 

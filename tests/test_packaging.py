@@ -12,9 +12,12 @@ from xml.etree import ElementTree
 
 import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_path
+from heave_bringup.commands.extras import EXTRA_OF
 from heave_bringup.nodes import PROCESS_BY_NAME
 from heave_node.ros.transport.environment import prepare_environment
 from packaging.requirements import Requirement
+
+from tests.test_house import UPWARDS
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -23,7 +26,7 @@ else:
 
 REPOSITORY = Path(__file__).parents[1]
 PYPROJECT = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())
-MANIFESTS = sorted(REPOSITORY.glob("*/package.xml"))
+MANIFESTS = sorted([*REPOSITORY.glob("*/package.xml"), *REPOSITORY.glob("extras/*/package.xml")])
 PYTHON_MANIFESTS = [path for path in MANIFESTS if path.parent.name != "msgs"]
 LAUNCHING = {"launch", "launch_ros"}
 """Packages of ROS that have no wheel: launch files alone need them, and who launches has them."""
@@ -63,13 +66,17 @@ def names_in(module: Path) -> tuple[set[str], set[str]]:
 providers_of_names = cache(packages_distributions)
 
 
-def console_scripts_of_setup(path: Path) -> dict[str, str]:
-    """Return the console scripts of a setup.py, read without running it."""
+def entry_points_of_setup(path: Path, kind: str) -> dict[str, str]:
+    """Return the entry points of a `kind`, "scripts" or "commands", of a setup.py, read without running it."""
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "set_up":
-            scripts = [script for words in node.keywords for script in ast.literal_eval(words.value)]
-            return dict(re.split(r"\s*=\s*", script, maxsplit=1) for script in scripts)
+            found = [one for words in node.keywords if words.arg == kind for one in ast.literal_eval(words.value)]
+            return dict(re.split(r"\s*=\s*", one, maxsplit=1) for one in found)
     raise AssertionError(f"{path} sets no package up")
+
+
+def console_scripts_of_setup(path: Path) -> dict[str, str]:
+    return entry_points_of_setup(path, "scripts")
 
 
 def test_every_package_of_the_house_has_a_manifest():
@@ -77,6 +84,7 @@ def test_every_package_of_the_house_has_a_manifest():
         "bags",
         "bringup",
         "cable_sim_node",
+        *("devices", "fmu", "panel", "statics", "studies"),
         "msgs",
         "node_base",
         "wave_vessel_node",
@@ -94,7 +102,9 @@ def test_version_and_licence_of_a_manifest_are_those_of_pyproject(path):
 @pytest.mark.parametrize("path", PYTHON_MANIFESTS, ids=folder_id)
 def test_a_python_package_is_in_the_wheel_and_in_the_ament_index(path):
     name = name_of(path)
-    assert f"{path.parent.name}/{name}" in PYPROJECT["tool"]["scikit-build"]["wheel"]["packages"]
+    assert (path.parent / name).relative_to(REPOSITORY).as_posix() in PYPROJECT["tool"]["scikit-build"]["wheel"][
+        "packages"
+    ]
     assert (path.parent / "resource" / name).is_file()
     assert (path.parent / name / "py.typed").is_file()
 
@@ -111,6 +121,14 @@ def test_pip_and_colcon_install_the_same_executables():
     for path in PYTHON_MANIFESTS:
         by_colcon |= console_scripts_of_setup(path.parent / "setup.py")
     assert by_colcon == PYPROJECT["project"]["scripts"]
+
+
+def test_pip_and_colcon_install_the_same_subcommands_of_extras():
+    by_colcon: dict[str, str] = {}
+    for path in PYTHON_MANIFESTS:
+        by_colcon |= entry_points_of_setup(path.parent / "setup.py", "commands")
+    assert by_colcon == PYPROJECT["project"]["entry-points"]["heave.commands"]
+    assert set(by_colcon) == set(EXTRA_OF)
 
 
 def test_ros_finds_each_executable_under_the_package_that_colcon_puts_it_in():
@@ -132,7 +150,8 @@ def test_a_manifest_names_each_package_of_the_suite_that_is_imported_and_no_othe
         # modules started or looked up by name
         by_name = {name for name in suite for text in texts if text.startswith((f"{name}.", f"{name}:"))}
         imported |= names | by_name
-    assert named == (imported & suite) - {name_of(path)}
+    knots = {knot.split()[-1].split(".")[0] for knot in UPWARDS if knot.split(".")[0] == name_of(path)}
+    assert named == (imported & suite) - {name_of(path)} - knots
 
 
 @pytest.mark.parametrize("path", PYTHON_MANIFESTS, ids=folder_id)

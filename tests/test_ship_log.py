@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
-from heave_bringup.run.kappa import bounds_of
 from heave_bringup.scenarios import load_scenario
 from heave_node.kpi import kappa
+from heave_studies.kappa import bounds_of
 from winch_controller_node.design.bounds import BOUND_STEP, boom_tip_realisation
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters
 

@@ -15,7 +15,7 @@ from heave_bags.mcap import repair
 from heave_bags.mcap.bag_writer import BagPolicy
 from heave_bags.mcap.reader import Bag
 from heave_bags.mcap.writer import ChunkPolicy
-from heave_bags.play.sea_import import import_sea
+from heave_devices.records.sea_import import import_sea
 from made_up_run import MadeUpRun
 from mcap.reader import make_reader
 

@@ -25,7 +25,7 @@ from heave_node.numerics.arrays import Array
 from wave_vessel_node.component import WaveVessel, WaveVesselOutputs
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.adviser.component import Adviser
-from winch_controller_node.component import WinchController
+from winch_controller_node.core.component import WinchController
 from winch_controller_node.interface.conversions import measurements, winch_reading
 from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.node_parameters import WinchControllerParameters

@@ -82,7 +82,7 @@ COMPUTE = (
     "wave_vessel_node.component",
     "cable_sim_node.component",
     "cable_sim_node.winch.component",
-    "winch_controller_node.component",
+    "winch_controller_node.core.component",
     "winch_controller_node.adviser.component",
     "heave_bags.mcap.bag_writer",
 )

@@ -7,23 +7,22 @@ import difflib
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
-from heave_bringup.commands.bags import export, import_sea, kpi, record, repair, replay, report, whatif
+from heave_bringup.commands.bags import export, kpi, record, repair, replay, report
 from heave_bringup.commands.command import CommandModule, name_of
-from heave_bringup.commands.models import design, fmu, identify, modes, static
-from heave_bringup.commands.runs import accept, adapt, check, operate, panel, run, view
+from heave_bringup.commands.extras import EXTRA_OF, extra_command, extra_commands
+from heave_bringup.commands.models import design, modes
+from heave_bringup.commands.runs import check, operate, run
 from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
-from heave_bringup.commands.studies import bench, benchmark, campaign, extremes, falsify, lift, operability, sizing
 from heave_bringup.commands.version import VersionAction
 from heave_bringup.errors import ExitStatus
 
 COMMANDS: tuple[CommandModule, ...] = (
-    *(run, operate, panel, view, check, adapt, accept),
+    *(run, operate, check),
     *(list_scenarios, new, catalogue, params),
-    *(report, kpi, whatif, export, record, replay, import_sea, repair),
-    *(design, identify, static, modes, fmu),
-    *(campaign, falsify, operability, sizing, extremes, lift, benchmark, bench),
+    *(report, kpi, export, record, replay, repair),
+    *(design, modes),
 )
-"""All subcommands, in the order of the help."""
+"""The suite's own subcommands, in the order of the help; those of extras follow (`heave_bringup.commands.extras`)."""
 
 
 _NUMBERS = {float: "a number", int: "a whole number"}
@@ -98,8 +97,7 @@ def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action=VersionAction)
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    is_known = any(name_of(command) in words[:1] for command in COMMANDS)
-    for command in COMMANDS:
+    for command in _commands(words[:1]):
         subparser = subparsers.add_parser(
             name_of(command),
             help=command.SUMMARY[0].lower() + command.SUMMARY[1:].rstrip("."),
@@ -111,6 +109,22 @@ def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
         subparser.add_argument(
             "--json", metavar="FILE", help="write the result as JSON; - for standard output, and nothing else there"
         )
-        if not is_known or name_of(command) == words[0]:
+        if name_of(command) in words[:1] or not _is_known(words[:1]):
             command.add_arguments(subparser)
     return parser
+
+
+def all_commands() -> tuple[CommandModule, ...]:
+    """Return all subcommands, in the order of the help."""
+    return (*COMMANDS, *extra_commands())
+
+
+def _is_known(words: Sequence[str]) -> bool:
+    return any(name_of(command) in words for command in COMMANDS) or any(word in EXTRA_OF for word in words)
+
+
+def _commands(words: Sequence[str]) -> tuple[CommandModule, ...]:
+    """Return the subcommands that a line beginning with `words` may mean; extras are looked for only if needed."""
+    if any(name_of(command) in words for command in COMMANDS):
+        return COMMANDS
+    return (*COMMANDS, *map(extra_command, words)) if _is_known(words) else all_commands()

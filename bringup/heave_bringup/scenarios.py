@@ -21,12 +21,12 @@ from heave_node.parameters import Given, ParameterError, describe, flatten, unkn
 from heave_node.run_parameters import NodeParameters, RunParameters, build_node_parameters
 from heave_node.scenario import WILDCARD, Sections, parse_sections, read_sections
 from heave_node.system_parameters import SYSTEM, owned_names, system_names
-from winch_controller_node.supervision.modes import Mode
+from heave_studies.tables.case_table import files_of, scenario_of, split_reference
+from heave_studies.tables.kept_files import make_good
+from winch_controller_node.core.supervision.modes import Mode
 
 from heave_bringup.nodes import MASTER, NODE_BY_NAME, NODES
 from heave_bringup.settings import Setting, meant, near_places, parse_setting
-from heave_bringup.tables.case_table import files_of, scenario_of, split_reference
-from heave_bringup.tables.kept_files import make_good
 
 SCENARIO_FOLDER = "scenarios"
 NAMES_OF_FILES = ("rao_file", "spectrum_file", "recording_file")

@@ -2,7 +2,7 @@
 
 import math
 
-from heave_bringup.bench.report import HOW_TO_GET_THE_PEER, tables
+from benchmarks.bench.report import HOW_TO_GET_THE_PEER, tables
 
 PEERS = {
     "RK2": {"ms_per_simulated_s": 22.0, "error_percent": 0.06},

@@ -39,7 +39,7 @@ from hypothesis import strategies as st
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.conversions import boom_tip_message
 from wave_vessel_node.parameters import WaveVesselParameters
-from winch_controller_node.component import WinchController
+from winch_controller_node.core.component import WinchController
 from winch_controller_node.interface.conversions import WINCH_STATE, command_message, measurements, winch_reading_of
 from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.interface.sensors import INPUTS, SCALAR_SENSORS

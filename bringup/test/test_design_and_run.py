@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from cable_sim_node.reports.hanging import hanging_report
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_statics.reports.hanging import hanging_report
 from wave_vessel_node.component import WaveVessel
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.feasibility import uncompensated_sigma

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from heave_bringup.commands.command import name_of
-from heave_bringup.parser import COMMANDS, make_parser
+from heave_bringup.parser import all_commands, make_parser
 from heave_bringup.scenarios import load_scenario, shipped_scenarios
 
 REPOSITORY = Path(__file__).parents[2]
@@ -32,11 +32,13 @@ MADE = {f"{name}.yaml" for text in TEXTS for name in re.findall(r"heave new (\w+
 """Scenarios and tables of cases that a page makes before it runs them; `tests/test_guide.py` does that."""
 
 
-@pytest.mark.parametrize("line", [*(example for command in COMMANDS for example in command.EXAMPLES), *DOCUMENTED])
+@pytest.mark.parametrize(
+    "line", [*(example for command in all_commands() for example in command.EXAMPLES), *DOCUMENTED]
+)
 def test_a_documented_command_line_is_understood(line: str) -> None:
     arguments = shlex.split(line.partition(" > ")[0], comments=True)[1:]
     if len(arguments) == 1 and arguments[0] != "list":
-        assert arguments[0] in {name_of(command) for command in COMMANDS}  # the command is named, not given
+        assert arguments[0] in {name_of(command) for command in all_commands()}  # the command is named, not given
         return
     options = make_parser().parse_args(arguments)
     if options.command in ("run", "static", "design", "identify"):

@@ -11,7 +11,7 @@ from heave_bringup.pages.hazard_table import HAZARDS
 from heave_bringup.pages.hazards import DEVICES, hazards_of, page
 from heave_node.interface.alarm import Severity
 from heave_node.interface.fault_kinds import FAULTS, faults_of
-from winch_controller_node.supervision.modes import Event
+from winch_controller_node.core.supervision.modes import Event
 
 ROOT = Path(__file__).parents[2]
 NAMES = [one.name for one in HAZARDS]

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from heave_bringup.cli import main
-from heave_bringup.operability.record import read_record
 from heave_bringup.run.checks.files import check_files
 from heave_bringup.run.checks.rest import check_rest
 from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import ParameterError
+from heave_studies.operability.record import read_record
 from wave_vessel_node.vessel.rao import ResponseTable
 from wave_vessel_node.vessel.rao_files import write_rao_csv
 

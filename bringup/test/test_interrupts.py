@@ -8,7 +8,7 @@ from contextlib import suppress
 
 import pytest
 from heave_bringup.interrupts import forget_interrupts, raise_if_interrupted, raise_interrupts
-from heave_bringup.workers.pool import worker_pool
+from heave_studies.workers.pool import worker_pool
 
 
 @pytest.fixture

@@ -11,10 +11,10 @@ from cable_sim_node.parameters import (
     CurrentProfileParameters,
     WaveKinematicsParameters,
 )
-from cable_sim_node.reports.hanging import hanging_report
 from cable_sim_node.unit_parameters import UnitParameters
 from heave_node.numerics.constants import STANDARD_GRAVITY
 from heave_node.numerics.kinematics import PointMotion
+from heave_statics.reports.hanging import hanging_report
 
 DENSITY, LENGTH, TICK = 1025.0, 100.0, 0.05
 THICK = CableParameters(diameter=0.1, mass_per_length=20.0, axial_stiffness=5e8)

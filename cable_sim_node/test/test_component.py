@@ -12,7 +12,6 @@ from cable_sim_node.component import CableSim, PlantState
 from cable_sim_node.errors import PlantError
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.parameters import SeabedParameters
-from cable_sim_node.peers.reference_systems import DEEP_900
 from cable_sim_node.sensors.instruments import (
     DepthSensorParameters,
     LoadCellParameters,
@@ -23,6 +22,8 @@ from heave_node.numerics.kinematics import PointMotion
 from heave_node.parameters import build_parameters
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
+
+from tests.validation.peers.reference_systems import DEEP_900
 
 TICK = 0.05
 ALL_WET = {"segments": 40, "surface": False}

@@ -18,12 +18,13 @@ from cable_sim_node.parameters import (
     UnitParameters,
     WaveKinematicsParameters,
 )
-from cable_sim_node.peers.driven_run import first_harmonic, ramped_sine, run_driven
-from cable_sim_node.peers.reference_systems import s300
 from heave_node.numerics.kinematics import PointMotion
 from heave_node.parameters import ParameterError, build_parameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from tests.validation.peers.driven_run import first_harmonic, ramped_sine, run_driven
+from tests.validation.peers.reference_systems import s300
 
 STILL = PointMotion()
 

@@ -8,11 +8,12 @@ from cable_sim_node.errors import CableTooShortError
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableSimParameters, ClumpsParameters, SectionsParameters
-from cable_sim_node.peers.driven_run import first_harmonic, ramped_sine
-from cable_sim_node.peers.reference_systems import s300
 from heave_node.numerics.kinematics import PointMotion
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from tests.validation.peers.driven_run import first_harmonic, ramped_sine
+from tests.validation.peers.reference_systems import s300
 
 STILL = PointMotion()
 

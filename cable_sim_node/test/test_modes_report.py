@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 from cable_sim_node.errors import LinearisationError
 from cable_sim_node.parameters import CableParameters, CableSimParameters, RopePathParameters, SeabedParameters
-from cable_sim_node.peers.reference_systems import s900
 from cable_sim_node.reports.modes import modes_report
 from cable_sim_node.unit_parameters import NearnessParameters, OscillationParameters, UnitParameters
 from scipy.optimize import brentq
+
+from tests.validation.peers.reference_systems import s900
 
 
 @pytest.fixture(scope="module")

@@ -14,10 +14,11 @@ import pytest
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters
-from cable_sim_node.peers.driven_run import ramped_sine, run_driven
 from cable_sim_node.physics.rope_friction import friction_of
 from cable_sim_node.unit_parameters import UnitParameters
 from heave_node.numerics.kinematics import PointMotion
+
+from tests.validation.peers.driven_run import ramped_sine, run_driven
 
 LENGTH, EA, MASS, GRAVITY = 100.0, 3.45e7, 1e4, 9.80665
 LOSS, SWING = 0.05, 0.2

@@ -16,8 +16,8 @@ from cable_sim_node.parameters import (
     SeabedParameters,
     UnitParameters,
 )
-from cable_sim_node.reports.mooring import mooring_report
 from heave_node.numerics.kinematics import PointMotion
+from heave_statics.reports.mooring import mooring_report
 
 S300 = CableSimParameters(length=300.0, segments=20)
 WEIGHT = S300.cable.weight_in_fluid(S300.water_density)

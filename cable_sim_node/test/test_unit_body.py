@@ -8,10 +8,11 @@ import pytest
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.line.forces.body import entering
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SeabedParameters, SolverParameters
-from cable_sim_node.peers.driven_run import first_harmonic, ramped_sine
 from cable_sim_node.unit_parameters import BoxParameters, NearnessParameters, OscillationParameters, UnitParameters
 from heave_node.numerics.constants import STANDARD_GRAVITY
 from heave_node.numerics.kinematics import PointMotion
+
+from tests.validation.peers.driven_run import first_harmonic, ramped_sine
 
 DENSITY, TICK = 1025.0, 0.05
 STIFF = CableParameters(diameter=0.004, mass_per_length=0.05, axial_stiffness=2e10, tangential_drag=0.0)

@@ -6,11 +6,11 @@ import math
 import pytest
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters
-from cable_sim_node.reports.hanging import hanging_report
 from cable_sim_node.reports.modes import modes_report
-from cable_sim_node.reports.towing import towing_report
 from cable_sim_node.unit_parameters import BoxParameters, UnitParameters
 from cable_sim_node.vertical.axial_line import axial_line
+from heave_statics.reports.hanging import hanging_report
+from heave_statics.reports.towing import towing_report
 
 GRAVITY, DENSITY = 9.80665, 1025.0
 MASS, VOLUME, HEIGHT, TIP, STIFFNESS = 40e3, 8.0, 4.0, 25.0, 9.3e7

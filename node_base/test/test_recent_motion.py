@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from heave_node.devices.live.recent_motion import RecentMotion
+from heave_node.sensing.recent_motion import RecentMotion
 
 
 def test_a_parabola_is_found_exactly():

@@ -19,16 +19,16 @@ from functools import cache
 import numpy as np
 from heave_bags.analyse.kpi_set import evaluate
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
-from heave_bringup.lift.limits import phase_limits
-from heave_bringup.lift.loop import Runs
-from heave_bringup.lift.plan import WATER, Phase, Plan, read_plan
-from heave_bringup.lift.plant import Way, cross, crossings
-from heave_bringup.lift.response import HEIGHT, PhaseScene, phase_scene
-from heave_bringup.operability.limits import CALM
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.settings import Setting
 from heave_node.criteria import Criterion
 from heave_node.scenario import WILDCARD
+from heave_studies.lift.limits import phase_limits
+from heave_studies.lift.loop import Runs
+from heave_studies.lift.plan import WATER, Phase, Plan, read_plan
+from heave_studies.lift.plant import Way, cross, crossings
+from heave_studies.lift.response import HEIGHT, PhaseScene, phase_scene
+from heave_studies.operability.limits import CALM
 
 ABOUT, BELOW = 1.0, 0.55
 """Height of the runs over the predicted limit; that of a limit of the winch, beyond which its figure stays."""

@@ -28,14 +28,14 @@ from pathlib import Path
 
 import numpy as np
 import pandas
-from heave_bringup.campaign.sensitivity import FEWEST_CASES, influence_table, influences, save_tornado
-from heave_bringup.campaign.table import FAILURE, NOMINAL
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.output import print_parts
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Alarm, alarms_in
 from heave_node.kpi import WORSE_RATIO, WORSE_WINDOW, window_ratios
 from heave_node.numerics.arrays import Array
+from heave_studies.campaign.sensitivity import FEWEST_CASES, influence_table, influences, save_tornado
+from heave_studies.campaign.table import FAILURE, NOMINAL
 
 from tests.campaigns.commit import commit_line
 from tests.campaigns.draws.findings import blamed_by, changes_in

@@ -23,11 +23,11 @@ import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.errors import CommandError
 from heave_bringup.scenarios import Scenario, load_scenario
-from heave_bringup.whatif.fitness import check_known, check_record, lacks, warnings
-from heave_bringup.whatif.known import Known, drawn, learn, off_sigma, other_plants
-from heave_bringup.whatif.signals.record import SensorRecord
-from heave_bringup.whatif.study import Answer, answers, recorded, same_again
-from heave_bringup.whatif.twin.replay import Asked
+from heave_studies.whatif.fitness import check_known, check_record, lacks, warnings
+from heave_studies.whatif.known import Known, drawn, learn, off_sigma, other_plants
+from heave_studies.whatif.signals.record import SensorRecord
+from heave_studies.whatif.study import Answer, answers, recorded, same_again
+from heave_studies.whatif.twin.replay import Asked
 from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.interface.requests import request_of
 

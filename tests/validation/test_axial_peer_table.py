@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.peers.reference_systems import s900
 from cable_sim_node.vertical.axial import simulate_axial
 from cable_sim_node.vertical.axial_line import axial_line
 from cable_sim_node.vertical.linear import heave_transfer_function, natural_frequencies, resonance_map, resonant_length
+
+from tests.validation.peers.reference_systems import s900
 
 LINE = axial_line(s900(1))
 

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from cable_sim_node.statics.problems import submerged_cable
-from cable_sim_node.statics.system import StaticSection, static_cable
+from heave_statics.problems import submerged_cable
+from heave_statics.system import StaticSection, static_cable
 from scipy.optimize import brentq, fsolve
 
 from tests.validation.test_statics_exact import irvine

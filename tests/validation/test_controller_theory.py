@@ -10,11 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel, interconnect, linear_model, output_sigma, with_feedback
 from heave_node.parameters import build_parameters
-from winch_controller_node.identification.cable_response import identify_simulated
+from heave_studies.identification.cable_response import identify_simulated
 from winch_controller_node.model.blocks import PAYOUT_COMMAND, CableModel, cable_block, winch_block
 from winch_controller_node.model.lqr import QuadraticCost, lqr_gain
 from winch_controller_node.model.models import (
@@ -24,6 +23,8 @@ from winch_controller_node.model.models import (
 )
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters, WinchModelParameters
+
+from tests.validation.peers.reference_systems import DEEP_900
 
 THESIS_SEA = SeaModelParameters(
     significant_wave_height=3.048, peak_period=2.0 * math.pi / 0.785, filter_form="thesis"

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
-from cable_sim_node.peers.driven_run import ramped_sine, run_driven
-from cable_sim_node.peers.reference_systems import s300
 from heave_node.numerics.kinematics import PointMotion
 
 from tests.validation.lowering import lower
+from tests.validation.peers.driven_run import ramped_sine, run_driven
+from tests.validation.peers.reference_systems import s300
 
 
 def rope(diameter, length, modulus, mass_per_length, mass, *, radius=0.1016, in_water=False, added_mass=0.0, **solver):

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.peers.driven_run import first_harmonic, ramped_sine, run_driven
-from cable_sim_node.peers.moordyn import RK2, RK4, run_moordyn
-from cable_sim_node.peers.reference_systems import s300, s900
+
+from tests.validation.peers.driven_run import first_harmonic, ramped_sine, run_driven
+from tests.validation.peers.moordyn import RK2, RK4, run_moordyn
+from tests.validation.peers.reference_systems import s300, s900
 
 pytest.importorskip("moordyn")
 

@@ -11,11 +11,12 @@ import math
 
 import pytest
 from cable_sim_node.parameters import UnitParameters
-from cable_sim_node.peers.driven_run import run_driven
-from cable_sim_node.peers.reference_systems import s300, s900
 from cable_sim_node.vertical.axial_line import axial_line
 from cable_sim_node.vertical.linear import heave_transfer_function
 from heave_bringup import load_scenario
+
+from tests.validation.peers.driven_run import run_driven
+from tests.validation.peers.reference_systems import s300, s900
 
 # rad/s, current m/s, heave amplitude m, phase deg, mean z m, tension mean, amplitude, min, max N
 TABLE_300 = [

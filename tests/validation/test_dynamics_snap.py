@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
-from cable_sim_node.peers.driven_run import ramped_sine, run_driven
-from cable_sim_node.peers.reference_systems import s300, s900
 from heave_node.numerics.kinematics import PointMotion
+
+from tests.validation.peers.driven_run import ramped_sine, run_driven
+from tests.validation.peers.reference_systems import s300, s900
 
 
 @pytest.mark.parametrize("segments", [1, 8])

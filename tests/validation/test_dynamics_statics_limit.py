@@ -16,10 +16,11 @@ from cable_sim_node.parameters import (
     SectionsParameters,
     UnitParameters,
 )
-from cable_sim_node.peers.reference_systems import s300, s900
 from heave_node.numerics.kinematics import PointMotion
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
+
+from tests.validation.peers.reference_systems import s300, s900
 
 
 def at_rest(parameters, payout=0.0):

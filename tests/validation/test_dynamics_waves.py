@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
-from cable_sim_node.peers.driven_run import first_harmonic, ramped_sine
 from heave_node.numerics.kinematics import PointMotion
+
+from tests.validation.peers.driven_run import first_harmonic, ramped_sine
 
 EA, MU, LENGTH, TENSION = 1.5614508e7, 5.4, 300.0, 36_000.0
 

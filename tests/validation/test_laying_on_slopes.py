@@ -21,10 +21,10 @@ from cable_sim_node.parameters import (
     UnitParameters,
 )
 from cable_sim_node.physics.seabed import Seabed
-from cable_sim_node.statics.laying import covering_payout, critical_angle
-from cable_sim_node.statics.system import StaticSection
 from heave_node.numerics.constants import SEAWATER_DENSITY
 from heave_node.numerics.kinematics import PointMotion
+from heave_statics.laying import covering_payout, critical_angle
+from heave_statics.system import StaticSection
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
-from heave_bringup.run.kappa import bounds_of
 from heave_bringup.scenarios import load_scenario
 from heave_node import kpi
+from heave_studies.kappa import bounds_of
 
 TIMES = (0.0, 1.0, 2.0, 4.0, 8.0)
 AFTER = 100.0

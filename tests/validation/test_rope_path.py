@@ -22,11 +22,12 @@ from cable_sim_node.parameters import (
     SolverParameters,
     UnitParameters,
 )
-from cable_sim_node.peers.driven_run import run_driven
-from cable_sim_node.peers.reference_systems import s900
 from cable_sim_node.sensors.instruments import LoadCellParameters, SensorsParameters
 from heave_node.numerics.kinematics import PointMotion
 from heave_node.parameters import ParameterError
+
+from tests.validation.peers.driven_run import run_driven
+from tests.validation.peers.reference_systems import s900
 
 MASS, LENGTH, AXIAL = 3000.0, 300.0, 1.5e7
 CABLE, BOOM = AXIAL / LENGTH, 1e5

@@ -6,11 +6,11 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.physics.current import Current
-from cable_sim_node.statics.footprint import FootprintLimits, footprint
-from cable_sim_node.statics.laying import lay
-from cable_sim_node.statics.problems import submerged_cable, towing_cable
-from cable_sim_node.statics.system import PointLoad, StaticSection, static_cable
 from heave_node.numerics.constants import SEAWATER_DENSITY
+from heave_statics.footprint import FootprintLimits, footprint
+from heave_statics.laying import lay
+from heave_statics.problems import submerged_cable, towing_cable
+from heave_statics.system import PointLoad, StaticSection, static_cable
 from scipy.integrate import solve_ivp
 
 # thesis figs 2.6 and 2.7: d = 0.032 m, 2.25 N/m in water, E = 2e11 Pa, U = 0.514 m/s, 350 and 300 m. Dodaran & Park

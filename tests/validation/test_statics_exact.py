@@ -5,11 +5,12 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.peers.catenaries import measure_statics
-from cable_sim_node.statics.problems import mooring_cable, submerged_cable
-from cable_sim_node.statics.system import PointLoad, StaticSection, static_cable
+from heave_statics.problems import mooring_cable, submerged_cable
+from heave_statics.system import PointLoad, StaticSection, static_cable
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
+
+from tests.validation.peers.catenaries import measure_statics
 
 # thesis figs 2.4, 2.5: steel, 100 m, d = 0.02 m, E = 2e11 Pa, in air (steel 7850 kg/m3)
 STEEL_AREA = 0.25 * math.pi * 0.02**2

@@ -11,16 +11,17 @@ from functools import cache
 
 import numpy as np
 import pytest
-from cable_sim_node.peers.reference_systems import DEEP_900
 from cable_sim_node.vertical.axial import simulate_axial
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import build_parameters
+from heave_studies.identification.cable import Identification, identify
 from scipy.integrate import trapezoid
 from scipy.signal import StateSpace, lsim
 from winch_controller_node.design.bounds import boom_tip_realisation
-from winch_controller_node.identification.cable import Identification, identify
 from winch_controller_node.model.models import PlantBelief, sea_spectrum
 from winch_controller_node.node_parameters import WinchControllerParameters
+
+from tests.validation.peers.reference_systems import DEEP_900
 
 HEIGHT, ZERO_CROSSING_PERIOD = 6.0, 14.0
 PEAK_OVER_ZERO_CROSSING = (5.0 / 4.0) ** 0.25 * math.pi**0.25

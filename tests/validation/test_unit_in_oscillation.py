@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.parameters import CableParameters, CableSimParameters
-from cable_sim_node.peers.driven_run import run_driven
 from cable_sim_node.physics.hydrodynamics import box_added_mass
 from cable_sim_node.unit_parameters import OscillationParameters, UnitParameters
 from cable_sim_node.vertical.axial_line import AxialLine, AxialSection, AxialUnit
 from cable_sim_node.vertical.linear import heave_transfer_function
 from scipy.optimize import brentq
+
+from tests.validation.peers.driven_run import run_driven
 
 DENSITY, MASS, AREA, WIDTH = 1025.0, 12e3, 4.0, 2.0
 WIRE = CableParameters(

@@ -12,8 +12,9 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters
-from cable_sim_node.peers.driven_run import run_driven
 from cable_sim_node.unit_parameters import UnitParameters
+
+from tests.validation.peers.driven_run import run_driven
 
 EA, LENGTH, SEGMENTS, FREQUENCY, BOOM = 3.45e7, 1500.0, 20, 2.0 * math.pi / 7.5, 0.3
 MASS, ADDED, VOLUME, DIAMETER, CABLE_MASS, DENSITY, GRAVITY = 12e3, 12e3, 3.0, 0.028, 3.4, 1025.0, 9.80665

@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from winch_controller_node.adviser.record import Excerpt
+from winch_controller_node.core.estimation.observation_log import ROWS
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.estimation.observation_log import ROWS
 from winch_controller_node.interface.observations import READING_COLUMNS, TICK_COLUMNS, Observations
 
 DT = 0.05

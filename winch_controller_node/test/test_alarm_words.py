@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import pytest
+from winch_controller_node.core.estimation.observation import Observer
+from winch_controller_node.core.estimation.sensor_health import BAD_IN_A_ROW, LOST_STATES, REJECTED_WORDS
+from winch_controller_node.core.supervision.watch.encoder_reflex import LONGEST_ASIDE
 from winch_controller_node.crane.pose_watch import CONFIRMED_AFTER
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.estimation.observation import Observer
-from winch_controller_node.estimation.sensor_health import BAD_IN_A_ROW, LOST_STATES, REJECTED_WORDS
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.sensor_alarms import JUMPING, LOSSES
 from winch_controller_node.node_parameters import WinchControllerParameters
-from winch_controller_node.supervision.watch.encoder_reflex import LONGEST_ASIDE
 
 
 def test_the_times_in_the_words_are_those_of_the_code():

@@ -3,7 +3,7 @@
 import pytest
 from winch_controller_node.advice.watch import STEADY, AdviserWatch
 from winch_controller_node.beliefs.beliefs import LATENCY, Beliefs, latency_ticks
-from winch_controller_node.component import WinchController
+from winch_controller_node.core.component import WinchController
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.node_parameters import WinchControllerParameters
 

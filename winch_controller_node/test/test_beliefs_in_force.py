@@ -20,7 +20,7 @@ from winch_controller_node.beliefs.beliefs import (
     parameters_under,
 )
 from winch_controller_node.beliefs.quantities import with_value
-from winch_controller_node.component import WinchController
+from winch_controller_node.core.component import WinchController
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.node_parameters import WinchControllerParameters

@@ -3,8 +3,8 @@
 import math
 
 import pytest
-from winch_controller_node.estimation.gates.depth_jumps import largest_step
-from winch_controller_node.supervision.checks import (
+from winch_controller_node.core.estimation.gates.depth_jumps import largest_step
+from winch_controller_node.core.supervision.checks import (
     AmplitudeCheck,
     AmplitudeLimit,
     Countdown,

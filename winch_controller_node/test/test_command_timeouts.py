@@ -5,8 +5,8 @@ from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault
-from winch_controller_node.identification.late_commands import CUT_TIME, LATE_WINDOW, LateCommands
-from winch_controller_node.supervision.command_timeouts import MOST, PERIOD, WAIT, Advice, CommandTimeouts
+from winch_controller_node.core.supervision.command_timeouts import MOST, PERIOD, WAIT, Advice, CommandTimeouts
+from winch_controller_node.core.supervision.late_commands import CUT_TIME, LATE_WINDOW, LateCommands
 
 DT = 0.05
 

@@ -2,7 +2,7 @@
 
 import math
 
-from winch_controller_node.estimation.consistency import Consistency
+from winch_controller_node.core.estimation.consistency import Consistency
 from winch_controller_node.model.estimator import Innovation
 
 DT = 0.05

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from winch_controller_node.core.estimation.tension import FILTER_SHARE, MEMORY, MeanTension, TensionFilter
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.estimation.tension import FILTER_SHARE, MEMORY, MeanTension, TensionFilter
 from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint, Travel
 from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.node_parameters import WinchControllerParameters

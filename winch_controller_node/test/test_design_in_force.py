@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
+from winch_controller_node.core.design_in_force import DesignInForce
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.design_in_force import DesignInForce
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 

@@ -10,9 +10,9 @@ pytest.importorskip("heave_msgs")
 
 from heave_node.interface.codes import SensorLevel
 from heave_node.ros.diagnostics import Level
+from winch_controller_node.core.supervision.modes import Event
 from winch_controller_node.interface.readings import SensorState
 from winch_controller_node.node import ADVISER, WinchControllerNode
-from winch_controller_node.supervision.modes import Event
 
 
 def parts_of(mode, *, is_inhibited=False, reason="", sensors=(), adviser=None):

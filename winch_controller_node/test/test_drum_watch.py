@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
-from winch_controller_node.node_parameters import WinchControllerParameters
-from winch_controller_node.supervision.watch.drum_watch import CHECKED_TIME, ORDERED_TIME, DrumWatch, Ordered
-from winch_controller_node.supervision.watch.encoder_reflex import (
+from winch_controller_node.core.supervision.watch.drum_watch import CHECKED_TIME, ORDERED_TIME, DrumWatch, Ordered
+from winch_controller_node.core.supervision.watch.encoder_reflex import (
     BEGINNING,
     LONGEST_ASIDE,
     LOOKS,
     Act,
     EncoderReflex,
 )
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05
 BELIEF = WinchControllerParameters()

@@ -7,11 +7,11 @@ from types import SimpleNamespace
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from winch_controller_node.estimation.loop_tick import Motion
+from winch_controller_node.core.estimation.loop_tick import Motion
+from winch_controller_node.core.supervision.entry_gates import EntryGates
+from winch_controller_node.core.supervision.supervisor import Supervisor
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import EntryParameters
-from winch_controller_node.supervision.entry_gates import EntryGates
-from winch_controller_node.supervision.supervisor import Supervisor
 
 DT = 0.05
 LIMITS = WinchLimits(2.0, 1.5, -50.0, 50.0)

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from winch_controller_node.estimation.loop_tick import Motion
+from winch_controller_node.core.estimation.loop_tick import Motion
+from winch_controller_node.core.supervision.guard import HarmGuard
+from winch_controller_node.core.supervision.guard_checks import GuardedLoop, GuardedMotions
+from winch_controller_node.core.supervision.watch.winch_demand import WinchDemand
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
-from winch_controller_node.supervision.guard import HarmGuard
-from winch_controller_node.supervision.guard_checks import GuardedLoop, GuardedMotions
-from winch_controller_node.supervision.watch.winch_demand import WinchDemand
 
 DT = 0.05
 

@@ -4,17 +4,17 @@ import math
 
 import numpy as np
 import pytest
-from winch_controller_node.estimation.loop_tick import Motion
-from winch_controller_node.laws.parts.winch_limits import WinchLimits
-from winch_controller_node.parameters.laws import GuardParameters
-from winch_controller_node.supervision.guard import HarmGuard, WaveComparison
-from winch_controller_node.supervision.guard_checks import (
+from winch_controller_node.core.estimation.loop_tick import Motion
+from winch_controller_node.core.supervision.guard import HarmGuard, WaveComparison
+from winch_controller_node.core.supervision.guard_checks import (
     DrumCheck,
     GuardedLoop,
     GuardedMotions,
     Swings,
     UnitCheck,
 )
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
+from winch_controller_node.parameters.laws import GuardParameters
 
 DT = 0.05
 LIMITS = WinchLimits(2.0, 1.5, -50.0, 50.0)

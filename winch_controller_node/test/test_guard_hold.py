@@ -2,9 +2,9 @@
 
 import re
 
+from winch_controller_node.core.supervision.guard_hold import HarmHold
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.parameters.laws import GuardParameters
-from winch_controller_node.supervision.guard_hold import HarmHold
 
 DT = 1.0 / 16.0  # a sum of which is exact
 HOLD, LONGEST = 30.0, 300.0

@@ -4,18 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import make_scenario
-from winch_controller_node.design.design import design_controller
-from winch_controller_node.estimation.handover import (
+from winch_controller_node.core.estimation.handover import (
     SEEN_SIGMA,
     hand_over,
     hand_over_seen,
     hand_over_standing,
 )
+from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.sensors import MruModelParameters
 from winch_controller_node.node_parameters import WinchControllerParameters
+
+from tests.validation.peers.reference_systems import DEEP_900
 
 DT = 0.05
 CABLE = {**DEEP_900, "length": 570.0}

@@ -7,13 +7,13 @@ import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import ParameterError
+from winch_controller_node.core.loop_command import LoopCommand
+from winch_controller_node.core.supervision.watch.highest_tension import LEFT, PEAK, HighestTension
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.law import LawCommand
-from winch_controller_node.loop_command import LoopCommand
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import LimitParameters
 from winch_controller_node.parameters.model import WinchModelParameters
-from winch_controller_node.supervision.watch.highest_tension import LEFT, PEAK, HighestTension
 
 DT = 0.05
 RATIO = 1.2

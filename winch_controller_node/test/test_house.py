@@ -13,7 +13,7 @@ PACKAGE = Path(__file__).parents[1] / "winch_controller_node"
 SIMULATORS = (
     "cable_sim_node.component",
     "cable_sim_node.node",
-    "cable_sim_node.peers",
+    "tests.validation.peers",
     "cable_sim_node.sensors",
     "cable_sim_node.winch",
     "cable_sim_node.winch_node",
@@ -37,7 +37,7 @@ class Refusal:
 
 sys.meta_path.insert(0, Refusal())
 import {{module}}
-from winch_controller_node.component import WinchController
+from winch_controller_node.core.component import WinchController
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.node_parameters import WinchControllerParameters
 controller = WinchController(WinchControllerParameters(), tick_period=0.05)

@@ -8,11 +8,11 @@ from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from winch_controller_node.estimation.loop_tick import Sensed
-from winch_controller_node.estimation.tension import MeanTension
+from winch_controller_node.core.estimation.loop_tick import Sensed
+from winch_controller_node.core.estimation.tension import MeanTension
+from winch_controller_node.core.supervision.landing import HangingLoad, HangingUnit, Landing, LandingEvent, Trend
+from winch_controller_node.core.supervision.modes import Mode, ModeOutput
 from winch_controller_node.parameters.laws import TensionLawParameters
-from winch_controller_node.supervision.landing import HangingLoad, HangingUnit, Landing, LandingEvent, Trend
-from winch_controller_node.supervision.modes import Mode, ModeOutput
 
 DT = 0.05
 DEPTH_NOISE = 0.02

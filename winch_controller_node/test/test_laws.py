@@ -4,9 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.parameters import ParameterError, build_parameters, describe
-from winch_controller_node.component import WinchController
+from winch_controller_node.core.component import WinchController
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.laws.law import ControlLaw, LawCommand
@@ -14,6 +13,8 @@ from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
+
+from tests.validation.peers.reference_systems import DEEP_900
 
 DT = 0.05
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 from heave_node.interface.alarm import Severity
 from heave_node.loads.strength import SAFETY_FACTOR, Strength
+from winch_controller_node.core.supervision.watch.load_watch import LoadWatch, rope_strength
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import AlarmParameters
-from winch_controller_node.supervision.watch.load_watch import LoadWatch, rope_strength
 
 DT = 0.05
 STATIC = 200e3

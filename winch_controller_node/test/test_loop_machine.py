@@ -18,8 +18,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule, run_state_machine_as_test
 from scipy.linalg import expm
 from wave_vessel_node.parameters import WaveVesselParameters
+from winch_controller_node.core.supervision.modes import REQUESTS, SETTLING_LIMIT, STOPPING_LIMIT, ModeError
 from winch_controller_node.node_parameters import WinchControllerParameters
-from winch_controller_node.supervision.modes import REQUESTS, SETTLING_LIMIT, STOPPING_LIMIT, ModeError
 
 DT = 0.05
 INERTIA, DAMPING = 7.339769, 0.1906759

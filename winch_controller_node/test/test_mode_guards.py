@@ -2,9 +2,8 @@
 
 import pytest
 from heave_node.interface.codes import WinchFault
-from winch_controller_node.estimation.loop_estimation import BACK_TIME
-from winch_controller_node.parameters.laws import ModeParameters
-from winch_controller_node.supervision.modes import (
+from winch_controller_node.core.estimation.loop_estimation import BACK_TIME
+from winch_controller_node.core.supervision.modes import (
     BRAKE_HELD,
     GATES_OPEN,
     HAS_ENCODER,
@@ -38,6 +37,7 @@ from winch_controller_node.supervision.modes import (
     want_compensation,
     want_rest,
 )
+from winch_controller_node.parameters.laws import ModeParameters
 
 PARAMETERS = ModeParameters(settling_time=1.0, fade_in_time=2.0, fade_out_time=2.0, coast_time=0.5, resume_time=3.0)
 DRIVE, STOPPED = WinchFault.DRIVE, WinchFault.EMERGENCY_STOP

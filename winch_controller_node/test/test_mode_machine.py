@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 from heave_node.interface.codes import WinchFault
+from winch_controller_node.core.supervision.command_timeouts import WAIT
+from winch_controller_node.core.supervision.mode_machine import ModeMachine
+from winch_controller_node.core.supervision.modes import Mode, ModeError, Situation
 from winch_controller_node.parameters.laws import ModeParameters
-from winch_controller_node.supervision.command_timeouts import WAIT
-from winch_controller_node.supervision.mode_machine import ModeMachine
-from winch_controller_node.supervision.modes import Mode, ModeError, Situation
 
 DT = 0.05
 WELL = Situation(lost="", has_estimate=True, winch_fault=WinchFault.NONE, harm="", speed=0.0)

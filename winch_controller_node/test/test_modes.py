@@ -7,10 +7,9 @@ from heave_node.interface.codes import WinchFault
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
-from winch_controller_node.parameters.laws import ModeParameters
-from winch_controller_node.supervision.mode_machine import ModeMachine
-from winch_controller_node.supervision.mode_picture import page
-from winch_controller_node.supervision.modes import (
+from winch_controller_node.core.supervision.mode_machine import ModeMachine
+from winch_controller_node.core.supervision.mode_picture import page
+from winch_controller_node.core.supervision.modes import (
     BRAKED,
     MOVING,
     REQUESTS,
@@ -22,6 +21,7 @@ from winch_controller_node.supervision.modes import (
     ModeError,
     Situation,
 )
+from winch_controller_node.parameters.laws import ModeParameters
 
 DT = 0.05
 
@@ -65,7 +65,7 @@ def test_no_row_is_hidden_behind_one_above_it():
 
 
 def test_the_page_of_the_documentation_is_the_table():
-    """If this fails: python -m winch_controller_node.supervision.mode_picture > docs/modes.md."""
+    """If this fails: python -m winch_controller_node.core.supervision.mode_picture > docs/modes.md."""
     assert (Path(__file__).parents[2] / "docs" / "modes.md").read_text(encoding="utf-8") == page()
 
 

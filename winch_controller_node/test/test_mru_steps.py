@@ -7,7 +7,7 @@ import pytest
 from heave_node.interface.sensors import MruReading
 from hypothesis import given
 from hypothesis import strategies as st
-from winch_controller_node.estimation.mru_steps import (
+from winch_controller_node.core.estimation.mru_steps import (
     LARGEST_STEP,
     LEAST_NEAR,
     LONGEST_GAP,

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import pytest
 from heave_node.interface.sensors import MruReading
 from heave_node.parameters import build_parameters
-from winch_controller_node.component import WinchController
-from winch_controller_node.estimation.consistency import Consistency
+from winch_controller_node.core.component import WinchController
+from winch_controller_node.core.estimation.consistency import Consistency
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.node_parameters import WinchControllerParameters

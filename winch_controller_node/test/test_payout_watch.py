@@ -4,7 +4,7 @@ import math
 from types import SimpleNamespace
 
 import pytest
-from winch_controller_node.supervision.watch.payout_watch import PayoutWatch
+from winch_controller_node.core.supervision.watch.payout_watch import PayoutWatch
 
 DT, WINDOW = 0.05, 8.0
 

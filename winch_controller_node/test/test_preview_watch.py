@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MruReading
-from winch_controller_node.component import WinchController
-from winch_controller_node.estimation.preview_watch import PROOF_TIME, PreviewWatch
+from winch_controller_node.core.component import WinchController
+from winch_controller_node.core.estimation.preview_watch import PROOF_TIME, PreviewWatch
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.laws.mpc import MpcParameters
 from winch_controller_node.laws.parts.preview import PreviewUse

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from winch_controller_node.core.design_in_force import designed
 from winch_controller_node.design.wire import parts_of
-from winch_controller_node.design_in_force import designed
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.redesign import Redesign

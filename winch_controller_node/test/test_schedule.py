@@ -5,20 +5,21 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_node.numerics.linear_model import state_covariance
 from heave_node.parameters import build_parameters
+from winch_controller_node.core.design_in_force import DesignInForce
 from winch_controller_node.design.carry_sea import carry_sea
 from winch_controller_node.design.design import at_cable, design_controller
 from winch_controller_node.design.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design.schedule import closed_loop_radius, design_schedule
 from winch_controller_node.design.seas import PATIENCE, SeaSeen, SeaTracker, sea_that_was_seen, sigma_and_frequency
-from winch_controller_node.design_in_force import DesignInForce
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.models import boom_tip_block
 from winch_controller_node.node_parameters import WinchControllerParameters
+
+from tests.validation.peers.reference_systems import DEEP_900
 
 DT = 0.05
 

@@ -6,11 +6,17 @@ from heave_node.interface.codes import MruStatus, SensorLevel
 from heave_node.interface.sensors import MruReading
 from hypothesis import given
 from hypothesis import strategies as st
-from winch_controller_node.estimation.consistency import Consistency
-from winch_controller_node.estimation.gates.depth_jumps import DepthJumps
-from winch_controller_node.estimation.gates.encoder_gate import LARGEST_PLAY, EncoderGate
-from winch_controller_node.estimation.mru_steps import MruSteps
-from winch_controller_node.estimation.sensor_health import LOST_STATES, SensorGate, SensorTiming, judge_mru, lost_alarm
+from winch_controller_node.core.estimation.consistency import Consistency
+from winch_controller_node.core.estimation.gates.depth_jumps import DepthJumps
+from winch_controller_node.core.estimation.gates.encoder_gate import LARGEST_PLAY, EncoderGate
+from winch_controller_node.core.estimation.mru_steps import MruSteps
+from winch_controller_node.core.estimation.sensor_health import (
+    LOST_STATES,
+    SensorGate,
+    SensorTiming,
+    judge_mru,
+    lost_alarm,
+)
 from winch_controller_node.interface.readings import ScalarReading
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.parameters.laws import HealthParameters

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from winch_controller_node.estimation.consistency import Consistency
-from winch_controller_node.estimation.sensor_noise import FEWEST, READINGS, UNKNOWN, SensorNoise
+from winch_controller_node.core.estimation.consistency import Consistency
+from winch_controller_node.core.estimation.sensor_noise import FEWEST, READINGS, UNKNOWN, SensorNoise
 from winch_controller_node.model.estimator import Innovation
 
 DT = 0.05

@@ -1,7 +1,7 @@
 """What limits compensation is reported, and once that it is over."""
 
 import pytest
-from winch_controller_node.supervision.watch.share_news import ShareNews
+from winch_controller_node.core.supervision.watch.share_news import ShareNews
 
 DT = 0.05
 HELD, OVER = ("AUTHORITY_LIMITED_BY_SEA", pytest.approx(30.0)), ("AUTHORITY_RESTORED", pytest.approx(100.0))

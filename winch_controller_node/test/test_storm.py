@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from cable_sim_node.peers.reference_systems import DEEP_900
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario, make_scenario
 from heave_node.kpi import snap_times
 from winch_controller_node.interface.alarms import HARMFUL
+
+from tests.validation.peers.reference_systems import DEEP_900
 
 DT = 0.05
 SEA = {"significant_wave_height": 6.0, "peak_period": 12.0}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from winch_controller_node.supervision.modes import ModeError
+from winch_controller_node.core.supervision.modes import ModeError
 
 DT = 0.05
 LOST, FOUND = 85.0, 145.0

@@ -1,8 +1,8 @@
 """A command timeout is reported with its cause: who was silent."""
 
 import pytest
+from winch_controller_node.core.supervision.watch.timeout_cause import TimeoutCause
 from winch_controller_node.interface.readings import Lateness
-from winch_controller_node.supervision.watch.timeout_cause import TimeoutCause
 
 DT = 0.05
 

@@ -8,7 +8,7 @@ import pytest
 from heave_node.crane.kinematics import Crane
 from heave_node.crane.pose import CranePose
 from heave_node.interface.sensors import MruReading
-from winch_controller_node.component import WinchController
+from winch_controller_node.core.component import WinchController
 from winch_controller_node.crane.tip_carry import APPROACH, TipCarry
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
 from winch_controller_node.interface.sensors import MruModelParameters

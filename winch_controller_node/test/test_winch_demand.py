@@ -4,15 +4,15 @@ import math
 
 import numpy as np
 import pytest
-from winch_controller_node.laws.parts.effort import Effort
-from winch_controller_node.laws.parts.winch_limits import WinchLimits
-from winch_controller_node.supervision.checks import RunningSigma
-from winch_controller_node.supervision.watch.winch_demand import (
+from winch_controller_node.core.supervision.checks import RunningSigma
+from winch_controller_node.core.supervision.watch.winch_demand import (
     GROUP_PEAK,
     GROWING_PEAK,
     PEAK,
     WinchDemand,
 )
+from winch_controller_node.laws.parts.effort import Effort
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
 
 DT = 0.05
 FIRST_LOOK = 120.0

@@ -8,10 +8,10 @@ import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.interface.codes import WinchFault, WinchLimit
+from winch_controller_node.core.supervision.watch.winch_watch import CAUTIOUS, CAUTIOUS_TIME, WinchWatch
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
-from winch_controller_node.supervision.watch.winch_watch import CAUTIOUS, CAUTIOUS_TIME, WinchWatch
 
 DT = 0.05
 PARAMETERS = WinchControllerParameters()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from heave_node.faces import lazy_face
 
 if TYPE_CHECKING:
-    from winch_controller_node.component import WinchController
+    from winch_controller_node.core.component import WinchController
     from winch_controller_node.design.design import design_controller
     from winch_controller_node.model.lqr import DesignError
     from winch_controller_node.node_parameters import WinchControllerParameters
@@ -20,7 +20,7 @@ __getattr__, __dir__ = lazy_face(
     __name__,
     {
         "DesignError": "model.lqr",
-        "WinchController": "component",
+        "WinchController": "core.component",
         "WinchControllerParameters": "node_parameters",
         "design_controller": "design.design",
     },

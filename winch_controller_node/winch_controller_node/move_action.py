@@ -11,8 +11,8 @@ from heave_node.ros.node import HeaveNode
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.task import Future
 
-from winch_controller_node.component import WinchController
-from winch_controller_node.supervision.modes import Mode, ModeError
+from winch_controller_node.core.component import WinchController
+from winch_controller_node.core.supervision.modes import Mode, ModeError
 
 FEEDBACK_PERIOD = 0.5
 """Simulated time between two feedback messages [s]."""

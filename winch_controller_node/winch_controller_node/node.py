@@ -46,7 +46,8 @@ from rclpy.task import Future
 
 from winch_controller_node.advice.messages import beliefs_of, observations_message
 from winch_controller_node.advice.watch import AdviserWatch
-from winch_controller_node.component import WinchController
+from winch_controller_node.core.component import WinchController
+from winch_controller_node.core.supervision.modes import ModeError
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.wire import WireError, parameters_text
 from winch_controller_node.interface import conversions
@@ -57,7 +58,6 @@ from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.move_action import MoveAction
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.redesign import Redesign as DesignBeside
-from winch_controller_node.supervision.modes import ModeError
 
 ADVISER = "adviser"
 """Part of the diagnostics that says how the adviser answers."""

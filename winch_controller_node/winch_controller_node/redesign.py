@@ -5,7 +5,7 @@ from __future__ import annotations
 import pickle
 
 from winch_controller_node.advice.worker import Answer, Worker, WorkerError
-from winch_controller_node.design_in_force import PreparedDesign, designed
+from winch_controller_node.core.design_in_force import PreparedDesign, designed
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 

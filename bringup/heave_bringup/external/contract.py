@@ -20,10 +20,10 @@ from heave_node.ros.participant import CATCH_UP_LIMIT
 from heave_node.run_parameters import RunParameters
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.beliefs.beliefs import LATENCY
+from winch_controller_node.core.estimation.preview_watch import MAXIMUM_AGE, PROOF_TIME
+from winch_controller_node.core.supervision.command_timeouts import MOST, PERIOD, WAIT
 from winch_controller_node.crane.pose_watch import CONFIRMED_AFTER
-from winch_controller_node.estimation.preview_watch import MAXIMUM_AGE, PROOF_TIME
 from winch_controller_node.node_parameters import WinchControllerParameters
-from winch_controller_node.supervision.command_timeouts import MOST, PERIOD, WAIT
 
 TICK = RunParameters().tick_period
 WINCH = WinchParameters()

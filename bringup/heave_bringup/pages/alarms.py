@@ -14,12 +14,12 @@ from heave_bags.record.alarms import ALARMS as RECORDER
 from heave_node.interface.alarm import AlarmRow, AlarmTable, Severity
 from heave_node.interface.node_alarms import NODE_ALARMS
 from wave_vessel_node.alarms import ALARMS as VESSEL
-from winch_controller_node.estimation.loop_estimation import BACK_TIME
+from winch_controller_node.core.estimation.loop_estimation import BACK_TIME
+from winch_controller_node.core.supervision.command_timeouts import MOST, PERIOD, WAIT
+from winch_controller_node.core.supervision.guard_hold import CAUSE_TIME, HOLD_GROWTH, KNOWN_HOLD
+from winch_controller_node.core.supervision.supervisor import BLIND_LIMIT
 from winch_controller_node.interface.alarms import ALARMS as CONTROLLER
 from winch_controller_node.parameters.laws import GuardParameters, ModeParameters
-from winch_controller_node.supervision.command_timeouts import MOST, PERIOD, WAIT
-from winch_controller_node.supervision.guard_hold import CAUSE_TIME, HOLD_GROWTH, KNOWN_HOLD
-from winch_controller_node.supervision.supervisor import BLIND_LIMIT
 
 TABLES: dict[str, AlarmTable] = {
     "Controller and adviser": CONTROLLER,

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from cable_sim_node.winch.parameters import WinchParameters
+from winch_controller_node.core.supervision.modes import Event
+from winch_controller_node.core.supervision.supervisor import BLIND_LIMIT
 from winch_controller_node.parameters.laws import ModeParameters
-from winch_controller_node.supervision.modes import Event
-from winch_controller_node.supervision.supervisor import BLIND_LIMIT
 
 WINCH, MODES = WinchParameters(), ModeParameters()
 

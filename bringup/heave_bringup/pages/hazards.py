@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 from heave_node.interface.fault_kinds import FAULTS, faults_of
-from winch_controller_node.supervision.modes import TABLE, Event
+from winch_controller_node.core.supervision.modes import TABLE, Event
 
 from heave_bringup.pages.hazard_table import HAZARDS, Hazard
 

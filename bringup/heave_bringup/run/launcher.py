@@ -20,7 +20,7 @@ from heave_bringup.run import composed
 
 FMU, MAP = ".fmu", ".yaml"
 """Endings of an FMU of a drive, and of a map that names one."""
-FMU_NODE = "heave_bringup.fmu.winch_node"
+FMU_NODE = "heave_fmu.winch_node"
 
 TOGETHER = "process of all nodes"
 """Name of a process that holds them all; its log is nodes.log."""

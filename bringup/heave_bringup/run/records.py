@@ -8,13 +8,13 @@ from pathlib import Path
 
 from heave_bags.analyse import analysis
 from heave_bags.analyse.run_record import RunRecord
+from heave_studies.baseline import add_baseline, parameters_of
+from heave_studies.kappa import add_bounds
 
 from heave_bringup.output import warn
 from heave_bringup.progress import ProgressLine
-from heave_bringup.run.baseline import add_baseline, parameters_of
-from heave_bringup.run.kappa import add_bounds
+from heave_bringup.run.baseline_law import BASELINE_LAW
 from heave_bringup.scenarios import load_scenario
-from heave_bringup.tables.baseline_law import BASELINE_LAW
 
 
 def read_records(
@@ -69,9 +69,9 @@ def _add_reconstruction(
     computes: bool,
 ) -> list[str]:
     """Put what would have been, under the winch locked and `laws`, into a `record`; the others as for its callers."""
-    from heave_bringup.whatif.known import OFF  # noqa: PLC0415 - slow to import, and seldom asked for
-    from heave_bringup.whatif.of_run import add_reconstruction  # noqa: PLC0415
-    from heave_bringup.whatif.question import Question  # noqa: PLC0415
+    from heave_studies.whatif.known import OFF  # noqa: PLC0415 - slow to import, and seldom asked for
+    from heave_studies.whatif.of_run import add_reconstruction  # noqa: PLC0415
+    from heave_studies.whatif.question import Question  # noqa: PLC0415
 
     question = Question(OFF, laws, scenario=scenario or "", transient=transient)
     return add_reconstruction(

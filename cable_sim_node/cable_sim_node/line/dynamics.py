@@ -28,6 +28,7 @@ from cable_sim_node.line import layout as at
 from cable_sim_node.line.feed import set_top_segment
 from cable_sim_node.line.grid import build_line, settings_of, with_waves
 from cable_sim_node.line.observation import observe, snapshot
+from cable_sim_node.line.rest.floating import refuse_floating
 from cable_sim_node.line.rest.hanging import hang
 from cable_sim_node.line.rest.settling import hold_here, hold_strains, settle
 from cable_sim_node.line.step import advance
@@ -35,7 +36,6 @@ from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import unit_properties
 from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.physics.waves import regular_waves
-from cable_sim_node.statics.suspended import refuse_floating
 
 
 class CableDynamics:

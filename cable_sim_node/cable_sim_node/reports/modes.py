@@ -14,7 +14,6 @@ from scipy.optimize import brentq
 from cable_sim_node.errors import LinearisationError
 from cable_sim_node.line.linearised import LinearLine, LineResponse, linearise
 from cable_sim_node.parameters import CableSimParameters, CompensatorParameters, RopePathParameters, SeabedParameters
-from cable_sim_node.reports.hanging import hanging_report
 from cable_sim_node.reports.report import columns, labelled_rows
 from cable_sim_node.vertical.axial_line import AxialLine, axial_line
 from cable_sim_node.vertical.linear import ResonanceMap, mode_shape, natural_frequencies, resonance_map, resonant_length
@@ -242,7 +241,6 @@ def modes_report(
     longest = parameters.length if longest is None else longest
     if not (sea_period > 0.0 and amplitude > 0.0 and longest > 0.0 and count >= 1):
         raise LinearisationError("period, amplitude, longest length and number of modes must be positive")
-    hanging_report(parameters, boom_tip)  # what is no rest has no modes about it
     speed = 2.0 * math.pi / sea_period * amplitude
     calm = _at_small_motion(parameters)
     line = linearise(_free(calm), boom_tip, speed_amplitude=speed)

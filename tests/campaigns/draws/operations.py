@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from heave_bringup.closed_loop import ClosedLoop
-from winch_controller_node.supervision.modes import ModeError
+from winch_controller_node.core.supervision.modes import ModeError
 
 from tests.campaigns.draws.chance import Chance
 from tests.campaigns.draws.deviation import BELIEF, Deviation, Nominal, Row

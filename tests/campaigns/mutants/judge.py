@@ -31,7 +31,10 @@ from hypothesis import Phase, settings
 from tests.campaigns.mutants.mutations import Mutation, mutated
 
 ROOT = Path(__file__).parents[3]
-OWN = ("heave_node", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "heave_bags", "heave_bringup")
+OWN = (
+    *("heave_node", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "heave_bags", "heave_bringup"),
+    *("heave_devices", "heave_studies", "heave_statics", "heave_panel", "heave_fmu"),
+)
 MEMORY = 6 << 30
 """Bytes that the tests of a mutant may ask for."""
 LONGEST_TEST = 5.0

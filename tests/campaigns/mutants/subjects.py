@@ -31,8 +31,8 @@ SUBJECTS: dict[str, Subject] = {
     "motion supervision": Subject(
         "heave_node.winch.motion_supervision", ("node_base/test/test_motion_supervision.py",)
     ),
-    "handshake": Subject("heave_node.devices.live.winch_handshake", ("node_base/test/test_winch_handshake.py",)),
-    "link watch": Subject("heave_node.devices.live.link_watch", ("node_base/test/test_link_watch.py",)),
+    "handshake": Subject("heave_devices.live.winch_handshake", ("extras/devices/test/test_winch_handshake.py",)),
+    "link watch": Subject("heave_devices.live.link_watch", ("extras/devices/test/test_link_watch.py",)),
     "guard": _controller("supervision.guard", "test_guard", "test_guard_checks"),
     "guard checks": _controller("supervision.guard_checks", "test_guard_checks", "test_guard"),
     "guard hold": _controller("supervision.guard_hold", "test_guard_hold"),

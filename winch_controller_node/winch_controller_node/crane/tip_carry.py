@@ -26,11 +26,11 @@ from typing import NamedTuple
 
 from heave_node.crane.kinematics import Crane, TipPlace, Vector
 from heave_node.crane.pose import CranePose
-from heave_node.devices.live.recent_motion import RecentMotion
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.sensors import MruReading
 from heave_node.numerics.high_pass import HighPass
 from heave_node.numerics.kinematics import height_of, height_rate_of
+from heave_node.sensing.recent_motion import RecentMotion
 
 from winch_controller_node.crane.lift import LiftOrders
 from winch_controller_node.crane.lift_room import LiftRoom

@@ -45,7 +45,7 @@ def substitutes(options: argparse.Namespace) -> dict[str, Path]:
         raise ParameterError(f"--winch-fmu {drive}: {WINCH} is replaced already")
     if find_spec("fmpy") is None:
         raise CommandError(f"--winch-fmu {drive}: needs the package fmpy; {how_to_install('fmu')}")
-    from heave_bringup.fmu.drive import drive_names, read_drive
+    from heave_fmu.drive import drive_names, read_drive
 
     drive_names(read_drive(drive))
     return {**chosen, WINCH: drive.resolve()}

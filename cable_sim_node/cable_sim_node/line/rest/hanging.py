@@ -20,10 +20,10 @@ from cable_sim_node.line.forces.body import set_unit
 from cable_sim_node.line.forces.flow import set_flow
 from cable_sim_node.line.forces.surface import dry_part, put_back, take_from_water
 from cable_sim_node.line.observation import evaluate
+from cable_sim_node.line.rest.floating import floating_words
 from cable_sim_node.line.tiles import take_present
 from cable_sim_node.physics.drag import Vector, drag_force, resolve
 from cable_sim_node.physics.tension_law import strain_at, yielding_words
-from cable_sim_node.statics.suspended import floating_words
 
 _PASSES = 200
 

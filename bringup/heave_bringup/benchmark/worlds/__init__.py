@@ -1,1 +1,0 @@
-"""What an entrant is tried on: plants, winches, loads and motions."""

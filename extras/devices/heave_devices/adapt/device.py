@@ -1,0 +1,176 @@
+"""One device in a run: its link or its topics, the topics of the suite that it publishes, and what is sent to it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from heave_node.crane.messages import pose_message
+from heave_node.interface import topics
+from heave_node.interface.messages import SensorMessages, message_type
+from heave_node.interface.sensors import SENSORS
+from heave_node.parameters import ParameterError
+from heave_node.ros.transport.qos import qos_of
+from heave_node.tick.tick import nanoseconds_of
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import qos_profile_sensor_data
+
+from heave_devices.adapt.links import LinkReader
+from heave_devices.adapt.messages import boom_tip, installed_type, winch_state
+from heave_devices.adapt.orders import Orders, follow_commands
+from heave_devices.adapt.plc.polled import PolledLink
+from heave_devices.adapt.plc.protocols import exchange_of
+from heave_devices.formats.sample import Counters, Decoder, Sample
+from heave_devices.live.adapter import WINCH_STATE, Adapter, WinchReading
+from heave_devices.live.winch_handshake import WinchOrder
+from heave_devices.maps.device_map import DeviceMap
+
+_SENSOR_OF = {sensor.topic.name: sensor for sensor in SENSORS.values()}
+
+
+class LiveDevice:
+    """A device that takes part.
+
+    Parameters
+    ----------
+    device : the map
+    node : of ROS, whose topics are used
+
+    Attributes
+    ----------
+    adapter : what was made of what came
+    link : the way to it; None: topics alone
+    orders : for the device
+
+    Raises CommandError where its link, or the type of one of its topics, cannot be had.
+    """
+
+    def __init__(self, device: DeviceMap, node: Node) -> None:
+        self.device = device
+        self.adapter = Adapter(device)
+        self.link: LinkReader | PolledLink | None = None
+        self._node = node
+        self._lock = threading.Lock()
+        self._decoder: Decoder | None = None
+        self._run_time = 0
+        self._publishers: dict[str, Publisher[Any]] = {}
+        self._encode = {name: SensorMessages(_SENSOR_OF[name]) for name in device.outputs if name in _SENSOR_OF}
+        self._open()
+        for name in device.outputs:
+            topic = topics.TOPIC_BY_NAME[name]
+            self._publishers[name] = node.create_publisher(message_type(topic.type), name, qos_of(topic.role))
+        self._follow_clock()
+        self.orders = Orders(self.adapter, node, self.link)
+        follow_commands(node, device, self._on_command)
+
+    def _open(self) -> None:
+        device = self.device
+        if device.link is not None and device.is_polled:
+            self.link = PolledLink(device.link, exchange_of(device), self._on_sample)
+            return
+        if device.link is not None and not device.format:
+            raise ParameterError(f"{device.name}: has a source, but no format of its lines")
+        if device.link is not None:
+            self._decoder = device.decoder()
+            self.link = LinkReader(device.link, self._on_bytes)
+        elif not device.topics:
+            raise ParameterError(
+                f"{device.name}: says no source: add source: {{udp: PORT}}, {{tcp: HOST:PORT}} or "
+                "{serial: PORT, baud: N}"
+            )
+        for topic, kind in device.topics.items():
+            message = installed_type(kind, f"{device.name}: {topic}")
+            self._node.create_subscription(message, topic, self._on_message(topic), qos_profile_sensor_data)
+
+    def _follow_clock(self) -> None:
+        """Move the simulated boom tip at each tick, where the map says so, and see when another run begins."""
+        self._tip: Publisher[Any] | None = None
+        if topics.MRU.name in self.device.outputs and self.device.boom_tip:
+            kind = message_type(topics.BOOM_TIP.type)
+            self._tip = self._node.create_publisher(kind, topics.BOOM_TIP.name, qos_of(topics.BOOM_TIP.role))
+        if self._tip is not None or WINCH_STATE in self.device.outputs:
+            self._node.create_subscription(message_type(topics.CLOCK.type), topics.CLOCK.name, self._on_clock, 10)
+
+    def start(self) -> None:
+        """Begin to read."""
+        if self.link is not None:
+            self.link.start()
+
+    def close(self) -> None:
+        """Stop the winch, and close the link."""
+        with self._lock:
+            self.orders.close()
+        if self.link is not None:
+            self.link.close()
+
+    @property
+    def counters(self) -> Counters | None:
+        """What came on its line; None where it has none."""
+        return None if self._decoder is None else self._decoder.counters
+
+    @property
+    def problem(self) -> str:
+        """Why nothing can be read or sent now, in words; "" while all is well."""
+        return (self.link.problem if self.link else "") or self.orders.problem
+
+    def _on_bytes(self, data: bytes, is_whole: bool) -> None:
+        now = time.monotonic()
+        assert self._decoder is not None
+        with self._lock:
+            samples = self._decoder.feed(data)
+            samples += self._decoder.end() if is_whole else []
+            self._publish(self.adapter.on_samples(samples, now))
+
+    def _on_sample(self, sample: Sample) -> None:
+        with self._lock:
+            self._publish(self.adapter.on_samples([sample], time.monotonic()))
+
+    def _on_command(self, message: Any) -> None:
+        self.command(WinchOrder(message.payout, message.payout_rate, message.brake, message.sequence))
+
+    def command(self, order: WinchOrder) -> None:
+        """Pass on an `order` of the controller."""
+        with self._lock:
+            self.orders.take(order)
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the winch says that its brake is on, or a fault is latched."""
+        return bool(self.adapter.newest.get("brake", 0.0)) or bool(self.orders.handshake.fault)
+
+    def guard(self) -> None:
+        """Look after the winch; called many times a second."""
+        with self._lock:
+            self.orders.guard()
+
+    def _on_message(self, topic: str) -> Callable[[Any], None]:
+        def take(message: Any) -> None:
+            header = getattr(message, "header", None)
+            stamp = None if header is None else nanoseconds_of(header.stamp) or None
+            with self._lock:
+                self._publish(self.adapter.on_message(topic, message, stamp, time.monotonic()))
+
+        return take
+
+    def _publish(self, made: list[tuple[str, Any]]) -> None:
+        for name, reading in made:
+            if isinstance(reading, WinchReading):
+                self.orders.rate = reading.payout_rate
+                order = self.orders.handshake.order(time.monotonic())
+                self._publishers[name].publish(winch_state(reading, order, self.orders.handshake))
+            elif name == topics.CRANE_POSE.name:
+                self._publishers[name].publish(pose_message(reading))
+            else:
+                self._publishers[name].publish(self._encode[name].message(reading))
+
+    def _on_clock(self, message: Any) -> None:
+        with self._lock:
+            before, self._run_time = self._run_time, nanoseconds_of(message.clock)
+            if self._run_time < before:  # a controller that counts its commands from 1 again
+                self.orders.begin_run()
+            motion = self.adapter.heave.at(time.monotonic())
+        if motion is not None and self._tip is not None:
+            self._tip.publish(boom_tip(message.clock, self.device.boom_tip_height, motion))

@@ -1,0 +1,182 @@
+"""The way to a device: a serial port, UDP or TCP, read by a thread of its own that opens it again where it breaks."""
+
+from __future__ import annotations
+
+import os
+import socket
+import threading
+from collections.abc import Callable
+
+import serial
+from heave_bringup.errors import CommandError
+
+from heave_devices.maps.link import Link
+
+REOPEN_PERIOD = 1.0
+"""Wall time between two attempts to open a link [s]."""
+_WAIT = 0.2
+"""Longest wait for bytes, after which the end is looked for [s]."""
+_LARGEST = 65_536
+
+
+class LinkReader:
+    """Reads the bytes of one link, and sends on it.
+
+    Parameters
+    ----------
+    link : what is opened
+    on_bytes : called, in the thread of this reader, with the bytes and whether they are a whole datagram
+
+    Attributes
+    ----------
+    problem : why nothing can be read now, in words; "" while all is well
+    opened : times that the link was opened
+
+    Raises CommandError where a serial port or a UDP port cannot be opened at the start; TCP is tried again.
+    """
+
+    def __init__(self, link: Link, on_bytes: Callable[[bytes, bool], None]) -> None:
+        self.link = link
+        self.problem = ""
+        self.opened = 0
+        self._on_bytes = on_bytes
+        self._is_ended = threading.Event()
+        self._port: serial.Serial | socket.socket | None = None
+        self._peer: tuple[str, int] | None = None
+        if link.kind != "tcp":
+            try:
+                self._port = self._open()
+            except (OSError, ValueError) as error:
+                raise CommandError(f"{link}: cannot be opened: {_words(error)}") from None
+        self._thread = threading.Thread(target=self._run, name=f"link {link}", daemon=True)
+
+    def start(self) -> None:
+        """Begin to read."""
+        self._thread.start()
+
+    def send(self, data: bytes) -> None:
+        """Send `data` to the device; over UDP to whom spoke last. What cannot be sent is the link's problem."""
+        try:
+            if isinstance(self._port, serial.Serial):
+                self._port.write(data)
+            elif self._port is not None and self.link.kind == "tcp":
+                self._port.sendall(data)
+            elif self._port is not None and self._peer is not None:
+                self._port.sendto(data, self._peer)
+        except (OSError, serial.SerialException) as error:
+            self.problem = f"cannot send: {_words(error)}"
+
+    def close(self) -> None:
+        """End reading."""
+        self._is_ended.set()
+        if self._thread.is_alive():
+            self._thread.join(2.0)
+        if self._port is not None:
+            self._port.close()
+
+    def _run(self) -> None:
+        while not self._is_ended.is_set():
+            self._read_until_it_breaks()
+            if self._port is not None:
+                self._port.close()
+                self._port = None
+            self._is_ended.wait(REOPEN_PERIOD)
+
+    def _read_until_it_breaks(self) -> None:
+        try:
+            if self._port is None:
+                self._port = self._open()
+            while not self._is_ended.is_set():
+                self._read(self._port)
+        except (OSError, ValueError, TypeError) as error:  # TypeError: pyserial of a port that went away
+            self.problem = _words(error)
+
+    def _open(self) -> serial.Serial | socket.socket:
+        link = self.link
+        port: serial.Serial | socket.socket
+        if link.kind == "serial":
+            port = serial.Serial(link.place, link.number, timeout=_WAIT, write_timeout=_WAIT)
+        elif link.kind == "udp":
+            port = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            try:
+                port.bind((link.place, link.number))
+            except OSError:
+                port.close()
+                raise
+            port.settimeout(_WAIT)
+        else:
+            port = socket.create_connection((link.place, link.number), timeout=2.0)
+            port.settimeout(_WAIT)
+        self.opened += 1
+        self.problem = ""
+        return port
+
+    def _read(self, port: serial.Serial | socket.socket) -> None:
+        """Read once; raise OSError where the link has ended."""
+        if isinstance(port, serial.Serial):
+            data = port.read(max(1, min(port.in_waiting, _LARGEST)))
+            if data:
+                self._on_bytes(data, False)
+            return
+        try:
+            if self.link.kind == "udp":
+                data, self._peer = port.recvfrom(_LARGEST)
+                self._on_bytes(data, True)
+                return
+            data = port.recv(_LARGEST)
+        except TimeoutError:
+            return
+        if not data:
+            raise ConnectionError("the other side has closed the connection")
+        self._on_bytes(data, False)
+
+
+class Sender:
+    """Sends lines where a map says: to a host and port, or by a serial port.
+
+    Parameters
+    ----------
+    link : where to
+
+    Raises CommandError where it cannot be opened.
+    """
+
+    def __init__(self, link: Link) -> None:
+        self.link = link
+        self.problem = ""
+        try:
+            self._reader = LinkReader(link, lambda _data, _whole: None) if link.kind != "udp" else None
+        except CommandError as error:
+            raise CommandError(f"command: {error}") from None
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM) if link.kind == "udp" else None
+        if self._reader is not None:
+            self._reader.start()
+
+    def send(self, data: bytes) -> None:
+        """Send `data`; what cannot be sent is named in `problem`."""
+        if self._reader is not None:
+            self._reader.send(data)
+            self.problem = self._reader.problem
+            return
+        assert self._socket is not None
+        try:
+            self._socket.sendto(data, (self.link.place, self.link.number))
+            self.problem = ""
+        except OSError as error:
+            self.problem = f"cannot send: {_words(error)}"
+
+    def close(self) -> None:
+        """Close it."""
+        if self._reader is not None:
+            self._reader.close()
+        if self._socket is not None:
+            self._socket.close()
+
+
+def _words(error: BaseException) -> str:
+    number = getattr(error, "errno", None)  # pyserial puts the name of the port into the text once more
+    if isinstance(number, int):
+        return os.strerror(number)
+    if isinstance(error, TypeError) or "returned no data" in str(error):
+        return "the port is gone: its cable was pulled, or another program reads it. It is opened again"
+    return " ".join(str(error).split())

@@ -1,0 +1,121 @@
+"""What is said of devices: as diagnostics once a second, and as a table at the end."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+
+from heave_bringup.output import make_table
+from heave_node.ros.diagnostics import Health, Level
+from rich.table import Table
+
+from heave_devices.adapt.device import LiveDevice
+from heave_devices.adapt.plc.polled import PolledLink
+
+
+def figures_of(device: LiveDevice) -> dict[str, float]:
+    """Return what was counted of a `device`, by name with unit; wrong ones are 0 where all is well."""
+    adapter, counters = device.adapter, device.counters
+    watch, taker = adapter.watch, adapter.taker.counters
+    figures: dict[str, float] = {
+        "readings": sum(adapter.published.values()),
+        "interval_s": watch.usual_interval,
+        "longest_gap_s": watch.longest_gap,
+        "gaps": watch.gaps,
+        "bursts": watch.bursts,
+        "timeouts": watch.timeouts,
+        "invalid": taker.invalid,
+        "implausible": sum(taker.implausible.values()),
+        "missing_fields": sum(taker.missing.values()),
+    }
+    if counters is not None:
+        figures |= {
+            "bytes": counters.bytes,
+            "checksum_errors": counters.checksum_errors,
+            "incomplete_lines": counters.incomplete_lines,
+            "malformed": counters.malformed,
+            "unknown": sum(counters.unknown.values()),
+        }
+        if device.device.layout is not None:
+            figures |= {"lost": counters.lost, "repeated": counters.repeated, "late": counters.late}
+    if isinstance(device.link, PolledLink):
+        link = device.link
+        figures |= {"reads": link.reads, "writes": link.writes, "refusals": link.refusals, "connections": link.opened}
+    if device.device.command is not None:
+        figures["commands_sent"] = device.orders.sent
+    return figures
+
+
+_WRONG = (
+    "gaps",
+    "bursts",
+    "timeouts",
+    "invalid",
+    "checksum_errors",
+    "incomplete_lines",
+    "malformed",
+    "lost",
+    "refusals",
+)
+
+
+def health_of(device: LiveDevice, before: Mapping[str, float]) -> Health:
+    """Return the health of a device.
+
+    Parameters
+    ----------
+    device : it
+    before : its figures a second ago: what has gone wrong since is a warning
+    """
+    figures = figures_of(device)
+    now = time.monotonic()
+    values = {name: f"{value:.6g}" for name, value in figures.items()}
+    values |= {f"newest {name}": f"{value:.4g}" for name, value in device.adapter.newest.items()}
+    taker = device.adapter.taker.counters
+    more = {name: figures.get(name, 0) - before.get(name, 0) for name in _WRONG}
+    words = [f"{_plain(name)} +{count:g}" for name, count in more.items() if count > 0]
+    name = device.device.name
+    if device.problem:
+        return Health(name, Level.ERROR, f"{device.device.link or 'link'}: {device.problem}", values)
+    if taker.missing and figures["missing_fields"] > before.get("missing_fields", 0):
+        return Health(name, Level.ERROR, "; ".join(taker.missing), values)
+    if figures["implausible"] > before.get("implausible", 0):
+        return Health(name, Level.ERROR, f"not used: {taker.worst}", values)
+    if device.adapter.watch.is_stale(now):
+        return Health(name, Level.STALE, stale_words(device, now), values)
+    if words:
+        return Health(name, Level.WARN, ", ".join(words), values)
+    return Health(name, values=values)
+
+
+def stale_words(device: LiveDevice, now: float) -> str:
+    """Return in words that nothing usable comes from a `device`, at `now` [s], and the likely cause."""
+    age = device.adapter.watch.age(now)
+    since = "no reading yet" if math.isnan(age) else f"no reading for {age:.1f} s"
+    counters = device.counters
+    if not device.adapter.is_counting and "watchdog" in device.adapter.newest:
+        return f"watchdog has not counted for {age:.1f} s. Check that the PLC's program runs, and the map's watchdog"
+    if isinstance(device.link, PolledLink) and device.link.reads:
+        return f"{since}: what it answers is invalid. Check the PLC"
+    if counters is None or not counters.bytes:
+        return f"{since}: nothing received. Check power, cable, address and baud rate"
+    if counters.samples == 0 and counters.unknown:
+        return f"{since}: only unknown lines: {', '.join(list(counters.unknown)[:5])}. Check the map's format"
+    if counters.samples == 0:
+        return f"{since}: {counters.bytes} bytes, none as the format has it. Check format and baud rate"
+    return f"{since}: what comes lacks the map's fields, or is invalid"
+
+
+def _plain(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def summary_table(devices: Sequence[LiveDevice]) -> Table:
+    """Return the table of what came from all `devices`."""
+    names = list(dict.fromkeys(name for device in devices for name in figures_of(device)))
+    rows = []
+    for name in names:
+        figures = [figures_of(device).get(name, math.nan) for device in devices]
+        rows.append([_plain(name), *("-" if math.isnan(value) else f"{value:.6g}" for value in figures)])
+    return make_table(("count", *(device.device.name for device in devices)), rows)

@@ -1,0 +1,209 @@
+"""A device behind its map: what came in, readings of the suite out. Without ROS and without a clock of its own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from heave_node.interface import sensors, topics
+from heave_node.interface.sensors import WireReading
+from heave_node.sensing.recent_motion import RecentMotion
+
+from heave_devices.formats.device_time import DeviceTime
+from heave_devices.formats.sample import Sample, TimeBase
+from heave_devices.live.counted_time import CountedTime, DeviceClock
+from heave_devices.live.crane_maker import CraneMaker
+from heave_devices.live.drum_count import DrumCount
+from heave_devices.live.link_watch import LinkWatch
+from heave_devices.live.mru_maker import MruMaker
+from heave_devices.live.taker import Recent, Taken, Taker
+from heave_devices.maps.device_map import DeviceMap
+
+_COUNT_BEGAN = 10**18
+"""Stamp of a time of 0 s by a count or counter [ns]: far from any simulated time, and taken for an own one."""
+NO_STAMP = 0
+"""Stamp of a reading whose time of arrival counts."""
+WINCH_STATE = "winch/state"
+_PLAIN = {sensors.DEPTH.topic.name: "pressure", sensors.LOAD_CELL.topic.name: "tension"}
+"""Topics with one number, and the quantity that it is."""
+
+
+class WinchReading(NamedTuple):
+    """What a drive reports of itself; NaN where it does not.
+
+    Attributes
+    ----------
+    stamp : [ns]; 0: the time of arrival counts
+    payout, payout_rate : [m], [m/s]
+    tension : [N]
+    brake, fault : other than 0: engaged, tripped
+    """
+
+    stamp: int
+    payout: float
+    payout_rate: float
+    tension: float
+    brake: float
+    fault: float
+
+
+class Adapter:
+    """One device: samples or messages in, readings out.
+
+    Parameters
+    ----------
+    device : the map
+
+    Attributes
+    ----------
+    taker, watch : what was not used, and the timing of what came
+    heave : the boom tip's motion by the time of arrival, for the simulated plant
+    newest : quantities as they came last
+    published : readings so far, by topic
+    drum_count : whether the count of a drum goes on
+    is_counting : False while the device's watchdog has stopped: nothing that it says is used then
+    """
+
+    def __init__(self, device: DeviceMap) -> None:
+        self.device = device
+        self.taker = Taker(device)
+        self.watch = LinkWatch(device.timeout)
+        self.heave = RecentMotion()
+        self.newest: dict[str, float] = {}
+        self.published = dict.fromkeys(device.outputs, 0)
+        self._mru = MruMaker(device)
+        self._crane = CraneMaker(device.timeout)
+        self._time = DeviceTime(device.counter_wrap) if "device_time" in device.channels else DeviceTime()
+        self._clock = DeviceClock()
+        self._restarts = 0
+        self.drum_count = DrumCount()
+        self._counted: dict[str, CountedTime] = {}
+        self._payout = RecentMotion()
+        self._beside = Recent(("payout_rate", "tension", "brake", "fault"))
+        self._count = math.nan
+        self.is_counting = True
+
+    def on_samples(self, samples: Iterable[Sample], now: float) -> list[tuple[str, WireReading | WinchReading]]:
+        """Return the readings, each with its topic, that `samples` which arrived at `now` [s] make."""
+        made = []
+        for sample in samples:
+            stamp, time = self._stamp(self._own_time(sample, now), now, sample.kind)
+            made += self._made(self.taker.of_sample(sample, time), stamp, now)
+        return made
+
+    def on_message(
+        self, topic: str, message: Any, stamp: int | None, now: float
+    ) -> list[tuple[str, WireReading | WinchReading]]:
+        """Return the readings, each with its topic, that a message makes.
+
+        Parameters
+        ----------
+        topic : on which it came
+        message : any object with the fields of the map
+        stamp : of its header [ns]; None: it has none
+        now : monotonic time of its arrival [s]
+        """
+        used, time = self._stamp(stamp, now)
+        return self._made(self.taker.of_message(topic, message, time), used, now)
+
+    def _own_time(self, sample: Sample, now: float) -> int | None:
+        """Return the time of a sample that arrived at `now` [s] by the device's own clock [ns]; None: it has none."""
+        if "device_time" in self.device.channels:
+            sample = replace(sample, time=self.taker.own_time(sample), time_base=TimeBase.COUNTER)
+        own = self._time.nanoseconds(sample)
+        if own is None or sample.time_base is not TimeBase.COUNTER:
+            return own
+        return _COUNT_BEGAN + round(self._clock.time(own * 1e-9, now) * 1e9)
+
+    def _stamp(self, own: int | None, now: float, kind: str = "") -> tuple[int, float]:
+        """Return the stamp [ns] and the time [s] of what has an `own` time [ns], or none, and arrived at `now` [s].
+
+        Without one, samples of each `kind` are counted where the map states their rate; else the time of arrival
+        counts.
+        """
+        if self.device.clock == "own" and own is not None:
+            return own, own * 1e-9
+        rate = self.device.record.sample_rate
+        if not (kind and rate):
+            return NO_STAMP, now
+        time = self._counted.setdefault(kind, CountedTime(rate)).time(now)
+        return _COUNT_BEGAN + round(time * 1e9), time
+
+    def _made(self, taken: Taken, stamp: int, now: float) -> list[tuple[str, WireReading | WinchReading]]:
+        if not taken.values and not taken.invalid:
+            return []
+        self.newest.update(taken.values)
+        for name in taken.invalid:
+            self.newest.pop(name, None)
+        has_counted = self._has_counted(taken)
+        self.is_counting = has_counted or not self.watch.is_stale(now)
+        if not self.is_counting:
+            return []
+        made: list[tuple[str, WireReading | WinchReading]] = []
+        for topic in self.device.outputs:
+            reading = self._reading(topic, taken, stamp)
+            if topic == sensors.MRU.topic.name and isinstance(reading, WireReading):
+                self._note_heave(now, reading.numbers[0])
+            if reading is not None:
+                made.append((topic, reading))
+                self.published[topic] += 1
+        if made and has_counted:
+            self.watch.arrived(now)
+        return made
+
+    def _has_counted(self, taken: Taken) -> bool:
+        """Return whether the device's watchdog, if its map has one, has counted since the sample before."""
+        if "watchdog" not in self.device.channels:
+            return True
+        before, self._count = self._count, taken.values.get("watchdog", self._count)
+        return self._count != before
+
+    def _note_heave(self, now: float, heave: float) -> None:
+        if math.isfinite(heave):
+            self.heave.add(now, heave)
+
+    def _reading(self, topic: str, taken: Taken, stamp: int) -> WireReading | WinchReading | None:
+        if topic == sensors.MRU.topic.name:
+            sample = self._mru.take(taken)
+            if sample is None:
+                return None
+            return WireReading(stamp, sensors.MRU.encode(sample, sensors.STANDARD_WATER))
+        if topic == WINCH_STATE:
+            return self._winch(taken, stamp)
+        if topic == topics.CRANE_POSE.name:
+            pose = self._crane.take(taken)
+            return None if pose is None else WireReading(stamp, pose)
+        name = _PLAIN[topic]
+        if name not in taken.values:
+            return None
+        sigma = self.device.channels[name].sigma
+        accuracy = sigma * sigma if topic == sensors.DEPTH.topic.name else sigma
+        return WireReading(stamp, (taken.values[name], accuracy if math.isfinite(accuracy) else 0.0))
+
+    def _winch(self, taken: Taken, stamp: int) -> WinchReading | None:
+        measured_rate, *beside = self._beside.take(taken).values()
+        if "payout" not in taken.values:
+            return None
+        is_measured = "payout_rate" in self.device.channels
+        rate = measured_rate if is_measured else self._recent_rate(taken.time)
+        payout = self._counted_on(taken.values["payout"], rate, taken.time)
+        self._payout.add(taken.time, payout)
+        rate = rate if is_measured else self._recent_rate(taken.time)
+        return WinchReading(stamp, payout, rate, *beside)
+
+    def _recent_rate(self, time: float) -> float:
+        """Return the drum's speed over the last readings at a `time` [s]; NaN: not known."""
+        recent = self._payout.at(time)
+        return math.nan if recent is None else recent[1]
+
+    def _counted_on(self, payout: float, rate: float, time: float) -> float:
+        """Return a `payout` of a `time` [s], counted on where the drum's count was lost; its `rate` as measured."""
+        has_restarted, self._restarts = self._clock.restarts > self._restarts, self._clock.restarts
+        jump = self.drum_count.jump(time, payout, rate, has_restarted=has_restarted)
+        if jump:
+            zeros = self.taker.zeros
+            zeros["payout"] = zeros.get("payout", 0.0) + jump
+            self.newest["payout"] = payout - jump
+        return payout - jump

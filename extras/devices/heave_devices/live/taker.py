@@ -1,0 +1,207 @@
+"""From what a device says to quantities of the suite: by a map, checked, and counted where they are not used."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from heave_node.interface.codes import MruStatus
+from heave_node.numerics.high_pass import HighPass
+from heave_node.numerics.kinematics import euler_part
+
+from heave_devices.formats.sample import Sample
+from heave_devices.maps.channel import Channel
+from heave_devices.maps.device_map import DeviceMap
+from heave_devices.maps.field_path import FieldPath
+from heave_devices.maps.quantities import QUANTITIES
+
+DEFAULT_PERIOD = 300.0
+"""Period of the high-pass of a height or velocity, where a map says none [s]: a swell of 12 s leads by 3 degrees."""
+
+
+@dataclass
+class Taken:
+    """Quantities of one sample or message.
+
+    Attributes
+    ----------
+    time : of the measurement, by one clock [s]
+    values : by quantity, SI units, the suite's signs
+    invalid : quantities of the map that the device calls invalid
+    status : whether the motion has settled
+    """
+
+    time: float
+    values: dict[str, float] = field(default_factory=dict)
+    invalid: set[str] = field(default_factory=set)
+    status: MruStatus = MruStatus.OK
+
+
+class Recent:
+    """The newest value of each of some quantities that samples give by and by.
+
+    Parameters
+    ----------
+    names : of the quantities
+    timeout : age above which a value is old [s]
+    """
+
+    def __init__(self, names: Sequence[str], timeout: float = math.inf) -> None:
+        self._names, self._timeout = names, timeout
+        self._newest: dict[str, tuple[float, float]] = {}
+
+    def take(self, taken: Taken) -> dict[str, float]:
+        """Return all of them after a sample, `taken`; NaN for one that has not come, is old, or was invalid since."""
+        for name in self._names:
+            if name in taken.values:
+                self._newest[name] = (taken.time, taken.values[name])
+            elif name in taken.invalid:
+                self._newest.pop(name, None)
+        newest = {name: self._newest.get(name, (-math.inf, math.nan)) for name in self._names}
+        return {name: value if taken.time - at <= self._timeout else math.nan for name, (at, value) in newest.items()}
+
+
+@dataclass
+class TakeCounters:
+    """What was not used, counted.
+
+    Attributes
+    ----------
+    invalid : samples of which something is called invalid, by the device or for its size
+    implausible : values larger than the quantity can be, by quantity
+    missing : fields that a message does not have, in words
+    worst : in words, the last implausible value
+    """
+
+    invalid: int = 0
+    implausible: dict[str, int] = field(default_factory=dict)
+    missing: dict[str, int] = field(default_factory=dict)
+    worst: str = ""
+
+
+class Taker:
+    """Takes the quantities of a map out of samples and messages.
+
+    Parameters
+    ----------
+    device : the map
+
+    Attributes
+    ----------
+    counters : of what was not used
+    zeros : values from which quantities count, SI units: the first one, and what a count has jumped by since
+    """
+
+    def __init__(self, device: DeviceMap) -> None:
+        self.counters = TakeCounters()
+        self._channels = dict(device.channels)
+        self._has_names = device.has_names
+        self._places = {name: device.bit_of(channel.field) for name, channel in device.channels.items()}
+        self._factors = {name: channel.factor(name) for name, channel in self._channels.items()}
+        self._filters = {
+            name: HighPass(channel.high_pass or DEFAULT_PERIOD)
+            for name, channel in self._channels.items()
+            if channel.high_pass or channel.velocity
+        }
+        self.zeros: dict[str, float] = {}
+        self._paths = {
+            text: FieldPath(text)
+            for channel in self._channels.values()
+            if channel.topic
+            for text in (channel.field, channel.valid)
+            if text
+        }
+
+    def of_sample(self, sample: Sample, time: float) -> Taken:
+        """Return what the map wants of a `sample` of a line or frame, measured at a `time` [s]."""
+        taken = Taken(time, status=sample.status)
+        prefix = "" if self._has_names else f"{sample.kind}."
+        for name, channel in self._channels.items():
+            place, bit = self._places[name]
+            field_name = place.removeprefix(prefix) if prefix else place
+            if prefix and not channel.field.startswith(prefix):
+                continue
+            if field_name in sample.invalid or not self._is_valid_sample(sample, channel, prefix):
+                taken.invalid.add(name)
+            elif field_name in sample.values:
+                value = sample.values[field_name]
+                self._put(taken, name, value if bit is None else float(int(value) >> bit & 1))
+        self.counters.invalid += bool(taken.invalid)
+        return taken
+
+    def own_time(self, sample: Sample) -> float | None:
+        """Return the time by the counter that the map names [s]; None where it, or the `sample`, has none."""
+        channel = self._channels.get("device_time")
+        raw = None if channel is None else sample.values.get(channel.field)
+        return None if channel is None or raw is None else self._factors["device_time"] * raw + channel.offset
+
+    def of_message(self, topic: str, message: Any, time: float) -> Taken:
+        """Return what the map wants of a `message` that came on a `topic`, measured at a `time` [s]."""
+        taken = Taken(time)
+        for name, channel in self._channels.items():
+            if channel.topic != topic:
+                continue
+            try:
+                if channel.valid and not channel.is_valid(_status(self._paths[channel.valid].of(message))):
+                    taken.invalid.add(name)
+                    continue
+                self._put(taken, name, self._number(channel, message))
+            except LookupError as error:
+                words = str(error.args[0])
+                self.counters.missing[words] = self.counters.missing.get(words, 0) + 1
+        self.counters.invalid += bool(taken.invalid)
+        return taken
+
+    def _number(self, channel: Channel, message: Any) -> float:
+        path = self._paths[channel.field]
+        if not channel.part:
+            return path.number_of(message)
+        turn = path.of(message)
+        try:
+            return euler_angle(channel.part, *(float(getattr(turn, axis)) for axis in "xyzw"))
+        except (AttributeError, TypeError, ValueError):
+            raise LookupError(f"{channel.field} is no quaternion") from None
+
+    def _is_valid_sample(self, sample: Sample, channel: Channel, prefix: str) -> bool:
+        if not channel.valid:
+            return True
+        name = channel.valid.removeprefix(prefix)
+        status = sample.values.get(name, sample.words.get(name))
+        return status is not None and channel.is_valid(status)
+
+    def _put(self, taken: Taken, name: str, raw: float) -> None:
+        channel = self._channels[name]
+        value = self._factors[name] * raw + channel.offset
+        if channel.zero_at_start:
+            self.zeros.setdefault(name, value)
+        value -= self.zeros.get(name, 0.0)
+        if name in self._filters:
+            filtered = self._filters[name]
+            value = (filtered.add_rate if channel.velocity else filtered.add)(taken.time, value)
+            if not filtered.is_settled:
+                taken.status = MruStatus.SETTLING
+        largest = QUANTITIES[name].largest
+        if not abs(value) <= largest:
+            count = self.counters.implausible
+            count[name] = count.get(name, 0) + 1
+            self.counters.worst = (
+                f"{name} = {value:.4g}, at most {largest:g} can be: check unit, scale and column of the map"
+            )
+            taken.invalid.add(name)
+            return
+        taken.values[name] = value
+
+
+def _status(value: Any) -> float | str:
+    return value if isinstance(value, str) else float(value)
+
+
+def euler_angle(part: str, x: float, y: float, z: float, w: float) -> float:
+    """Return `part`, roll, pitch or yaw [rad] (about x, y, z, in the order z-y-x), of the quaternion x, y, z, w."""
+    size = math.sqrt(x * x + y * y + z * z + w * w)
+    if not size > 0.5:
+        raise ValueError("a quaternion of no length")
+    return float(euler_part(part, *(np.array([x, y, z, w]) / size)))

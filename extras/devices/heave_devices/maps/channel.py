@@ -1,0 +1,187 @@
+"""Where one quantity is found: one form for a live device, for a bag and for a log."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from typing import Any
+
+from heave_node.files.units import UNITS
+
+from heave_devices.maps.quantities import QUANTITIES
+
+EULER_PARTS = ("roll", "pitch", "yaw")
+DEFAULT_CUT_OFF = 2.0 * math.pi / 40.0
+"""Motion slower than this is taken out when acceleration is integrated [rad/s]: no sea is slower."""
+
+
+class MapError(ValueError):
+    """An entry of a map that cannot be; the message says which, and what is allowed, without the file's name."""
+
+
+@contextmanager
+def placed(where: str) -> Iterator[None]:
+    """Turn a ValueError into a MapError that opens with its place in the map, `where`; "" opens with nothing."""
+    try:
+        yield
+    except ValueError as error:
+        raise MapError(f"{where}: {error}" if where else str(error)) from None
+
+
+@dataclass(frozen=True)
+class Channel:
+    """Where one quantity is found.
+
+    Attributes
+    ----------
+    topic, field : of a bag or a live run, such as "/imu/data", "linear_acceleration.z"; `field` may be a quaternion if
+        `part` is given. Without a topic, `field` is that of a sentence, such as "PSXN23.heave", or of the pattern's own
+    type : of the topic's messages, for a live run
+    column : of a CSV log
+    part : "roll", "pitch" or "yaw" of a quaternion [rad]
+    unit : of the value, such as "deg" or "kN"; "": SI
+    positive : which way is, such as "down" or "bow up"; "": as the suite has it
+    scale, offset : quantity = scale * value + offset, in SI units after `unit` and `positive`
+    velocity : the value is a velocity [m/s]; it is integrated
+    acceleration : the value is an acceleration [m/s^2]; of a record it is integrated twice
+    high_pass : live, motion slower than this period is taken out [s], as of a height over the sea bed; 0: none
+    cut_off : what is slower is then taken out [rad/s]
+    valid : field of the same topic or sentence, or column, that calls each sample valid by a number other than 0 or a
+        word such as `true`; what is not valid is a gap. "": of a log, a column named after this one with `_valid`, or
+        `valid`
+    valid_values : `valid` must be one of these numbers or words instead
+    invalid_bits : `valid` is a status instead, and a sample with one of these bits set is not valid
+    sigma : accuracy that is stated with a live sample, one standard deviation, SI; NaN: none
+    zero_at_start : the first live value counts as 0
+    """
+
+    topic: str = ""
+    field: str = "data"
+    type: str = ""
+    column: str = ""
+    part: str = ""
+    unit: str = ""
+    positive: str = ""
+    scale: float = 1.0
+    offset: float = 0.0
+    velocity: bool = False
+    acceleration: bool = False
+    high_pass: float = 0.0
+    cut_off: float = DEFAULT_CUT_OFF
+    valid: str = ""
+    valid_values: tuple[float | str, ...] = ()
+    invalid_bits: int = 0
+    sigma: float = math.nan
+    zero_at_start: bool = False
+
+    def factor(self, quantity: str) -> float:
+        """Return what turns a number of this channel into a `quantity` in SI units and the suite's sign."""
+        known = QUANTITIES[quantity]
+        unit = UNITS[self.dimension(quantity)][self.unit] if self.unit else 1.0
+        return self.scale * unit * (known.ways[self.positive] if self.positive else 1.0)
+
+    def dimension(self, quantity: str) -> str:
+        """Return the dimension of the value that becomes a `quantity`."""
+        if self.acceleration:
+            return "acceleration"
+        return "speed" if self.velocity else QUANTITIES[quantity].dimension
+
+    def is_valid(self, status: float | str) -> bool:
+        """Return whether a `status`, a number or a word, calls a sample valid."""
+        if self.valid_values:
+            return status in self.valid_values
+        if isinstance(status, str):
+            return status.lower() in ("true", "valid", "ok", "good", "yes", "a", "y", "t")
+        return not int(status) & self.invalid_bits if self.invalid_bits else status != 0.0
+
+
+def read_channel(quantity: str, entry: Any, positive: str = "") -> Channel:
+    """Return the channel of a quantity that a map describes.
+
+    Parameters
+    ----------
+    quantity : its name
+    entry : of the map
+    positive : which way is, unless the entry says it
+
+    Raises MapError for what cannot be.
+    """
+    if isinstance(entry, str):
+        entry = {"field": entry}
+    if not isinstance(entry, dict):
+        raise MapError(f"{quantity} must give topic and field, the field of a sentence, or column")
+    refuse_unknown(quantity, entry, [known.name for known in fields(Channel)])
+    values = {"positive": positive, **entry}
+    if "valid_values" in values:
+        given = values["valid_values"]
+        listed = given if isinstance(given, list) else [given]
+        values["valid_values"] = tuple(float(v) if isinstance(v, int | float) else str(v) for v in listed)
+    for known in fields(Channel):
+        kind = {"str": str, "float": float, "bool": bool, "int": int}.get(str(known.type))
+        if known.name in values and kind is not None:
+            values[known.name] = as_kind(kind, f"{quantity}: {known.name}", values[known.name])
+    channel = Channel(**values)
+    _check(quantity, channel)
+    return channel
+
+
+def as_kind(kind: type, name: str, value: Any) -> Any:
+    """Return a `value` of a `kind` (str, float, bool, int); raise MapError, with its `name`, where it is none."""
+    if kind is float and isinstance(value, int) and not isinstance(value, bool):
+        value = float(value)
+    if (kind is int and isinstance(value, bool)) or not isinstance(value, kind):
+        words = {str: "a word", float: "a number", bool: "true or false", int: "a whole number such as 6 or 0x8000"}
+        raise MapError(f"{name} = {value!r} must be {words[kind]}")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise MapError(f"{name} = {value} must be a finite number")
+    return value
+
+
+def _check(quantity: str, channel: Channel) -> None:
+    known = QUANTITIES[quantity]
+    if channel.topic and channel.column:
+        raise MapError(f"{quantity} needs either a topic or a column")
+    dimension = channel.dimension(quantity)
+    if channel.unit and channel.unit not in UNITS[dimension]:
+        units = ", ".join(filter(None, UNITS[dimension])) or "none"
+        raise MapError(f"{quantity}: {channel.unit} is no unit of {dimension}; known: {units}")
+    if channel.positive and channel.positive not in known.ways:
+        raise MapError(
+            f"{quantity}: positive: {channel.positive!r} is unknown; known: {', '.join(known.ways) or 'none'}"
+        )
+    if channel.scale == 0.0 or abs(channel.scale) > 1e9 or abs(channel.offset) > known.largest:
+        raise MapError(
+            f"{quantity}: scale {channel.scale:g}, offset {channel.offset:g} cannot be: "
+            f"the largest {quantity} is {known.largest:g} in SI units"
+        )
+    if channel.high_pass != 0.0 and not 20.0 <= channel.high_pass <= 3600.0:
+        raise MapError(f"{quantity}: high_pass = {channel.high_pass:g} must be from 20 to 3600 s")
+    if channel.velocity and channel.acceleration:
+        raise MapError(f"{quantity}: is either a velocity or an acceleration")
+    if channel.invalid_bits < 0:
+        raise MapError(f"{quantity}: invalid_bits must be a whole number such as 6 or 0x8000")
+    if (channel.invalid_bits or channel.valid_values) and not channel.valid:
+        name = "invalid_bits" if channel.invalid_bits else "valid_values"
+        raise MapError(f"{quantity}: {name} needs valid: the column or field of the status")
+    if channel.part and channel.part not in EULER_PARTS:
+        raise MapError(f"{quantity}: part must be one of {', '.join(EULER_PARTS)}")
+
+
+def refuse_unknown(where: str, entry: Mapping[str, object], known: Collection[str]) -> None:
+    """Raise MapError for an entry whose name is not known, with the nearest one that is.
+
+    Parameters
+    ----------
+    where : in the map
+    entry : names and values
+    known : names that may be
+    """
+    for name in entry:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
+            place = f"{where}: " if where else ""
+            raise MapError(f"{place}unknown entry {name}; {hint}")

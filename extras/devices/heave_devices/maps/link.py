@@ -1,0 +1,105 @@
+"""How a device is reached: a part of a map."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from heave_devices.maps.channel import MapError, as_kind, refuse_unknown
+
+LOOPBACK = "127.0.0.1"
+POLLED = ("modbus", "opcua")
+"""Kinds of link that are asked for their values again and again."""
+KINDS_OF_LINK = ("serial", "udp", "tcp", *POLLED)
+_ENDPOINT = re.compile(r"opc\.tcp://[^/\s:]+:(?P<port>\d+)(/\S*)?")
+_FORMS = (
+    "{serial: PORT, baud: N}, {udp: HOST:PORT}, {tcp: HOST:PORT}, {modbus: HOST:PORT}, {opcua: 'opc.tcp://HOST:PORT'}"
+)
+
+
+@dataclass(frozen=True)
+class Link:
+    """How a device is reached.
+
+    Attributes
+    ----------
+    kind : of KINDS_OF_LINK
+    place : name of the serial port, host, or endpoint of OPC UA
+    number : baud rate, or port
+    unit : of Modbus, unit identifier
+    word_order : of Modbus, `big`: the most significant word of a number comes first, or `little`
+    period : of a polled link, wall time between two readings [s]
+    """
+
+    kind: str
+    place: str
+    number: int
+    unit: int = 1
+    word_order: str = "big"
+    period: float = 0.02
+
+    def __str__(self) -> str:
+        if self.kind == "opcua":
+            return f"opcua {self.place}"
+        return f"{self.kind} {self.place}{' at ' if self.kind == 'serial' else ':'}{self.number}"
+
+    @property
+    def is_polled(self) -> bool:
+        """Whether it is asked for its values."""
+        return self.kind in POLLED
+
+
+def read_link(where: str, entry: Any) -> Link | None:
+    """Return what an `entry` such as {serial: /dev/ttyUSB0, baud: 9600} or {udp: 127.0.0.1:7001} names; None: nothing.
+
+    Raises MapError, with the place in the map, `where`, for what cannot be.
+    """
+    if entry is None:
+        return None
+    given = set(KINDS_OF_LINK) & set(entry) if isinstance(entry, dict) else set()
+    if len(given) != 1:
+        raise MapError(f"{where} must be one of {_FORMS}")
+    (kind,) = given
+    if kind == "serial":
+        refuse_unknown(where, entry, ("serial", "baud"))
+        baud = _whole(f"{where}: baud", entry.get("baud", 9600), 50, 4_000_000)
+        return Link("serial", as_kind(str, f"{where}: serial", entry["serial"]), baud)
+    if kind == "opcua":
+        return _opcua(where, entry)
+    refuse_unknown(where, entry, (kind,) if kind != "modbus" else (kind, "unit", "word_order", "period"))
+    host, _, port = str(entry[kind]).rpartition(":")
+    if not (port.isascii() and port.isdigit() and 1 <= int(port) <= 65535):
+        raise MapError(f"{where}: {kind} = {entry[kind]!r} must be PORT, of this machine alone, or HOST:PORT")
+    place, number = host or LOOPBACK, int(port)
+    if kind != "modbus":
+        return Link(kind, place, number)
+    order = entry.get("word_order", "big")
+    if order not in ("big", "little"):
+        raise MapError(f"{where}: word_order = {order!r} must be big or little")
+    unit = _whole(f"{where}: unit", entry.get("unit", 1), 0, 255)
+    return Link(kind, place, number, unit=unit, word_order=order, period=_period(where, entry))
+
+
+def _opcua(where: str, entry: Any) -> Link:
+    refuse_unknown(where, entry, ("opcua", "period"))
+    found = _ENDPOINT.fullmatch(str(entry["opcua"]))
+    if found is None or not 1 <= int(found["port"]) <= 65535:
+        raise MapError(
+            f"{where}: opcua = {entry['opcua']!r} must be an endpoint such as opc.tcp://127.0.0.1:4840/winch"
+        )
+    return Link("opcua", str(entry["opcua"]), int(found["port"]), period=_period(where, entry))
+
+
+def _whole(where: str, value: Any, lowest: int, highest: int) -> int:
+    number = as_kind(int, where, value)
+    if not lowest <= number <= highest:
+        raise MapError(f"{where} = {number} must be from {lowest} to {highest}")
+    return int(number)
+
+
+def _period(where: str, entry: Any) -> float:
+    period = as_kind(float, f"{where}: period", entry.get("period", 0.02))
+    if not 0.002 <= period <= 1.0:
+        raise MapError(f"{where}: period = {period:g} must be from 0.002 to 1 s")
+    return float(period)

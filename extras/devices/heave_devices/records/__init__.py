@@ -1,0 +1,1 @@
+"""Logs of devices and ships as records and bags."""

@@ -1,0 +1,184 @@
+"""A device behind its map: bytes or messages in, readings of the suite out."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from heave_devices.formats.sample import Sample, TimeBase
+from heave_devices.live.adapter import Adapter, WinchReading
+from heave_devices.maps.device_map import device_map_of
+from heave_node.interface.codes import MruStatus
+from heave_node.interface.sensors import mru_reading
+
+from extras.devices.test.test_nmea import sealed
+
+PNORSUB2 = {
+    "format": "nmea",
+    **{name: f"PNORSUB2.{name}" for name in ("heave", "heave_rate", "roll", "pitch")},
+}
+
+
+def mru(adapter, *sentences, step=0.1):
+    decoder = adapter.device.decoder()
+    made = [adapter.on_samples(decoder.feed(line), step * n) for n, line in enumerate(sentences)]
+    return [mru_reading(reading) for readings in made for _, reading in readings]
+
+
+def norsub(heave, rate=0.0, ok=1, milliseconds=1000, pitch=0.0):
+    return sealed(f"PNORSUB2,{milliseconds},2,0.0,{pitch},0.0,{heave},{rate},{ok}")
+
+
+def test_a_sentence_becomes_a_reading_of_the_boom_tip():
+    adapter = Adapter(device_map_of("m", PNORSUB2))
+    first, second = mru(adapter, norsub(1.35, 0.2), norsub(1.3))
+    assert (first.heave, first.heave_rate, first.status, first.sequence) == (-1.35, -0.2, MruStatus.OK, 1)
+    assert second.sequence == 2
+    assert math.isnan(first.heave_acceleration)
+    assert first.time == 0.0, "the time of arrival counts"
+
+
+def test_an_invalid_sample_is_told_and_holds_no_heave():
+    adapter = Adapter(device_map_of("m", PNORSUB2))
+    bad, big = mru(adapter, norsub(99.0, ok=0), norsub(99.0))
+    assert bad.status == big.status == MruStatus.INVALID
+    assert math.isnan(bad.heave)
+    assert math.isnan(big.heave), "99 m is no heave, whatever the status says"
+
+
+FAR = 10.0**9
+"""Stamp of a counter of 0 [s]: no simulated time is near it, so that it is not taken for one."""
+
+
+def test_its_own_clock_stamps_it_where_the_map_says_so():
+    adapter = Adapter(device_map_of("m", {**PNORSUB2, "clock": "own"}))
+    (reading,) = mru(adapter, norsub(0.0, milliseconds=203798))
+    assert reading.time == pytest.approx(FAR + 203.798, abs=1e-6)
+
+
+def test_roll_and_pitch_of_another_sentence_are_used_while_they_are_fresh():
+    content = {
+        "format": "nmea",
+        "heave": "PSXN23.heave",
+        "heave_rate": "PSXN24.heave_rate",
+        "timeout": 0.5,
+    }
+    adapter = Adapter(device_map_of("m", content))
+    rate, motion = sealed("PSXN,24,0,0,0,-0.25"), sealed("PSXN,23,0,0,0,-1.0")
+    readings = mru(adapter, rate, motion, motion, motion, motion, motion, motion, motion)
+    assert readings[0].heave_rate == 0.25
+    assert math.isnan(readings[-1].heave_rate), "an old rate is not measured"
+    assert readings[-1].heave == 1.0
+
+
+def test_a_lever_arm_carries_heave_by_pitch():
+    adapter = Adapter(device_map_of("m", {**PNORSUB2, "lever_arm": [10.0, 0.0, 0.0]}))
+    level, up = mru(adapter, norsub(0.0), norsub(0.0, pitch=2.0), step=1e-3)
+    assert level.heave == 0.0
+    assert up.heave == pytest.approx(10.0 * math.sin(math.radians(2.0)), rel=1e-3), "bow up lifts what is forward"
+
+
+def test_a_line_gives_a_winch_and_a_load_cell():
+    content = {
+        "format": "line",
+        "pattern": "(?P<t>[-.0-9]+),(?P<p>[-.0-9]+)",
+        "tension": {"field": "t", "unit": "kN", "sigma": 100.0},
+        "payout": {"field": "p", "positive": "in", "zero_at_start": True},
+    }
+    adapter = Adapter(device_map_of("m", content))
+    made = [adapter.on_samples([Sample("LINE", {"t": 25.0, "p": 300.0 - 0.5 * n})], 0.1 * n) for n in range(10)]
+    (cell_topic, cell), (winch_topic, winch) = made[-1]
+    assert (cell_topic, winch_topic) == ("winch/load_cell", "winch/state")
+    assert cell.numbers == (25e3, 100.0)
+    assert isinstance(winch, WinchReading)
+    assert winch.payout == pytest.approx(4.5)
+    assert winch.payout_rate == pytest.approx(5.0), "by its last positions, since it says none"
+    assert winch.tension == 25e3
+    assert math.isnan(winch.brake)
+
+
+def test_messages_of_two_topics_make_one_reading():
+    twist = {"topic": "/v", "type": "t", "field": "twist.linear.z"}
+    content = {
+        "clock": "own",
+        "heave": {**twist, "velocity": True, "high_pass": 200.0},
+        "heave_rate": twist,
+        "roll": {"topic": "/i", "type": "t", "field": "orientation", "part": "roll"},
+    }
+    adapter = Adapter(device_map_of("m", content))
+    turn = SimpleNamespace(orientation=SimpleNamespace(x=math.sin(0.05), y=0.0, z=0.0, w=math.cos(0.05)))
+    omega, readings = 2.0 * math.pi / 8.0, []
+    for n in range(8000):
+        t = 0.05 * n
+        assert not adapter.on_message("/i", turn, round(t * 1e9), 0.0)
+        velocity = SimpleNamespace(twist=SimpleNamespace(linear=SimpleNamespace(z=omega * math.cos(omega * t))))
+        ((_, reading),) = adapter.on_message("/v", velocity, 1 + round(t * 1e9), 0.0)
+        readings.append(mru_reading(reading))
+    assert readings[100].status == MruStatus.SETTLING
+    last = readings[-320:]
+    assert {reading.status for reading in last} == {MruStatus.OK}
+    assert last[-1].roll == pytest.approx(0.1)
+    # the theory: a phase lead of 2 * 0.7 * 8 / 200 rad; 6 % of the amplitude at most
+    error = [reading.heave - math.sin(omega * reading.time) for reading in last]
+    assert np.max(np.abs(error)) < 0.07
+
+
+def test_utc_of_the_day_is_a_stamp_of_its_own():
+    content = {"format": "nmea", "clock": "own", "heave": {"field": "PASHR.heave", "positive": "down"}}
+    adapter = Adapter(device_map_of("m", content))
+    sample = Sample("PASHR", {"heave": 0.5}, time=59_429.0, time_base=TimeBase.DAY)
+    ((_, reading),) = adapter.on_samples([sample], 3.0)
+    assert reading.stamp == 59_429_000_000_000
+    assert reading.numbers[0] == -0.5
+
+
+def test_sentences_without_a_time_are_stamped_by_their_stated_rate_and_not_by_a_late_arrival():
+    arrivals = [5.0, 5.1, 5.36, 5.36, 5.4]  # the third was handed over 0.16 s late, together with the fourth
+    by_rate = {"clock": "receipt", "sample_rate": 10, "format": "nmea", "heave": "PSXN23.heave"}
+    stamps = [stamps_of(by_rate, arrivals), stamps_of({**by_rate, "sample_rate": 0}, arrivals)]
+    assert np.diff(stamps[0]) * 1e-9 == pytest.approx(0.1, abs=1e-6)
+    assert stamps[1] == [0] * 5, "the time of arrival counts"
+
+
+def stamps_of(given, arrivals):
+    """Stamps [ns] of one PSXN,23 sentence at each of the `arrivals` [s]."""
+    adapter = Adapter(device_map_of("m", given))
+    sample = Sample("PSXN23", {"heave": 0.5})
+    return [reading.stamp for now in arrivals for _, reading in adapter.on_samples([sample], now)]
+
+
+PLC = {
+    "source": {"modbus": "127.0.0.1:502"},
+    "payout": {"field": "input:0:int32", "unit": "mm", "scale": 0.1, "positive": "in", "zero_at_start": True},
+    "payout_rate": {"field": "input:2:int32", "unit": "mm/s", "scale": 0.1, "positive": "in"},
+    "device_time": {"field": "input:5", "unit": "ms", "scale": 10.0},
+}
+"""A drum at 10 readings per second, and a counter of cycles of 10 ms in 16 bits."""
+
+
+def read_plc(adapter, now, payout, cycles):
+    """Return the reading of a drum that stands, and of its count of cycles."""
+    values = {"input:0:int32": -1e4 * payout, "input:2:int32": 0.0, "input:5": float(cycles % 65_536)}
+    ((_, reading),) = adapter.on_samples([Sample("MODBUS", values)], now)
+    return reading
+
+
+def test_a_plc_stamps_by_its_own_count_over_its_wrap_and_whatever_the_arrivals():
+    adapter = Adapter(device_map_of("m", PLC))
+    assert adapter.device.clock == "own"
+    first = 65_500
+    stamps = [read_plc(adapter, 0.1 * k + 0.06 * (k % 2), 0.0, first + 10 * k).stamp for k in range(20)]
+    assert np.diff(stamps) * 1e-9 == pytest.approx(0.1, abs=1e-6)
+
+
+def test_a_plc_that_lost_its_count_is_counted_on_and_named():
+    adapter = Adapter(device_map_of("m", PLC))
+    before = [read_plc(adapter, 0.1 * k, 40.0 - 0.001 * k, 30_000 + 10 * k) for k in range(10)]
+    after = [read_plc(adapter, 3.0 + 0.1 * k, 0.0, 5 + 10 * k) for k in range(10)]
+    assert [reading.payout for reading in after] == pytest.approx(10 * [before[-1].payout])
+    assert np.diff([reading.stamp for reading in after]) * 1e-9 == pytest.approx(0.1, abs=1e-6)
+    assert after[0].stamp > before[-1].stamp
+    assert adapter.drum_count.jumps == 1
+    assert "clock restarted" in adapter.drum_count.words
+    # a set-point of the controller is sent in the drive's own count: where the controller has it, less this
+    assert adapter.taker.zeros["payout"] + adapter.newest["payout"] == pytest.approx(0.0)

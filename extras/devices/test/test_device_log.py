@@ -1,0 +1,127 @@
+"""Raw logs of motion sensors, by the maps that read them live; the truth is the sine that each log was written from."""
+
+import functools
+import math
+import operator
+import struct
+from datetime import datetime, timedelta, timezone
+
+import numpy as np
+import pytest
+from heave_bags.errors import BagError
+from heave_devices.records.sea_import import import_sea
+from heave_devices.records.sea_mapping import read_mapping
+
+OMEGA, AMPLITUDE, STEP = 2.0 * math.pi / 9.0, 0.6, 0.1
+BEGUN = datetime(2025, 3, 1, 23, 58, tzinfo=timezone.utc)
+TIMES = STEP * np.arange(2400)
+
+
+def up(t):
+    return AMPLITUDE * math.sin(OMEGA * t)
+
+
+def sealed(body):
+    return f"${body}*{functools.reduce(operator.xor, body.encode(), 0):02X}"
+
+
+def psxn(t):
+    return sealed(f"PSXN,23,0.30,-0.97,298.57,{-up(t):.3f}")
+
+
+def pashr(t):
+    at = BEGUN + timedelta(seconds=t)
+    return sealed(f"PASHR,{at:%H%M%S}.{at.microsecond // 1000:03d},312.95,T,-0.83,-0.42,{-up(t):+.3f},0.2,0.2,0.3,1,0")
+
+
+def phoct(t):
+    at, flag, z = BEGUN + timedelta(seconds=t), "T" if t % 30.0 < 29.5 else "E", up(t) if t % 30.0 < 29.5 else 99.0
+    stamp = f"{at:%H%M%S}.{at.microsecond // 1000:03d}"
+    rest = f"T,{z:+.3f},{flag},{z:+.3f},+0.0,+0.0,+0.0,+0.0,+0.0,-8.03"
+    return sealed(f"PHOCT,01,{stamp},T,00,080.378,T,-000.106,T,-03.105,{rest}")
+
+
+def zda(t):
+    at = BEGUN + timedelta(seconds=t)
+    return sealed(f"GPZDA,{at:%H%M%S}.{at.microsecond // 10000:02d},{at:%d,%m,%Y},00,00")
+
+
+def imported(tmp_path, text, mapping, name="mru.nmea"):
+    path = tmp_path / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    (tmp_path / "map.yaml").write_text(mapping)
+    return import_sea(path, read_mapping(tmp_path / "map.yaml"))
+
+
+def assert_is_the_sine(sea, duration=230.0):
+    assert sea.time[-1] > duration
+    heave = sea.position[:, 2]
+    offset = sea.start % 86400.0 - (BEGUN.timestamp() % 86400.0) if sea.start > 1e4 else sea.start
+    truth = np.array([up(offset + t) for t in sea.time])
+    assert np.abs(heave - (truth - truth.mean())).max() < 0.01
+
+
+PSXN = "format: nmea\nheave: PSXN23.heave\n"
+
+
+def test_a_stamp_before_each_sentence_is_its_time(tmp_path):
+    lines = [f"{(BEGUN + timedelta(seconds=t)).isoformat()} {psxn(t)}" for t in TIMES]
+    assert_is_the_sine(imported(tmp_path, "\n".join(lines), PSXN, "mru.log"))
+
+
+def test_sentences_without_a_time_have_that_of_zda_between_them(tmp_path):
+    lines = [line for n, t in enumerate(TIMES) for line in ([zda(t)] if n % 10 == 0 else []) + [psxn(t)]]
+    sea = imported(tmp_path, "\r\n".join(lines), PSXN)
+    assert "time: by 240 sentences ZDA, evenly between them" in sea.notes
+    heave = sea.position[:, 2]
+    assert np.abs(heave).max() == pytest.approx(AMPLITUDE, rel=0.03)
+
+
+def test_utc_of_the_day_in_each_sentence_goes_past_midnight(tmp_path):
+    mapping = "format: nmea\nclock: own\nheave: {field: PASHR.heave, positive: down}\n"
+    assert_is_the_sine(imported(tmp_path, "\n".join(map(pashr, TIMES)), mapping))
+
+
+def test_heave_that_the_device_calls_invalid_is_never_used(tmp_path):
+    """99 m in half a second of thirty: with them the significant height would be tens of metres."""
+    sea = imported(tmp_path, "\n".join(map(phoct, TIMES)), "format: nmea\nclock: own\nheave: PHOCT.heave\n")
+    assert_is_the_sine(sea)
+    assert any("samples that the device calls invalid left out" in note for note in sea.notes)
+
+
+def test_tss1_has_no_time_and_a_map_says_how_often_it_comes(tmp_path):
+    def line(t):
+        heave = round(100.0 * up(t))
+        return f":000000 {'-' if heave < 0 else ' '}{abs(heave):04d}F-0046 -0563"
+
+    text = "\r\n".join(map(line, TIMES))
+    with pytest.raises(BagError, match=r"has no time: .* give sample_rate"):
+        imported(tmp_path, text, "format: tss1\nheave: TSS1.heave\n")
+    sea = imported(tmp_path, text, "format: tss1\nheave: TSS1.heave\nsample_rate: 10\n", "mru.tss")
+    assert np.abs(sea.position[:, 2]).max() == pytest.approx(AMPLITUDE, abs=0.02)
+
+
+def test_a_binary_log_of_km_binary_is_read(tmp_path):
+    def frame(t):
+        at = round((BEGUN.timestamp() + t) * 1e9)
+        words = struct.pack("<4sHHIII", b"#KMB", 132, 1, at // 10**9, at % 10**9, 0)
+        numbers = [0.0, 1.0, 1.0, 90.0, -up(t), *[0.0] * 16]
+        return words + struct.pack("<dd", 59.0, 10.0) + struct.pack("<21f", *numbers) + struct.pack("<IIf", 0, 0, 0.0)
+
+    mapping = "format: km_binary\nclock: own\nheave: KMB.heave\n"
+    assert_is_the_sine(imported(tmp_path, b"".join(map(frame, TIMES)), mapping, "mru.bin"))
+
+
+def test_what_is_wrong_in_a_log_is_said(tmp_path):
+    lines = [f"{(BEGUN + timedelta(seconds=t)).isoformat()} {psxn(t)}" for t in TIMES]
+    lines[100:105] = [line.replace("298.57", "298.58") for line in lines[100:105]]
+    sea = imported(tmp_path, "\n".join(lines), PSXN)
+    assert "lines left out: 5 checksums do not fit" in sea.notes
+    with pytest.raises(BagError, match=r"nothing in it has PASHR.heave; it has PSXN23"):
+        imported(tmp_path, "\n".join(lines), "format: nmea\nheave: {field: PASHR.heave, positive: up}\n")
+
+
+def test_a_line_of_a_load_cell_alone_is_no_sea(tmp_path):
+    mapping = "format: line\npattern: '(?P<x>.*)'\ntension: x\n"
+    with pytest.raises(BagError, match="heave is missing"):
+        imported(tmp_path, "1\n2\n", mapping)

@@ -1,0 +1,69 @@
+"""Lines by a pattern: a winch's display as its manual describes it, and a load cell's."""
+
+import pytest
+from heave_devices.formats.pattern import PatternDecoder
+from hypothesis import given
+from hypothesis import strategies as st
+
+from extras.devices.test.device_streams import CUTS, in_pieces
+
+LCI_90 = r"(?P<covered>RD,(?P<tension>[^,]{8}),(?P<speed>[^,]{8}),(?P<payout>[^,]{8}),)(?P<checksum>\d{4})$"
+
+
+def rd(tension: str, speed: str, payout: str) -> bytes:
+    """Return a line as section 6.6.4 of the LCI-90's manual has it: the checksum is the sum of what is before it."""
+    covered = f"RD,{tension},{speed},{payout},"
+    return f"{covered}{sum(covered.encode()):04d}\r\n".encode()
+
+
+def test_a_line_of_the_winch_display_with_the_sum_of_its_characters():
+    decoder = PatternDecoder(LCI_90, "sum")
+    (sample,) = decoder.feed(b"\x00\x7f" + rd("00123.45", "-001.250", "0345.600"))
+    assert sample.values == {"tension": 123.45, "speed": -1.25, "payout": 345.6}
+    assert not decoder.feed(rd("00123.45", "-001.250", "0345.600").replace(b"123", b"124"))
+    assert decoder.counters.checksum_errors == 1
+
+
+def test_a_line_with_the_checksum_of_nmea():
+    decoder = PatternDecoder(r"\$(?P<covered>LC,(?P<tension>[-0-9.]+))\*(?P<checksum>[0-9A-F]{2})", "xor")
+    # by hand: L ^ C ^ , ^ 5 = 4C ^ 43 ^ 2C ^ 35 = 16
+    assert decoder.feed(b"$LC,5*16\r\n")[0].values == {"tension": 5.0}
+    assert not decoder.feed(b"$LC,6*16\r\n")
+
+
+def test_words_are_kept_beside_numbers():
+    (sample,) = PatternDecoder(r"(?P<state>ST|US),GS,(?P<force>[+-][\d.]+)kN").feed(b"US,GS,+0012.50kN\r\n")
+    assert sample.values == {"force": 12.5}
+    assert sample.words == {"state": "US"}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "checksum", "words"),
+    [
+        ("(", "", "no regular expression"),
+        ("abc", "", "no named group"),
+        ("(?P<a>.)", "crc", "must be one of xor, sum"),
+        ("(?P<a>.)", "sum", "group"),
+        ("(?P<a>.)(?P<checksum>.)", "", "needs its kind"),
+    ],
+)
+def test_a_pattern_that_cannot_be_is_refused(pattern, checksum, words):
+    with pytest.raises(ValueError, match=words):
+        PatternDecoder(pattern, checksum)
+
+
+STREAM = rd("00123.45", "-001.250", "0345.600") + b"RD,00123\r\n" + rd("00000001", "00000000", "-0000002") + b"RD,"
+
+
+@given(CUTS)
+def test_any_pieces_give_the_same_samples(cuts):
+    whole = in_pieces(PatternDecoder(LCI_90, "sum"), STREAM, [])
+    assert len(whole) == 2
+    assert in_pieces(PatternDecoder(LCI_90, "sum"), STREAM, cuts) == whole
+
+
+@given(st.binary(max_size=200))
+def test_random_bytes_never_raise(data):
+    decoder = PatternDecoder(LCI_90, "sum")
+    decoder.feed(data)
+    decoder.end()

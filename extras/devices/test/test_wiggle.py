@@ -1,0 +1,53 @@
+"""A move of millimetres: what a drum with a lag, a reversed one and one of another scale show."""
+
+import numpy as np
+import pytest
+from heave_devices.live.wiggle import DURATION, LEAST, Reading, is_too_far, judge, move_at
+
+DISTANCE, STEP = 0.02, 0.02
+
+
+def drum(gain=1.0, rate_gain=1.0, lag=0.15):
+    """Return the readings of a drum that follows the commanded rate with a first-order lag."""
+    payout = rate = 0.0
+    readings = []
+    for time in np.arange(0.0, DURATION, STEP):
+        rate += (gain * move_at(time, DISTANCE)[1] - rate) * STEP / lag
+        payout += rate * STEP
+        readings.append(Reading(time + STEP, payout, rate_gain * rate))
+    return readings
+
+
+def test_the_commanded_rate_is_that_of_the_commanded_place():
+    times = np.arange(0.0, DURATION, 1e-3)
+    places, rates = np.array([move_at(time, DISTANCE) for time in times]).T
+    assert np.gradient(places, times) == pytest.approx(rates, abs=1e-4 * DISTANCE)
+    assert (places.max(), places[-1]) == (pytest.approx(DISTANCE), pytest.approx(0.0, abs=1e-12))
+
+
+@pytest.mark.parametrize(
+    ("given", "wrong", "words"),
+    [
+        ({}, [], ""),
+        ({"gain": 0.9}, [], ""),
+        ({"gain": -1.0}, ["payout, out", "payout, back", "payout rate, out"], "reversed. Check positive"),
+        ({"rate_gain": -1.0}, ["payout rate, out"], "reversed"),
+        ({"rate_gain": 60.0}, ["payout rate, out"], "60 times. Check unit and scale"),
+        ({"gain": 2.0}, ["payout, out", "payout, back", "payout rate, out"], "2 times"),
+        ({"gain": 0.0}, ["payout, out", "payout, back", "payout rate, out"], "it hardly moved. Check enable"),
+    ],
+)
+def test_what_is_wrong_is_named(given, wrong, words):
+    verdicts = judge(drum(**given), DISTANCE)
+    assert [verdict.what for verdict in verdicts if not verdict.is_good] == wrong
+    assert all(words in verdict.words for verdict in verdicts if not verdict.is_good)
+
+
+def test_a_silent_winch_is_named():
+    (verdict,) = judge([], DISTANCE)
+    assert not verdict.is_good
+
+
+def test_a_drum_that_runs_away_is_seen_within_millimetres():
+    assert not is_too_far(1.2 * LEAST, 0.0, LEAST)
+    assert is_too_far(0.0081, 0.0, LEAST)

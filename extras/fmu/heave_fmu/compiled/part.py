@@ -1,0 +1,145 @@
+"""The fixed controller: filter, law and governor of one design, with nothing that learns, judges or changes mode.
+
+It is the reference of the one in C, `controller.c`, and says which variables that has. Left out is all that a ship's
+controller needs besides, see LEFT_OUT.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from cable_sim_node.conversions import WINCH_COMMAND
+from heave_bringup.errors import CommandError
+from heave_node.interface import topics
+from heave_node.interface.sensors import DEPTH, MRU, Water, WireReading
+from winch_controller_node.core.estimation.reading_terms import tick_of
+from winch_controller_node.design.design import ControllerDesign, design_controller
+from winch_controller_node.interface.sensors import LEVER_ARM_X, LEVER_ARM_Y, MRU_SCALE
+from winch_controller_node.laws.parts.loop_state import AuthorityShift, LoopState, Reference
+from winch_controller_node.laws.state_feedback import StateFeedback
+from winch_controller_node.model.estimator import Measurement
+from winch_controller_node.model.loop_rows import loop_rows
+from winch_controller_node.model.simulated_unit import SimulatedUnit
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+from heave_fmu.messages import CONTROLLER_FIELDS, sensor_slots
+from heave_fmu.part import STEPS, Part
+
+SENSORS_TAKEN = {"mru", "depth", "encoder"}
+"""Sensors that the fixed controller takes, and needs."""
+
+LEFT_OUT = (
+    "Fixed: no supervision, no sensor health, no modes, no moves, no adviser, no gain schedule; "
+    "near the limits of the winch law lqg stays linear"
+)
+"""What the fixed controller has not, in a line."""
+
+
+class FixedControllerPart(Part):
+    """Filter, law and governor of the design that the parameters of the loop give; see Part.
+
+    The brake stays on for `modes.settling_time`; then authority goes to `factor` over `modes.fade_in_time`. The drum is
+    at a payout of 0 at first, and that is the mean payout.
+
+    Raises CommandError, in one line, for a loop that it is not for.
+
+    Attributes
+    ----------
+    design : the active one; law : of it
+    taut_cable : of the unit as it moves with the winch locked: it is never slack
+    water : assumed
+    """
+
+    instant = 0.5 / STEPS
+
+    def declare(self) -> None:
+        """See Part."""
+        self.design, self.law = _fixed(self.parameters.controller, self.tick_period)
+        if sensor_slots(DEPTH, self.parameters.plant.sensors) > 1:
+            raise CommandError("the fixed controller takes one reading of a sensor a tick: no fault `delay` of depth")
+        self.add_input(MRU.topic, ("heave", "heave_rate", "status"))
+        self.add_input(DEPTH.topic, DEPTH.values)
+        self.add_input(topics.WINCH_STATE, ("encoder_payout",))
+        self.add_output(topics.WINCH_COMMAND, WINCH_COMMAND)
+        self.add_output(topics.CONTROLLER_STATE, CONTROLLER_FIELDS)
+        controller = self.design.parameters
+        self.water = Water(controller.water_density, controller.gravity)
+        self.taut_cable = replace(self.design.cable, unit_weight=math.inf)
+
+    def start(self) -> None:
+        """See Part."""
+        design, dt = self.design, self.tick_period
+        self._rows, self._shift = loop_rows(design.model), AuthorityShift(design.model, design.sea_states)
+        self._estimator, self._governor = design.make_estimator(), design.make_governor()
+        self._free_unit = SimulatedUnit(self.taut_cable, dt)
+        self._command, self._authority, self._depth_zero = 0.0, 0.0, math.nan
+
+    def step(self, tick: int) -> list[str]:
+        """See Part."""
+        controller, dt = self.design.parameters, self.tick_period
+        estimate = self._estimator.step(tick, self._command, self._readings(self.stamp(tick)))
+        free = self._free_unit.step(self._rows.tip @ estimate)
+        gain = controller.winch.position_gain
+        payout, rate = self._governor.predict(estimate)
+        brake = tick * dt < controller.modes.settling_time
+        place = 0.0
+        if brake:  # the command under which the drum stays where it is
+            self._command = gain * payout
+            place, sent = payout if gain > 0.0 else 0.0, 0.0
+        else:
+            step = dt / controller.modes.fade_in_time
+            self._authority += min(max(controller.factor - self._authority, -step), step)
+            tension = self.design.cable.static_tension
+            state = LoopState(self._shift.shift(estimate, free, self._authority), Reference(), tension)
+            # law lqg without what takes over near the limits
+            asked = StateFeedback.command(self.law, state)
+            governed = self._governor.govern(asked.value, payout, rate, tension)
+            self._command, sent = governed.value, governed.sent
+        self.send(topics.WINCH_COMMAND, tick, (tick, place, sent, brake))
+        self.send(topics.CONTROLLER_STATE, tick, ("standby" if brake else "compensating", self._authority, 0.0))
+        return []
+
+    def _readings(self, now: int) -> list[Measurement]:
+        """Return the readings that came since the last tick, in the terms of the filter; `now` is in [ns]."""
+        taken = []
+        mru = self.inputs[MRU.topic.name].newest(now)
+        if mru is not None:
+            heave, rate, status = mru.numbers
+            if status == 0:
+                taken = [("mru_heave", heave, mru), ("mru_heave_rate", rate, mru)]
+        winch = self.inputs[topics.WINCH_STATE.name].newest(now)
+        if winch is not None:
+            taken.append(("payout", winch.numbers[0], winch))
+        pressure = self.inputs[DEPTH.topic.name].newest(now)
+        if pressure is not None:
+            (depth,) = DEPTH.from_wire(pressure, self.water)
+            if math.isnan(self._depth_zero):
+                self._depth_zero = depth
+            taken.append(("unit_heave", self._depth_zero - depth, pressure))
+        return [self._measurement(*one) for one in taken if math.isfinite(one[1])]
+
+    def _measurement(self, name: str, value: float, reading: WireReading) -> Measurement:
+        tick, offset = tick_of(reading.time, self.tick_period)
+        return Measurement(name, value, tick, offset=offset)
+
+
+def _fixed(parameters: WinchControllerParameters, tick_period: float) -> tuple[ControllerDesign, StateFeedback]:
+    """Return design and law of a fixed controller by its `parameters`, in ticks of `tick_period` [s].
+
+    Raises CommandError where that would not be the controller that they ask for.
+    """
+    design = design_controller(parameters, tick_period=tick_period)
+    law, winch, sensors = design.make_law(), parameters.winch, set(parameters.sensors.use)
+    if not isinstance(law, StateFeedback):
+        raise CommandError(
+            f"the fixed controller is a linear law, and law {parameters.law} is none: --set winch_controller.law=lqg"
+        )
+    if winch.law != "speed_servo" or np.isfinite(design.limits.power):
+        raise CommandError("the fixed controller is for a speed servo without a limit of power")
+    if sensors != SENSORS_TAKEN or {MRU_SCALE, LEVER_ARM_X, LEVER_ARM_Y} & set(design.model.state_names):
+        raise CommandError(
+            "the fixed controller takes mru, depth, encoder, and estimates no scale and no lever arm of the MRU"
+        )
+    return design, law

@@ -1,0 +1,52 @@
+"""The messages of the parts: which fields of them are variables, and how many may come in one tick."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from cable_sim_node.conversions import CABLE_SCALARS
+from cable_sim_node.sensors.instruments import SensorsParameters
+from heave_bringup.closed_loop import LoopParameters
+from heave_node.interface import topics
+from heave_node.interface.sensors import SENSORS, USBL, Sensor
+from heave_node.interface.topic import Topic
+
+AXES = "xyz"
+SHADOW = Topic("unit_uncompensated/cable", topics.CABLE_STATE.type, "cable_sim")
+"""The cable of the plant with the winch locked: no topic of a run, and needed by its figures of merit."""
+TENSIONS = ("top_tension", "largest_top_tension")
+CABLE_FIELDS = (*CABLE_SCALARS, "bottom_tension")
+CONTROLLER_FIELDS = ("mode", "authority", "depth_set_point")
+
+
+def point_fields(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the fields of the vectors of these `names`, axis by axis."""
+    return tuple(f"{name}.{axis}" for name in names for axis in AXES)
+
+
+ODOMETRY_FIELDS = point_fields(("pose.pose.position", "twist.twist.linear"))
+
+
+def sensor_slots(sensor: Sensor, parameters: SensorsParameters) -> int:
+    """Return how many readings of a `sensor` of the plant may come in one tick, by the `parameters` of all of them.
+
+    One for each delay that it has at a time; the way to a unit that moves makes the delay of USBL change.
+    """
+    return 1 + parameters.by_name()[sensor.name].faults.kind.count("delay") + (sensor is USBL)
+
+
+def fitted_sensors(parameters: LoopParameters) -> list[Sensor]:
+    """Return the sensors of the plant that are fitted, by the `parameters` of the loop."""
+    return [SENSORS[name] for name, sensor in parameters.plant.sensors.by_name().items() if sensor.fitted]
+
+
+def pose_slots(parameters: LoopParameters) -> int:
+    """Return how many poses of the crane may come in one tick, by the `parameters` of the loop."""
+    return 1 + parameters.sea.crane.pose.faults.kind.count("delay")
+
+
+def preview_fields(parameters: LoopParameters) -> tuple[str, ...]:
+    """Return the fields of a preview of the boom tip, moment by moment; none where the `parameters` have no preview."""
+    preview = parameters.sea.preview
+    count = max(1, round(preview.time / parameters.tick_period)) if preview.time > 0.0 else 0
+    return tuple(f"{name}[{index}]" for name in ("ahead", "heave") for index in range(1, count + 1))

@@ -1,0 +1,199 @@
+"""A drive given as an FMU: names of its own by a map, what is missing filled in, what is wrong refused in a line."""
+
+import math
+import re
+import subprocess
+import sys
+import zipfile
+
+import pytest
+from cable_sim_node.winch.command_line import WinchCommand
+from heave_bringup.errors import CommandError, ExitStatus
+from heave_fmu import archive
+from heave_fmu.archive import unpack_fmu
+from heave_node.parameters import ParameterError
+
+pytest.importorskip("pythonfmu", reason="pythonfmu is not installed: the extra fmu")
+pytest.importorskip("fmpy", reason="fmpy is not installed: the extra fmu")
+
+from fmpy import platform, sharedLibraryExtension
+from heave_fmu.drive import DriveMap, FmuWinch, drive_names, read_drive
+from heave_fmu.instance import FmuInstance
+
+LAG = 0.4
+STRANGER = f'''
+import math
+from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+
+
+class Stranger(Fmi2Slave):
+    """A drum behind a lag of first order; knows only a speed reference in and a position out."""
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.v_ref = self.x = self.v = 0.0
+        self.lag = {LAG}
+        self.register_variable(Real("v_ref", causality=Fmi2Causality.input))
+        self.register_variable(Real("lag", causality=Fmi2Causality.parameter, variability=Fmi2Variability.tunable))
+        self.register_variable(Real("x", causality=Fmi2Causality.output))
+
+    def do_step(self, time, step):
+        left = math.exp(-step / self.lag)
+        self.x += self.v_ref * step + (self.v - self.v_ref) * self.lag * (1.0 - left)
+        self.v = self.v_ref + (self.v - self.v_ref) * left
+        return self.v_ref < 100.0
+'''
+NAMES = {"winch.command.payout_rate": "v_ref", "winch.state.payout": "x"}
+
+
+def fmu_of(folder, variables, code="m"):
+    """Write an FMU that has `variables`, "name type causality" each, and code of a name that cannot run."""
+    rows = "".join(
+        f'<ScalarVariable name="{name}" valueReference="{number}" causality="{causality}" '
+        f'variability="{"tunable" if causality == "parameter" else "discrete"}"><{kind}/></ScalarVariable>'
+        for number, (name, kind, causality) in enumerate(one.split() for one in variables.split(", "))
+    )
+    file = folder / "made.fmu"
+    with zipfile.ZipFile(file, "w") as made:
+        made.writestr(
+            "modelDescription.xml",
+            '<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g">'
+            f'<CoSimulation modelIdentifier="{code}"/><ModelVariables>{rows}</ModelVariables>'
+            "<ModelStructure/></fmiModelDescription>",
+        )
+        made.writestr(f"binaries/{platform}/m{sharedLibraryExtension}", "no code")
+    return file
+
+
+@pytest.fixture
+def stranger(tmp_path, request):
+    # a class of its own for each test: PythonFMU reads one only once in a process
+    name = "Stranger" + "".join(part.capitalize() for part in re.findall("[a-z]+", request.node.name))[-60:]
+    script = tmp_path / f"{name.lower()}.py"
+    script.write_text(STRANGER.replace("class Stranger", f"class {name}"))
+    build = [sys.executable, "-m", "pythonfmu", "build", "-f", str(script), "-d", str(tmp_path)]
+    subprocess.run(build, check=True, capture_output=True)
+    return tmp_path / f"{name}.fmu"
+
+
+def stepped(winch, ticks, rate=1.0):
+    state = None
+    for tick in range(1, ticks + 1):
+        state = winch.step(tick, WinchCommand(tick, 0.0, rate, False), 1000.0)
+    return state._asdict()
+
+
+def test_a_drive_with_names_of_its_own_follows_its_lag_and_the_rest_is_filled_in(stranger):
+    winch = FmuWinch(DriveMap(stranger, NAMES, {"lag": 0.8}), tick_period=0.05)
+    state = stepped(winch, 40)
+    # u(t) = t - T (1 - exp(-t/T)) for a step of 1 m/s, T = 0.8 s, t = 2 s
+    assert state["payout"] == pytest.approx(2.0 - 0.8 * (1.0 - math.exp(-2.5)), abs=1e-12)
+    assert state["encoder_payout"] == state["payout"]
+    # its difference over a tick, by the rate between: 1 - exp(-t/T) in the middle of the tick
+    assert state["encoder_payout_rate"] == pytest.approx(1.0 - math.exp(-(2.0 - 0.025) / 0.8), abs=1e-3)
+    assert math.isnan(state["payout_acceleration"])
+    assert (state["command_sequence"], state["brake"], state["fault"]) == (40, False, 0)
+    assert state["power"] == pytest.approx(-1000.0 * state["payout_rate"])
+    with pytest.raises(CommandError, match="DoStep"):
+        winch.step(41, WinchCommand(41, 0.0, 200.0), None)
+
+
+def test_a_drive_that_lacks_what_a_drive_must_have_is_refused(stranger):
+    with pytest.raises(CommandError, match=r"needs the variable winch\.command\.payout_rate or winch\.command\.payout"):
+        FmuWinch(DriveMap(stranger), tick_period=0.05)
+
+
+@pytest.mark.parametrize(
+    ("variables", "start", "words"),
+    [
+        ({"winch.state.brake": "y"}, {}, "variables: winch.state.brake: y is no variable of it"),
+        ({"winch.command.payout_rate": "on"}, {}, "payout_rate: on is Boolean, and the message has Real"),
+        ({"winch.state.payout": "v_ref"}, {}, "winch.state.payout: v_ref is an input"),
+        ({"winch.state.limits_hit": "x"}, {}, "limits_hit: x is Real, and the message has Integer"),
+        ({}, {"lagg": 0.5}, "start: lagg is no variable of it"),
+        ({}, {"lag": "fast"}, "start: lag is Real, and takes no 'fast'"),
+        ({}, {"lag": math.nan}, "start: lag is Real, and takes no nan"),
+        ({}, {"lag": True}, "start: lag is Real, and takes no True"),
+        ({}, {"on": 1}, "start: on is Boolean, and takes no 1"),
+    ],
+)
+def test_a_map_that_the_fmu_does_not_fit_is_refused_by_name_before_its_code_runs(tmp_path, variables, start, words):
+    file = fmu_of(tmp_path, "v_ref Real input, lag Real parameter, x Real output, on Boolean input")
+    with pytest.raises(CommandError, match=re.escape(words)) as refused:
+        drive_names(DriveMap(file, {**NAMES, **variables}, start))
+    assert refused.value.status is ExitStatus.REFUSED
+    assert str(refused.value).startswith(f"{file}: ")
+
+
+def test_a_flag_is_read_from_any_number_and_an_integer_goes_into_a_real(tmp_path):
+    file = fmu_of(tmp_path, "v_ref Real input, x Real output, held Real output, number Real input")
+    names = {**NAMES, "winch.state.brake": "held", "winch.command.sequence": "number"}
+    assert drive_names(DriveMap(file, names)) == names
+
+
+def test_an_fmu_without_code_for_this_system_is_refused(tmp_path):
+    with pytest.raises(CommandError, match=r"no code for this system, binaries/.*/other\."):
+        drive_names(DriveMap(fmu_of(tmp_path, "v_ref Real input, x Real output", code="other"), NAMES))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("fmu: other.fmu", "no such file"),
+        ("variables: {}", "must hold `fmu: FILE`"),
+        ("fmu: drive.fmu\nspeed: 1", "must hold `fmu: FILE`"),
+        ("fmu: drive.fmu\nvariables: {winch.state.colour: x}", "winch.state.colour: must be one of"),
+        ("fmu: drive.fmu\nstart: 3", "must be names"),
+        ("fmu: &a [*a]", "aliases"),
+    ],
+)
+def test_a_map_that_is_wrong_is_refused_in_one_line(tmp_path, text, words):
+    (tmp_path / "drive.fmu").write_bytes(b"")
+    path = tmp_path / "drive.yaml"
+    path.write_text(text)
+    with pytest.raises(ParameterError, match=re.escape(words)) as refused:
+        read_drive(path)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_map_names_the_fmu_beside_it(tmp_path):
+    (tmp_path / "drive.fmu").write_bytes(b"")
+    path = tmp_path / "drive.yaml"
+    path.write_text("fmu: drive.fmu\nvariables: {winch.state.payout: x}\nstart: {lag: 0.5}\n")
+    assert read_drive(path) == DriveMap(tmp_path / "drive.fmu", {"winch.state.payout": "x"}, {"lag": 0.5})
+    for wrong in (tmp_path / "none.fmu", tmp_path):
+        with pytest.raises(ParameterError):
+            read_drive(wrong)
+
+
+@pytest.mark.parametrize("name", ["../evil", "/etc/evil", "a/../../evil", "a\\evil", "x" * 300])
+def test_a_name_that_leads_out_of_the_folder_is_refused_and_nothing_is_written(tmp_path, name):
+    file, folder = tmp_path / "bad.fmu", tmp_path / "inside" / "folder"
+    folder.mkdir(parents=True)
+    with zipfile.ZipFile(file, "w") as made:
+        made.writestr("modelDescription.xml", "<fmiModelDescription/>")
+        made.writestr(name, "evil")
+    with pytest.raises(CommandError, match=r"bad\.fmu: no FMU that can be used: .* no name of a file"):
+        unpack_fmu(file, folder)
+    assert not list(folder.iterdir())
+
+
+def test_an_fmu_that_is_too_large_or_no_archive_is_refused(tmp_path, monkeypatch):
+    file = tmp_path / "bad.fmu"
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as made:
+        made.writestr("modelDescription.xml", "0" * 100_000)
+    monkeypatch.setattr(archive, "LARGEST_FMU", 99_999)
+    with pytest.raises(CommandError, match="more than"):
+        unpack_fmu(file, tmp_path)
+    file.write_bytes(file.read_bytes()[:50])
+    with pytest.raises(CommandError, match="no FMU that can be used"):
+        FmuInstance(file, "winch")
+
+
+def test_an_fmu_of_another_kind_is_refused(tmp_path):
+    file = tmp_path / "other.fmu"
+    head = '<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><ModelExchange modelIdentifier="m"/>'
+    with zipfile.ZipFile(file, "w") as made:
+        made.writestr("modelDescription.xml", f"{head}<ModelVariables/><ModelStructure/></fmiModelDescription>")
+    with pytest.raises(CommandError, match="must be an FMU for co-simulation"):
+        FmuInstance(file, "winch")

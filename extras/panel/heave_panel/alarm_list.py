@@ -1,0 +1,104 @@
+"""The list of alarms: what is wrong now, and what was and nobody has acknowledged yet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from heave_bringup.operate.situation import Trouble
+from heave_bringup.pages.alarms import TABLES
+from heave_node.interface.alarm import AlarmRow, Severity, alarms_in
+
+MOST = 200
+"""Alarms that are kept; the oldest that has passed goes first."""
+
+ROWS: dict[str, AlarmRow] = {code: row for table in TABLES.values() for code, row in table.items()}
+"""Every alarm of the suite, by code."""
+
+
+@dataclass(frozen=True)
+class Alarm:
+    """An alarm and what has become of it.
+
+    Attributes
+    ----------
+    key : node and code, or part of /diagnostics where what it reports has no code
+    title : code as words
+    severity : priority
+    text : what is wrong, and what follows
+    action : what to do; empty where that is not known
+    since : simulated time at which it was raised [s]; NaN: not known yet
+    is_active : it still holds
+    is_acknowledged : somebody has seen it
+    """
+
+    key: str
+    title: str
+    severity: Severity
+    text: str
+    action: str = ""
+    since: float = math.nan
+    is_active: bool = True
+    is_acknowledged: bool = False
+
+
+def alarms_of(trouble: Trouble) -> Iterator[Alarm]:
+    """Return the alarms that a `trouble` reports; events are none. One without a code is as grave as its status."""
+    found = alarms_in(trouble.message)
+    node = trouble.part.partition(":")[0]
+    for one in found:
+        if one.severity > Severity.EVENT:
+            action = ROWS[one.code].action if one.code in ROWS else ""
+            text = one.text.removesuffix(f" {action}.") if action else one.text
+            yield Alarm(f"{node} {one.code}", one.title, one.severity, text, action, one.time)
+    if not found:
+        severity = Severity.HIGH if trouble.is_error else Severity.MEDIUM
+        yield Alarm(trouble.part, trouble.part, severity, trouble.message)
+
+
+class AlarmList:
+    """Alarms by key."""
+
+    def __init__(self) -> None:
+        self._alarms: dict[str, Alarm] = {}
+
+    def note(self, time: float, troubles: Mapping[str, Trouble]) -> None:
+        """Take what is wrong now, `troubles` by part, at a simulated `time` [s]; that counts where a line has none.
+
+        An alarm that comes back, or gets worse, is to be acknowledged again. One that several parts report is one.
+        """
+        present: dict[str, Alarm] = {}
+        for alarm in (alarm for trouble in troubles.values() for alarm in alarms_of(trouble)):
+            other = present.get(alarm.key)
+            since = alarm.since if other is None or math.isfinite(alarm.since) else other.since
+            worst = alarm if other is None or alarm.severity > other.severity else other
+            present[alarm.key] = replace(worst, since=since)
+        for key, alarm in present.items():
+            known = self._alarms.get(key)
+            if known is None or not known.is_active or alarm.severity > known.severity:
+                self._alarms.pop(key, None)
+                self._alarms[key] = replace(alarm, since=alarm.since if math.isfinite(alarm.since) else time)
+            else:
+                self._alarms[key] = replace(alarm, since=known.since, is_acknowledged=known.is_acknowledged)
+        for key, alarm in list(self._alarms.items()):
+            if key not in present:
+                self._alarms[key] = replace(alarm, is_active=False)
+                if alarm.is_acknowledged:
+                    del self._alarms[key]
+        for key in [key for key, alarm in self._alarms.items() if not alarm.is_active][:-MOST]:
+            del self._alarms[key]
+
+    def acknowledge(self, key: str) -> None:
+        """Take note that somebody has seen the alarm of a `key`; one that has passed leaves the list."""
+        alarm = self._alarms.get(key)
+        if alarm is not None and alarm.is_active:
+            self._alarms[key] = replace(alarm, is_acknowledged=True)
+        elif alarm is not None:
+            del self._alarms[key]
+
+    @property
+    def alarms(self) -> tuple[Alarm, ...]:
+        """All of them, the gravest first, and of those the newest."""
+        newest_first = list(self._alarms.values())[::-1]
+        return tuple(sorted(newest_first, key=lambda alarm: -alarm.severity))

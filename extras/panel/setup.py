@@ -1,0 +1,9 @@
+"""colcon's view of heave_panel; name, version, description and licence are in package.xml."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "cmake"))
+from colcon_package import set_up
+
+set_up(commands=["panel = heave_panel.commands.panel", "view = heave_panel.commands.view"])

@@ -1,0 +1,219 @@
+"""`heave static`: a scenario's cable and unit at rest: hanging, towed, moored, at the end of their reach, or laid."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from heave_bringup.commands.arguments import add_scenario
+from heave_bringup.commands.models.loads import load_lines, refuse_failed, strengths_in
+from heave_bringup.errors import CommandError
+from heave_node.parameters import ParameterError
+
+if TYPE_CHECKING:
+    from cable_sim_node.reports.report import LoadReport
+    from heave_bringup.scenarios import Scenario
+
+SUMMARY = "Print and draw cable and unit at rest: hanging, towed, moored, at the limit of reach, or laid."
+EXAMPLES = (
+    "heave static s300_driven --set 'cable_sim.current=[0.5, 0.0]' --picture shape.png",
+    "heave static s300_driven --towing --speed 0.5 1 1.5 2",
+    "heave static s300_driven --mooring --depth 290 --offset 45 55 65 75",
+    "heave static s300_driven --footprint --depth 280 --thrust 2000",
+    "heave static s300_driven --laying --depth 280 --speed 0.5 1 2",
+)
+
+BELONGS = {
+    "speed": ("towing", "laying"),
+    "course": ("towing", "mooring", "laying"),
+    "depth": ("mooring", "footprint", "laying"),
+    "offset": ("mooring",),
+    "pull": ("mooring",),
+    "thrust": ("footprint",),
+    "tension_limit": ("footprint",),
+    "vertical_pull": ("footprint",),
+    "payout_speed": ("laying",),
+    "bottom_tension": ("laying",),
+}
+"""Problems to which each option belongs."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the problems and their options to the parser of the command."""
+    add_scenario(parser)
+    problems = parser.add_mutually_exclusive_group()
+    problems.set_defaults(problem="hanging")
+    for name, text in (
+        ("towing", "unit and cable behind a ship under way at each --speed: depth and layback"),
+        ("mooring", "lower end fixed to the seabed, ship offset by each --offset or pulled by each --pull"),
+        ("footprint", "how far the unit reaches with its --thrust, in all directions"),
+        ("laying", "the cable alone, laid on the seabed at each --speed: touchdown, suspended length"),
+    ):
+        problems.add_argument(f"--{name}", dest="problem", action="store_const", const=name, help=text)
+    for name, metavar, text in (
+        ("--speed", "M/S", "towing, laying: speed of the ship over ground; several for a table"),
+        ("--offset", "M", "mooring: horizontal distance of the boom tip from the lower end; several for a table"),
+        ("--pull", "N", "mooring: horizontal force of the ship on the boom tip; several for a table"),
+    ):
+        parser.add_argument(name, type=float, nargs="+", metavar=metavar, help=text)
+    for name, metavar, text in (
+        (
+            "--course",
+            "DEG",
+            "towing, laying, mooring: direction of ship, offset or pull, from x towards y (default: 0)",
+        ),
+        ("--depth", "M", "mooring, footprint, laying: water depth (default: cable_sim.seabed.depth)"),
+        ("--thrust", "N", "footprint: largest horizontal force of the unit's thrusters"),
+        ("--tension-limit", "N", "footprint: largest tension at the boom tip (default: none)"),
+        (
+            "--vertical-pull",
+            "N",
+            "footprint: vertical pull of the cable that lifts the unit (default: its weight in water)",
+        ),
+        (
+            "--payout-speed",
+            "M/S",
+            "laying: payout speed of the cable (default: what covers seabed.slope, the ship's speed on the flat)",
+        ),
+        ("--bottom-tension", "N", "laying: tension of the cable at touchdown (default: 0)"),
+    ):
+        parser.add_argument(name, type=float, metavar=metavar, help=text)
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="PNG or SVG (default: SCENARIO_PROBLEM.svg)")
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Print the equilibrium of the requested problem, and draw it, as `options` say."""
+    from cable_sim_node.errors import PlantError
+    from cable_sim_node.reports.report import PICTURE_ENDINGS, save_picture
+    from heave_bags.analyse.verdict import judge_loads
+    from heave_bringup.output import check_output, write_result
+    from heave_bringup.progress import ProgressLine
+    from heave_bringup.scenarios import load_scenario
+    from heave_node.loads.strength import load_checks
+    from heave_node.numerics.compiled import is_compiled
+
+    from heave_statics.march import march
+
+    check_output("--picture", options.picture, PICTURE_ENDINGS)
+    check_options(options)
+    scenario = load_scenario(options.scenario, settings=options.set)
+    if not is_compiled(march):
+        ProgressLine().tell("compiling the static solver: a few seconds, once after installation")
+    try:
+        report = PROBLEMS[options.problem](scenario, options)
+    except PlantError as error:
+        raise CommandError(f"{scenario.path}: {error}") from error
+    suffix = "static" if options.problem == "hanging" else options.problem
+    picture = options.picture or Path(f"{scenario.name}_{suffix}.svg")
+    save_picture(report, picture)
+    verdict = judge_loads(load_checks(strengths_in(scenario), top=report.largest_tension, unit=report.unit_load))
+    text = "\n".join([report.table(), "", f"picture   {picture.resolve()}", *load_lines(verdict)])
+    write_result(options, text, {**report.values(), "verdict": verdict.to_json()})
+    refuse_failed(verdict)
+
+
+def check_options(options: argparse.Namespace) -> None:
+    """Refuse, naming it, one of `options` that the problem does not have or whose value cannot be."""
+    for name, problems in BELONGS.items():
+        values = getattr(options, name)
+        if values is None:
+            continue
+        option = f"--{name.replace('_', '-')}"
+        if options.problem not in problems:
+            raise ParameterError(f"{option}: needs {' or '.join(f'--{problem}' for problem in problems)}")
+        for value in values if isinstance(values, list) else [values]:
+            if not math.isfinite(value):
+                raise ParameterError(f"{option} {value:g}: must be a finite number")
+            if value < 0.0 and name not in ("course", "offset"):
+                raise ParameterError(f"{option} {value:g}: must not be negative")
+    if options.problem in ("towing", "laying") and options.speed is None:
+        raise ParameterError(f"--{options.problem}: give --speed M/S, one or more")
+    if options.problem == "mooring" and options.offset is None and options.pull is None:
+        raise ParameterError("--mooring: give --offset M or --pull N, one or more")
+    if options.problem == "footprint" and options.thrust is None:
+        raise ParameterError("--footprint: give --thrust N")
+
+
+def _depth(scenario: Scenario, options: argparse.Namespace) -> float:
+    """Return the depth of the bottom [m]."""
+    depth = options.depth or scenario.parameters["cable_sim"].seabed.depth
+    if not depth > 0.0:
+        raise ParameterError(
+            f"--{options.problem}: {scenario.name} has no seabed: give --depth M or --set cable_sim.seabed.depth=M"
+        )
+    return float(depth)
+
+
+def _course(options: argparse.Namespace) -> float:
+    return math.radians(options.course or 0.0)
+
+
+def _hanging(scenario: Scenario, options: argparse.Namespace) -> LoadReport:  # noqa: ARG001 (one signature for all)
+    from heave_statics.reports.hanging import hanging_report
+
+    plant = scenario.parameters["cable_sim"]
+    return hanging_report(plant, (0.0, 0.0, plant.boom_tip_height))
+
+
+def _towing(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
+    from heave_statics.reports.towing import towing_report
+
+    plant = scenario.parameters["cable_sim"]
+    tip = (0.0, 0.0, plant.boom_tip_height)
+    return towing_report(plant, options.speed, course=_course(options), boom_tip=tip)
+
+
+def _mooring(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
+    from heave_statics.reports.mooring import mooring_report
+
+    plant = scenario.parameters["cable_sim"]
+    return mooring_report(
+        plant,
+        _depth(scenario, options),
+        offsets=options.offset or (),
+        pulls=options.pull or (),
+        direction=_course(options),
+        boom_tip_height=plant.boom_tip_height,
+    )
+
+
+def _footprint(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
+    from heave_statics.reports.footprint import footprint_report
+
+    plant = scenario.parameters["cable_sim"]
+    return footprint_report(
+        plant,
+        _depth(scenario, options),
+        options.thrust,
+        tension_limit=math.inf if options.tension_limit is None else options.tension_limit,
+        vertical_pull=options.vertical_pull,
+        boom_tip_height=plant.boom_tip_height,
+    )
+
+
+def _laying(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
+    from heave_statics.reports.laying import laying_report
+
+    plant = scenario.parameters["cable_sim"]
+    return laying_report(
+        plant,
+        _depth(scenario, options),
+        options.speed,
+        course=_course(options),
+        rise=math.cos(_course(options)) * plant.seabed.slope[0] + math.sin(_course(options)) * plant.seabed.slope[1],
+        payout_speed=options.payout_speed,
+        bottom_tension=options.bottom_tension or 0.0,
+        boom_tip_height=plant.boom_tip_height,
+    )
+
+
+PROBLEMS: dict[str, Callable[[Any, argparse.Namespace], LoadReport]] = {
+    "hanging": _hanging,
+    "towing": _towing,
+    "mooring": _mooring,
+    "footprint": _footprint,
+    "laying": _laying,
+}

@@ -1,0 +1,249 @@
+"""Unit and cable at rest below the boom tip: forces, positions, top tension and angle."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from cable_sim_node.errors import StaticsError
+from cable_sim_node.line.rest.floating import refuse_floating
+from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.current import current_of
+from cable_sim_node.physics.properties import cable_sections, unit_properties
+from cable_sim_node.physics.seabed import Seabed
+from cable_sim_node.reports.report import labelled_rows
+from heave_node.numerics.arrays import Array
+from numpy.typing import ArrayLike
+
+from heave_statics.problems import towing_cable
+from heave_statics.shape import StaticShape
+from heave_statics.suspended import shape_at_rest
+from heave_statics.tables import LENGTH
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class HangingReport:
+    """Static equilibrium of unit and cable under the boom tip, winch locked.
+
+    Attributes
+    ----------
+    shape : the whole shape, s = 0 at the unit
+    boom_tip, unit : positions, z up [m]
+    boom_tip_force : force by which the ship holds the cable [N]
+    unit_weight : weight of the unit less its buoyancy [N]
+    unit_wet : share of the unit that is under water [-]
+    unit_pull : force of the cable on the unit [N]
+    seabed_depth : [m] below the origin, None without a seabed
+    clearance : height of the unit above the seabed below it [m], None without a seabed
+    pressure_shortening : by how much the water's pressure shortens the cable [m], see `pressure_shortening`; the shape
+        is without it
+    """
+
+    shape: StaticShape
+    boom_tip: Array
+    unit: Array
+    boom_tip_force: Array
+    unit_weight: float
+    unit_wet: float
+    unit_pull: Array
+    seabed_depth: float | None
+    clearance: float | None
+    pressure_shortening: float
+
+    @property
+    def top_tension(self) -> float:
+        """Tension at the boom tip [N]."""
+        return self.shape.top_tension
+
+    @property
+    def largest_tension(self) -> float:
+        """Tension at the boom tip [N]."""
+        return self.top_tension
+
+    @property
+    def unit_load(self) -> float:
+        """Size of the force of the cable on the unit [N]."""
+        return float(np.linalg.norm(self.unit_pull))
+
+    @property
+    def top_angle(self) -> float:
+        """Angle of the cable at the boom tip from the vertical [rad]."""
+        return self.shape.top_angle
+
+    @property
+    def top_azimuth(self) -> float:
+        """Direction in which the cable leaves the boom tip, from x towards y [rad]."""
+        return math.atan2(-self.boom_tip_force[1], -self.boom_tip_force[0])
+
+    def values(self) -> dict[str, object]:
+        """Return the numbers with units in their names, for a machine."""
+        return {
+            "length_m": self.shape.cable.length,
+            "stretched_length_m": self.shape.stretched_length,
+            "boom_tip_m": self.boom_tip.tolist(),
+            "unit_m": self.unit.tolist(),
+            "boom_tip_force_n": (self.boom_tip_force + 0.0).tolist(),
+            "unit_pull_n": (self.unit_pull + 0.0).tolist(),
+            "unit_weight_n": self.unit_weight,
+            "unit_wet_percent": 100.0 * self.unit_wet,
+            "top_tension_n": self.top_tension,
+            "top_angle_deg": math.degrees(self.top_angle),
+            "top_azimuth_deg": math.degrees(self.top_azimuth),
+            "least_tension_n": float(self.shape.tension.min()),
+            "horizontal_offset_m": float(np.hypot(*(self.unit - self.boom_tip)[:2])),
+            "clearance_m": self.clearance,
+            "pressure_shortening_m": self.pressure_shortening,
+        }
+
+    def table(self) -> str:
+        """Return the report as text for a person."""
+
+        def vector(value: Array) -> str:
+            return "  ".join(f"{component + 0.0:12.3f}" for component in value)
+
+        stretch = self.shape.stretched_length - self.shape.cable.length
+        offset = float(np.hypot(*(self.unit - self.boom_tip)[:2]))
+        rows = [
+            ("", "           x             y             z"),
+            ("boom tip [m]", vector(self.boom_tip)),
+            ("unit [m]", vector(self.unit)),
+            ("force on the cable at the boom tip [kN]", vector(self.boom_tip_force / 1e3)),
+            ("force of the cable on the unit [kN]", vector(self.unit_pull / 1e3)),
+            ("unstretched length [m]", f"{self.shape.cable.length:12.3f}"),
+            ("stretch [m]", f"{stretch:12.4f}"),
+            ("shortening by water pressure, at most [m]", f"{self.pressure_shortening:12.4f}"),
+            ("horizontal offset of the unit [m]", f"{offset:12.3f}"),
+            (f"weight of the unit {self._where} [kN]", f"{self.unit_weight / 1e3:12.3f}"),
+            ("top tension [kN]", f"{self.top_tension / 1e3:12.3f}"),
+            ("top angle from the vertical [deg]", f"{math.degrees(self.top_angle):12.3f}"),
+            ("smallest tension [kN]", f"{float(self.shape.tension.min()) / 1e3:12.3f}"),
+        ]
+        if self.clearance is not None:
+            rows.append(("unit above the seabed [m]", f"{self.clearance:12.3f}"))
+        return labelled_rows(rows)
+
+    @property
+    def _where(self) -> str:
+        if 0.0 < self.unit_wet < 1.0:
+            return f"{100.0 * self.unit_wet:.1f} % under water"
+        return "in water" if self.unit_wet else "in air"
+
+    def draw(self, figure: Figure) -> None:
+        """Draw x-z, y-z and x-y views into `figure`, coloured by tension."""
+        from matplotlib.cm import ScalarMappable  # noqa: PLC0415 (slow to import, rarely needed)
+        from matplotlib.colors import Normalize  # noqa: PLC0415 (slow to import, rarely needed)
+
+        curve = self.shape.curve()
+        labels = np.interp(
+            np.linspace(0.0, len(self.shape.positions) - 1, len(curve)),
+            np.arange(len(self.shape.positions)),
+            self.shape.cable.labels,
+        )
+        tension = np.interp(labels, self.shape.cable.labels, self.shape.tension)
+        span = max(float(np.ptp(curve, axis=0).max()), self.shape.cable.segments[0, LENGTH])
+        axes = figure.subplots(1, 3)
+        colours = Normalize(float(tension.min()) / 1e3, float(tension.max()) / 1e3)
+        for axis, (across, up) in zip(axes, ((0, 2), (1, 2), (0, 1)), strict=True):
+            axis.plot(curve[:, across], curve[:, up], color="0.7", linewidth=1.0)
+            axis.scatter(
+                curve[:, across], curve[:, up], c=tension / 1e3, s=6.0, cmap="viridis", norm=colours, rasterized=True
+            )
+            axis.plot(self.unit[across], self.unit[up], "ks", markersize=7.0, label="unit")
+            axis.plot(self.boom_tip[across], self.boom_tip[up], "r^", markersize=7.0, label="boom tip")
+            axis.set_xlabel(f"{'xyz'[across]} [m]")
+            axis.set_ylabel(f"{'xyz'[up]} [m]")
+            if float(np.ptp(curve[:, across])) < 0.02 * span:
+                middle = float(curve[:, across].mean())
+                axis.set_xlim(middle - 0.1 * span, middle + 0.1 * span)
+            if self.seabed_depth is not None and up == 2:
+                axis.axhline(-self.seabed_depth, color="saddlebrown", linewidth=2.0)
+            axis.grid(alpha=0.3)
+        axes[0].legend(loc="best", fontsize="small")
+        figure.colorbar(ScalarMappable(colours, "viridis"), ax=axes, label="tension [kN]")
+        figure.suptitle(
+            f"{self.shape.cable.length:g} m out: top tension {self.top_tension / 1e3:.2f} kN,"
+            f" top angle {math.degrees(self.top_angle):.2f} deg"
+        )
+
+
+def clearance_of(parameters: CableSimParameters, unit: Array) -> float | None:
+    """Return the height [m] of a `unit` at x, y, z [m] above the seabed of the `parameters`, None where there is none.
+
+    Raises StaticsError for a unit below the seabed.
+    """
+    seabed = parameters.seabed
+    if not seabed.depth > 0.0:
+        return None
+    clearance = Seabed(seabed).clearance(unit)
+    if clearance < 0.0:
+        raise StaticsError(
+            f"the unit would hang {-clearance:.3g} m below the seabed: reduce length ({parameters.length:g} m) "
+            f"or increase seabed.depth ({seabed.depth:g} m)"
+        )
+    return clearance
+
+
+def pressure_shortening(parameters: CableSimParameters, shape: StaticShape) -> float:
+    """Return by how much the water's pressure shortens a cable [m]: the integral of p A/EA, p = rho g y.
+
+    With the effective tension T, of which the weight in water is the slope, the strain is (T - p A)/EA (Pinto, Eq. 16,
+    which prints rho for rho g). This is the second part of it. It takes the cable as closed, and as not thicker for
+    being shorter: water that gets between the wires leaves a part of it only.
+
+    Parameters
+    ----------
+    parameters : of the plant
+    shape : of its cable at rest
+    """
+    labels, heights = shape.cable.labels, shape.positions[:, 2]
+    middles, sections = 0.5 * (labels[1:] + labels[:-1]), cable_sections(parameters)
+    owners = np.searchsorted([section.start for section in sections], middles, side="right") - 1
+    squeeze = np.array([section.cable.displaced_mass / section.cable.axial_stiffness for section in sections])
+    depths = np.maximum(-0.5 * (heights[1:] + heights[:-1]), 0.0)
+    return float(parameters.gravity * np.sum(squeeze[owners] * depths * np.diff(labels)))
+
+
+def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0.0, 0.0)) -> HangingReport:
+    """Return the static equilibrium of a plant's cable and unit at payout 0.
+
+    Bending stiffness, waves, passive compensator and rope path have no part in it; a current that changes in time is
+    taken at the start.
+
+    Parameters
+    ----------
+    parameters : of the plant
+    boom_tip : position [m], z up
+
+    Raises
+    ------
+    StaticsError
+        if sections or bodies do not fit on the cable, the unit would lie below the seabed, or the cable would be
+        strained too much.
+    NoEquilibriumError
+        if the current's equilibrium cannot be reached, or the unit would float above the boom tip.
+    """
+    tip = np.asarray(boom_tip, dtype=np.float64)
+    current = current_of(parameters)
+    shape = shape_at_rest(parameters, lambda cable: towing_cable(cable, tip, current))
+    unit = shape.positions[0]
+    wet = unit_properties(parameters, -float(unit[2])).wet
+    refuse_floating(float(unit[2]), float(tip[2]))
+    seabed = parameters.seabed
+    clearance = clearance_of(parameters, unit)
+    return HangingReport(
+        shape=shape,
+        boom_tip=tip,
+        unit=unit,
+        boom_tip_force=shape.end_force,
+        unit_weight=parameters.unit.weight_in_fluid(wet * parameters.water_density, parameters.gravity),
+        unit_wet=wet,
+        unit_pull=shape.lower[0],
+        seabed_depth=seabed.depth if seabed.depth > 0.0 else None,
+        clearance=clearance,
+        pressure_shortening=pressure_shortening(parameters, shape),
+    )

@@ -1,0 +1,189 @@
+"""A cable that is laid from a steaming ship: where it touches the bottom, how much of it hangs, and what it pulls."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from cable_sim_node.errors import StaticsError
+from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.current import current_of
+from cable_sim_node.reports.report import columns
+
+from heave_statics.laying import Laying, covering_payout, critical_angle, lay
+from heave_statics.suspended import refuse_unbearable, static_sections
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class LaidCable:
+    """The lay at one speed of the ship.
+
+    Attributes
+    ----------
+    speed : of the ship [m/s]
+    behind, sideways : where the cable touches the bottom, from the ship along and across its course, positive astern
+        and to port [m]
+    critical_angle : from the horizontal, of a straight line in still water without tangential drag [rad]
+    payout : speed of the cable [m/s]
+    laying : the steady shape
+    """
+
+    speed: float
+    behind: float
+    sideways: float
+    critical_angle: float
+    payout: float
+    laying: Laying
+
+    def values(self) -> dict[str, float]:
+        """Return the numbers with units in their names."""
+        return {
+            "speed_mps": self.speed,
+            "touchdown_behind_m": self.behind,
+            "touchdown_sideways_m": self.sideways,
+            "suspended_length_m": self.laying.suspended_length,
+            "tension_n": self.laying.tension,
+            "departure_angle_deg": math.degrees(self.laying.departure_angle),
+            "critical_angle_deg": math.degrees(self.critical_angle),
+            "payout_mps": self.payout,
+        }
+
+
+@dataclass(frozen=True)
+class LayingReport:
+    """The lay at several speeds.
+
+    Attributes
+    ----------
+    depth : of the bottom [m]
+    course : of the ship, from x towards y [rad]
+    lays : one for each speed
+    """
+
+    depth: float
+    course: float
+    lays: tuple[LaidCable, ...]
+
+    @property
+    def largest_tension(self) -> float:
+        """Largest tension at the boom tip in any of its rows [N]."""
+        return max(laid.laying.tension for laid in self.lays)
+
+    @property
+    def unit_load(self) -> float:
+        """NaN: the cable holds no unit."""
+        return math.nan
+
+    def values(self) -> dict[str, object]:
+        """Return the numbers with units in their names, for a machine."""
+        return {
+            "depth_m": self.depth,
+            "course_deg": math.degrees(self.course),
+            "lays": [laid.values() for laid in self.lays],
+        }
+
+    def table(self) -> str:
+        """Return the report as text for a person."""
+        headings = (
+            *("speed m/s", "touchdown astern m", "to port m", "suspended m", "tension kN"),
+            *("angle at ship deg", "critical angle deg", "payout m/s"),
+        )
+        rows = [
+            (
+                f"{laid.speed:.2f}",
+                f"{laid.behind:.2f}",
+                f"{laid.sideways + 0.0:.2f}",
+                f"{laid.laying.suspended_length:.2f}",
+                f"{laid.laying.tension / 1e3:.3f}",
+                f"{math.degrees(laid.laying.departure_angle):.2f}",
+                f"{math.degrees(laid.critical_angle):.2f}",
+                f"{laid.payout:.3f}",
+            )
+            for laid in self.lays
+        ]
+        return columns(headings, rows)
+
+    def draw(self, figure: Figure) -> None:
+        """Draw the cable from the side at every speed, and the touchdown from above, into `figure`."""
+        side, top = figure.subplots(1, 2)
+        along = np.array([math.cos(self.course), math.sin(self.course)])
+        across = np.array([-along[1], along[0]])
+        for laid in self.lays:
+            points = laid.laying.shape[:, :2] + laid.laying.touchdown
+            (line,) = side.plot(points @ along, laid.laying.shape[:, 2], label=f"{laid.speed:g} m/s")
+            top.plot(points @ along, points @ across, color=line.get_color())
+            top.plot(points[0] @ along, points[0] @ across, "o", color=line.get_color())
+        side.axhline(-self.depth, color="saddlebrown", linewidth=2.0)
+        side.set(xlabel="along the course from the ship [m]", ylabel="z [m]", title="cable from the side")
+        side.legend(title="ship", fontsize="small")
+        top.plot(0.0, 0.0, "r^", markersize=8.0, label="ship")
+        top.set(
+            xlabel="along the course from the ship [m]",
+            ylabel="to port of the course [m]",
+            title="touchdown from above",
+        )
+        top.legend(loc="best", fontsize="small")
+        extent = 0.1 * max(laid.behind for laid in self.lays)
+        low, high = top.get_ylim()
+        top.set_ylim(min(low, -extent), max(high, extent))
+        for axis in (side, top):
+            axis.grid(alpha=0.3)
+
+
+def laying_report(
+    parameters: CableSimParameters,
+    depth: float,
+    speeds: Sequence[float],
+    *,
+    course: float = 0.0,
+    rise: float = 0.0,
+    payout_speed: float | None = None,
+    bottom_tension: float = 0.0,
+    boom_tip_height: float = 0.0,
+) -> LayingReport:
+    """Return the lay of a plant's main cable at every speed of the ship.
+
+    Parameters
+    ----------
+    parameters : of the plant; unit, sections and bodies have no part in it
+    depth : of the bottom below still water, at the touchdown [m]
+    speeds : of the ship over ground [m/s]
+    course : direction in which it steams, from x towards y [rad]
+    rise : of the bottom ahead, per metre along the course
+    payout_speed : of the cable [m/s]; if None what covers the bottom in still water: the ship's speed where it is flat
+    bottom_tension : with which the cable lands [N]
+    boom_tip_height : z of the sheave [m]
+
+    Raises
+    ------
+    StaticsError
+        for a cable that does not sink, speeds that are not positive, a bottom that rises more steeply than the
+        cable hangs, or a cable strained by more than LARGEST_STRAIN.
+    NoEquilibriumError
+        if the cable does not come up to the ship.
+    """
+    section, current = static_sections(parameters)[-1], current_of(parameters)
+    along = np.array([math.cos(course), math.sin(course)])
+    lays = []
+    for speed in speeds:
+        if not (math.isfinite(speed) and speed > 0.0):
+            raise StaticsError(f"the laying speed must be finite and above 0; got {speed:g}")
+        angle = critical_angle(section, speed)
+        payout = covering_payout(angle, math.atan(rise), speed) if payout_speed is None else payout_speed
+        laying = lay(
+            *(section, depth, speed * along, current),
+            payout_speed=payout,
+            bottom_tension=bottom_tension,
+            sheave_height=boom_tip_height,
+        )
+        refuse_unbearable(parameters, laying.strain)
+        x, y = laying.touchdown
+        sideways = float(y * along[0] - x * along[1])
+        lays.append(LaidCable(speed, -float(laying.touchdown @ along), sideways, angle, payout, laying))
+    return LayingReport(depth, course, tuple(lays))

@@ -1,0 +1,187 @@
+"""A cable whose lower end is held at the bottom while the ship drifts off: what it pulls, by the offset of the ship."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.current import current_of
+from cable_sim_node.reports.report import columns
+from heave_node.numerics.arrays import Array
+
+from heave_statics.problems import mooring_cable, submerged_cable
+from heave_statics.shape import StaticShape
+from heave_statics.suspended import shape_at_rest
+from heave_statics.system import PointLoad, StaticCable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+LIES_BELOW = 1e-3
+"""A cable that comes further below its lower end than this [m] would lie on the bottom."""
+
+
+@dataclass(frozen=True)
+class MooredCable:
+    """The cable at one place of the ship.
+
+    Attributes
+    ----------
+    offset : of the boom tip from above the lower end, in the direction of the ship's drift [m]
+    pull : horizontal force on the cable in that direction at the boom tip [N]
+    anchor_tension, anchor_angle : of the cable at its lower end, the angle from the vertical [N], [rad]
+    below : how far the cable sags below its lower end [m]
+    shape : s = 0 at the lower end
+    """
+
+    offset: float
+    pull: float
+    anchor_tension: float
+    anchor_angle: float
+    below: float
+    shape: StaticShape
+
+    def values(self) -> dict[str, float]:
+        """Return the numbers with units in their names."""
+        return {
+            "offset_m": self.offset,
+            "horizontal_pull_n": self.pull,
+            "top_tension_n": self.shape.top_tension,
+            "top_angle_deg": math.degrees(self.shape.top_angle),
+            "anchor_tension_n": self.anchor_tension,
+            "anchor_angle_deg": math.degrees(self.anchor_angle),
+            "below_anchor_m": self.below,
+        }
+
+
+@dataclass(frozen=True)
+class MooringReport:
+    """The moored cable at several places of the ship.
+
+    Attributes
+    ----------
+    depth : of the lower end [m]
+    direction : in which the ship drifts or pulls, from x towards y [rad]
+    cables : one for each place
+    """
+
+    depth: float
+    direction: float
+    cables: tuple[MooredCable, ...]
+
+    @property
+    def largest_tension(self) -> float:
+        """Largest tension at the boom tip in any of its rows [N]."""
+        return max(cable.shape.top_tension for cable in self.cables)
+
+    @property
+    def unit_load(self) -> float:
+        """NaN: the cable holds no unit."""
+        return math.nan
+
+    def values(self) -> dict[str, object]:
+        """Return the numbers with units in their names, for a machine."""
+        return {
+            "depth_m": self.depth,
+            "direction_deg": math.degrees(self.direction),
+            "cables": [cable.values() for cable in self.cables],
+        }
+
+    def table(self) -> str:
+        """Return the report as text for a person."""
+        headings = ("offset m", "pull kN", "top tension kN", "top angle deg", "bottom tension kN", "bottom angle deg")
+        rows = [
+            (
+                f"{cable.offset:.2f}",
+                f"{cable.pull / 1e3 + 0.0:.3f}",
+                f"{cable.shape.top_tension / 1e3:.3f}",
+                f"{math.degrees(cable.shape.top_angle):.2f}",
+                f"{cable.anchor_tension / 1e3:.3f}",
+                f"{math.degrees(cable.anchor_angle):.2f}",
+            )
+            for cable in self.cables
+        ]
+        lying = [cable for cable in self.cables if cable.below > LIES_BELOW]
+        notes = [
+            f"offset {cable.offset:.2f} m: the cable sags {cable.below:.2f} m below its lower end; the seabed it "
+            "would lie on is not modelled"
+            for cable in lying
+        ]
+        return "\n".join([columns(headings, rows), *notes])
+
+    def draw(self, figure: Figure) -> None:
+        """Draw the cable from the side at every place, and the tensions over the offset, into `figure`."""
+        side, curves = figure.subplots(1, 2)
+        along = np.array([math.cos(self.direction), math.sin(self.direction)])
+        for cable in self.cables:
+            curve = cable.shape.curve()
+            side.plot(curve[:, :2] @ along, curve[:, 2], label=f"{cable.offset:.1f} m")
+        side.axhline(-self.depth, color="saddlebrown", linewidth=2.0)
+        side.set(xlabel="from the lower end [m]", ylabel="z [m]", title="cable from the side")
+        side.legend(title="offset", fontsize="small")
+        offsets = [cable.offset for cable in self.cables]
+        curves.plot(offsets, [cable.pull / 1e3 for cable in self.cables], "o-", label="horizontal pull")
+        curves.plot(offsets, [cable.shape.top_tension / 1e3 for cable in self.cables], "s-", label="top tension")
+        curves.plot(offsets, [cable.anchor_tension / 1e3 for cable in self.cables], "^-", label="bottom tension")
+        curves.set(xlabel="offset of the boom tip [m]", ylabel="[kN]", title="forces of the cable")
+        curves.legend(fontsize="small")
+        for axis in (side, curves):
+            axis.grid(alpha=0.3)
+
+
+def mooring_report(
+    parameters: CableSimParameters,
+    depth: float,
+    *,
+    offsets: Sequence[float] = (),
+    pulls: Sequence[float] = (),
+    direction: float = 0.0,
+    boom_tip_height: float = 0.0,
+) -> MooringReport:
+    """Return the equilibria of a cable whose lower end is held at the bottom.
+
+    Parameters
+    ----------
+    parameters : of the plant; the unit has no part in it, for it is what is held
+    depth : of the lower end below still water [m]
+    offsets : of the boom tip from above the lower end [m]
+    pulls : horizontal forces by which the ship pulls the boom tip away [N]
+    direction : of offsets and pulls, from x towards y [rad]
+    boom_tip_height : z of the boom tip [m]
+
+    Raises
+    ------
+    StaticsError
+        for values that are not finite, or sections or bodies that do not fit on the cable.
+    NoEquilibriumError
+        where there is no such equilibrium.
+    """
+    along = np.array([math.cos(direction), math.sin(direction)])
+    anchor, current = np.array([0.0, 0.0, -depth]), current_of(parameters)
+
+    def at_offset(offset: float) -> Callable[[StaticCable], StaticShape]:
+        tip = np.array([*(offset * along), boom_tip_height])
+        return lambda line: submerged_cable(line, anchor, tip, current)
+
+    def under_pull(pull: float) -> Callable[[StaticCable], StaticShape]:
+        return lambda line: mooring_cable(line, anchor, boom_tip_height, pull * along, current)
+
+    solvers = [*(at_offset(offset) for offset in offsets), *(under_pull(pull) for pull in pulls)]
+    shapes = [shape_at_rest(parameters, solve, PointLoad(0.0)) for solve in solvers]
+    return MooringReport(depth, direction, tuple(_moored(shape, along) for shape in shapes))
+
+
+def _moored(shape: StaticShape, along: Array) -> MooredCable:
+    bottom = shape.lower[0]
+    return MooredCable(
+        offset=float((shape.positions[-1, :2] - shape.positions[0, :2]) @ along),
+        pull=float(shape.end_force[:2] @ along),
+        anchor_tension=float(np.linalg.norm(bottom)),
+        anchor_angle=math.atan2(float(np.hypot(bottom[0], bottom[1])), float(bottom[2])),
+        below=float(shape.positions[0, 2] - shape.curve()[:, 2].min()),
+        shape=shape,
+    )

@@ -1,0 +1,9 @@
+"""colcon's view of heave_statics; name, version, description and licence are in package.xml."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "cmake"))
+from colcon_package import set_up
+
+set_up(commands=["static = heave_statics.commands.static"])

@@ -1,0 +1,1 @@
+"""Run many and judge: campaigns, operability, sizing, worst case, lifts, acceptance, what would have been."""

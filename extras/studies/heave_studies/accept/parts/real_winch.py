@@ -1,0 +1,118 @@
+"""A real winch under test, by the map that `heave adapt` uses for it."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from heave_bringup.errors import CommandError
+from heave_devices.adapt.device import LiveDevice
+from heave_devices.adapt.report import stale_words
+from heave_devices.live.adapter import WINCH_STATE
+from heave_devices.live.winch_handshake import WinchOrder
+from heave_devices.maps.device_map import DeviceMap
+from heave_node.parameters import ParameterError
+from heave_node.ros.process import leave_ros, node_beside
+from heave_node.ros.spin import Spinner
+from heave_node.ros.transport.environment import prepare_environment
+
+from heave_studies.accept.parts.winch import PERIOD, Sample
+from heave_studies.accept.procedure import Event
+
+READY = 8.0
+"""A winch that has not reported its payout after this time is not there [s]."""
+
+
+class RealPart:
+    """A winch behind a map.
+
+    Parameters
+    ----------
+    device : that is started
+    spin : serves its topics for a time [s]
+    ask : asks a person to do what an event says
+
+    Raises CommandError where it reports nothing.
+    """
+
+    is_real = True
+
+    def __init__(self, device: LiveDevice, spin: Callable[[float], None], ask: Callable[[Event], object]) -> None:
+        self._device, self._spin, self._ask = device, spin, ask
+        self._sequence = 0
+        end = time.monotonic() + READY
+        while "payout" not in device.adapter.newest:
+            if time.monotonic() > end:
+                raise CommandError(f"{device.device.name}: {device.problem or stale_words(device, time.monotonic())}")
+            spin(PERIOD)
+            device.guard()
+
+    def step(self, payout: float, rate: float, *, brake: bool) -> Sample:
+        """See `WinchPart.step`."""
+        self._sequence += 1
+        self._device.command(WinchOrder(payout, rate, brake, self._sequence))
+        self._spin(PERIOD)
+        self._device.guard()
+        return self._sample()
+
+    def idle(self) -> Sample:
+        """See `WinchPart.idle`; the device's own watchdog is not fed either."""
+        self._spin(PERIOD)
+        return self._sample()
+
+    def strike(self, event: Event) -> None:
+        """See `WinchPart.strike`: a person is asked to do it."""
+        self._ask(event)
+
+    def _sample(self) -> Sample:
+        newest, watch, now = self._device.adapter.newest, self._device.adapter.watch, time.monotonic()
+        fault = newest.get("fault", 0.0) or float(self._device.orders.handshake.fault)
+        return Sample(
+            now,
+            newest.get("payout", math.nan),
+            newest.get("payout_rate", math.nan),
+            newest.get("brake", 0.0),
+            fault,
+            watch.age(now) if watch.is_stale(now) else 0.0,
+        )
+
+
+def ask(event: Event) -> None:
+    """Tell the person at the winch on the terminal what to do for an `event`."""
+    sys.stderr.write(f"\nheave: now: {event.ask or event.words}\n")
+
+
+def check_map(device: DeviceMap) -> None:
+    """Raise CommandError where a `device` is not a winch that takes orders."""
+    if WINCH_STATE not in device.outputs or device.command is None:
+        raise ParameterError(f"{device.name}: is not the map of a winch, with payout and command")
+
+
+@contextmanager
+def real_winch(device: DeviceMap) -> Iterator[RealPart]:
+    """Open the winch of a map, and close it at the end.
+
+    Parameters
+    ----------
+    device : its map
+
+    Raises CommandError where it cannot be opened.
+    """
+    check_map(device)
+    prepare_environment()
+    node = node_beside(f"acceptance_{os.getpid()}", "")
+    try:
+        live = LiveDevice(device, node)
+        spinner = Spinner(node)
+        live.start()
+        try:
+            yield RealPart(live, spinner.spin_for, ask)
+        finally:
+            live.close()
+            spinner.close()
+    finally:
+        leave_ros(node)

@@ -1,0 +1,147 @@
+"""What became of a procedure: the verdict on each step, on the whole, and what identifies what was judged."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from heave_bags.analyse.verdict import FAILED, PASSED, Judged
+from heave_bags.record.provenance import git_commit, versions
+
+from heave_studies.accept.figures import RESIDUALS
+from heave_studies.accept.measured import Measured
+from heave_studies.accept.procedure import Procedure, Step
+
+NOT_DONE = "not done"
+"""State of a step that was not run, or could not be."""
+
+
+@dataclass(frozen=True)
+class StepResult:
+    """What became of a step.
+
+    Attributes
+    ----------
+    step : of the procedure
+    judged : its criteria
+    breaches : what fails any run, in words
+    failure : why it could not be done; "": it could
+    values : every figure that is known
+    measured : its signals; None: it was not done
+    file : what it left, a bag or a table; None: nothing
+    digest : of that file
+    part : what it was run against, in words
+    """
+
+    step: Step
+    judged: tuple[Judged, ...] = ()
+    breaches: tuple[str, ...] = ()
+    failure: str = ""
+    values: Mapping[str, float] = field(default_factory=dict)
+    measured: Measured | None = None
+    file: Path | None = None
+    digest: str = ""
+    part: str = ""
+
+    @property
+    def state(self) -> str:
+        """The verdict in a word: passed, FAILED, or not done."""
+        if self.failure or self.measured is None:
+            return NOT_DONE
+        return PASSED if not self.breaches and all(one.is_met for one in self.judged) else FAILED
+
+    @property
+    def failures(self) -> list[str]:
+        """What is missed, in words."""
+        if self.state == NOT_DONE:
+            return [f"{NOT_DONE}: {self.failure or 'interrupted'}"]
+        return [*self.breaches, *(str(one) for one in self.judged if not one.is_met)]
+
+    def to_json(self) -> dict[str, object]:
+        """Return it as plain data."""
+        return {
+            "step": self.step.name,
+            "state": self.state,
+            "part": self.part,
+            "criteria": [one.to_json() for one in self.judged],
+            "failures": self.failures if self.state != PASSED else [],
+            "residuals": {key: self.values.get(key) for key in RESIDUALS},
+            "file": str(self.file) if self.file else None,
+            "sha256": self.digest or None,
+        }
+
+
+@dataclass(frozen=True)
+class Acceptance:
+    """A procedure and its results.
+
+    Attributes
+    ----------
+    procedure : that was run
+    results : of its steps
+    parts : what was tested, by name: a winch by its map, a record
+    began : Unix time [s]
+    facts : what identifies it: digests, versions, host
+    """
+
+    procedure: Procedure
+    results: Sequence[StepResult]
+    parts: Mapping[str, str]
+    began: float
+    facts: Mapping[str, str]
+
+    @property
+    def is_passed(self) -> bool:
+        """Whether every step was done, and passed."""
+        return all(one.state == PASSED for one in self.results)
+
+    @property
+    def failures(self) -> list[str]:
+        """What is missed, in words, by step."""
+        return [f"{one.step.name}: {words}" for one in self.results if one.state != PASSED for words in one.failures]
+
+    def to_json(self) -> dict[str, object]:
+        """Return it as plain data."""
+        return {
+            "title": self.procedure.title,
+            "procedure": str(self.procedure.path),
+            "passed": self.is_passed,
+            "steps": [one.to_json() for one in self.results],
+            "parts": dict(self.parts),
+            "facts": dict(self.facts),
+        }
+
+
+def facts_of(procedure: Procedure, scenario: str, began: float) -> dict[str, str]:
+    """Return what identifies an acceptance test.
+
+    Parameters
+    ----------
+    procedure : that was run
+    scenario : text of its scenario with all values
+    began : Unix time [s]
+    """
+    known = versions()
+    return {
+        "procedure": f"{procedure.path.name}, SHA-256 {hashlib.sha256(procedure.text).hexdigest()}",
+        "scenario": f"{procedure.scenario} with all values, SHA-256 {hashlib.sha256(scenario.encode()).hexdigest()}",
+        "software": ", ".join(f"{name} {version}" for name, version in known.items()),
+        "commit": git_commit() or "unknown",
+        "host": f"{platform.node()}, {platform.system()} {platform.machine()}",
+        "begun": time.strftime("%Y-%m-%d %H:%M:%S UTC", time.gmtime(began)),
+    }
+
+
+def digest_of(path: Path) -> str:
+    """Return the SHA-256 of the file at `path`; of a folder that of its files, one after the other by name."""
+    digest = hashlib.sha256()
+    for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
+        if file.is_file():
+            with file.open("rb") as stream:
+                while piece := stream.read(1 << 20):
+                    digest.update(piece)
+    return digest.hexdigest()

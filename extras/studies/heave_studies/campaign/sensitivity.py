@@ -1,0 +1,158 @@
+"""What matters: which of the drawn parameters a figure of merit follows, as a table and as a tornado plot.
+
+Spearman's rank correlation asks for no straight line, and a lost case with a huge figure counts as no more than the
+worst. A parameter whose confidence interval (Fisher's z with the variance 1.06 / (n - 3) for ranks: Fieller, Hartley
+and Pearson, Biometrika 44, 1957) holds 0 has not shown any influence.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas
+from heave_bags.analyse import kpi_set
+from heave_bringup.output import make_table
+from heave_node.parameters import ParameterError
+from rich.table import Table
+from scipy import stats
+
+from heave_studies.campaign.picture import load_pyplot, save_figure
+from heave_studies.campaign.plan import Campaign
+from heave_studies.campaign.table import FAILURE, NOMINAL, settings_of
+
+FEWEST_CASES = 10
+CONFIDENCE = 0.9
+"""Two-sided."""
+SPREAD = 1.06
+"""Variance of Fisher's z of ranks, times n - 3."""
+
+
+@dataclass(frozen=True)
+class Influence:
+    """How much a figure follows a parameter.
+
+    Attributes
+    ----------
+    place : of the parameter
+    correlation : Spearman's, -1 to 1
+    low, high : ends of its confidence interval
+    at_low, at_high : median of the figure in the lowest and in the highest quarter of the parameter, SI
+    """
+
+    place: str
+    correlation: float
+    low: float
+    high: float
+    at_low: float
+    at_high: float
+
+    @property
+    def is_shown(self) -> bool:
+        """Whether the cases show any influence."""
+        return self.low > 0.0 or self.high < 0.0
+
+
+def check_enough(campaign: Campaign) -> None:
+    """Refuse a `campaign` whose cases are too few to tell what matters, before they are run; raises ParameterError."""
+    count = sum(not case.is_nominal for case in campaign.cases())
+    if count < FEWEST_CASES:
+        raise ParameterError(f"{campaign.path}: {count} cases: what matters needs {FEWEST_CASES} and more")
+
+
+def influences(frame: pandas.DataFrame, kpi: str) -> list[Influence]:
+    """Return the influence of each parameter that is a number, the strongest first.
+
+    Parameters
+    ----------
+    frame : cases of a campaign, drawn at random
+    kpi : key of the figure of merit
+
+    Raises ParameterError for fewer than FEWEST_CASES cases, and where no number was varied.
+    """
+    good = frame[(frame[FAILURE] == "") & ~frame[NOMINAL] & np.isfinite(frame[kpi])]
+    if len(good) < FEWEST_CASES:
+        raise ParameterError(f"{len(good)} cases with {kpi}: what matters needs {FEWEST_CASES} and more")
+    found = [_influence(good, place, kpi) for place in settings_of(frame) if _is_varied(good[place])]
+    if not found:
+        raise ParameterError(
+            "no parameter was varied that is a number: what matters needs a campaign with draw or vary"
+        )
+    return sorted(found, key=lambda one: -abs(one.correlation))
+
+
+def _is_varied(column: pandas.Series) -> bool:
+    is_number = pandas.api.types.is_numeric_dtype(column) and not pandas.api.types.is_bool_dtype(column)
+    return bool(is_number and column.nunique() > 1)
+
+
+def _influence(good: pandas.DataFrame, place: str, kpi: str) -> Influence:
+    values, figure = good[place].to_numpy(dtype=float), good[kpi].to_numpy(dtype=float)
+    is_flat = float(np.ptp(figure)) == 0.0
+    correlation = 0.0 if is_flat else float(stats.spearmanr(values, figure).statistic)
+    half = float(stats.norm.ppf(0.5 + 0.5 * CONFIDENCE)) * math.sqrt(SPREAD / (len(good) - 3))
+    z = math.atanh(min(max(correlation, -1.0 + 1e-12), 1.0 - 1e-12))
+    low, high = np.quantile(values, (0.25, 0.75))
+    return Influence(
+        place,
+        correlation,
+        min(math.tanh(z - half), correlation),  # at -1 and 1, where z is cut, it is the end itself
+        max(math.tanh(z + half), correlation),
+        float(np.median(figure[values <= low])),
+        float(np.median(figure[values >= high])),
+    )
+
+
+def influence_table(found: list[Influence], kpi: str) -> Table:
+    """Return a row for each parameter.
+
+    Parameters
+    ----------
+    found : as `influences` gives it
+    kpi : key of the figure of merit
+    """
+    definition = kpi_set.DEFINITION_OF[kpi]
+    heads = [
+        f"{definition.title}, {where} {definition.unit}".strip() for where in ("lowest quarter", "highest quarter")
+    ]
+    rows = [
+        [
+            one.place,
+            f"{one.correlation:+.2f}",
+            f"{one.low:+.2f} to {one.high:+.2f}",
+            definition.text(one.at_low),
+            definition.text(one.at_high),
+            "" if one.is_shown else "none shown",
+        ]
+        for one in found
+    ]
+    return make_table(["what matters", "rank correlation", "90 % sure", *heads, "influence"], rows, texts=["influence"])
+
+
+def save_tornado(found: list[Influence], kpi: str, path: Path) -> None:
+    """Draw the correlations as bars with their confidence, the strongest on top; grey: no influence shown.
+
+    Parameters
+    ----------
+    found : as `influences` gives it
+    kpi : key of the figure of merit
+    path : .png, .svg or .pdf
+    """
+    pyplot = load_pyplot()
+    figure, axis = pyplot.subplots(figsize=(8.0, 1.2 + 0.34 * len(found)))
+    rows = np.arange(len(found))[::-1]
+    values = np.array([one.correlation for one in found])
+    errors = [values - [one.low for one in found], np.array([one.high for one in found]) - values]
+    colours = ["#bbbbbb" if not one.is_shown else "#d55e00" if one.correlation > 0.0 else "#0072b2" for one in found]
+    axis.barh(rows, values, color=colours, height=0.62)
+    axis.errorbar(values, rows, xerr=errors, fmt="none", ecolor="#333333", elinewidth=1.0, capsize=2.0)
+    axis.axvline(0.0, color="#333333", linewidth=0.8)
+    axis.set_yticks(rows, [one.place for one in found], fontsize=8)
+    axis.set_xlim(-1.0, 1.0)
+    axis.set_xlabel(f"rank correlation with: {kpi_set.DEFINITION_OF[kpi].title}", fontsize=8)
+    axis.grid(axis="x", color="#e6ecf1")
+    axis.set_axisbelow(True)
+    figure.tight_layout()
+    save_figure(figure, path)

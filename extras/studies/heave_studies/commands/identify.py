@@ -1,0 +1,105 @@
+"""`heave identify`: the two-state cable a, b from a scenario's simulated response, or from a recorded one."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from heave_bringup.commands.arguments import add_settings
+from heave_bringup.errors import CommandError
+
+if TYPE_CHECKING:
+    from heave_studies.identification.cable import Identification
+
+SUMMARY = "Identify the two-state cable, a z'' + b z' + z = z0 - p, from a simulated or a recorded response."
+EXAMPLES = ("heave identify b3_deep_900 --drag quadratic",)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments to `parser`."""
+    parser.add_argument("source", metavar="SCENARIO|BAG", help="a shipped scenario, a parameter file, or a bag folder")
+    add_settings(parser)
+    parser.add_argument("--drag", choices=("linear", "quadratic"), default="linear", help="thesis Eq. 6.2 or Eq. 6.3")
+    parser.add_argument("--lengths", type=float, nargs="+", metavar="M", help="identify at each of these lengths")
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="default: NAME_identify.svg")
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Identify and print a and b with their uncertainty, and draw the response by them, as `options` say."""
+    from cable_sim_node.errors import PlantError
+    from cable_sim_node.vertical.axial_stepper import advance
+    from heave_bringup.output import check_output, write_result
+    from heave_bringup.progress import ProgressLine
+    from heave_bringup.scenarios import check_lengths, load_scenario
+    from heave_node.numerics.compiled import is_compiled
+    from winch_controller_node.model.lqr import DesignError
+
+    from heave_studies.identification.cable import IdentificationError
+    from heave_studies.identification.cable_response import draw_identification, identify_simulated
+
+    check_output("--picture", options.picture, (".png", ".svg", ".pdf"), makes_folder=True)
+    check_lengths("--lengths", options.lengths or ())
+    if not Path(options.source).is_dir() and not is_compiled(advance):
+        ProgressLine().tell("compiling the axial model: a few seconds, once after installation")
+    try:
+        if Path(options.source).is_dir():
+            found = _from_bag(Path(options.source), options.drag)
+        elif options.lengths:
+            _print_lengths(options)
+            return
+        else:
+            scenario = load_scenario(options.source, settings=options.set)
+            found = identify_simulated(
+                scenario.parameters["winch_controller"], drag=options.drag, seed=scenario.run.seed
+            )
+    except (IdentificationError, PlantError, DesignError) as error:
+        raise CommandError(f"{options.source}: {error}") from error
+    picture = options.picture or Path(f"{Path(options.source).stem}_identify.svg")
+    draw_identification(found, picture)
+    write_result(options, f"{found.summary()}\n\npicture   {picture.resolve()}", found.values())
+
+
+def _from_bag(path: Path, drag: str) -> Identification:
+    """Identify from the motions in a bag, after its transient, with what the winch paid out."""
+    import numpy as np
+    from heave_bags.analyse.read_run import read_run
+    from heave_bags.mcap.read.folder import bag_of
+
+    from heave_studies.identification.cable import identify
+
+    folder = bag_of(path)
+    record = read_run(folder)
+    unit = record.signals.unit_heave.window(record.start, record.end)
+    if unit.size < 2:
+        raise CommandError(f"{folder}: holds no motion of the unit")
+    step = float(np.median(np.diff(unit.time)))
+    time = unit.time[0] + step * np.arange(int((unit.time[-1] - unit.time[0]) / step))
+    signals = record.signals
+    tip, heave, payout = (
+        np.interp(time, signal.time, signal.value) if signal.size else np.zeros_like(time)
+        for signal in (signals.boom_tip_heave, signals.unit_heave, signals.payout)
+    )
+    return identify(time, tip - tip.mean(), heave - heave.mean(), payout=payout - payout.mean(), drag=drag)
+
+
+def _print_lengths(options: argparse.Namespace) -> None:
+    from heave_bringup.output import write_result
+    from heave_bringup.scenarios import load_scenario
+
+    from heave_studies.identification.cable_response import format_lengths, identify_against_length
+
+    scenario = load_scenario(options.source, settings=options.set)
+    points = identify_against_length(
+        scenario.parameters["winch_controller"], options.lengths, drag=options.drag, seed=scenario.run.seed
+    )
+    values = [
+        {
+            "length_m": point.length,
+            **point.identified.values(),
+            "linearised_a_s2": point.linearised_a,
+            "linearised_b_s": point.linearised_b,
+        }
+        for point in points
+    ]
+    write_result(options, format_lengths(points), {"lengths": values})

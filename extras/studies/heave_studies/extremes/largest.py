@@ -1,0 +1,251 @@
+"""The distribution of the largest value in some time, from maxima of shorter times, with its confidence.
+
+Maxima of blocks follow a generalised extreme-value distribution, peaks over a high threshold a generalised Pareto one,
+and either gives the largest value of any time (Coles, An Introduction to Statistical Modeling of Extreme Values, 2001,
+chapters 3 and 4). They are fitted by L-moments, which serve small samples better than likelihood does (Hosking, Journal
+of the Royal Statistical Society B 52, 1990, table 2; peaks: Hosking and Wallis, Technometrics 29, 1987). A small sample
+says nothing of the shape: it is then taken as 0, which is the limit of Rayleigh and all other waves without an upper
+end (Gumbel and exponential).
+
+Fitted are the squares of deviations from the mean: crests of a narrow-banded Gaussian motion are Rayleigh, so their
+squares are exponential and the fit is exact, where that of the crests themselves converges slowly (Cook, Journal of
+Wind Engineering and Industrial Aerodynamics 9, 1982, for wind speeds).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.randomness import random_stream
+
+from heave_studies.extremes.maxima import Peaks
+
+SHAPE_SAMPLE = 500
+"""Values from which on the shape is fitted too."""
+LARGEST_SHAPE = 0.4
+"""Shapes beyond this, of either sign, are a freak of the sample."""
+FEWEST = 3
+"""Fewest values from which a largest one is estimated."""
+SMALL_SAMPLE = 20
+"""A fit to fewer values is to be taken with caution."""
+LARGEST_EXTENSION = 20.0
+"""Time that is extrapolated to, over that of all records, beyond which caution is due."""
+CONFIDENCE = 0.9
+"""Two-sided, of the intervals."""
+RESAMPLES = 200
+SEED, STREAM = 1, "extremes/bootstrap"
+"""Of the random numbers of the confidence intervals."""
+FLAT = 1e-9
+"""Shapes below this are 0."""
+
+
+@dataclass(frozen=True)
+class Largest:
+    """Generalised extreme-value distribution of the largest value in a time.
+
+    Attributes
+    ----------
+    location, scale : in the unit of the value
+    shape : xi; above 0 a heavy tail, below 0 an upper end
+    duration : the time [s]
+    """
+
+    location: float
+    scale: float
+    shape: float
+    duration: float
+
+    def within(self, duration: float) -> Largest:
+        """Return the distribution of the largest value within another `duration` [s]; it is of the same kind."""
+        times = duration / self.duration
+        if abs(self.shape) < FLAT:
+            return Largest(self.location + self.scale * math.log(times), self.scale, 0.0, duration)
+        grown = times**self.shape
+        location = self.location + self.scale * (grown - 1.0) / self.shape
+        return Largest(location, self.scale * grown, self.shape, duration)
+
+    @property
+    def most_probable(self) -> float:
+        """The mode."""
+        if abs(self.shape) < FLAT:
+            return self.location
+        return self.location + self.scale * (math.pow(1.0 + self.shape, -self.shape) - 1.0) / self.shape
+
+    def percentile(self, share: float) -> float:
+        """Return the value that the largest one stays below with a probability of `share`."""
+        reduced = -math.log(share)
+        if abs(self.shape) < FLAT:
+            return self.location - self.scale * math.log(reduced)
+        return self.location + self.scale * (math.pow(reduced, -self.shape) - 1.0) / self.shape
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What is to be expected of the largest deviation from the mean.
+
+    Attributes
+    ----------
+    method : how it was found
+    sample : number of values that it was fitted to
+    most_probable : root of the most probable square, sigma sqrt(2 ln n) of n Rayleigh crests
+    p90 : 90th percentile
+    most_probable_range, p90_range : confidence intervals of the two
+    warnings : why to take it with caution
+    """
+
+    method: str
+    sample: int
+    most_probable: float
+    most_probable_range: tuple[float, float]
+    p90: float
+    p90_range: tuple[float, float]
+    warnings: tuple[str, ...] = ()
+
+
+def l_moments(values: Array) -> tuple[float, float, float]:
+    """Return mean, L-scale and L-skewness (0 where all values are equal) of a sample, unbiased.
+
+    Parameters
+    ----------
+    values : shape (n,), two at least; of two the skewness is 0
+    """
+    rising, count = np.sort(values), values.size
+    rank = np.arange(count)
+    first = float(rising.mean())
+    second = float(np.mean(rising * rank)) / (count - 1)
+    scale = 2.0 * second - first
+    if scale <= 0.0 or count < 3:
+        return first, max(scale, 0.0), 0.0
+    third = float(np.mean(rising * rank * (rank - 1))) / ((count - 1) * (count - 2))
+    return first, scale, (6.0 * third - 6.0 * second + first) / scale
+
+
+def fit_blocks(maxima: Array, block: float) -> Largest:
+    """Return the distribution of the largest value in a block.
+
+    Parameters
+    ----------
+    maxima : of blocks, shape (n,), two at least
+    block : length of a block [s]
+    """
+    mean, l_scale, skewness = l_moments(maxima)
+    if maxima.size < SHAPE_SAMPLE or l_scale == 0.0:
+        scale = l_scale / math.log(2.0)
+        return Largest(mean - float(np.euler_gamma) * scale, scale, 0.0, block)
+    c = 2.0 / (3.0 + skewness) - math.log(2.0) / math.log(3.0)
+    k = min(max(7.8590 * c + 2.9554 * c**2, -LARGEST_SHAPE), LARGEST_SHAPE)
+    if abs(k) < FLAT:
+        k = FLAT
+    gamma = math.gamma(1.0 + k)
+    scale = l_scale * k / ((1.0 - 2.0**-k) * gamma)
+    return Largest(mean - scale * (1.0 - gamma) / k, scale, -k, block)
+
+
+def fit_peaks(peaks: Peaks) -> Largest:
+    """Return the distribution of the largest value within the time of the record.
+
+    Peaks come as a Poisson process: the largest of a time stays below x with exp(-(number of peaks above x)).
+
+    Parameters
+    ----------
+    peaks : over a threshold, two at least
+    """
+    mean, l_scale, _ = l_moments(peaks.excess)
+    k = mean / l_scale - 2.0 if peaks.excess.size >= SHAPE_SAMPLE and l_scale > 0.0 else 0.0
+    k = min(max(k, -LARGEST_SHAPE), LARGEST_SHAPE)
+    per_peak = Largest(peaks.threshold, (1.0 + k) * mean, -k, peaks.duration / peaks.excess.size)
+    return per_peak.within(peaks.duration)
+
+
+def from_blocks(maxima: Array, block: float, duration: float) -> Estimate | None:
+    """Return what is to be expected of the largest value within a time, by maxima of blocks; None for too few.
+
+    Parameters
+    ----------
+    maxima : of blocks, or of records of one length: deviations from the mean, not negative, shape (n,)
+    block : length of each [s]
+    duration : the time [s]
+    """
+    if maxima.size < FEWEST:
+        return None
+
+    squares = np.square(maxima)
+
+    def again(generator: np.random.Generator) -> Largest:
+        return fit_blocks(generator.choice(squares, squares.size), block)
+
+    best = fit_blocks(squares, block)
+    return _estimate("block maxima", best, maxima.size, maxima.size * block, duration, again)
+
+
+def most_probable_by_blocks(maxima: Array, block: float, duration: float) -> float:
+    """Return the most probable largest value alone; arguments as for `from_blocks`, three maxima at least.
+
+    Parameters
+    ----------
+    maxima, block, duration : see there
+    """
+    return _figures(fit_blocks(np.square(maxima), block).within(duration))[0]
+
+
+def from_peaks(peaks: Peaks, duration: float) -> Estimate | None:
+    """Return what is to be expected of the largest value within a time, by peaks; None for too few.
+
+    Parameters
+    ----------
+    peaks : over a threshold: deviations from the mean
+    duration : the time [s]
+    """
+    count = peaks.excess.size
+    if count < FEWEST:
+        return None
+    threshold = peaks.threshold**2
+    excess = np.square(peaks.threshold + peaks.excess) - threshold
+
+    def again(generator: np.random.Generator) -> Largest:
+        drawn = generator.choice(excess, max(int(generator.poisson(count)), 2))
+        return fit_peaks(Peaks(drawn, threshold, peaks.duration))
+
+    best = fit_peaks(Peaks(excess, threshold, peaks.duration))
+    return _estimate("peaks over threshold", best, count, peaks.duration, duration, again)
+
+
+def _estimate(
+    method: str,
+    best: Largest,
+    sample: int,
+    recorded: float,
+    duration: float,
+    again: Callable[[np.random.Generator], Largest],
+) -> Estimate:
+    generator = random_stream(SEED, STREAM)
+    drawn = np.array([_figures(again(generator).within(duration)) for _ in range(RESAMPLES)])
+    low, high = np.quantile(drawn, (0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE), axis=0)
+    most_probable, p90 = _figures(best.within(duration))
+    return Estimate(
+        method,
+        sample,
+        most_probable,
+        (float(low[0]), float(high[0])),
+        p90,
+        (float(low[1]), float(high[1])),
+        tuple(_warnings(sample, recorded, duration)),
+    )
+
+
+def _figures(squares: Largest) -> tuple[float, float]:
+    """Return the most probable largest value and its 90th percentile, by the distribution of its square."""
+    return math.sqrt(max(squares.most_probable, 0.0)), math.sqrt(max(squares.percentile(0.9), 0.0))
+
+
+def _warnings(sample: int, recorded: float, duration: float) -> list[str]:
+    words = []
+    if sample < SMALL_SAMPLE:
+        words.append(f"only {sample} values: the interval is too narrow; {SMALL_SAMPLE} and more make a fit")
+    if duration > LARGEST_EXTENSION * recorded:
+        words.append(f"{duration / 3600.0:g} h from {recorded / 60.0:.3g} min of records: run longer, or more seeds")
+    return words

@@ -1,0 +1,244 @@
+"""Identification of the two-state cable from a response (thesis 6.2.3): least squares with the sensitivity equations.
+
+Models: a x'' + b x' + x = e (Eq. 6.2) and a x'' + b x' abs(x') + x = e (Eq. 6.3), with e = boom-tip heave less payout.
+Besides a and b the start of the record and the mean of the sensor are found, so that any piece of a recording will do.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from heave_node.numerics.arrays import Array
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+from scipy.optimize import least_squares
+
+from heave_studies.identification.cable_kernel import respond
+
+CONVERGED = 1e-9
+"""Relative change of the sum of squares with which the fit ends."""
+SMALLEST_RECORD = 50
+POOR_FIT = 0.7
+"""Fit below which a and b are not worth much."""
+
+
+class IdentificationError(ValueError):
+    """A response from which nothing can be identified; the message says why."""
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What was found.
+
+    Attributes
+    ----------
+    drag : "linear" (Eq. 6.2) or "quadratic" (Eq. 6.3)
+    a : [s^2]; b : [s], or [s^2/m] where drag is quadratic
+    covariance : of (a, b), shape (2, 2); it allows for the time correlation of the residual
+    fit : 1 - norm(residual)/norm(response about its mean); 1 is perfect
+    residual_sigma : [m]
+    iterations : steps taken
+    time, measured, model : the record and the model's answer [s], [m], [m]
+    note : reservation about the figures, in words; empty: none
+    """
+
+    drag: str
+    a: float
+    b: float
+    covariance: Array
+    fit: float
+    residual_sigma: float
+    iterations: int
+    time: Array
+    measured: Array
+    model: Array
+    note: str = ""
+
+    def summary(self) -> str:
+        """Return the result in two lines, and the note."""
+        unit = "s" if self.drag == "linear" else "s2/m"
+        sigma = np.sqrt(np.diag(self.covariance))
+        return (
+            f"{self.drag} drag: a = {self.a:.5g} +- {sigma[0]:.2g} s2, b = {self.b:.5g} +- {sigma[1]:.2g} {unit}\n"
+            f"fit {100.0 * self.fit:.2f} %, residual {100.0 * self.residual_sigma:.3g} cm, {self.iterations} iterations"
+            + (f"\n{self.note}" if self.note else "")
+        )
+
+    def values(self) -> dict[str, object]:
+        """Return the numbers for a machine."""
+        return {
+            "drag": self.drag,
+            "a": self.a,
+            "b": self.b,
+            "covariance": self.covariance.tolist(),
+            "fit": self.fit,
+            "residual_sigma_m": self.residual_sigma,
+            "iterations": self.iterations,
+            "note": self.note,
+        }
+
+
+def identify(
+    time: ArrayLike,
+    boom_tip_heave: ArrayLike,
+    unit_heave: ArrayLike,
+    *,
+    payout: ArrayLike | None = None,
+    drag: str = "linear",
+    guess: tuple[float, float] | None = None,
+    starts_at_rest: bool = False,
+) -> Identification:
+    """Find a and b of the two-state cable from a response.
+
+    Parameters
+    ----------
+    time : equally spaced samples [s]
+    boom_tip_heave : [m], positive up
+    unit_heave : [m], positive up, about any mean
+    payout : [m], positive lowers the unit; None: winch locked
+    drag : "linear" or "quadratic"
+    guess : a and b to begin with; None: the best of a coarse search
+    starts_at_rest : the unit rests at its mean at the first sample (as the thesis assumes); False finds
+        its motion there
+
+    Raises
+    ------
+    IdentificationError : a record that is too short, uneven, not finite or without motion; or no convergence.
+    """
+    t, tip, unit = (np.asarray(values, dtype=float) for values in (time, boom_tip_heave, unit_heave))
+    paid = np.zeros_like(tip) if payout is None else np.asarray(payout, dtype=float)
+    _check_record(t, tip, unit, paid)
+    if drag not in ("linear", "quadratic"):
+        raise IdentificationError(f"drag must be linear or quadratic; got {drag!r}")
+    problem = _Problem(t, tip - paid, unit, drag == "quadratic", starts_at_rest)
+    theta = problem.start(guess)
+    theta, iterations = _fitted(problem, theta)
+    return problem.result(theta, iterations, drag)
+
+
+def _check_record(t: Array, tip: Array, unit: Array, paid: Array) -> None:
+    if not t.ndim == 1 or not t.shape == tip.shape == unit.shape == paid.shape:
+        raise IdentificationError(
+            f"time, boom tip, payout and unit must be series of one length; got {t.shape}, {tip.shape}, "
+            f"{paid.shape}, {unit.shape}"
+        )
+    if len(t) < SMALLEST_RECORD:
+        raise IdentificationError(f"{len(t)} samples are too few: give {SMALLEST_RECORD} or more")
+    if not all(np.all(np.isfinite(values)) for values in (t, tip, unit, paid)):
+        raise IdentificationError("the record holds a value that is not finite: cut it there, or fill the gap")
+    steps = np.diff(t)
+    if steps.min() <= 0.0 or np.ptp(steps) > 1e-3 * steps.mean():
+        raise IdentificationError("the samples must be equally spaced in rising time: resample the record first")
+    if np.std(tip - paid) < 1e-6 or np.std(unit) < 1e-9:
+        raise IdentificationError("boom tip or unit moves too little to identify anything: record a rougher sea")
+
+
+class _Problem:
+    """Residual and sensitivities of one record; theta = a, b, mean of the sensor, start heave, start rate."""
+
+    def __init__(self, time: Array, outlet: Array, unit: Array, is_quadratic: bool, starts_at_rest: bool) -> None:
+        self.time, self.unit = time, unit
+        self._period = float(time[1] - time[0])
+        self._outlet = np.ascontiguousarray(outlet)
+        middle = CubicSpline(time, outlet)(time[:-1] + 0.5 * self._period)
+        self._middle = np.ascontiguousarray(middle)
+        self._is_quadratic = is_quadratic
+        self.free = 3 if starts_at_rest else 5
+
+    def evaluate(self, theta: Array) -> tuple[Array, Array]:
+        """Return the residual, shape (N,), and its derivatives with the sign of the model, shape (N, free)."""
+        a, b, mean, x, v = theta
+        traces = respond(a, b, x, v, self._outlet, self._middle, self._period, self._is_quadratic)
+        sensitivities = np.column_stack((traces[:, 1], traces[:, 2], np.ones(len(traces)), traces[:, 3], traces[:, 4]))
+        return self.unit - (traces[:, 0] + mean), sensitivities[:, : self.free]
+
+    def cost(self, theta: Array) -> float:
+        """Return the sum of squares, infinite where the model runs away or its numbers make no sense."""
+        if theta[0] <= 0.0 or theta[1] < 0.0:
+            return math.inf
+        residual, _ = self.evaluate(theta)
+        with np.errstate(over="ignore", invalid="ignore"):
+            total = float(residual @ residual)
+        return total if math.isfinite(total) else math.inf
+
+    def start(self, guess: tuple[float, float] | None) -> Array:
+        """Return where to begin: `guess`, or the best of a coarse grid."""
+        mean = float(self.unit.mean() - self._outlet.mean())
+        if guess is not None:
+            if not (guess[0] > 0.0 and guess[1] >= 0.0):
+                raise IdentificationError(f"the guess must have a > 0 and b >= 0; got {guess[0]:g}, {guess[1]:g}")
+            return np.array([guess[0], guess[1], mean, 0.0, 0.0])
+        shortest = self._period**2
+        grid = [
+            np.array([a, b * math.sqrt(a), mean, 0.0, 0.0])
+            for a in np.geomspace(max(0.01, shortest), 60.0, 48)
+            for b in (0.02, 0.1, 0.5)
+        ]
+        return min(grid, key=self.cost)
+
+    def result(self, theta: Array, iterations: int, drag: str) -> Identification:
+        """Return the identification at the solution."""
+        residual, sensitivities = self.evaluate(theta)
+        information = sensitivities.T @ sensitivities
+        dof = max(len(residual) - len(information), 1)
+        variance = float(residual @ residual) / dof
+        whole = np.asarray(np.linalg.pinv(information), dtype=np.float64) * variance * _correlation_factor(residual)
+        swing = float(np.linalg.norm(self.unit - self.unit.mean()))
+        fit = 1.0 - float(np.linalg.norm(residual)) / swing
+        poor = f"poor fit: the model explains {100.0 * fit:.0f} % of the motion" if fit < POOR_FIT else ""
+        return Identification(
+            drag=drag,
+            a=float(theta[0]),
+            b=float(theta[1]),
+            covariance=whole[:2, :2],
+            fit=fit,
+            residual_sigma=math.sqrt(variance),
+            iterations=iterations,
+            time=self.time,
+            measured=self.unit,
+            model=self.unit - residual,
+            note=poor,
+        )
+
+
+def _correlation_factor(residual: Array) -> float:
+    """Return by how much time correlation of the residual multiplies the variances (Bartlett's window)."""
+    n = len(residual)
+    about_mean = residual - residual.mean()
+    spectrum = np.abs(np.fft.rfft(about_mean, 2 * n)) ** 2
+    covariance = np.fft.irfft(spectrum)[:n]
+    if covariance[0] <= 0.0:
+        return 1.0
+    lags = np.arange(1, max(2, n // 10))
+    weights = 1.0 - lags / (lags[-1] + 1.0)
+    # sensitivities swing as the residual does: what counts is the sum of squared correlations
+    return 1.0 + 2.0 * float(np.sum(weights * (covariance[lags] / covariance[0]) ** 2))
+
+
+def _fitted(problem: _Problem, start: Array) -> tuple[Array, int]:
+    """Return the solution and the number of steps, by scipy's trust region within a > 0, b >= 0."""
+    if not math.isfinite(problem.cost(start)):
+        raise IdentificationError("the model diverges from the first guess: choose another guess")
+    theta, free = start.copy(), problem.free
+
+    def at(values: Array) -> tuple[Array, Array]:
+        theta[:free] = values
+        return problem.evaluate(theta)
+
+    lowest = np.full(free, -np.inf)
+    lowest[:2] = np.finfo(float).tiny, 0.0
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = least_squares(
+            lambda values: at(values)[0],
+            start[:free],
+            lambda values: -at(values)[1],
+            bounds=(lowest, np.inf),
+            x_scale="jac",
+            ftol=CONVERGED,
+        )
+    if not found.success:
+        raise IdentificationError(f"no convergence in {found.nfev} steps: the response is not that of a cable")
+    theta[:free] = found.x
+    return theta, int(found.njev)

@@ -1,0 +1,295 @@
+"""The largest sea in which criteria hold, by period, from the cases of a grid of seas.
+
+Between two heights a figure of merit is taken as linear. Below the smallest it goes to its value in a calm sea: an
+estimate, by which seas of a place are counted, and which is reported as a limit below the smallest height. Each
+seed has a limit of its own, and their spread is the confidence in the mean (Student's t), from FEWEST_SEEDS on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas
+from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_node.criteria import Criterion
+from heave_node.loads.strength import FACTORS, ROPE
+from heave_node.numerics.arrays import Array
+from scipy import stats
+
+from heave_studies.campaign.table import FAILURE, LOST, SEED, settings_of
+from heave_studies.operability.seas import HEIGHT, PERIOD
+
+CONFIDENCE = 0.9
+"""Two-sided, of the interval about a mean limit."""
+
+FEWEST_SEEDS, USEFUL_SEEDS = 3, 5
+"""Seeds from which on a spread is stated, and from which on half its interval is at most the standard deviation of
+one seed's limit. Of two seeds Student's t has one degree of freedom: 4.5 standard deviations, which say nothing.
+"""
+
+LOST_LIMIT = "compensation lost"
+"""Name of the limit where compensation is lost, or a case cannot be run."""
+
+CALM = {
+    "dynamic_amplification": 1.0,
+    "tension_ratio_min": 1.0,
+    "compensating_percent": 100.0,
+    "unit_efficiency": 1.0,
+    "outlet_efficiency": 1.0,
+}
+"""Figures that are not 0 in a calm sea."""
+
+UNCOMPENSATED = {
+    "unit_sigma_m": ("uncompensated_sigma_m", 1.0),
+    "significant_residual_m": ("uncompensated_sigma_m", 4.0),
+    "max_abs_heave_m": ("uncompensated_max_abs_heave_m", 1.0),
+    "dynamic_amplification": ("uncompensated_dynamic_amplification", 1.0),
+    "tension_ratio_min": ("uncompensated_tension_ratio_min", 1.0),
+    "snaps": ("uncompensated_snaps", 1.0),
+    ROPE: ("uncompensated_rope_safety_factor", 1.0),
+}
+"""Figures that are known of the locked winch in the same sea: their key, and a factor."""
+
+
+@dataclass(frozen=True)
+class SeedLimit:
+    """The limit of one seed at one period.
+
+    Attributes
+    ----------
+    height : largest significant wave height in which every criterion holds [m]
+    governs : figure of merit that ends it; "" where nothing does up to the largest height of the grid
+    """
+
+    height: float
+    governs: str
+
+
+def situations(frame: pandas.DataFrame) -> list[tuple[str, pandas.DataFrame]]:
+    """Return the cases in `frame` apart by what was varied beside the sea (heading, depth, ...), each with its name."""
+    others = [place for place in settings_of(frame) if place not in (HEIGHT, PERIOD)]
+    if not others:
+        return [("", frame)]
+    groups = frame.groupby([frame[place].astype(str) for place in others], sort=False)
+    return [(_name(others, part), part) for _, part in groups]
+
+
+def _name(places: Sequence[str], part: pandas.DataFrame) -> str:
+    words = []
+    for place in places:
+        value = part[place].iloc[0]
+        is_angle = place.endswith("heading")
+        shown = f"{math.degrees(value):.0f} deg" if is_angle else f"{value:g}" if isinstance(value, float) else value
+        words.append(f"{place.rsplit('.', 1)[-1]} {shown}")
+    return ", ".join(words)
+
+
+def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locked: bool = False) -> pandas.DataFrame:
+    """Return the limit by period.
+
+    Parameters
+    ----------
+    frame : cases of one situation
+    criteria : that are to hold
+    locked : of the uncompensated unit, by those criteria that it has a figure for
+
+    Returns
+    -------
+    curve : a row for each peak period, with `period`, `limit` (mean over the seeds), `lower` and `upper` (ends of its
+        confidence interval within the grid, NaN for fewer than FEWEST_SEEDS), `is_open` (nothing limits some seed up to
+        the largest height), `is_below` (some seed is limited below the smallest height, where nothing was run),
+        `at_most` (mean with the smallest height for such seeds), `governs`, `seeds`
+    """
+    bottom, top = float(frame[HEIGHT].min()), float(frame[HEIGHT].max())
+    rows = []
+    for period, of_period in frame.groupby(PERIOD):
+        found = [seed_limit(of_seed, criteria, locked=locked) for _, of_seed in of_period.groupby(SEED)]
+        heights = np.array([min(one.height, top) for one in found])
+        half = _half_width(heights)
+        names = [one.governs for one in found if one.governs]
+        rows.append(
+            {
+                "period": float(period),  # type: ignore[arg-type]
+                "limit": float(heights.mean()),
+                "lower": max(float(heights.mean()) - half, 0.0),  # not known stays not known
+                "upper": min(float(heights.mean()) + half, top),
+                "is_open": any(math.isinf(one.height) for one in found),
+                "is_below": bool((heights < bottom).any()),
+                "at_most": float(np.maximum(heights, bottom).mean()),
+                "governs": max(names, key=names.count) if names else "",
+                "seeds": len(found),
+            }
+        )
+    return pandas.DataFrame(rows)
+
+
+def limit_words(row: Mapping[Hashable, Any]) -> str:
+    """Return the limit of a `row` of a limit curve [m], as far as it lies within the heights that were run."""
+    if row["is_below"]:
+        return f"below {row['at_most']:.2f}"
+    return f"{'above ' if row['is_open'] else ''}{row['limit']:.2f}"
+
+
+def interval(row: Mapping[Hashable, Any]) -> str:
+    """Return the confidence interval of a `row` of a limit curve; a dash where it is not known."""
+    lower, upper = float(row["lower"]), float(row["upper"])
+    return f"{lower:.2f} to {upper:.2f}" if upper > lower and not row["is_below"] else "-"
+
+
+def _half_width(heights: Array) -> float:
+    """Return half the confidence interval of a mean; NaN for fewer than FEWEST_SEEDS values."""
+    count = heights.size
+    if count < FEWEST_SEEDS:
+        return math.nan
+    quantile = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, count - 1))
+    return quantile * float(heights.std(ddof=1)) / math.sqrt(count)
+
+
+def too_few_seeds(curves: Sequence[pandas.DataFrame]) -> str:
+    """Return the line that says why a limit of the `curves` shows no confidence; "" where each has seeds enough."""
+    count = min(int(curve["seeds"].min()) for curve in curves)
+    if count >= FEWEST_SEEDS:
+        return ""
+    seeds = f"{count} seed{'s' if count > 1 else ''}"
+    return f"Confidence is not stated with {seeds}; use at least {FEWEST_SEEDS}, better {USEFUL_SEEDS}."
+
+
+def seed_limit(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locked: bool = False) -> SeedLimit:
+    """Return the limit of one seed at one period.
+
+    Parameters
+    ----------
+    frame : its cases, one for each height
+    criteria : that are to hold
+    locked : of the uncompensated unit
+    """
+    cases = frame.sort_values(HEIGHT)
+    heights = cases[HEIGHT].to_numpy(dtype=float)
+    limits = {}
+    for criterion in criteria:
+        course = course_of(cases, criterion, locked=locked)
+        if course is not None:
+            limits[criterion.kpi] = crossing(heights, course.values, course.criterion, course.calm)
+    if not locked:
+        gone = (cases[LOST].to_numpy(dtype=bool)) | (cases[FAILURE] != "").to_numpy()
+        limits[LOST_LIMIT] = _last_before(heights, gone)
+    if not limits:
+        return SeedLimit(math.inf, "")
+    governs = min(limits, key=lambda name: limits[name])
+    return SeedLimit(limits[governs], governs if math.isfinite(limits[governs]) else "")
+
+
+def figure(cases: pandas.DataFrame, kpi: str, *, locked: bool) -> Array | None:
+    """Return a figure of merit of `cases`, or that of the locked winch in the same seas; None where it has none.
+
+    Parameters
+    ----------
+    cases : rows of a campaign's table
+    kpi : key of the figure
+    locked : of the uncompensated unit
+    """
+    if not locked:
+        return np.asarray(cases[kpi], dtype=float)
+    if kpi not in UNCOMPENSATED:
+        return None
+    key, factor = UNCOMPENSATED[kpi]
+    return np.asarray(factor * cases[key], dtype=float)
+
+
+@dataclass(frozen=True)
+class Course:
+    """How a figure goes with the sea, in terms that are linear in the height of the waves.
+
+    Attributes
+    ----------
+    values : of the cases, shape (n,)
+    calm : in a calm sea
+    criterion : that is to hold of them
+    """
+
+    values: Array
+    calm: float
+    criterion: Criterion
+
+
+def course_of(cases: pandas.DataFrame, criterion: Criterion, *, locked: bool = False) -> Course | None:
+    """Return how the figure of a `criterion` goes with the sea; None where there is no such figure.
+
+    A safety factor is turned into the load over the capacity, which grows with the waves; without waves it is that of
+    the static tension.
+
+    Parameters
+    ----------
+    cases : rows of a campaign's table
+    criterion : on a figure of merit
+    locked : of the uncompensated unit
+    """
+    values = figure(cases, criterion.kpi, locked=locked)
+    if values is None:
+        return None
+    if criterion.kpi not in FACTORS:
+        return Course(values, CALM.get(criterion.kpi, 0.0), criterion)
+    with np.errstate(divide="ignore"):
+        loads = np.where(np.isinf(values), 0.0, 1.0 / values)
+    amplification = figure(cases, "dynamic_amplification", locked=locked)
+    calm = float(np.nanmean(loads / amplification)) if np.isfinite(loads / amplification).any() else 0.0
+    bound = Criterion(criterion.kpi, criterion.relation.replace(">", "<"), 1.0 / criterion.bound)
+    return Course(loads, calm, bound)
+
+
+def crossing(heights: Array, values: Array, criterion: Criterion, calm: float | None = None) -> float:
+    """Return the height at which a figure reaches its bound for the first time; infinite where it does not.
+
+    Parameters
+    ----------
+    heights : rising, shape (n,) [m]
+    values : of the figure at them, shape (n,)
+    criterion : on the figure
+    calm : value in a calm sea; None: that of CALM
+    """
+    height, value = 0.0, CALM.get(criterion.kpi, 0.0) if calm is None else calm
+    for next_height, next_value in zip(heights, values, strict=True):
+        if math.isnan(next_value):
+            return height  # such a case is lost, which ends the limit anyhow
+        if not criterion.is_met(float(next_value)):
+            share = (criterion.bound - value) / (next_value - value) if next_value != value else 0.0
+            return float(height + (next_height - height) * min(max(share, 0.0), 1.0))
+        height, value = next_height, next_value
+    return math.inf
+
+
+def _last_before(heights: Array, gone: Array) -> float:
+    """Return the last height before the first case that is lost; infinite where none is."""
+    first = np.flatnonzero(gone)
+    if not first.size:
+        return math.inf
+    return float(heights[first[0] - 1]) if first[0] else 0.0
+
+
+def utilisation(cases: pandas.DataFrame, criterion: Criterion, *, locked: bool = False) -> Array | None:
+    """Return how much of a bound each case uses: 1 at the bound, above 1 beyond; None where there is no figure.
+
+    Parameters
+    ----------
+    cases : rows of a campaign's table
+    criterion : on a figure of merit
+    locked : of the uncompensated unit
+    """
+    course = course_of(cases, criterion, locked=locked)
+    if course is None:
+        return None
+    values, calm, criterion = course.values, course.calm, course.criterion
+    room = criterion.bound - calm
+    if room == 0.0:  # nothing is allowed: any of it is beyond
+        met = np.array([criterion.is_met(float(value)) for value in values])
+        return np.where(met, 0.0, 2.0)
+    return np.asarray((values - calm) / room)
+
+
+def title_of(name: str) -> str:
+    """Return what limits, by the `name` of a figure of merit or `LOST_LIMIT`, in words."""
+    return DEFINITION_OF[name].title if name in DEFINITION_OF else name

@@ -1,0 +1,157 @@
+"""An operability study: limit curves of every situation, compensated and locked, against the seas of a place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas
+from heave_node.criteria import Criterion
+
+from heave_studies.operability.alpha import AlphaTable
+from heave_studies.operability.exposure import beyond_the_grid, workable, workable_share
+from heave_studies.operability.limits import limit_curve, situations
+from heave_studies.operability.record import HS, SeaRecord
+from heave_studies.operability.windows import all_windows, monthly_share, persistence
+
+WINDOWS = (6.0, 12.0, 24.0)
+"""Lengths of weather windows where none are given [h]."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """The seas of a place, and what is asked of them.
+
+    Attributes
+    ----------
+    record : of the place
+    windows : lengths of weather windows [h]
+    alpha : factors on the limit; None: the forecast is trusted
+    """
+
+    record: SeaRecord
+    windows: tuple[float, ...] = WINDOWS
+    alpha: AlphaTable | None = None
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """A limit curve at a place.
+
+    Attributes
+    ----------
+    share, cautious : of the measured seas within the mean limit, and within the lower end of its confidence; NaN where
+        the seeds show none
+    outside : share of the seas whose period the study has not run
+    by_month : workable share; empty of a scatter diagram, as are the following
+    windows : waiting times by length of window and month [h]
+    spells : how long workable seas and the others last [h]
+    """
+
+    share: float
+    cautious: float
+    outside: float
+    by_month: pandas.Series = field(default_factory=lambda: pandas.Series(dtype=float))
+    windows: pandas.DataFrame = field(default_factory=pandas.DataFrame)
+    spells: pandas.DataFrame = field(default_factory=pandas.DataFrame)
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What a study found for one heading, depth, ... : limits, and what they mean at a place.
+
+    Attributes
+    ----------
+    name : "" where only the sea was varied
+    cases : rows of the campaign's table
+    limit, locked_limit : by period, with the law of the scenario and with the winch locked
+    exposure, locked_exposure : at the place; None without one
+    """
+
+    name: str
+    cases: pandas.DataFrame
+    limit: pandas.DataFrame
+    locked_limit: pandas.DataFrame
+    exposure: Exposure | None
+    locked_exposure: Exposure | None
+
+
+def study_situations(frame: pandas.DataFrame, criteria: Sequence[Criterion], place: Place | None) -> list[Situation]:
+    """Return what a study found.
+
+    Parameters
+    ----------
+    frame : table of its campaign
+    criteria : that are to hold
+    place : whose seas it is held against; None: none
+    """
+    found = []
+    for name, cases in situations(frame):
+        limit = limit_curve(cases, criteria)
+        locked = limit_curve(cases, criteria, locked=True)
+        exposures = [None if place is None else exposure_of(place, curve) for curve in (limit, locked)]
+        found.append(Situation(name, cases, limit, locked, *exposures))
+    return found
+
+
+def exposure_of(place: Place, curve: pandas.DataFrame) -> Exposure:
+    """Return what a limit curve means at a place.
+
+    Parameters
+    ----------
+    place : and what is asked of it
+    curve : as `limit_curve` gives it
+    """
+    record = place.record
+    cautious = math.nan if curve["lower"].isna().any() else workable_share(record, curve, "lower")
+    shares = (workable_share(record, curve), cautious, beyond_the_grid(record, curve))
+    if not record.has_order:
+        return Exposure(*shares)
+    time = pandas.DatetimeIndex(record.states.index)
+    flags = workable(record, curve)
+    known = np.asarray(record.states[HS].notna())
+    of_windows = [(hours, workable(record, curve, alpha=place.alpha, hours=hours)) for hours in place.windows]
+    return Exposure(
+        *shares,
+        by_month=monthly_share(time, flags, known),
+        windows=all_windows(time, of_windows, record.step),
+        spells=persistence(flags, record.step),
+    )
+
+
+def to_json(situations_found: Sequence[Situation], criteria: Sequence[Criterion]) -> dict[str, object]:
+    """Return a study as plain data.
+
+    Parameters
+    ----------
+    situations_found : as `study_situations` gives them
+    criteria : that are to hold
+    """
+    return {
+        "criteria": {criterion.kpi: criterion.text for criterion in criteria},
+        "situations": [
+            {
+                "name": one.name,
+                "limit": one.limit.to_dict("records"),
+                "uncompensated_limit": one.locked_limit.to_dict("records"),
+                "exposure": _exposure_json(one.exposure),
+                "uncompensated_exposure": _exposure_json(one.locked_exposure),
+            }
+            for one in situations_found
+        ],
+    }
+
+
+def _exposure_json(exposure: Exposure | None) -> dict[str, object] | None:
+    if exposure is None:
+        return None
+    return {
+        "workable_share": exposure.share,
+        "workable_share_lower": exposure.cautious,
+        "beyond_the_grid": exposure.outside,
+        "by_month": {str(month): float(share) for month, share in exposure.by_month.items()},
+        "windows": exposure.windows.to_dict("records"),
+        "spells": exposure.spells.to_dict("index"),
+    }

@@ -1,0 +1,236 @@
+"""Whether a record can carry an answer, and what it shows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from heave_bringup.errors import CommandError
+from winch_controller_node.core.supervision.modes import Mode
+
+from heave_studies.whatif.answer import limit_words
+from heave_studies.whatif.identify.evidence import BEGINS
+from heave_studies.whatif.identify.prior import AS_THEY_ARE, DAMPING, INERTIA, USUAL
+from heave_studies.whatif.known import OFF, Known, off_sigma, winch_moved
+from heave_studies.whatif.signals.record import LOST, Loss, SensorRecord
+from heave_studies.whatif.study import Answer
+
+SHORTEST = 60.0
+"""Shortest time that is judged [s]: half a dozen waves."""
+
+READ_SHARE = 0.5
+"""Share of the record in which a sensor must have read."""
+
+LARGEST_LEFT = 0.1
+"""Motion that the twin does not explain, over that of the unit with the winch locked, above which cable and unit are
+something else."""
+
+POOR_CHI2 = 1.5
+"""Mean square of what is left of the depth over its noise, above which a report warns."""
+
+WIDE = 0.05
+"""Distance from the efficiency to an end of its band above which the record does not suffice [-]."""
+
+NEEDED = {
+    "mru": "the boom tip's motion is not known",
+    "depth": "the unit's motion is not known",
+    "encoder": "what the drum did is not known",
+}
+"""Sensors that every answer needs, and why."""
+
+STALE = "stale"
+"""Reason of the controller where no reading has come."""
+
+SAME_PAYOUT = 1e-3
+"""Error of payout up to which the same law gives the record again [m]."""
+
+FAR = 5.0
+"""Standard deviations of what was known before above which an identified value is none of cable, unit or MRU."""
+
+ADDS_UP = 0.4
+"""Distance from 1 up to which what drum and unit share of the boom tip's heave adds up."""
+
+SELDOM = 0.05
+"""Time at limits that a table shows as none [%]."""
+
+LARGEST_WINCH_ERROR = 0.15
+"""Payout that the model of the winch misses, over what the drum moves, above which it is another winch."""
+
+
+def check_record(record: SensorRecord, start: float, where: str) -> None:
+    """Refuse a record that cannot carry an answer.
+
+    Parameters
+    ----------
+    record : of the sensors
+    start : of the window that is judged [s]
+    where : the bag, for the message
+
+    Raises CommandError, in one line, for the first reason.
+    """
+    left = float(record.time[-1]) - max(start, float(record.time[0]) + BEGINS)
+    if left < SHORTEST:
+        raise CommandError(
+            f"{where}: {max(left, 0.0):.0f} s are left after its transient of {start:g} s; {SHORTEST:g} s at least are "
+            "needed: record longer, or give another --transient or --end"
+        )
+    spans = {"mru": record.mru[:, 0], "depth": record.scalar("depth")[:, 0]}
+    for sensor, times in spans.items():
+        seconds = len(np.unique(np.floor(times)))
+        if seconds < READ_SHARE * record.duration:
+            raise CommandError(f"{where}: {sensor} was read in {seconds} of {record.duration:.0f} s: too little to say")
+    silent = sum(one.winch is None or not math.isfinite(one.winch.encoder_payout) for one in record.measurements)
+    if silent > (1.0 - READ_SHARE) * record.ticks:
+        raise CommandError(
+            f"{where}: the encoder was lost in {silent} of {record.ticks} ticks: the payout is not known"
+        )
+    for loss in sorted(record.losses, key=lambda one: one.start):
+        if loss.sensor in NEEDED and _lasted(record, loss, start) > LOST:
+            raise CommandError(
+                f"{where}: {loss.sensor} was lost from {loss.start:.1f} s to {loss.end:.1f} s ({loss.reason}): "
+                f"{NEEDED[loss.sensor]} there; give --end {loss.start:.0f}"
+            )
+    held = Mode.CONSTANT_TENSION.value
+    if held in record.modes:
+        time = float(record.time[record.modes.index(held)])
+        raise CommandError(f"{where}: a tension was held from {time:.1f} s on, as in a landing: give --end {time:.0f}")
+    faults = [
+        float(t) for t, one in zip(record.time, record.measurements, strict=True) if one.winch and one.winch.fault
+    ]
+    if faults:
+        raise CommandError(f"{where}: the winch reported a fault at {faults[0]:.1f} s: give --end {faults[0]:.0f}")
+
+
+def _lasted(record: SensorRecord, loss: Loss, start: float) -> float:
+    """Return how long a `loss` has kept a `record` without readings that count, after its `start` [s]."""
+    begun, end = max(loss.start, start), min(loss.end, float(record.time[-1]))
+    if loss.reason != STALE or end <= begun:
+        return end - begun
+    # a controller that was held up gets late what the sensor has read all the same
+    times = [time for time in record.times_of(loss.sensor) if begun < time < end]
+    return float(np.diff(np.sort([begun, *times, end])).max())
+
+
+def check_known(known: Known, where: str) -> None:
+    """Refuse an answer where what is `known` contradicts itself; raises CommandError with the reason, `where` in it."""
+    check_fit(known, off_sigma(known), where)
+    missed, moved = known.past.winch.error, float(np.std(known.past.winch.payout - known.set_point))
+    if winch_moved(known) and missed > LARGEST_WINCH_ERROR * moved:
+        raise CommandError(
+            f"{where}: the winch as identified misses the encoder by {100.0 * missed:.1f} cm of {100.0 * moved:.1f} cm "
+            "(sigma): it is another winch; check its time constant, delay and limits"
+        )
+    if known.past.plant.tension[known.window].min() <= 0.0:
+        raise CommandError(f"{where}: the cable was slack: what came before a snap does not tell what comes after")
+
+
+def check_fit(known: Known, off: float, where: str) -> None:
+    """Refuse cable, unit and MRU that are not as assumed.
+
+    Parameters
+    ----------
+    known : by a record
+    off : standard deviation of the unit with the winch locked [m]
+    where : the bag, for the message
+
+    Raises CommandError, in one line, with what to check.
+    """
+    if known.left > LARGEST_LEFT * off:
+        snap = " (the cable was slack from early on)" if known.snapped.any() else ""
+        raise CommandError(
+            f"{where}: the twin misses the depth by {100.0 * known.left:.1f} cm of {100.0 * off:.1f} cm (sigma){snap}: "
+            f"{_check_words(known)}"
+        )
+    for name, value in known.fit.values.items():
+        off_prior = known.fit.off_prior(name)
+        if off_prior > FAR:
+            spread = "+-0.02" if name in AS_THEY_ARE else "+-5%"
+            raise CommandError(
+                f"{where}: {name} is identified as {value:.3g}, {off_prior:.0f} standard deviations from what was "
+                f"known before: {_check_words(known)}; if it is so, give --know {name}={value:.3g}{spread}"
+            )
+
+
+def _check_words(known: Known) -> str:
+    """Return what to check where a record does not fit what is assumed, by what is `known` of it, in words."""
+    drum, unit = known.evidence.shares
+    shares = f"of the boom tip's heave the drum takes out {drum:.2f} and the unit shows {unit:.2f}"
+    told = ", or --know" if known.fit.prior.centre != dict.fromkeys(USUAL, 0.0) else ""
+    if abs(drum + unit - 1.0) < ADDS_UP:
+        return f"check length, cable and unit{told}, depth sensor and load cell; MRU and encoder fit together: {shares}"
+    wrong = "the sign" if drum + unit < 0.0 else "the unit or the column"
+    return f"{wrong} of MRU, encoder or depth sensor is wrong: {shares}, which should add up to 1"
+
+
+def reported(known: Known) -> list[tuple[str, bool, str]]:
+    """Return what the record shows by what is `known` of it: of what, whether, and why, in words."""
+    fit, record, window = known.fit, known.past.record, known.window
+    reached, moved = limit_words(record.limits_hit[window]), winch_moved(known)
+    plant = f"inertia within {100.0 * fit.sigma(INERTIA):.1f} %, chi2 {fit.chi2:.1f}"
+    still = "it stood still" if record.has_orders else "its orders are not in the record"
+    winch = "it answered orders" if moved else still
+    if moved and not known.again.beliefs.values:
+        winch += ", as nominal"
+    unhit = "they were never reached" if record.is_own else "nothing reports them"
+    return [
+        ("cable and unit", fit.tells(INERTIA), plant),
+        ("damping", fit.tells(DAMPING), f"within {100.0 * fit.sigma(DAMPING):.0f} %"),
+        ("winch", moved, winch),
+        ("winch limits", bool(reached), f"reached: {reached}" if reached else unhit),
+    ]
+
+
+def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
+    """Return what a reader of `answers` that stand on what is `known` must be aware of, a line each."""
+    lines = []
+    if known.fit.chi2 > POOR_CHI2:
+        lines.append(
+            f"the fit of cable and unit leaves {known.fit.chi2:.1f} times the noise of the depth sensor: the bands "
+            "may be too narrow"
+        )
+    if known.snapped.any():
+        lines.append(
+            f"the cable was slack at its lower end from {known.fit.end:.0f} s on: cable and unit are identified "
+            "before, and what the snap left is taken out of other laws"
+        )
+    record = known.past.record
+    if not record.has_orders:
+        lines.append(
+            "the record has no orders to the winch: its lag, delay and limits are those assumed, and spread as a data "
+            "sheet leaves them"
+        )
+    if not record.is_own:
+        lines.append("the record does not say what its operator requested: other laws stay at the depth of its start")
+    elif not known.again.is_same:
+        lines.append(
+            f"the same law parts from the record at {known.again.parted:.1f} s (mode {known.again.mode}, recorded "
+            f"{known.again.was or 'unknown'}): a lost message, or another version"
+        )
+    for answer in answers:
+        refused = [one for one in answer.done.refused if one not in known.again.refused]
+        if refused:
+            lines.append(f"{answer.asked.name}: does not take what the operator requested: {refused[0]}")
+        lacking = lacks(known, answer)
+        if lacking:
+            lacked = "; ".join(lacking)
+            lines.append(f"{answer.asked.name}: this record does not show all that the answer stands on: {lacked}")
+    return lines
+
+
+def lacks(known: Known, answer: Answer) -> list[str]:
+    """Return what the record does not show that an `answer` on what is `known` needs, in words; empty: it suffices."""
+    shows = {of: (is_reported, why) for of, is_reported, why in reported(known)}
+    efficiency, limit = (answer.figures.values[key] for key in ("unit_efficiency", "time_at_limit_percent"))
+    low, high = answer.figures.bands["unit_efficiency"]
+    found = []
+    if not shows["cable and unit"][0]:
+        found.append(f"cable and unit are not known from it ({shows['cable and unit'][1]})")
+    if answer.asked.controller.law != OFF and not shows["winch"][0]:
+        found.append(f"how the winch answers is assumed ({shows['winch'][1]})")
+    if limit >= SELDOM and not shows["winch limits"][0]:
+        limits = limit_words(answer.done.limits_hit[known.window])
+        found.append(f"it is at the winch's limits ({limits}) for {limit:.1f} % of the time, and they are assumed")
+    if max(efficiency - low, high - efficiency) > WIDE:
+        found.append(f"its efficiency is anywhere from {100.0 * low:.0f} to {100.0 * high:.0f} %")
+    return found

@@ -1,0 +1,210 @@
+"""By what cable, unit and MRU are judged: depth and load cell, against the twin itself, where waves are.
+
+The twin is not linear: drag, slack, and a memory as long as a record are in it. Its boom tip is Wiener's estimate, with
+an error that does not depend on the estimate and biases nothing; depth and tension share that error.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from cable_sim_node.vertical.axial_line import AxialLine
+from heave_node.numerics.arrays import Array, ComplexArray
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+from heave_studies.whatif.identify.prior import CABLE_DRAG, DAMPING, DELAY, INERTIA, LEVER_ARM, SCALE, STIFFNESS
+from heave_studies.whatif.signals.record import SensorRecord
+from heave_studies.whatif.signals.spectra import BAND, Speeds, Transform, gains_over_top, noise_power
+from heave_studies.whatif.signals.tip import Tip
+from heave_studies.whatif.signals.tip_source import TipSource
+from heave_studies.whatif.twin.plant import Drive, PlantFactors, PlantMotion, scaled_line
+from heave_studies.whatif.twin.winch import PastWinch
+
+BEGINS = 30.0
+"""Time after the start of a record from which it is judged [s]: plant and sea may begin at rest."""
+
+LONGEST, MEMORY = 900.0, 180.0
+"""Longest part of a record that is judged, its last, and what the twin runs before it [s]: a resonance remembers."""
+
+INDEPENDENT = 0.6
+"""Independent values a frequency under a Hann taper."""
+
+LEAKS, FINER = 2, 16
+"""Bins on either side into which a Hann taper leaks, and parts of a bin that are looked at. A part is also the least
+half width of a resonance: what rings longer than 2.5 records has not yet risen in one."""
+
+LEAST_CELL = 100
+"""Readings of a load cell below which it is not asked."""
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """A record, and what cable, unit and MRU are judged by in it.
+
+    Attributes
+    ----------
+    record : of the sensors
+    nominal : parameters of the controller
+    assumed : cable and unit as those have them
+    source : of the boom tip
+    winch : what the drum did
+    depth_scale : reading over truth [-]
+    end : time up to which it is judged [s]: the cable is taut
+    """
+
+    record: SensorRecord
+    nominal: WinchControllerParameters
+    assumed: AxialLine
+    source: TipSource
+    winch: PastWinch
+    depth_scale: float
+    end: float
+
+    @property
+    def start(self) -> float:
+        """Time from which it is judged [s]."""
+        return max(float(self.record.time[0]) + BEGINS, self.end - LONGEST)
+
+    @property
+    def ticks(self) -> slice:
+        """Ticks over which the twin runs."""
+        first, last = np.searchsorted(self.record.time, (self.start - MEMORY, self.end + self.record.tick_period))
+        return slice(int(first), int(last))
+
+    @cached_property
+    def omegas(self) -> Array:
+        """Angular frequencies that are judged (k,) [rad/s]."""
+        return np.arange(BAND[0], BAND[1], 2.0 * math.pi / (self.end - self.start))
+
+    @cached_property
+    def readings(self) -> tuple[tuple[Array, Array], ...]:
+        """Times and values of what is read: heave of the unit [m], and the top tension [N] where it is."""
+        times, depth = self.record.scalar("depth").T
+        cell = self.record.scalar("load_cell")
+        cells = ((cell[:, 0], cell[:, 1]),) if len(cell) >= LEAST_CELL else ()
+        return ((times, -depth / self.depth_scale), *cells)
+
+    @cached_property
+    def noise(self) -> Array:
+        """Power of the noise of each of the readings (m,)."""
+        stated = (self.nominal.sensors.depth.noise, math.inf)
+        pairs = zip(self.readings, stated, strict=False)
+        return np.array([noise_power(*one, self.start, self.end, own) for one, own in pairs])
+
+    @cached_property
+    def _transforms(self) -> tuple[Transform, ...]:
+        return tuple(Transform(times, self.omegas, self.start, self.end) for times, _ in self.readings)
+
+    @cached_property
+    def seen(self) -> ComplexArray:
+        """Transforms of the readings (m, k)."""
+        return np.array([of(one) for of, (_, one) in zip(self._transforms, self.readings, strict=True)])
+
+    @cached_property
+    def tip_noise(self) -> Array:
+        """Power of what is not known of the boom tip (k,) [m2 s]: heave and its rate are two readings of it."""
+        time, heave, rate = self.record.mru.T
+        power = np.full(len(self.omegas), 1.0 / noise_power(time, heave, self.start, self.end, self.source.plain.sigma))
+        if np.isfinite(rate).all():
+            power += self.omegas**2 / noise_power(time, rate, self.start, self.end, self.source.plain.sigma)
+        return np.asarray(1.0 / (power * np.abs(self.source.high_pass.response(self.omegas)) ** 2))
+
+    def line(self, values: Values) -> AxialLine:
+        """Return cable and unit under `values`, their stiffness as nominal."""
+        factors = PlantFactors(values[INERTIA], values[DAMPING], values[CABLE_DRAG])
+        return scaled_line(self.assumed, factors)
+
+    def tip(self, values: Values) -> Tip:
+        """Return the boom tip under `values`."""
+        return self.source.under(values[SCALE], values[DELAY], values[LEVER_ARM])
+
+    def drive(self, values: Values, ticks: slice) -> Drive:
+        """Return what moves the twin under `values` over some `ticks`, its stiffness as nominal."""
+        tip, winch = self.tip(values), self.winch
+        return Drive(
+            self.line(values),
+            self.nominal.length,
+            Tip(tip.heave[ticks], tip.rate[ticks], tip.sigma),
+            winch.payout[ticks],
+            winch.rate[ticks],
+            self.record.tick_period,
+        )
+
+    def twin(self, values: Values, motion: PlantMotion) -> ComplexArray:
+        """Return the transforms of what the twin would have read under `values`, of its `motion` (m, k)."""
+        time = self.record.time[self.ticks]
+        moved = (motion.unit, values[STIFFNESS] * motion.tension)
+        return np.array(
+            [
+                of(np.interp(times, time, one))
+                for of, (times, _), one in zip(self._transforms, self.readings, moved, strict=False)
+            ]
+        )
+
+    def covariance(self, values: Values, noise: Array) -> ComplexArray:
+        """Return the covariance of readings about the twin at each frequency (k, m, m).
+
+        Parameters
+        ----------
+        values : of cable, unit and MRU, about which it is linear
+        noise : power of what else is in each of the readings (m,)
+        """
+        # power spectrum of the Hann taper, x bins from its middle: (sinc(x)/(1 - x^2))^2
+        x = (np.arange(2 * LEAKS * FINER) + 0.5) / FINER - LEAKS
+        leak = (np.sinc(x) / (1.0 - x**2)) ** 2
+        omegas = self.omegas[:, None] + (x - 1j / FINER) * (self.omegas[1] - self.omegas[0])
+        H = gains_over_top(self.line(values), self.nominal.length, omegas.ravel(), self._speeds)
+        g = (H * np.array([[1.0], [values[STIFFNESS]]]))[: len(noise)].reshape(len(noise), *omegas.shape)
+        shared = np.einsum("x,ikx,jkx->kij", leak / np.sum(leak), g, np.conj(g))
+        return np.asarray(self.tip_noise[:, None, None] * shared + np.diag(noise))
+
+    def by_tip(self, values: Values) -> float:
+        """Return the standard deviation of the unit's motion under `values` by what is not known of the boom tip [m].
+
+        The depth sensor has seen the unit: what the tip leaves open at a resonance is no more than the sensor's noise.
+        """
+        open_ = self.covariance(values, np.zeros(len(self.readings)))[:, 0, 0].real
+        power = open_ * self.noise[0] / (open_ + self.noise[0])
+        # one-sided density over omega: twice the power over 2 pi
+        step = float(self.omegas[1] - self.omegas[0])
+        return math.sqrt(float(np.sum(power)) * step / math.pi)
+
+    @property
+    def shares(self) -> tuple[float, float]:
+        """Share of the boom tip's heave that the drum takes out, and share that the unit shows of it [-].
+
+        In phase, in the band of waves, under cable and unit as assumed. They add up to about 1, whatever the law,
+        unless a unit, a sign or a column is wrong.
+        """
+        # a sensor in another unit does not make cable and unit fast
+        slowest = min(self._speeds)
+        gain = gains_over_top(self.assumed, self.nominal.length, self.omegas, Speeds(slowest, slowest))[0]
+        of = Transform(self.record.time, self.omegas, self.start, self.end)
+        tip, drum = of(self.source.plain.heave), of(self.winch.payout)
+        return _in_phase(drum, tip, tip), _in_phase(self.seen[0], gain * tip, tip)
+
+    @cached_property
+    def _speeds(self) -> Speeds:
+        """Speeds by which drag is linearised: of the unit as read, and of the outlet."""
+        inside = (self.record.time >= self.start) & (self.record.time <= self.end)
+        outlet = self.source.plain.rate - self.winch.rate
+        step = self.omegas[1] - self.omegas[0]
+        power = np.maximum(np.abs(self.seen[0]) ** 2 - self.noise[0], 0.0)
+        # one-sided density over omega: twice the power over 2 pi
+        unit = math.sqrt(float(np.sum(self.omegas**2 * power)) * step / math.pi)
+        return Speeds(unit, float(np.std(outlet[inside])))
+
+
+def _in_phase(moved: ComplexArray, by: ComplexArray, waves: ComplexArray) -> float:
+    """Return how many times a motion `by` is in another that it `moved` at most of the power of `waves`.
+
+    All are transforms (k,); near a resonance that is elsewhere than assumed it is anything.
+    """
+    times = (moved / by).real
+    return float(np.quantile(times, 0.5, weights=np.abs(waves) ** 2, method="inverted_cdf"))

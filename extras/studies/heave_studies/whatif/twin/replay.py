@@ -1,0 +1,271 @@
+"""The loop closed over a record: the controller reads what was read, and by how much the twins differ.
+
+reading now = reading of the record + twin(boom tip, payout asked now) - twin(boom tip, recorded payout)
+
+Errors of boom tip, disturbance and noise are in both twins and cancel to first order; the same orders as in the record
+give its readings back to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from cable_sim_node.vertical.axial_line import AxialLine
+from cable_sim_node.winch.component import WinchState
+from cable_sim_node.winch.parameters import WinchParameters
+from heave_node.interface.alarm import Alarm
+from heave_node.numerics.arrays import Array
+from winch_controller_node.interface.readings import Measurements, Outputs, ScalarReading, WinchOrder, WinchReading
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+from heave_studies.whatif.signals.record import Flags, SensorRecord
+from heave_studies.whatif.signals.tip import Tip
+from heave_studies.whatif.twin.core import Core
+from heave_studies.whatif.twin.plant import Drive, PlantMotion, TwinPlant
+from heave_studies.whatif.twin.winch import PastWinch, TwinWinch
+
+
+@dataclass(frozen=True)
+class Past:
+    """What a record has become: everything that another loop is closed over.
+
+    Attributes
+    ----------
+    record : of the sensors
+    line, length : cable and unit as identified, and the cable's length at payout 0 [m]
+    tip : the boom tip
+    winch : what the drum did; winch_parameters : what it is
+    plant : motion of the twin under that
+    moved : what the readings of the unit and the load cell show of it: the twin, and what a slack cable left
+    encoder_scale, depth_scale : reading over truth [-]
+    """
+
+    record: SensorRecord
+    line: AxialLine
+    length: float
+    tip: Tip
+    winch: PastWinch
+    winch_parameters: WinchParameters
+    plant: PlantMotion
+    moved: PlantMotion
+    encoder_scale: float = 1.0
+    depth_scale: float = 1.0
+
+    def drive(self, payout: Array, rate: Array) -> Drive:
+        """Return what moves cable and unit under another `payout` and its `rate` at each tick (n,) [m], [m/s]."""
+        return Drive(self.line, self.length, self.tip, payout, rate, self.record.tick_period)
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """What a loop has done over a record.
+
+    Attributes
+    ----------
+    time : of each tick (n,) [s]
+    payout, rate : of the cable at each tick (n,) [m], [m/s]
+    set_point : mean payout that the controller worked about (n,) [m]
+    unit, tension : of the twin at each tick (n,) [m], [N]
+    authority : authority of compensation (n,) [-]
+    modes, alarms : of the controller in each tick; and time [s] and alarm
+    refused : requests of the operator that the controller did not take, in words
+    limits_hit : of the winch in each tick, sums of WinchLimit (n,)
+    order_error : largest difference of the rate set-point from that of the record so far (n,) [m/s]
+    """
+
+    time: Array
+    payout: Array
+    rate: Array
+    set_point: Array
+    unit: Array
+    tension: Array
+    authority: Array
+    modes: tuple[str, ...]
+    alarms: tuple[tuple[float, Alarm], ...]
+    limits_hit: Flags
+    order_error: Array
+    refused: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is to be tried in a record.
+
+    Attributes
+    ----------
+    name : of it, for tables
+    controller : parameters of the controller
+    winch : parameters of the winch; None: as it is
+    has_adviser : the loop identifies what is other than nominal, as on a ship
+    """
+
+    name: str
+    controller: WinchControllerParameters
+    winch: WinchParameters | None = None
+    has_adviser: bool = True
+
+
+COLUMNS = 7
+"""Columns of the table of a replay: payout, rate, set point, heave of the unit, tension, authority, limits hit."""
+
+
+class Replay:
+    """A loop over a record; `step` does one tick.
+
+    Parameters
+    ----------
+    past : the record and its twins; None of the twins is asked while the orders are those of the record
+    asked : what is tried in it
+    """
+
+    def __init__(self, past: Past, asked: Asked) -> None:
+        record = past.record
+        dt, self._past, self._index = record.tick_period, past, 0
+        self._core = Core(record, asked.controller, has_adviser=asked.has_adviser)
+        self._winch = TwinWinch(asked.winch or past.winch_parameters, tick_period=dt)
+        has_other_winch = asked.winch is not None and asked.winch != past.winch_parameters
+        self._is_other = has_other_winch or not record.is_own
+        payout, rate = float(past.winch.payout[0]), float(past.winch.rate[0])
+        self._plant = TwinPlant(past.line, past.length, past.tip, payout, rate, tick_period=dt)
+        # differences of the twins at each tick: heave, velocity and acceleration of the unit, tension, payout, its rate
+        self._differences = np.zeros((record.ticks, 6))
+        self._payout, self._rate = payout, rate
+        self.order_error = 0.0
+        self.refused = self._core.refused
+
+    def step(self) -> tuple[Outputs, Array]:
+        """Do one tick; return what the controller gave and the row of it, `COLUMNS` of them."""
+        index, past = self._index, self._past
+        tick = past.record.first + index
+        given = past.record.measurements[index]
+        outputs, order = self._core.step(index, self._as_read(given, index) if self._is_other else given)
+        self._compare(order, index)
+        unit, _, tension, _ = self._plant.columns
+        limits = self._winch.state.limits_hit if self._is_other else past.record.limits_hit[index]
+        row = np.array(
+            [self._payout, self._rate, outputs.depth_set_point, unit, tension, outputs.authority, int(limits)]
+        )
+        if index + 1 < past.record.ticks:
+            self._advance(self._winch.step(tick, order, tension), index + 1)
+        self._index += 1
+        return outputs, row
+
+    def _compare(self, order: WinchOrder | None, index: int) -> None:
+        """Note how far the `order` is from that of the record."""
+        was = self._past.record.orders[index]
+        if was is None or order is None:
+            return
+        self.order_error = max(self.order_error, abs(order.payout_rate - was.payout_rate))
+        self._is_other |= order != was
+
+    def _advance(self, winch: WinchState, index: int) -> None:
+        """Take the plant to the next tick, of an `index`, under what the winch has become, and note the differences."""
+        past = self._past
+        is_other = self._is_other
+        extra = winch.payout - past.winch.modelled[index] if is_other else 0.0
+        extra_rate = winch.payout_rate - past.winch.modelled_rate[index] if is_other else 0.0
+        self._payout, self._rate = past.winch.payout[index] + extra, past.winch.rate[index] + extra_rate
+        self._plant.advance(float(self._payout), float(self._rate))
+        unit, velocity, tension, _ = self._plant.columns
+        row, dt = self._differences[index], past.record.tick_period
+        row[0], row[1] = unit - past.moved.unit[index], velocity - past.moved.velocity[index]
+        row[2] = (row[1] - self._differences[index - 1, 1]) / dt
+        row[3] = tension - past.moved.tension[index]
+        row[4], row[5] = extra, extra_rate
+
+    def _as_read(self, given: Measurements, index: int) -> Measurements:
+        """Return what would have been read in place of what was `given`."""
+        past = self._past
+        scalar = {
+            sensor: tuple(self._moved(sensor, one, index) for one in readings)
+            for sensor, readings in given.scalar.items()
+        }
+        winch, state = given.winch, self._winch.state
+        if winch is not None:
+            extra, extra_rate = self._differences[index, 4:] * past.encoder_scale
+            winch = WinchReading(
+                winch.time,
+                winch.encoder_payout + extra,
+                winch.encoder_payout_rate + extra_rate,
+                state.brake,
+                int(state.fault),
+                state.command_sequence,
+                int(state.limits_hit),
+            )
+        return replace(given, scalar=scalar, winch=winch)
+
+    def _moved(self, sensor: str, reading: ScalarReading, index: int) -> ScalarReading:
+        """Return a `reading` moved by the difference of the twins at its time."""
+        column, factor = MOVED[sensor]
+        factor = -self._past.depth_scale if sensor == "depth" else factor
+        place = reading.time / self._past.record.tick_period - self._past.record.first
+        low = min(max(int(place), 0), index)
+        high = min(low + 1, index)
+        share = min(max(place - low, 0.0), 1.0)
+        difference = (1.0 - share) * self._differences[low, column] + share * self._differences[high, column]
+        return ScalarReading(reading.time, reading.value + factor * difference)
+
+
+MOVED = {"depth": (0, -1.0), "velocity": (1, 1.0), "imu": (2, 1.0), "load_cell": (3, 1.0)}
+"""Column of the differences by which each sensor reads otherwise, and its sign: depth is positive down."""
+
+
+def replay(
+    past: Past,
+    asked: Asked,
+    *,
+    on_tick: Callable[[int], None] | None = None,
+) -> Replayed:
+    """Return what the loop that is `asked` for would have done over the whole record.
+
+    Parameters
+    ----------
+    past, asked : see `Replay`
+    on_tick : called with the number of ticks that are done
+    """
+    loop, ticks = Replay(past, asked), past.record.ticks
+    table, errors = np.empty((ticks, COLUMNS)), np.empty(ticks)
+    modes: list[str] = []
+    alarms: list[tuple[float, Alarm]] = []
+    for index in range(ticks):
+        outputs, table[index] = loop.step()
+        errors[index] = loop.order_error
+        modes.append(outputs.mode)
+        alarms += [(float(past.record.time[index]), alarm) for alarm in outputs.alarms]
+        if on_tick is not None:
+            on_tick(index + 1)
+    payout, rate, set_point, unit, tension, authority, limits = table.T.copy()
+    return Replayed(
+        time=past.record.time,
+        payout=payout,
+        rate=rate,
+        set_point=set_point,
+        unit=unit,
+        tension=tension,
+        authority=authority,
+        modes=tuple(modes),
+        alarms=tuple(alarms),
+        limits_hit=limits.astype(int),
+        order_error=errors,
+        refused=tuple(loop.refused),
+    )
+
+
+def locked(record: SensorRecord, drive: Drive, motion: PlantMotion) -> Replayed:
+    """Return what the winch at its mean payout would have been in a `record`: the `motion` under its `drive`."""
+    ticks, set_point = record.ticks, drive.payout
+    return Replayed(
+        time=record.time,
+        payout=set_point,
+        rate=drive.rate,
+        set_point=set_point,
+        unit=motion.unit,
+        tension=motion.tension,
+        authority=np.zeros(ticks),
+        modes=("off",) * ticks,
+        alarms=(),
+        limits_hit=np.zeros(ticks, dtype=int),
+        order_error=np.zeros(ticks),
+    )

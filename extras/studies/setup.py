@@ -1,0 +1,21 @@
+"""colcon's view of heave_studies; name, version, description and licence are in package.xml."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "cmake"))
+from colcon_package import set_up
+
+set_up(
+    commands=[
+        "accept = heave_studies.commands.accept",
+        "campaign = heave_studies.commands.campaign",
+        "extremes = heave_studies.commands.extremes",
+        "falsify = heave_studies.commands.falsify",
+        "identify = heave_studies.commands.identify",
+        "lift = heave_studies.commands.lift",
+        "operability = heave_studies.commands.operability",
+        "sizing = heave_studies.commands.sizing",
+        "whatif = heave_studies.commands.whatif",
+    ]
+)

@@ -1,0 +1,359 @@
+"""Acceptance tests of a winch by itself: set signals, figures with exact answers, and the step that fails."""
+
+import json
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cable_sim_node.winch.parameters import WinchParameters
+from heave_bags.signals import RunSignals, Signal
+from heave_bringup.cli import main
+from heave_devices.adapt.device import LiveDevice
+from heave_devices.adapt.shipped import find_map
+from heave_node.criteria import Criterion
+from heave_node.parameters import ParameterError
+from heave_studies.accept import figures, set_signal
+from heave_studies.accept.limits import Limits
+from heave_studies.accept.measured import Measured, Nominal
+from heave_studies.accept.page import render
+from heave_studies.accept.parts.real_winch import RealPart
+from heave_studies.accept.parts.run import scenario_of
+from heave_studies.accept.parts.winch import VirtualPart, run_winch
+from heave_studies.accept.procedure import Event, WinchTest
+from heave_studies.accept.procedure_file import amount, find_procedure, read_head, read_procedure
+from heave_studies.accept.session import Parts, Session
+from sensor_msgs.msg import JointState
+
+from tests.adapt_fakes import Node
+
+NOMINAL = Nominal(2.0, 1.5, 0.35)
+FAILS_OF_SLOW = {"speed_limit": {"Full speed"}, "acceleration_limit": {"Acceleration"}}
+"""Steps that say so where a winch has 80 % of its nominal speed, or of its nominal acceleration."""
+
+
+def following(lag, gain):
+    """Return a payout that follows its rate order, each held for 0.05 s, after a lag [s] with a gain, exactly."""
+    time = np.arange(0.0, 60.0, 0.05)
+
+    def ordered(at):
+        return np.sin(0.7 * at) + 0.5 * np.sin(1.1 * at + 1.0)
+
+    moved = np.concatenate(([0.0], np.cumsum(gain * ordered(time[:-1])) * 0.05))
+    payout = Signal(time, np.interp(time - lag, time, moved))
+    # reported as a drive does: over the time since the sample before
+    rate = Signal(time, np.diff(payout.value, prepend=0.0) / 0.05)
+    return Measured(
+        RunSignals(payout=payout, payout_rate=rate), 0.0, 60.0, Signal(time, ordered(time)), nominal=NOMINAL
+    )
+
+
+@pytest.mark.parametrize(("lag", "gain"), [(0.0, 1.0), (0.35, 0.8), (0.733, 1.1), (1.2, -1.0)])
+def test_lag_and_gain_of_a_winch_are_those_it_has(lag, gain):
+    found = figures.evaluate(following(lag, gain))
+    assert found["following_lag_s"] == pytest.approx(lag, abs=0.002)
+    assert found["lag_excess_s"] == pytest.approx(lag - 0.35, abs=0.002)
+    assert found["following_gain"] == pytest.approx(gain, rel=0.005)
+    assert found["following_error"] < 0.015, "the steps of the orders are 1.1 % of them"
+
+
+def stopped(tick, event=10.0, end=15.0):
+    """Return a drum at 1 m/s that stops at 2 m/s^2 from 10 s on, reported every tick [s], with an event [s]."""
+    time = np.arange(0.0, 15.0, tick)
+    rate = np.clip(1.0 - 2.0 * (time - 10.0), 0.0, 1.0)
+    run = RunSignals(payout=Signal(time, np.cumsum(rate) * tick), payout_rate=Signal(time, rate))
+    return Measured(run, 0.0, end, event=event)
+
+
+def test_a_stop_takes_the_time_and_the_way_of_its_deceleration():
+    # 0.475 s to 0.05 m/s, and v^2/2a less the rest
+    found = figures.evaluate(stopped(0.001))
+    assert found["stopping_time_s"] == pytest.approx(0.475, abs=0.002)
+    assert found["stopping_distance_m"] == pytest.approx((1.0 - 0.05**2) / 4.0, abs=0.002)
+    assert np.isnan(figures.evaluate(stopped(0.001, end=10.2))["stopping_time_s"])
+    # reported every 0.1 s the drum is known to be at rest at 10.5 s, not before
+    assert figures.evaluate(stopped(0.1))["stopping_time_s"] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("event", [10.48, 12.0])
+def test_a_drum_that_rests_when_the_event_comes_shows_no_stop(event):
+    measured = stopped(0.001, event)
+    values = figures.evaluate(measured)
+    for wanted in (Criterion("stopping_time_s", "<=", 1.0), Criterion("stopping_distance_m", "<=", 1.0)):
+        one = figures.judged(wanted, values, measured)
+        assert not one.is_met
+        assert "the drum was not moving" in str(one)
+
+
+def test_rate_gap_and_noise_of_a_sensor_are_those_it_has():
+    draw, time = np.random.default_rng(1), np.arange(0.0, 100.0, 0.1)
+    time = time[(time < 50.0) | (time > 50.65)]
+    depth = 300.0 + 0.5 * np.sin(0.6 * time) + draw.normal(0.0, 0.02, time.size)
+    found = figures.evaluate(Measured(RunSignals(), 0.0, 100.0, readings={"depth": Signal(time, depth)}))
+    assert found["depth_rate_hz"] == pytest.approx(10.0, rel=0.01)
+    assert found["depth_gap_max_s"] == pytest.approx(0.8, abs=0.11)
+    assert found["depth_noise_m"] == pytest.approx(0.02, rel=0.1)
+
+
+def test_signs_and_scales_of_depth_by_payout_and_heave_are_told_apart():
+    time = np.arange(0.0, 120.0, 0.1)
+    heave, payout = np.sin(0.6 * time), np.clip(0.1 * (time - 60.0), 0.0, 3.0)
+    depth = 20.0 - 0.9 * heave + 1.05 * payout
+    readings = {name: Signal(time, of) for name, of in (("mru", heave), ("depth", depth), ("encoder", payout))}
+    found = figures.evaluate(Measured(RunSignals(), 0.0, 120.0, readings=readings))
+    assert found["depth_per_heave"] == pytest.approx(0.9, abs=1e-6)
+    assert found["depth_per_payout"] == pytest.approx(1.05, abs=1e-6)
+
+
+def test_an_irregular_sea_has_the_height_that_is_asked_for():
+    # over twice its duration, after which it repeats itself, its variance is exact; 0.4 to 4 peak frequencies hold all
+    # but 0.5 % of it, and the fade at the start takes a little
+    time = np.arange(0.0, 600.0, 0.1)
+    payout = np.cumsum(set_signal.sea(2.0, 8.0, 300.0).rate(time)) * 0.1
+    assert 4.0 * np.std(payout) == pytest.approx(2.0, rel=0.02)
+
+
+def test_a_sweep_goes_from_its_first_period_to_its_last():
+    signal = set_signal.sweep(0.5, 20.0, 4.0, 240.0)
+    time = np.arange(0.0, 240.0, 0.001)
+    ups = time[1:][np.diff(np.sign(signal.rate(time))) > 0]
+    assert np.diff(ups)[0] == pytest.approx(19.0, abs=2.0)
+    assert np.diff(ups)[-1] == pytest.approx(4.0, abs=0.2)
+
+
+@pytest.fixture(scope="module")
+def steps():
+    head = read_head(find_procedure("winch_factory_test"))
+    return read_procedure(head, Limits(NOMINAL.speed, NOMINAL.acceleration)).steps
+
+
+def failing(steps, parameters):
+    found = set()
+    for step in steps:
+        trace = run_winch(VirtualPart(parameters, step.test.load), step.test, step.event, step.name, lambda *_: None)
+        values = figures.evaluate(trace.measured(step.test, NOMINAL), step.alarms)
+        found |= {step.name for one in step.wanted if not figures.judged(one, values).is_met}
+    return found
+
+
+def test_the_nominal_winch_passes_its_factory_test(steps):
+    assert failing(steps, WinchParameters()) == set()
+
+
+@pytest.mark.parametrize("more", [0.0, 0.1])
+def test_the_lag_beyond_nominal_is_what_a_winch_has_more_of_it(more, steps):
+    sweep = next(step for step in steps if step.name == "Sine sweep")
+    part = VirtualPart(WinchParameters(command_delay=0.2 + more), 30e3)
+    values = figures.evaluate(run_winch(part, sweep.test, None, "", lambda *_: None).measured(sweep.test, NOMINAL))
+    # at the shortest period, 4 s, a time constant of 0.15 s is a lag of 0.147 s
+    assert values["lag_excess_s"] == pytest.approx(more, abs=0.003)
+
+
+@pytest.mark.parametrize("limit", FAILS_OF_SLOW)
+def test_a_winch_that_is_a_fifth_too_slow_fails_at_the_step_that_says_so(limit, steps):
+    slow = replace(WinchParameters(), **{limit: 0.8 * getattr(WinchParameters(), limit)}, stop_deceleration=1.0)
+    assert failing(steps, slow) == FAILS_OF_SLOW[limit]
+
+
+def test_a_brake_that_slips_fails_where_the_brake_holds_the_load(steps):
+    held = steps[0]
+    part = VirtualPart(WinchParameters(), 30e3)
+    trace = run_winch(part, held.test, Event("winch", "brake_slip", 1.0, magnitude=0.01), held.name, lambda *_: None)
+    values = figures.evaluate(trace.measured(held.test, NOMINAL))
+    assert values["payout_drift_m"] == pytest.approx(0.05, rel=0.1), "5 s at 1 cm/s are watched after an event"
+
+
+def test_a_winch_that_falls_silent_meets_nothing_and_the_time_is_said(monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    node = Node()
+    device = LiveDevice(find_map("ros2_control_velocity"), node)
+
+    def spin(duration):
+        now[0] += duration
+        if now[0] < 105.0:
+            message = JointState(name=["drum"], position=[690.0], velocity=[0.0])
+            message.header.stamp.sec, message.header.stamp.nanosec = divmod(round(1e9 * now[0]), 10**9)
+            node.callbacks["/joint_states"](message)
+
+    test = WinchTest(set_signal.hold(20.0))
+    trace = run_winch(RealPart(device, spin, lambda _: None), test, None, "held", lambda *_: None)
+    measured = trace.measured(test, NOMINAL)
+    one = figures.judged(Criterion("payout_drift_m", "<=", 0.01), figures.evaluate(measured), measured)
+    assert not one.is_met
+    # of the 5 s up to then 1.2 s went to its first report and to its brake
+    assert "the winch fell silent at 3.8 s" in str(one)
+    assert trace.rows[-1, 0] < 3.9, "what it repeats is no report"
+
+
+def test_the_command_judges_writes_its_report_and_judges_its_own_records_again(tmp_path, capsys):
+    json_file, folder = tmp_path / "result.json", tmp_path / "out"
+    arguments = ["--step", "Full speed", "--step", "Ramp"]
+    assert main(["accept", "winch_factory_test", *arguments, "--output", str(folder), "--json", str(json_file)]) == 0
+    result = json.loads(json_file.read_text())
+    assert [step["state"] for step in result["steps"]] == ["passed", "passed"]
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    for words in ("Signatures", "SHA-256", result["steps"][0]["sha256"], "surveyor", "passed: 2"):
+        assert words in page.replace("<strong>", "").replace("</strong>", "")
+    again = ["accept", "winch_factory_test", *arguments, "--output", str(tmp_path / "again")]
+    records = ["--record", f"Full speed={folder / 'full_speed.csv'}", "--record", f"Ramp={folder / 'ramp.csv'}"]
+    assert main([*again, *records, "--json", str(json_file)]) == 0
+    seen = json.loads(json_file.read_text())["steps"]
+    for one, other in zip(seen, result["steps"], strict=True):
+        for mine, first in zip(one["criteria"], other["criteria"], strict=True):
+            assert mine["got"] == pytest.approx(first["got"], abs=0.02)
+    capsys.readouterr()
+
+
+def test_a_slow_winch_gives_exit_status_3_and_names_the_step(tmp_path, capsys):
+    slow = ["--set", "virtual_winch.speed_limit=1.6", "--output", str(tmp_path / "out")]
+    assert main(["accept", "winch_factory_test", "--step", "Full speed", *slow]) == 3
+    assert "Full speed: Speed reached" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("mapping", "words"),
+    [
+        ("heave: {column: ship, unit: furlong}", "furlong"),
+        ("heave: {column: shop}", "no column 'shop' for heave; it has t, ship"),
+        (None, "no column 'time_s' for time"),
+    ],
+)
+def test_a_map_that_does_not_fit_the_record_is_refused_in_one_line_without_a_report(mapping, words, tmp_path, capsys):
+    (tmp_path / "log.csv").write_text("t,ship\n" + "\n".join(f"{0.1 * k:.1f},{k % 7}" for k in range(900)))
+    (tmp_path / "map.yaml").write_text(f"time_column: t\n{mapping}\n")
+    (tmp_path / "own.yaml").write_text(HEAD + RECORD)
+    mapped = ["--map", str(tmp_path / "map.yaml")] if mapping else []
+    arguments = ["--record", str(tmp_path / "log.csv"), *mapped, "--output", str(tmp_path / "out")]
+    assert main(["accept", str(tmp_path / "own.yaml"), *arguments]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+RECORD = "- {name: a, record: {from: 60 s, to: 280 s}, wanted: {outlet_efficiency: '>= 50 %'}}"
+
+
+@pytest.mark.parametrize(
+    ("kept", "words"),
+    [
+        (lambda time, name: time <= 83.0, "23 s of 220 s recorded"),
+        (lambda time, name: (time <= 100.0) | (time >= 250.0), "70 s of 220 s recorded"),
+        (lambda time, name: (name == "t") | (time <= 83.0), "23 s of 220 s recorded"),
+        (lambda time, name: (time <= 100.0) | (time >= 101.9), ""),
+    ],
+)
+def test_nothing_is_met_over_a_time_that_a_record_lacks(kept, words, tmp_path, capsys):
+    time = np.arange(0.0, 300.0, 0.1)
+    heave = 0.5 * np.sin(0.7 * time)
+    rows = [(f"{t:.1f}", f"{h:.4f}", f"{h:.4f}") for t, h in zip(time, heave, strict=True)]
+    rope = [cells if kept(t, "rope") else (*cells[:2], "") for t, cells in zip(time, rows, strict=True)]
+    lines = [",".join(cells) for t, cells in zip(time, rope, strict=True) if kept(t, "t")]
+    (tmp_path / "log.csv").write_text("t,ship,rope\n" + "\n".join(lines))
+    (tmp_path / "map.yaml").write_text("time_column: t\nheave: {column: ship}\npayout: {column: rope}\n")
+    (tmp_path / "own.yaml").write_text(HEAD + RECORD)
+    arguments = ["--record", str(tmp_path / "log.csv"), "--map", str(tmp_path / "map.yaml")]
+    status = main(["accept", str(tmp_path / "own.yaml"), *arguments, "--output", str(tmp_path / "out")])
+    told = capsys.readouterr()
+    assert status == (3 if words else 0), told
+    assert words in told.out.replace("\N{NO-BREAK SPACE}", " ")
+    assert words in told.err
+
+
+HEAD = "title: t\nscenario: b2_calm_300\nsteps:\n"
+
+
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [
+        ("- {name: a, winch: {signal: hold, duration: 5 s}}", "step 1 (a): wanted is missing"),
+        ("- {name: a, winch: {signal: hold, duration: 5 m}, wanted: {overshoot: '< 1 %'}}", "duration = '5 m'"),
+        ("- {name: a, winch: {signal: step}, wanted: {overshoot: '< 1 %'}}", "must be one of steps, ramp"),
+        ("- {name: a, winch: {signal: hold, duration: 5}, wanted: {overshot: '< 1 %'}}", "did you mean overshoot"),
+        ("- {name: a, winch: {signal: hold, duration: 5}, wanted: {overshoot: '< 1 s'}}", "not a figure"),
+        ("- {name: a, run: {duration: 5}, winch: {}, wanted: {snaps: '< 1'}}", "a winch or a run, not both"),
+        ("- {name: a, run: {}, event: {device: mru, fault: gone, at: 1}, wanted: {snaps: '< 1'}}", "fault = 'gone'"),
+        ("- {name: a, run: {}, alarms: [MRU_GONE], wanted: {snaps: '< 1'}}", "MRU_GONE is no code of an alarm"),
+        ("- {name: a, run: {set: {winch_controller.low: mpc}}, wanted: {snaps: '< 1'}}", "there is no parameter low"),
+        (
+            "- {name: a, winch: {signal: sine, amplitude: 0.75, period: 8, cycles: 2}, "
+            "event: {fault: emergency_stop, at: 160 s}, wanted: {stopping_time_s: '<= 1 s'}}",
+            "step 1 (a): event: at = 160 s: must be within the step, which lasts 16 s",
+        ),
+        (
+            "- {name: a, run: {duration: 50}, event: {fault: emergency_stop, at: 50}, wanted: {snaps: '< 1'}}",
+            "a: event: at = 50 s",
+        ),
+        ("- {name: a, run: {}, wanted: {overshoot: '>= 95'}}", "overshoot = '>= 95': is 9500 %; write a bound above 1"),
+        ("- {name: a, record: {from: 100 s, to: 50 s}, wanted: {snaps: '< 1'}}", "from 100 s to 50 s is no time"),
+        ("- {name: a, runs: {}, wanted: {snaps: '< 1'}}", "unknown key runs"),
+        ("- {name: a, record: {from: 1 kg}, wanted: {snaps: '< 1'}}", "record: from"),
+    ],
+)
+def test_what_is_wrong_with_a_procedure_is_one_line_before_anything_runs(step, words, tmp_path, capsys):
+    path = tmp_path / "own.yaml"
+    path.write_text(HEAD + step)
+    assert main(["accept", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "runs").exists()
+
+
+@pytest.mark.parametrize(
+    ("winch", "words"),
+    [
+        ("{signal: steps, speeds: [500 %, 0], hold: 3 s}", "needs 10 m/s, beyond the winch's 2 m/s"),
+        ("{signal: ramp, speed: -900 %, acceleration: 50 %}", "needs 18 m/s"),
+        ("{signal: ramp, speed: 50 %, acceleration: 200 %}", "3 m/s^2 is beyond the winch's 1.5 m/s^2"),
+        ("{signal: sine, amplitude: 50 m, period: 8 s}", "m/s, beyond the winch's 2 m/s"),
+        (
+            "{signal: steps, speeds: [50 %], hold: 60 s}",
+            "needs a payout of 0.1 to 60 m, beyond the winch's -50 to 50 m",
+        ),
+        ("{signal: hold, duration: 3 s, load: 30 MN}", "load = 30000 kN is beyond the tension at which the rope parts"),
+        ("{signal: hold, duration: 3 s, load: -30 kN}", "must not be below 0"),
+    ],
+)
+def test_what_the_nominal_winch_cannot_do_is_refused(winch, words, tmp_path, capsys):
+    path = tmp_path / "own.yaml"
+    path.write_text(HEAD + f"- {{name: a, winch: {winch}, wanted: {{overshoot: '< 1 %'}}}}")
+    assert main(["accept", str(path), "--check"]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_the_list_of_steps_shows_the_load(capsys):
+    assert main(["accept", "winch_factory_test", "--check"]) == 0
+    assert "held by the brake for 10 s, load 30 kN" in capsys.readouterr().out
+
+
+def test_amounts_have_units_and_percent_is_of_the_nominal_limit():
+    limits = Limits(2.0, 1.5)
+    assert amount("50 %", "speed", "", limits) == 1.0
+    assert amount("30 kN", "force", "") == 30e3
+    with pytest.raises(ParameterError, match="with or without a unit"):
+        amount("50 %", "length", "", limits)
+
+
+@pytest.mark.parametrize("name", ["winch_factory_test", "sensor_check", "harbour_test", "sea_trial"])
+def test_each_shipped_procedure_is_right(name):
+    session = Session(read_head(find_procedure(name)), Parts())
+    assert session.procedure.signatures
+    assert all(step.what and step.wanted for step in session.procedure.steps)
+
+
+@pytest.mark.parametrize(("external", "faults"), [((), ("gap",)), (("mru=own",), ()), (("winch/load_cell",), ("gap",))])
+def test_a_fault_is_simulated_unless_the_sensor_that_has_it_is_real(external, faults):
+    procedure = read_procedure(read_head(find_procedure("sea_trial")), Limits(2.0, 1.5))
+    step = next(step for step in procedure.steps if step.event and step.event.device == "mru")
+    scenario = scenario_of(procedure, step.test, step.event, external)
+    assert scenario.parameters["wave_vessel"].mru.faults.kind == faults
+    assert scenario.run.external == tuple(text.partition("=")[0] for text in external)
+
+
+def test_a_page_of_steps_that_were_not_done_says_so(tmp_path):
+    session = Session(read_head(find_procedure("sea_trial")), Parts(records={"Irregular sea": tmp_path / "none"}))
+    found = session.run(tmp_path, ["Regular sea"])
+    assert not found.is_passed
+    assert "there is no record of it" in render(found)

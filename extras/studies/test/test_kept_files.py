@@ -1,0 +1,174 @@
+"""Files that a campaign's cases read: kept in its table, made good where they are gone, missed where they differ."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+from heave_bringup.commands.runs import run as run_command
+from heave_bringup.run import run as run_module
+from heave_bringup.scenarios import load_scenario
+from heave_node.parameters import ParameterError
+from heave_studies.campaign import executors, study
+from heave_studies.campaign.campaign_file import read_campaign
+from heave_studies.campaign.runs import CaseResult, Task, run_task
+from heave_studies.tables import kept_files
+from heave_studies.tables.case_table import files_of, read_cases, write_cases
+from heave_studies.tables.kept_files import MARK, digest_of, keep_files, make_good
+
+RAO = Path(str(resources.files("wave_vessel_node"))) / "data" / "wigley_90m.csv"
+PLACE = "vessel.rao_file"
+
+
+@pytest.fixture
+def rao(tmp_path: Path) -> Path:
+    """Return the RAO table of the user, which the campaign reads."""
+    return Path(shutil.copy(RAO, tmp_path / "own_rao.csv"))
+
+
+@pytest.fixture
+def campaign(tmp_path: Path, rao: Path):
+    path = tmp_path / "own.yaml"
+    path.write_text(f"""
+scenario: unit_1500
+duration: 3
+seeds: 2
+set: {{all.transient: 1.0, wave_vessel.ramp: 0.5, cable_sim.segments: 2, wave_vessel.{PLACE}: {rao}}}
+""")
+    return read_campaign(path)
+
+
+def pretended(task: Task) -> CaseResult:
+    return CaseResult(task.case)
+
+
+def pretended_table(campaign, folder: Path, monkeypatch) -> Path:
+    """Return the file of a campaign whose cases were not really run."""
+    monkeypatch.setattr(executors, "run_task", pretended)
+    study.run_study(campaign, output=folder / "cases.parquet", processes=1)
+    return folder / "cases.parquet"
+
+
+def read_by(scenario) -> Path:
+    return Path(scenario.parameters["wave_vessel"].vessel.rao_file)
+
+
+def test_a_row_repeats_its_case_when_the_file_that_it_read_is_gone(campaign, rao, tmp_path):
+    output = tmp_path / "cases.parquet"
+    frame = study.run_study(campaign, output=output, processes=1)
+    rao.unlink()
+    scenario = load_scenario(f"{output}:2", folder=tmp_path / "run")
+    assert read_by(scenario).is_relative_to(tmp_path / "run")
+    assert read_by(scenario).read_bytes() == RAO.read_bytes()
+    (line,) = scenario.remade
+    assert f"{rao} is not there" in line
+    again, row = run_task(Task(next(campaign.cases()), scenario)).kpis, frame.set_index("case").loc[2]
+    assert {key: value for key, value in again.items() if np.isfinite(value)} == {
+        key: row[key] for key in again if np.isfinite(row[key])
+    }
+
+
+def test_a_file_that_changed_is_told_and_what_was_kept_is_read(campaign, rao, tmp_path, monkeypatch):
+    output = pretended_table(campaign, tmp_path, monkeypatch)
+    assert load_scenario(f"{output}:1", folder=tmp_path / "run").remade == ()
+    assert not (tmp_path / "run").exists(), "a file that is there is read where it is"
+    rao.write_text(rao.read_text() + "\n")
+    scenario = load_scenario(f"{output}:1", folder=tmp_path / "run")
+    (line,) = scenario.remade
+    assert f"{rao} has changed since the case was run" in line
+    assert hashlib.sha256(RAO.read_bytes()).hexdigest()[:12] in line
+    assert digest_of(read_by(scenario)) == digest_of(RAO)
+    # another one of the user's own is his to choose; without a folder the file goes with the process
+    mine = load_scenario(f"{output}:1", settings=[f"wave_vessel.{PLACE}={RAO}"])
+    assert (read_by(mine), mine.remade) == (RAO, ())
+    assert read_by(load_scenario(f"{output}:1")).is_file()
+
+
+def test_a_file_is_in_the_table_once_and_no_fact_of_it(campaign, rao, tmp_path, monkeypatch):
+    output = pretended_table(campaign, tmp_path, monkeypatch)
+    import pyarrow.parquet  # noqa: PLC0415
+
+    names = [name for name in pyarrow.parquet.read_schema(output).metadata if name.startswith(MARK)]
+    assert names == [MARK + digest_of(rao).encode()]
+    frame, about = read_cases(output)
+    assert not [name for name in about if "file" in name]
+    assert files_of(output, 2)[0] == {str(rao): digest_of(rao)}
+    assert len(frame) == 2
+
+
+def test_a_file_too_large_to_be_kept_is_known_by_its_digest(campaign, rao, tmp_path, monkeypatch):
+    monkeypatch.setattr(kept_files, "MOST_KEPT", 1000)
+    output = pretended_table(campaign, tmp_path, monkeypatch)
+    assert load_scenario(f"{output}:1").remade == ()
+    rao.unlink()
+    with pytest.raises(
+        ParameterError, match=r"own_rao\.csv is not there .* was too large for the table to keep"
+    ) as told:
+        load_scenario(f"{output}:1")
+    assert "\n" not in str(told.value)
+    assert load_scenario(f"{output}:1", needs_files=False).parameters
+
+
+def test_a_campaign_whose_file_changed_in_between_is_another_one(campaign, rao, tmp_path, monkeypatch):
+    output = pretended_table(campaign, tmp_path, monkeypatch)
+    study.run_study(campaign, output=output, processes=1)
+    rao.write_text(rao.read_text() + "\n")
+    with pytest.raises(ParameterError, match="holds results of another campaign"):
+        study.run_study(campaign, output=output, processes=1)
+
+
+def test_a_bag_is_kept_with_all_its_files_and_equal_ones_give_equal_bytes(tmp_path):
+    bag = tmp_path / "bag"
+    (bag / "deeper").mkdir(parents=True)
+    (bag / "metadata.yaml").write_text("version: 9\n")
+    (bag / "deeper" / "bag_0.mcap").write_bytes(os.urandom(5000))
+    (file,) = keep_files([str(bag)]).values()
+    assert (file.name, file.size) == ("bag", 5011)
+    os.utime(bag / "metadata.yaml", (1e9, 1e9))
+    assert keep_files([str(bag)]) == {str(bag): file}
+    before = digest_of(bag)
+    shutil.rmtree(bag)
+    anew, _ = make_good({str(bag): before}, {before: file}, [str(bag)], tmp_path / "run", "own.parquet:1")
+    assert digest_of(Path(anew[str(bag)])) == before
+
+
+def test_as_much_as_is_kept_can_be_read_by_anyone(tmp_path):
+    large, small = tmp_path / "large.bin", tmp_path / "small.bin"
+    large.write_bytes(os.urandom(kept_files.MOST_KEPT - 20_000))  # which no packing shrinks
+    small.write_bytes(b"1")
+    files = keep_files([str(large), str(small)])
+    assert all(file.packed for file in files.values())
+    frame = pandas.DataFrame({"case": [1], "scenario": ["text"], "files": [""]})
+    write_cases(frame, tmp_path / "own.parquet", {}, files.values())
+    pandas.testing.assert_frame_equal(pandas.read_parquet(tmp_path / "own.parquet"), frame)
+    assert set(files_of(tmp_path / "own.parquet", 1)[1].values()) == set(files.values())
+
+
+def test_a_run_of_a_row_keeps_the_file_in_its_folder_and_says_so(campaign, rao, tmp_path, monkeypatch, capsys):
+    output = pretended_table(campaign, tmp_path, monkeypatch)
+    rao.unlink()
+    found = []
+
+    class EndedError(Exception):
+        """What stands for the run."""
+
+    def begun(scenario, folder, **_):
+        found.append((read_by(scenario), folder.path))
+        raise EndedError
+
+    monkeypatch.setattr(run_module, "run_scenario", begun)
+    from heave_bringup.parser import make_parser  # noqa: PLC0415
+
+    options = make_parser().parse_args(["run", f"{output}:1", "--bag", str(tmp_path / "run")])
+    with pytest.raises(EndedError):
+        run_command.execute(options)
+    ((path, folder),) = found
+    assert path.is_relative_to(folder / "files")
+    assert path.read_bytes() == RAO.read_bytes()
+    assert capsys.readouterr().err.count("is not there") == 1

@@ -1,0 +1,369 @@
+"""`heave whatif`: only sensors are read, the same law gives it again, what cannot carry an answer is refused."""
+
+import contextlib
+import math
+import os
+import random
+import re
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from heave_bags.mcap.bag_writer import Attachment, BagWriter
+from heave_bags.mcap.reader import LOG_TIME, TIME, Bag
+from heave_bringup.errors import CommandError
+from heave_msgs.msg import WinchState
+from heave_node.interface.sensors import WireReading
+from heave_studies.whatif import fitness
+from heave_studies.whatif.asked import nominal_of
+from heave_studies.whatif.known import learn, other_plants
+from heave_studies.whatif.signals.from_bag import (
+    SELECTION,
+    Gate,
+    delivered,
+    read_record,
+    requests_in,
+    scenario_text,
+    write_text,
+)
+from heave_studies.whatif.signals.record import Loss, without_move
+from heave_studies.whatif.study import answers, recorded, same_again
+from heave_studies.whatif.twin.again import observed_again
+from heave_studies.whatif.twin.replay import Asked, replay
+from heave_studies.whatif.work import work_in
+from rclpy.serialization import deserialize_message, serialize_message
+from winch_controller_node.core.component import WinchController
+from winch_controller_node.core.supervision.modes import ModeError
+from winch_controller_node.interface.readings import Measurements
+from winch_controller_node.interface.requests import Request, request_of
+
+from tests.campaigns import whatif as campaign
+from tests.campaigns.in_process import heave, judge
+from tests.campaigns.whatif import Recording, make_draw, run_draw, scenario_of
+from tests.loop_runs import run_scenario
+
+TRUE_FIELDS = ("payout", "payout_rate", "payout_acceleration", "tension", "power")
+"""Fields of winch/state that only a simulator knows."""
+
+TICK = 50_000_000
+"""Tick period of the runs [ns]."""
+
+
+def without_truth(bag, folder, *, topics=tuple(SELECTION), logged=lambda topic, time: time, **run):
+    """Write a bag with the `topics` alone, and with no truth in winch/state; return it.
+
+    Parameters
+    ----------
+    bag, folder : the bag, and where it is written
+    topics : that are kept
+    logged : returns when a message on a topic is recorded that was recorded at a time [ns]; None: it is lost
+    run : words about the run that are other
+    """
+    attachments = [Attachment(name, found.media_type, found.data) for name, found in bag.attached.items()]
+    writer = BagWriter(folder, run={**bag.run, **run}, attachments=attachments)
+    kept = [name for name in bag.topics if name.lstrip("/") in topics or name in topics]
+    for name in kept:
+        writer.add_foreign_topic(bag.topics[name], bag.topics[name].schema)
+    for message in bag.messages(kept):
+        data = message.data
+        if message.topic == "/winch/state":
+            state = deserialize_message(data, WinchState)
+            for field in TRUE_FIELDS:
+                setattr(state, field, math.nan)
+            data = serialize_message(state)
+        time = logged(message.topic, message.log_time)
+        if time is not None:
+            writer.write(message.topic, time, data, publish_time=message.publish_time)
+    writer.close({})
+    return Bag(folder)
+
+
+@pytest.fixture(scope="module")
+def nominal(calm_bag, tmp_path_factory):
+    return nominal_of(write_text(tmp_path_factory.mktemp("scenario"), scenario_text(Bag(calm_bag))))[0]
+
+
+def test_deleting_every_truth_topic_changes_no_digit(calm_bag, nominal, tmp_path):
+    whole = read_record(Bag(calm_bag), nominal)
+    bare = read_record(without_truth(Bag(calm_bag), tmp_path / "bare"), nominal)
+    assert bare.measurements == whole.measurements
+    assert bare.orders == whole.orders
+    assert bare.modes == whole.modes
+    assert np.array_equal(bare.set_points, whole.set_points)
+    assert (bare.first, bare.tick_period, bare.has_adviser) == (whole.first, whole.tick_period, whole.has_adviser)
+    assert whole.ticks == 200
+    assert whole.measurements[100].winch is not None
+
+
+def test_when_a_message_was_recorded_changes_no_digit(calm_bag, nominal, tmp_path):
+    """In real time it comes late."""
+    late = random.Random(1)
+    lockstep, bag = Bag(calm_bag), tmp_path / "late"
+    realtime = without_truth(lockstep, bag, logged=lambda _, time: time + late.randrange(4 * TICK), pacing="realtime")
+    assert read_record(realtime, nominal).measurements == read_record(lockstep, nominal).measurements
+
+
+def test_a_reading_that_the_bag_lacks_moves_no_other(calm_bag, nominal, tmp_path):
+    lost = ("/mru", "/winch/state")
+    gap = without_truth(
+        Bag(calm_bag),
+        tmp_path / "gap",
+        logged=lambda topic, time: None if topic in lost and time == 99 * TICK else time,
+    )
+    found, whole = (read_record(bag, nominal).measurements for bag in (gap, Bag(calm_bag)))
+    others = [index for index, (one, other) in enumerate(zip(found, whole, strict=True)) if one != other]
+    assert others == [98, 99]
+    assert (found[98].mru, found[99].winch) == ((), None)
+
+
+def test_readings_that_come_together_late_or_never_or_are_refused_are_in_the_tick_of_their_gate():
+    readings = [WireReading(number * TICK, (float(number),)) for number in range(1, 9)]
+    # two in tick 3; none in 4; 4 is lost on the way; 6 is refused; then 7 and 8 together, 8 refused
+    judged, newest = [1, 0, 2, 0, 1, 1, 0, 2], [1, 1, 3, 3, 5, 5, 5, 7]
+    ticks = np.arange(1, 9)
+    found = delivered(readings, Gate(TICK * ticks, np.array(judged), TICK * np.array(newest)), TICK)
+    assert {tick: [int(one.numbers[0]) for one in of_tick] for tick, of_tick in found.items()} == {
+        1: [1],
+        3: [2, 3],
+        5: [5],
+        6: [6],
+        8: [7],
+    }
+
+
+def test_readings_of_a_sensor_with_a_clock_of_its_own_have_the_stamps_that_the_controller_gave_them():
+    clock = 1_800_000_000 * 1_000_000_000 + 7
+    readings = [WireReading(clock + number * TICK, (float(number),)) for number in range(1, 6)]
+    # none in tick 3, two in 4; the fifth is refused
+    judged, newest = [1, 1, 0, 2, 1], [1, 2, 2, 4, 4]
+    found = delivered(readings, Gate(TICK * np.arange(1, 6), np.array(judged), TICK * np.array(newest)), TICK)
+    assert [(tick, one.stamp // TICK, one.numbers[0]) for tick, of_tick in found.items() for one in of_tick] == [
+        (1, 1, 1.0),
+        (2, 2, 2.0),
+        (4, 3, 3.0),
+        (4, 4, 4.0),
+        (5, 5, 5.0),
+    ]
+
+
+def test_an_answer_of_the_adviser_that_came_too_late_is_not_taken(calm_bag, nominal, tmp_path):
+    late = without_truth(
+        Bag(calm_bag),
+        tmp_path / "late",
+        logged=lambda topic, time: time + 30 * TICK if topic.endswith("beliefs") and time < 70 * TICK else time,
+    )
+    record = read_record(late, nominal).part(2.5)
+    assert record.late == {20, 40}
+    assert observed_again(record, nominal).beliefs.asked == -1
+    assert observed_again(replace(record, late=frozenset()), nominal).beliefs.asked == 40
+
+
+def test_the_same_law_leaves_out_the_ticks_that_the_controller_left_out(calm_bag, nominal):
+    whole = read_record(Bag(calm_bag), nominal)
+    controller, given, orders = WinchController(nominal, tick_period=whole.tick_period), [], []
+    for tick, one in enumerate(whole.measurements, start=1):
+        if tick == 81:
+            controller.ask_for_mode("manual")
+        if tick in (81, 82):
+            assert controller.leave_out(tick) == (("mode manual",) if tick == 81 else ())
+            given.append(Measurements())
+            orders.append(None)
+        else:
+            given.append(replace(one, mru=whole.measurements[tick - 2].mru + one.mru) if tick == 83 else one)
+            orders.append(controller.step(tick, given[-1]).order)
+    requests = {81: (Request("mode", ("manual",)),)}
+    record = replace(whole, measurements=tuple(given), orders=tuple(orders), requests=requests, has_adviser=False)
+    assert observed_again(record, nominal).is_same
+
+
+def test_the_same_law_does_what_the_operator_had_requested(calm_bag, nominal):
+    whole = read_record(Bag(calm_bag), nominal)
+    controller = WinchController(nominal, tick_period=whole.tick_period)
+    acts = {
+        20: lambda: controller.ask_for_mode("manual"),
+        90: lambda: controller.ask_for_mode("standby"),
+        120: lambda: controller.ask_for_mode("constant_tension", 1234.56789),
+        125: lambda: controller.set_factor(0.123456789),
+        130: lambda: controller.ask_for_mode("manual"),
+    }
+    orders, requests = [], {}
+    for tick, one in enumerate(whole.measurements, start=1):
+        with contextlib.suppress(ModeError):
+            acts.get(tick, lambda: "")()
+            if 30 <= tick < 50 or 60 <= tick < 140:
+                controller.operate(0.1 + 1e-9 * tick)
+        done = controller.step(tick, one)
+        orders.append(done.order)
+        requests[tick] = tuple(map(request_of, done.requests))
+    kinds = [request.kind for of_tick in requests.values() for request in of_tick]
+    assert kinds == [
+        *("mode", "speed", "no speed", "speed", "mode", "no speed", "mode", "factor", "mode"),
+        *("speed", "no speed"),
+    ]
+    record = replace(whole, orders=tuple(orders), requests=requests, has_adviser=False)
+    assert max(abs(order.payout_rate) for order in orders) > 0.05
+    assert observed_again(record, nominal).is_same
+    assert not observed_again(replace(record, requests={}), nominal).is_same
+
+
+def test_requests_are_read_of_the_diagnostics_by_their_ticks():
+    said = ["t = 1.00 s: mode stopped; t = 1.05 s: factor 0.8, speed +0.2 m/s", "t = 1.05 s: fault of mru: gap", "ok"]
+    names = ["winch_controller: operator", "wave_vessel: operator", "winch_controller: mode"]
+    columns = {TIME: np.array([2.0]), LOG_TIME: np.array([2 * 10**9])}
+    for number, (name, words) in enumerate(zip(names, said, strict=True)):
+        columns |= {
+            f"status[{number}].level": np.array([0]),
+            f"status[{number}].name": np.array([name], dtype=object),
+            f"status[{number}].message": np.array([words], dtype=object),
+        }
+    assert requests_in(columns, TICK) == {
+        20: (Request("mode", ("stopped",)),),
+        21: (Request("factor", (0.8,)), Request("speed", (0.2,))),
+    }
+
+
+@pytest.mark.parametrize(
+    ("loss", "words"),
+    [
+        (Loss("encoder", 60.0, 70.0, "frozen"), "what the drum did is not known there; give --end 60"),
+        (Loss("depth", 60.0, 70.0, "stale"), "depth was lost from 60.0 s to 70.0 s (stale): the unit's motion is not"),
+        (Loss("mru", 2.0, 9.0, "stale"), ""),  # the readings are there: the controller was held up
+        (Loss("load_cell", 60.0, 70.0, "frozen"), ""),
+    ],
+)
+def test_a_record_in_which_the_controller_lost_a_sensor_is_refused_with_the_reason(
+    calm_bag, nominal, monkeypatch, loss, words
+):
+    monkeypatch.setattr(fitness, "READ_SHARE", 0.0)
+    short = read_record(Bag(calm_bag), nominal)
+    many = {name: getattr(short, name) * 12 for name in ("measurements", "orders", "modes")}
+    with pytest.raises(CommandError, match=re.escape(words)) if words else contextlib.nullcontext():
+        fitness.check_record(replace(short, **many, losses=(loss,)), 0.0, "bag")
+
+
+@pytest.mark.long
+def test_the_same_law_gives_a_record_in_real_time_again(nominal, tmp_path):
+    bag = run_scenario(tmp_path / "run", duration=30.0, options=("--pacing", "realtime", "--composed"))
+    record = read_record(Bag(bag), nominal)
+    assert record.ticks == 600
+    assert observed_again(record, nominal).is_same
+
+
+@pytest.mark.parametrize(
+    ("left_out", "words"),
+    [
+        ("unit/pressure", "holds no unit/pressure: the unit's motion is not measured, so it cannot be predicted"),
+        ("mru", "holds no mru: the boom tip's motion is not known"),
+        ("controller/state", "holds no controller/state: what the controller was given in each tick is not known"),
+        ("winch/command", "holds no winch/command: what the winch was ordered is not known"),
+    ],
+)
+def test_a_bag_without_a_sensor_is_refused_in_one_line(calm_bag, tmp_path, left_out, words):
+    kept = tuple(topic for topic in SELECTION if topic != left_out)
+    without_truth(Bag(calm_bag), tmp_path / "bag", topics=kept)
+    status, said, complaint = heave(["whatif", str(tmp_path / "bag")])
+    assert status == 1
+    assert words in complaint
+    assert judge(status, said, complaint) == ""
+
+
+@pytest.mark.parametrize(
+    ("options", "status", "words"),
+    [
+        ((), 1, "0 s are left after its transient"),
+        (("--law", "best"), 2, "best: no such law; known:"),
+        (("--set", "cable_sim.length=500"), 2, "cable_sim.length cannot be asked"),
+        (("--set", "system.sea.peak_period=9"), 2, "cannot be asked"),
+        (("--set", "all.duration=20"), 2, "all.duration cannot be asked"),
+        (("--know", "cable.colour=1+-2%"), 2, "must be NAME=VALUE+-SPREAD"),
+        (("--draws", "-1"), 2, "must be from 0 to 100"),
+        (("--seed", "-3"), 2, "--seed -3: must be 0 or more"),
+        (("--end", "-1"), 2, "--end -1: must be 0 or more"),
+        (("--transient", "nan"), 2, "--transient nan: must be 0 or more"),
+    ],
+)
+def test_what_cannot_be_answered_is_refused_in_one_line(calm_bag, options, status, words):
+    found, said, complaint = heave(["whatif", str(calm_bag), *options])
+    assert (found, words in complaint) == (status, True), complaint
+    assert judge(found, said, complaint) == ""
+
+
+def test_a_bag_that_is_cut_is_said_to_be(calm_bag, tmp_path):
+    bag = shutil.copytree(calm_bag, tmp_path / "bag")
+    (file,) = bag.glob("*.mcap")
+    os.truncate(file, file.stat().st_size // 2)
+    _, _, complaint = heave(["whatif", str(bag), "--transient", "0"])
+    assert re.search(r"warning: \S+\.mcap: .* at byte \d+: everything from [0-9.]+ s on .* lost", complaint)
+    assert "s are left after its transient of 0 s" in complaint
+
+
+@pytest.mark.long
+def test_an_answer_is_near_to_what_then_was():
+    # a nominal world: the trial's median error was 0.45 points, 2 points are wanted of 95 %
+    draw = replace(make_draw(0, 1), recorded="off", asked=("mpc",), settings=(), words="as believed")
+    (pair,), _ = run_draw(draw, 0)
+    assert not pair.tells, "a winch that stood still shows nothing of itself: here it is as believed"
+    assert abs(pair.error) < 0.02
+
+
+@pytest.mark.long
+def test_the_same_law_gives_the_record_again_with_what_its_operator_did(monkeypatch):
+    monkeypatch.setattr(campaign, "DURATION", 140.0)
+    scenario = scenario_of(make_draw(0, 1), "mpc")
+    recording = Recording(scenario)
+    controller, moves = recording.controller, {1200: 6.0, 1900: -9.0, 2000: None, 2600: 1.0}
+
+    def act(tick):
+        if 2200 <= tick < 2320 and tick % 4 == 0:
+            controller.operate(0.2 if tick < 2280 else 0.123456789)
+        if tick in moves:
+            move = moves[tick]
+            controller.cancel_move() if move is None else controller.move_to_depth(controller.depth + move, 0.3)
+
+    truth, record = recording.record(act)
+    nominal = scenario.parameters["winch_controller"]
+    known = learn(record, nominal, start=50.0)
+    assert np.ptp(record.set_points) > 5.0
+    assert known.again.is_same
+    assert same_again(known) == (0.0, 0.0)
+    # heave is without the move, as in the figures of a run
+    time, point = truth.column("time"), truth.column("depth_set_point")
+    sigma = np.std(without_move(time, truth.column("unit") + point, point)[known.window])
+    assert recorded(known).values["unit_sigma_m"] == pytest.approx(sigma, rel=0.1)
+    own, other, off = (Asked(law, replace(nominal, law=law)) for law in ("mpc", "lqg", "off"))
+    (answered, moved, locked), closed = answers(known, [own, other, off]), replay(known.past, own)
+    was = recorded(known, [locked])
+    low, high = was.bands["unit_sigma_m"]
+    assert low <= was.values["unit_sigma_m"] <= high
+    assert np.abs(moved.done.set_point - record.set_points)[known.window].max() < 0.05
+    assert moved.done.refused == ()
+    # it is not closed for the answer: closing it gives nothing else
+    assert np.array_equal(answered.done.unit, closed.unit)
+    assert np.array_equal(answered.done.payout, closed.payout)
+    assert answered.done.modes == closed.modes
+
+
+@pytest.mark.long
+def test_work_that_is_done_in_other_processes_answers_alike(monkeypatch):
+    monkeypatch.setattr(campaign, "DURATION", 70.0)
+    scenario = scenario_of(make_draw(0, 1), "off")
+    _, record = Recording(scenario).record()
+    nominal = scenario.parameters["winch_controller"]
+    known = learn(record, nominal, start=40.0)
+    asked = [Asked(law, replace(nominal, law=law)) for law in ("lqg", "off")]
+    plants, shown = other_plants(known, 1)[:3], []
+    found = []
+    for count in (1, 2):
+        with work_in(count, lambda words, share: shown.append((words, share))) as work:
+            fit = learn(record, nominal, start=40.0, work=work).fit
+            assert fit.values == known.fit.values
+            found.append(answers(known, asked, [known], plants, work=work))
+    here, there = found
+    assert shown[-1] == ("motions of each law on other plants", 1.0)
+    for one, other in zip(here, there, strict=True):
+        assert one.figures.values == other.figures.values
+        assert one.figures.bands == other.figures.bands
+        assert np.array_equal(one.done.payout, other.done.payout)
+    # a draw that is the record's own plant and winch spreads nothing
+    assert here[0].figures.bands["winch_speed_max_mps"] == (here[0].figures.values["winch_speed_max_mps"],) * 2

@@ -1,0 +1,109 @@
+"""What stands beside the figures of an answer: what the record lacks for it."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from heave_bringup.errors import CommandError
+from heave_node.interface.codes import WinchLimit
+from heave_studies.whatif import fitness
+from heave_studies.whatif.answer import lost
+from heave_studies.whatif.identify.cable import CableFit
+from heave_studies.whatif.identify.prior import USUAL, Prior
+
+LIMITS_HIT = np.array([WinchLimit.FLOW, 0, WinchLimit.SPEED, WinchLimit.SPEED | WinchLimit.POWER | WinchLimit.PAYOUT])
+"""Of four ticks, the first before the window, and the ends of the cable no limit that counts."""
+
+SHOWN = {"cable and unit": True, "winch": True, "winch limits": True}
+
+
+@pytest.mark.parametrize(
+    ("law", "shown", "limit", "band", "words"),
+    [
+        ("mpc", {}, 0.0, (0.95, 0.99), ""),
+        ("mpc", {"winch limits": False}, 0.0, (0.95, 0.99), ""),
+        ("off", {"winch": False, "winch limits": False}, 0.0, (0.0, 0.0), ""),
+        ("industrial", {}, 0.0, (0.62, 0.82), "its efficiency is anywhere from 62 to 82 %"),
+        ("mpc", {"winch": False}, 0.0, (0.95, 0.99), "how the winch answers is assumed (winch)"),
+        ("mpc", {}, 12.0, (0.95, 0.99), ""),
+        (
+            "mpc",
+            {"winch limits": False},
+            12.0,
+            (0.95, 0.99),
+            "it is at the winch's limits (speed and power) for 12.0 % of the time, and they are assumed",
+        ),
+        (
+            "lqg",
+            {"cable and unit": False, "winch": False},
+            0.0,
+            (0.95, 0.99),
+            "cable and unit are not known from it (cable and unit); how the winch answers is assumed (winch)",
+        ),
+    ],
+)
+def test_what_the_record_lacks_for_an_answer_is_said_and_no_more(monkeypatch, law, shown, limit, band, words):
+    monkeypatch.setattr(fitness, "reported", lambda known: [(of, yes, of) for of, yes in (SHOWN | shown).items()])
+    again = SimpleNamespace(is_same=True, refused=())
+    past = SimpleNamespace(record=SimpleNamespace(has_orders=True, is_own=True))
+    fit = SimpleNamespace(chi2=1.0, values={})
+    known = SimpleNamespace(fit=fit, snapped=np.zeros(3), again=again, past=past, window=slice(1, 4))
+    values = {"time_at_limit_percent": limit, "unit_efficiency": sum(band) / 2.0}
+    figures = SimpleNamespace(values=values, bands={"unit_efficiency": band})
+    asked = SimpleNamespace(name="first", controller=SimpleNamespace(law=law))
+    answer = SimpleNamespace(asked=asked, figures=figures, done=SimpleNamespace(refused=(), limits_hit=LIMITS_HIT))
+    lines = fitness.warnings(known, [answer])
+    assert lines == ([f"first: this record does not show all that the answer stands on: {words}"] if words else [])
+
+
+def test_an_efficiency_at_one_end_of_its_band_is_no_better_known(monkeypatch):
+    monkeypatch.setattr(fitness, "reported", lambda known: [(of, True, of) for of in SHOWN])
+    values = {"time_at_limit_percent": 0.0, "unit_efficiency": 0.98}
+    figures = SimpleNamespace(values=values, bands={"unit_efficiency": (0.91, 1.0)})
+    answer = SimpleNamespace(asked=SimpleNamespace(controller=SimpleNamespace(law="lqg")), figures=figures)
+    assert fitness.lacks(SimpleNamespace(), answer) == ["its efficiency is anywhere from 91 to 100 %"]
+
+
+ADDED = ", which should add up to 1"
+
+
+@pytest.mark.parametrize(
+    ("shares", "words", "after"),
+    [
+        ((0.9, 0.05), "check length, cable and unit, depth sensor and load cell; MRU and encoder fit together: ", ""),
+        ((-0.9, 0.05), "the sign of MRU, encoder or depth sensor is wrong: ", ADDED),
+        (
+            (3.28, 0.0),
+            "the unit or the column of MRU, encoder or depth sensor is wrong: ",
+            ", which should add up to 1",
+        ),
+    ],
+)
+def test_a_value_far_from_what_was_known_before_is_refused_with_what_to_check(shares, words, after):
+    # a load cell in kN that is read as tf: 9.8 times the tension of a cable whose stiffness is known to 10 %
+    prior = Prior(USUAL, dict.fromkeys(USUAL, 0.0))
+    values = {"cable.stiffness_factor": 2.5, "mru.delay": -0.08}
+    fit = CableFit(values, np.eye(2), prior, None, 0.0, 1.0, 100.0)
+    evidence = SimpleNamespace(shares=shares)
+    known = SimpleNamespace(fit=fit, evidence=evidence, left=0.0)
+    with pytest.raises(CommandError) as refused:
+        fitness.check_fit(known, 1.0, "bag")
+    assert str(refused.value) == (
+        "bag: cable.stiffness_factor is identified as 2.5, 9 standard deviations from what was known before: "
+        f"{words}of the boom tip's heave the drum takes out {shares[0]:.2f} and the unit shows {shares[1]:.2f}{after}; "
+        "if it is so, give --know cable.stiffness_factor=2.5+-5%"
+    )
+
+
+def test_a_law_that_never_began_has_given_up_at_its_first_alarm():
+    alarm = SimpleNamespace(code="COMMANDS_TOO_LATE", brief="commands come too late")
+    time = np.arange(3.0)
+    for modes, lost_at, cause in (
+        (("standby",) * 3, 2.0, "it never began: commands come too late"),
+        (("standby", "compensating", "compensating"), math.inf, ""),
+        (("off",) * 3, math.inf, ""),  # asked for
+        (("",) * 3, math.inf, ""),  # a record that does not say
+    ):
+        assert lost(SimpleNamespace(time=time, modes=modes, alarms=((2.0, alarm),))) == (lost_at, cause)
+    assert lost(SimpleNamespace(time=time, modes=("standby",) * 3, alarms=())) == (0.0, "it never began")

@@ -1,0 +1,120 @@
+"""The active beliefs, and the one way in which another answer of the adviser becomes active."""
+
+from __future__ import annotations
+
+from heave_node.interface.alarm import Alarm
+
+from winch_controller_node.beliefs.beliefs import Beliefs, latency_ticks, parameters_under, without_sea
+from winch_controller_node.beliefs.corrections import corrections
+from winch_controller_node.beliefs.quantities import QUANTITIES, restated
+from winch_controller_node.beliefs.words import alarms_of
+from winch_controller_node.core.design_in_force import DesignInForce
+from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.core.supervision.watch.winch_watch import WinchWatch
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+NONE = Beliefs(asked=-1)
+"""All is nominal."""
+
+OWN = "encoder"
+"""Sensor that a reflex of the core alone sets aside and uses again: what the adviser says of that is an echo."""
+
+
+class BeliefsInForce:
+    """Nominal parameters and the active beliefs: their only home in the core.
+
+    Parameters
+    ----------
+    in_force, estimation, winch : what goes by the beliefs
+
+    Attributes
+    ----------
+    nominal : parameters as an operator has stated them
+    restated : those that have changed since the start, and what to, by path
+    beliefs : the active ones
+    refused : answers that came too late, so far
+    corrected : owners whose assumed values have changed in this tick: winch, cable, a sensor
+    has_moved_tip : the boom tip is taken to be elsewhere since this tick: what was seen of the sea is void
+    """
+
+    def __init__(self, in_force: DesignInForce, estimation: LoopEstimation, winch: WinchWatch) -> None:
+        self._in_force, self._estimation, self._winch = in_force, estimation, winch
+        self._latency = latency_ticks(in_force.design.tick_period)
+        self._first = in_force.parameters
+        self.nominal: WinchControllerParameters = self._first
+        self.restated: tuple[tuple[str, float], ...] = ()
+        self.beliefs = NONE
+        self._pending: Beliefs | None = None
+        self.refused = 0
+        self.corrected: set[str] = set()
+        self.has_moved_tip = False
+
+    def offer(self, beliefs: Beliefs, next_tick: int) -> bool:
+        """Take `beliefs`, active LATENCY after they were asked for; return whether in time for `next_tick`."""
+        if beliefs.asked + self._latency < next_tick:
+            self.refused += 1
+            return False
+        self._pending = beliefs
+        return True
+
+    def follow(self, tick: int) -> list[Alarm]:
+        """Activate before a `tick` what is due; return what is new."""
+        self.corrected, self.has_moved_tip = set(), False
+        pending = self._pending
+        if pending is None or pending.asked + self._latency > tick:
+            return []
+        self._pending = None
+        if pending.number != self.beliefs.number:
+            self._take(pending, tick)
+        return alarms_of(pending.findings)
+
+    def renew(self, nominal: WinchControllerParameters) -> None:
+        """Go by other `nominal` parameters; beliefs about the sea are void."""
+        self.nominal, self._pending = nominal, None
+        self.restated = restated(self._first, nominal)
+        self.beliefs = without_sea(self.beliefs)
+
+    def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:
+        """Return the parameters under the active beliefs, were others `nominal`; beliefs about the sea are void."""
+        return parameters_under(without_sea(self.beliefs), nominal)
+
+    def _take(self, beliefs: Beliefs, tick: int) -> None:
+        """Jump: all that goes by beliefs goes by these from now on.
+
+        | what has changed | estimate | what is restarted |
+        |---|---|---|
+        | limits, gain of the winch | stays | drum watch |
+        | lag, delay, sea | carried over | drum watch (winch) |
+        | sensor, cable | the adviser's, followed up to now | consistency, guard's comparison |
+        | MRU | the same | besides: what was seen of the sea |
+        """
+        before, self.beliefs = self.beliefs, beliefs
+        parameters = parameters_under(beliefs, self.nominal)
+        changed = {
+            QUANTITIES[name].owner
+            for name in {*before.values, *beliefs.values}
+            if before.values.get(name) != beliefs.values.get(name)
+        }
+        estimation, observer = self._estimation, self._estimation.observer
+        observer.terms.correct(corrections(beliefs, self.nominal))
+        excluded, was = (one.excluded if one.excluded != OWN else "" for one in (beliefs, before))
+        if excluded != was:
+            observer.exclude(excluded)
+            changed |= {excluded, was} - {""}
+        if beliefs.encoder is not None and beliefs.encoder != before.encoder:
+            observer.exclude(excluded)
+            estimation.rescale_encoder(beliefs.encoder, tick - 1, is_adopted=beliefs.adopted is not None)
+        carried = None
+        if beliefs.design is not None:
+            carried = self._in_force.take_design(parameters, beliefs.design)
+        self._in_force.take_limits(parameters.winch)
+        if beliefs.adopted is not None:
+            estimation.adopt(self._in_force.design, None if carried is None else carried[0], beliefs.adopted, tick - 1)
+        elif carried is not None:
+            estimation.carry(self._in_force.design, *carried)
+        if "winch" in changed:
+            self._winch.take({name: belief.value for name, belief in beliefs.values.items()})
+        if "mru" in changed:
+            self.has_moved_tip = True
+            estimation.reset_sea()
+        self.corrected = changed - {"sea"}

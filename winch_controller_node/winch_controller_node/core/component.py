@@ -1,0 +1,681 @@
+"""The winch controller as a component: measurements of a tick in, one winch order out. No ROS, no truth, no clock.
+
+Each tick passes a value down: what is known of the loop (`estimation`), what is to be done (`supervision`), the command
+(`loop_command`), the order. The state is split by linearity into the mean payout's own motion (known exactly, it is our
+command) and the rest, which is what the estimator and the laws deal with; the two are superposed in the command.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+
+from heave_node.interface.alarm import Alarm
+from heave_node.interface.codes import WinchLimit
+from heave_node.interface.preview import HeavePreview
+from heave_node.parameters import describe
+
+from winch_controller_node.beliefs.beliefs import Beliefs
+from winch_controller_node.core.beliefs_in_force import BeliefsInForce
+from winch_controller_node.core.design_in_force import DesignInForce, PreparedDesign
+from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.core.estimation.loop_tick import LoopTick
+from winch_controller_node.core.estimation.observation import Observer
+from winch_controller_node.core.estimation.preview_watch import PreviewWatch
+from winch_controller_node.core.loop_command import LoopCommand, TickCommand
+from winch_controller_node.core.state_report import ControllerTick, state_report
+from winch_controller_node.core.supervision.landing import LandingEvent
+from winch_controller_node.core.supervision.late_commands import LateCommands
+from winch_controller_node.core.supervision.mode_machine import ModeMachine
+from winch_controller_node.core.supervision.modes import BRAKED, Mode, ModeError, ModeOutput
+from winch_controller_node.core.supervision.rolling_kpi import KpiWindow
+from winch_controller_node.core.supervision.supervisor import Decision, Supervisor, WinchSituation
+from winch_controller_node.core.supervision.watch.encoder_reflex import Act, EncoderReflex
+from winch_controller_node.core.supervision.watch.load_watch import Episode, LoadWatch, rope_strength
+from winch_controller_node.core.supervision.watch.winch_watch import WinchWatch
+from winch_controller_node.crane.tip_carry import TipCarry
+from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.design.prediction import predict_loop
+from winch_controller_node.design.schedule import identifies_winch
+from winch_controller_node.interface.alarms import ALARMS
+from winch_controller_node.interface.observations import Observations
+from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
+from winch_controller_node.interface.requests import DEPTH, DESIGN, FACTOR, HOLD, MODE, Request, stated
+from winch_controller_node.laws.constant_tension import TRAVEL
+from winch_controller_node.model.estimator import KalmanEstimator
+from winch_controller_node.motion.operator_speed import OperatorRange, OperatorSpeed
+from winch_controller_node.motion.programme import Programme, ProgrammeStep
+from winch_controller_node.motion.trajectory import MeanPayout
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
+"""Limits of the winch that a sea takes it to."""
+
+OPERATED = (Mode.COMPENSATING, Mode.MANUAL)
+"""Modes in which an operator may ask for a speed."""
+
+COMING_TO_REST = (Mode.FADE_OUT, Mode.STOPPING)
+"""Modes in which no move begins."""
+
+LEAST_MEAN_TIME = 10.0
+"""Time over which a tension is averaged at least before it is held as the mean [s]: about a wave."""
+
+LOST_TIME = 1.0
+"""An encoder that is lost for so long is lost indeed [s]; one with play is still for a moment when the drum turns."""
+
+LIFTING_SURPLUS = 0.06
+"""Tension above the static one that lifts a unit off, in weights of the unit: more than the load cell may err."""
+
+
+class WinchController:
+    """The controller.
+
+    Parameters
+    ----------
+    parameters : the assumed plant, winch and sea, and how laws and modes act
+    tick_period : [s]
+    seed : taken like every component's; the controller itself draws no random number
+
+    Raises DesignError where no controller can be designed from the parameters.
+    """
+
+    def __init__(
+        self,
+        parameters: WinchControllerParameters,
+        *,
+        tick_period: float,
+        seed: int = 0,
+    ) -> None:
+        del seed
+        self._dt = tick_period
+        self._in_force = DesignInForce(parameters, tick_period=tick_period)
+        design, law = self._in_force.design, self._in_force.law
+        self._estimation = LoopEstimation(design)
+        self.crane = TipCarry(parameters.crane, parameters.sensors.mru, parameters.winch, tick_period)
+        self._supervisor = Supervisor(design, law)
+        self._command = LoopCommand(design, law)
+        self._winch = WinchWatch(design)
+        self._load = LoadWatch(parameters.alarms, tick_period=tick_period, rope=rope_strength(parameters))
+        self._travel_episodes = Episode(tick_period), Episode(tick_period)
+        self._programme = Programme(parameters.programme)
+        self._operator = OperatorSpeed(parameters.operator, tick_period=tick_period)
+        self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
+        self._beliefs = BeliefsInForce(self._in_force, self._estimation, self._winch)
+        self._encoder = EncoderReflex(tick_period)
+        self._has_lost_encoder = 0
+        self._alarms: list[Alarm] = []
+        self._requests: list[str] = []
+        self.preview = PreviewWatch(law.preview, tick_period=tick_period)
+        self._previews = False
+        self._next_tick = 0
+
+    @property
+    def parameters(self) -> WinchControllerParameters:
+        """Active parameters."""
+        return self._in_force.parameters
+
+    @property
+    def design(self) -> ControllerDesign:
+        """Active design."""
+        return self._in_force.design
+
+    @property
+    def modes(self) -> ModeMachine:
+        """The mode machine."""
+        return self._supervisor.modes
+
+    @property
+    def mode(self) -> Mode:
+        """Mode after the last tick."""
+        return self.modes.mode
+
+    @property
+    def mean(self) -> MeanPayout:
+        """The mean payout, about which the winch compensates."""
+        return self._estimation.motion.mean
+
+    @property
+    def estimator(self) -> KalmanEstimator:
+        """The estimator of the loop, without the mean payout's own motion."""
+        return self._estimation.estimator
+
+    @property
+    def observer(self) -> Observer:
+        """The gates in front of the estimator."""
+        return self._estimation.observer
+
+    @property
+    def depth(self) -> float:
+        """Estimated mean depth of the unit, positive down [m]; NaN before the first depth reading."""
+        return self._estimation.mean_depth
+
+    @property
+    def late_commands(self) -> LateCommands:
+        """How many commands the winch took later than modelled."""
+        return self._winch.late_commands
+
+    def figures(self) -> RollingKpi:
+        """Return the figures of merit of the last window."""
+        return self._kpi.figures()
+
+    def predicted_unit_sigma(self) -> float:
+        """Standard deviation of the unit's heave that the design promises without limits [m]."""
+        gain = self._in_force.law.gain
+        return predict_loop(self.design, gain if len(gain) else None).sigma["unit_heave"]
+
+    # what an operator requests
+
+    def set_mode(self, name: str, tension: float = 0.0) -> str:
+        """Request a mode by name, with the tension to hold [N] in constant_tension (0: the present mean).
+
+        Returns the mode taken in words. Raises ModeError, saying why, where it cannot be taken.
+        """
+        self._supervisor.timeouts.cancel()
+        self.observer.trust()
+        self._encoder.restart()
+        if self.observer.excluded == "encoder":
+            self.observer.exclude("")
+        if name == Mode.CONSTANT_TENSION.value:
+            measured = self._estimation.filtered_tension
+            if not math.isfinite(measured):
+                raise ModeError("constant tension needs the load cell: no reading received yet")
+            if not math.isfinite(tension) or tension < 0.0:
+                raise ModeError(f"a tension must be a number of at least 0; got {tension} N")
+            was = self.mode
+            held = tension if tension > 0.0 else self._present_tension()
+            self.modes.request(name)
+            self._supervisor.landing.begin_hold()
+            self._hold_tension(held, was=was)
+            return self.mode.value
+        if name == Mode.COMPENSATING.value and self._supervisor.landing.unit_stands:
+            self._lift_off()
+            return "lifting off: constant tension until the unit is suspended"
+        self.modes.request(name)
+        return self.mode.value
+
+    def ask_for_mode(self, name: str, tension: float = 0.0) -> str:
+        """Request a mode by `name`, with a `tension`, as `set_mode` does, but only where it is taken now.
+
+        What was refused does not begin later by itself.
+
+        Returns the mode taken in words, and what follows it. Raises ModeError, saying why, where it cannot be taken.
+        """
+        request = Request(MODE, (name, stated(tension)) if tension else (name,))
+        try:
+            words = self._asked_mode(name, stated(tension))
+        except ModeError:
+            self._requests.append(f"{request.words}: refused")
+            raise
+        self._requests.append(request.words)
+        return words
+
+    def _asked_mode(self, name: str, tension: float) -> str:
+        """Take a mode as `ask_for_mode` does."""
+        obstacle = self.modes.obstacle
+        if name == Mode.COMPENSATING.value and self.mode not in (Mode.OFF, Mode.COMPENSATING) and obstacle:
+            raise ModeError(f"mode {name} cannot begin now: {obstacle}")
+        taken = self.set_mode(name, tension)
+        if self.mode is Mode.OFF or taken not in [mode.value for mode in Mode] or taken == name:
+            return taken
+        fault = self.modes.fault
+        held = f"; the winch reports {fault}: it must be cleared there, or the mode ends again" if fault else ""
+        return f"{taken}, on the way to {name}{held}"
+
+    def set_factor(self, factor: float) -> None:
+        """Ask for another share of compensation (`factor`, 0 to 1): authority goes there over the fade-in time.
+
+        Raises ParameterError for a share that is not allowed.
+        """
+        (info,) = (info for info in describe(WinchControllerParameters) if info.name == "factor")
+        info.check(factor, where="winch_controller")
+        self.modes.set_factor(stated(factor))
+        self._requests.append(Request(FACTOR, (factor,)).words)
+
+    def move_to_depth(self, depth: float, speed: float = 0.0) -> None:
+        """Move the unit to the mean depth [m] at no more than `speed` [m/s] (0: the default).
+
+        Raises ModeError where the depth is not known, the winch does not compensate, or its range does not reach.
+        """
+        if self.observer.terms.depth_zero is None:
+            raise ModeError("a move needs the depth sensor: no reading received yet")
+        if self.mode is not Mode.COMPENSATING:
+            raise ModeError(f"a move needs mode compensating; the mode is {self.mode.value}")
+        if not math.isfinite(depth):
+            raise ModeError(f"a depth must be a number; got {depth} m")
+        self.move_to_payout(self._estimation.payout_at(stated(depth)), stated(speed))
+        self._requests.append(Request(DEPTH, (depth, speed) if speed > 0.0 else (depth,)).words)
+
+    def move_to_payout(self, payout: float, speed: float = 0.0) -> None:
+        """Move the mean payout to `payout` [m] at no more than `speed` [m/s] (0: the default).
+
+        Raises ModeError where the winch's range does not reach.
+        """
+        lowest, highest = self._command.payout_range()
+        if not lowest <= payout <= highest:
+            raise ModeError(f"that needs a payout of {payout:.1f} m; the winch reaches {lowest:g} to {highest:g} m")
+        self.mean.move_to(payout, speed)
+
+    @property
+    def is_operated(self) -> bool:
+        """Return whether an operator asks for a speed of the mean payout."""
+        return self._operator.is_asked
+
+    def operate(self, speed: float) -> None:
+        """Lower at a `speed` [m/s], negative lifts, for `operator.timeout`; ends a move that is under way.
+
+        Raises ModeError where the winch neither compensates nor is in mode manual.
+        """
+        if self.mode not in OPERATED:
+            raise ModeError(f"an operator's speed needs mode compensating or manual; the mode is {self.mode.value}")
+        if not math.isfinite(speed):
+            raise ModeError(f"a speed must be a number; got {speed} m/s")
+        self._operator.ask(stated(speed))
+
+    def release_speed(self) -> None:
+        """Let the operator's speed lapse with the next tick."""
+        self._operator.release()
+
+    def _follow_operator(self) -> None:
+        """Drive the mean payout as the operator asks, and bring it to rest when that has lapsed."""
+        if self._operator.is_asked and self.mode in OPERATED:
+            self._drive_mean()
+        else:
+            self._operator.drop()
+        self._requests += self._operator.news(self.mean.point.payout)
+
+    def _drive_mean(self) -> None:
+        """Drive the mean payout for a tick as the operator asks."""
+        limits, shares = self._command.governor.limits, self.parameters.operator
+        lowest, highest = self._command.payout_range()
+        bounds = OperatorRange(
+            speed=shares.speed_share * limits.speed,
+            acceleration=shares.acceleration_share * limits.acceleration,
+            payout_minimum=lowest,
+            payout_maximum=highest,
+            lag=self.mean.lag,
+        )
+        limited = self._operator.limit_news(bounds)
+        self._alarms += [limited] if limited else []
+        self.mean.drive(self._operator.advance(self.mean.point, bounds), bounds.acceleration)
+
+    def cancel_move(self) -> None:
+        """Bring the mean payout to rest smoothly."""
+        if self.mean.has_target:
+            self._requests.append(Request(HOLD).words)
+        self.mean.stop()
+
+    def skip_programme(self, time: float) -> None:
+        """Leave out what the programme had due up to `time` [s]: this controller begins later."""
+        self._programme.due(time)
+
+    def _run_programme(self, time: float) -> None:
+        """Do what the programme has due; what cannot be done now raises an alarm and is dropped."""
+        for due in self._programme.due(time):
+            self._do(due)
+
+    def _do(self, due: ProgrammeStep) -> None:
+        try:
+            if due.mode:
+                self.set_mode(due.mode)
+            elif self.mode in COMING_TO_REST:
+                # the mean payout has just been stopped: a sensor is lost, or compensation does harm
+                raise ModeError(
+                    f"no move to a payout of {due.payout:.1f} m in mode {self.mode.value}: request it again once the "
+                    "winch compensates"
+                )
+            else:
+                before = f", in place of that to {self.mean.target:.1f} m" if self.mean.has_target else ""
+                self.move_to_payout(due.payout, due.speed)
+                if self.mode in BRAKED:
+                    self._alarms.append(
+                        ALARMS.alarm(
+                            "PROGRAMME_WAITS",
+                            time=due.time,
+                            payout=due.payout,
+                            before=before,
+                            mode=self.mode.value,
+                        )
+                    )
+        except (ModeError, ValueError) as error:
+            self._alarms.append(ALARMS.alarm("PROGRAMME_REJECTED", time=due.time, cause=str(error)))
+
+    def _present_tension(self) -> float:
+        """Return the present mean tension [N].
+
+        At constant tension the winch follows the waves, and what is read is free of them. Raises ModeError where the
+        mean is not known yet.
+        """
+        if self.mode is Mode.CONSTANT_TENSION:
+            return self._estimation.filtered_tension
+        mean = self._estimation.mean_tension.mean
+        wait = LEAST_MEAN_TIME - mean.time
+        if wait > 0.0:
+            raise ModeError(
+                f"averaging the tension for {wait:.0f} s more, with unit and mean payout where they are: request it "
+                "again then, or state the tension to hold"
+            )
+        return mean.value
+
+    def _hold_tension(self, tension: float, *, was: Mode) -> None:
+        """Go to a tension [N] from the measured one, or from that held if the mode `was` constant tension already."""
+        if was is not Mode.CONSTANT_TENSION:
+            self._command.begin_tension(self._estimation.filtered_tension)
+        self._command.hold_tension(tension)
+
+    def _lift_off(self) -> None:
+        """Raise the tension until the unit hangs."""
+        was = self.mode
+        self.modes.request(Mode.CONSTANT_TENSION.value)
+        self._supervisor.landing.begin_lift_off()
+        self._hold_tension(self.design.wet_tension + LIFTING_SURPLUS * self.design.unit_weight, was=was)
+
+    # a tick
+
+    def step(self, tick: int, measurements: Measurements) -> Outputs:
+        """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
+        measurements, self._alarms = self.crane.carried(tick * self._dt, measurements)
+        if kept := self._winch.kept:
+            self._alarms.append(ALARMS.alarm("TICKS_LEFT_OUT", count=kept, time=kept * self._dt))
+        self._run_programme(tick * self._dt)
+        self._follow_operator()
+        self._follow_beliefs(tick)
+        self._watch_encoder(tick)
+        self._follow_length()
+        loop = self._estimation.step(
+            tick, measurements, self._command.last.shares, unit_stands=not self._supervisor.landing.hangs
+        )
+        self._alarms += loop.sensed.faults
+        decision = self._decide(loop, measurements)
+        if decision.mode.before is not None or decision.landing is not None:
+            self._change_mode(decision.mode, loop)
+            self._act_on(decision.landing, loop)
+            loop = self._estimation.refreshed(loop)
+        observations = self._observe(loop, measurements.winch, decision.mode)
+        preview = self._watch_preview(loop, measurements.preview)
+        lift = self.crane.lift_share(self._command.governor.limits, self.mean.point.payout, loop.payout)
+        command = self._command.command(loop, decision, preview, lift)
+        self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
+        self._watch_load(loop, measurements.winch, command)
+        order = self._command.order(command, decision.mode, self._estimation.set_point)
+        self._winch.give(order)
+        order = self._command.with_lift(order)
+        order = order._replace(payout=self.observer.encoder.count_at(order.payout))
+        self._note_kpi(loop)
+        reported = ControllerTick(
+            loop=loop,
+            decision=decision,
+            command=command,
+            order=order,
+            design=self.design,
+            measurements=tuple(self.estimator.measurements),
+            law=self.parameters.law,
+            gain=self._in_force.law.gain,
+            covariance=self.estimator.covariance,
+            depth_set_point=self._estimation.set_point,
+            sensors=self.observer.states(tick),
+        )
+        kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
+        mode, make_report = decision.mode, partial(state_report, reported)
+        alarms, authority = tuple(self._alarms), mode.authority
+        return Outputs(
+            order,
+            mode.mode.value,
+            authority,
+            reported.depth_set_point,
+            make_report,
+            kpi,
+            alarms,
+            self._take_requests(),
+            observations,
+        )
+
+    def leave_out(self, tick: int) -> tuple[str, ...]:
+        """Let tick k pass, predicted: no readings were taken and no order was given, so the winch has kept the last.
+
+        What was measured meanwhile is given to the next `step`, which reports how many ticks were left out. Returns
+        what an operator has requested since the tick before, in words.
+        """
+        shares, stands = self._command.last.shares, not self._supervisor.landing.hangs
+        self._estimation.step(tick, Measurements(), shares, unit_stands=stands)
+        self._estimation.advance_mean(shares.mean, is_braked=self.modes.brake)
+        self._winch.keep()
+        self._estimation.log.break_record()
+        self._next_tick = tick + 1
+        return self._take_requests()
+
+    def _take_requests(self) -> tuple[str, ...]:
+        requests, self._requests = tuple(self._requests), []
+        return requests
+
+    def _observe(self, loop: LoopTick, winch: WinchReading | None, mode: ModeOutput) -> Observations | None:
+        """Note the tick for the adviser; return the batch that it completes."""
+        log, observer = self._estimation.log, self.observer
+        is_compensating = mode.mode is Mode.COMPENSATING
+        log.add(loop, observer, self._winch.given, winch, authority=mode.authority, compensates=is_compensating)
+        return log.batch(
+            self._beliefs.beliefs.number,
+            excluded=observer.excluded,
+            is_trusted=self._supervisor.guard.trusts_estimate,
+            restated=self._beliefs.restated,
+        )
+
+    def _decide(self, loop: LoopTick, measurements: Measurements) -> Decision:
+        """Have winch and loop supervised."""
+        transport = self._winch.watch(measurements.winch, loop.sensed.payout, loop.sensed.tension, self.parameters)
+        decision = self._supervisor.decide(
+            loop,
+            WinchSituation(
+                fault=self._winch.fault,
+                fault_cause=self._winch.fault_cause(measurements.lateness),
+                speed=self._command.speed(loop),
+                mean_payout=self.mean.point.payout,
+                mean_acceleration=self.mean.point.acceleration,
+                settled_swing=self._command.settled_swing,
+                share=min(self._winch.share, self._beliefs.beliefs.authority)
+                if identifies_winch(self.parameters)
+                else 1.0,
+                inhibition=transport.inhibition or self._encoder.inhibition,
+                is_reversed=self._encoder.is_unresolved,
+            ),
+        )
+        self._alarms += [transport.alarm] if transport.alarm else []
+        self._alarms += decision.alarms
+        return decision
+
+    def _watch_preview(self, loop: LoopTick, delivered: HeavePreview | None) -> HeavePreview | None:
+        """Return the preview that is to be used; say when one is used no more, or again."""
+        boom_tip = None if "mru" in loop.sensed.lost else loop.boom_tip.heave
+        preview = self.preview.step(loop.number * round(self._dt * 1e9), delivered, boom_tip)
+        is_used = preview is not None
+        if is_used != self._previews:
+            self._alarms.append(
+                ALARMS.alarm("PREVIEW_USED")
+                if is_used
+                else ALARMS.alarm("PREVIEW_REJECTED", fault=self.preview.fault or "none came")
+            )
+        self._previews = is_used
+        return preview
+
+    def _watch_load(self, loop: LoopTick, winch: WinchReading | None, command: TickCommand) -> None:
+        """Give the alarms of tension and winch."""
+        is_at_limit = winch is not None and bool(winch.limits_hit & DYNAMIC_LIMITS)
+        static_tension = self.design.static_tension_at(self.parameters.length + self.mean.point.payout)
+        self._alarms += self._load.update(loop.sensed.tension, static_tension, is_at_limit=is_at_limit)
+        half, end = self._travel_episodes
+        if half.begins(self.mode is Mode.CONSTANT_TENSION and self._command.is_half_travelled):
+            self._alarms.append(ALARMS.alarm("TENSION_TRAVEL_HALF", travel=0.5 * self.parameters.tension.travel))
+        if end.begins(TRAVEL in command.asked.active):
+            self._alarms.append(ALARMS.alarm("TENSION_TRAVEL_END", travel=self.parameters.tension.travel))
+
+    def _note_kpi(self, loop: LoopTick) -> None:
+        knows_unit = loop.knows_tip or loop.sensed.sees_landing
+        self._kpi.add(
+            unit=loop.unit.heave if knows_unit else math.nan,
+            uncompensated=loop.free_unit.heave if loop.knows_tip else math.nan,
+            tip=loop.boom_tip.heave if loop.knows_tip else math.nan,
+            payout=loop.payout,
+            rate=loop.total_payout_rate,
+            tension=loop.sensed.tension,
+        )
+
+    # changes of mode, without a step in the motion
+
+    def _change_mode(self, mode: ModeOutput, loop: LoopTick) -> None:
+        """Let mean payout, estimate and law go on from where they are in another mode."""
+        before = mode.before
+        if before is None:
+            return
+        if before is Mode.STOPPED and mode.mode is Mode.STANDBY:
+            # what has stopped the winch may have left the unit elsewhere than the estimate has it: found again first
+            self._estimation.find_drum(loop.number)
+        if Mode.CONSTANT_TENSION in (before, mode.mode):
+            # the winch made the tension until now, or does so from now on
+            self._estimation.mean_tension.restart()
+        if self.mean.has_target and mode.mode not in OPERATED:
+            cause = f": {mode.reason}" if mode.reason else ""
+            ended = ALARMS.alarm("MOVE_ENDED", target=self.mean.target, payout=self.mean.point.payout, cause=cause)
+            self._alarms.append(ended)
+        if mode.mode in BRAKED:
+            self._estimation.motion.stand()
+        elif mode.mode is not Mode.COMPENSATING:
+            self.mean.stop()
+        if mode.mode is Mode.COMPENSATING:
+            self._estimation.begin_share()
+        starts = mode.mode is Mode.COMPENSATING and before is not Mode.FADE_OUT
+        if starts and before is Mode.CONSTANT_TENSION:
+            self._hand_over(loop, unit_stood=False)
+        elif starts or (mode.mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
+            self._estimation.return_to_mean(loop)
+            # what follows the sea is not leftover payout
+            self._estimation.motion.return_from(loop.payout - mode.authority * loop.boom_tip.heave)
+            self._in_force.law.reset()
+
+    def _act_on(self, landing: LandingEvent | None, loop: LoopTick) -> None:
+        """Hold the tension of a unit that has landed, compensate one that hangs again."""
+        if landing is None:
+            return
+        parameters = self.parameters.tension
+        if landing is LandingEvent.TOUCHDOWN:
+            was = self.mode
+            self.modes.touch_down()
+            self.mean.halt(self.parameters.modes.stop_deceleration)
+            relief = (1.0 - parameters.landing_ratio) * self.design.unit_weight
+            self._hold_tension(self.design.wet_tension - relief, was=was)
+        else:
+            self.modes.lift_off()
+            self._hand_over(loop, unit_stood=True)
+            self.mean.move_to(self.mean.point.payout - parameters.lift_height)
+        self._alarms.append(ALARMS.alarm(landing.value))
+
+    def _hand_over(self, loop: LoopTick, *, unit_stood: bool) -> None:
+        """Make the present depth of the unit the mean and go on from there."""
+        self._estimation.hand_over(loop, unit_stood=unit_stood)
+        self._in_force.law.reset()
+
+    # another design
+
+    def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:
+        """Return the parameters under the active beliefs, were others `nominal`; the sea is as those say."""
+        return self._beliefs.under(nominal)
+
+    def prepare_redesign(self, parameters: WinchControllerParameters) -> PreparedDesign:
+        """Design again from other nominal `parameters` and change nothing yet: this may be done beside the ticks.
+
+        Beliefs about winch, cable and sensors stay; the sea is as they say. Raises DesignError; states must be
+        the same.
+        """
+        return self._in_force.prepared(self._beliefs.under(parameters), self.mean.point.payout)
+
+    def take_redesign(self, prepared: PreparedDesign, nominal: WinchControllerParameters) -> ControllerDesign:
+        """Go on with a design that was `prepared` from other `nominal` parameters; called between two ticks."""
+        matrix, added = self._in_force.take(prepared)
+        self._beliefs.renew(nominal)
+        self._estimation.carry(self.design, matrix, added)
+        self._estimation.reset_readings()
+        self._estimation.reset_sea()
+        self._take_law()
+        sea = nominal.sea.significant_wave_height, nominal.sea.peak_period
+        self._requests.append(Request(DESIGN, (*sea, nominal.length)).words)
+        return self.design
+
+    def redesign(self, parameters: WinchControllerParameters) -> ControllerDesign:
+        """Design again from other nominal `parameters` and go on with the new design at once.
+
+        Raises DesignError; the old design then stays.
+        """
+        return self.take_redesign(self.prepare_redesign(parameters), parameters)
+
+    # beliefs
+
+    @property
+    def nominal(self) -> WinchControllerParameters:
+        """Parameters as an operator has stated them."""
+        return self._beliefs.nominal
+
+    @property
+    def beliefs(self) -> Beliefs:
+        """Active beliefs."""
+        return self._beliefs.beliefs
+
+    @property
+    def refused_beliefs(self) -> int:
+        """Answers of the adviser that came too late, so far."""
+        return self._beliefs.refused
+
+    def take(self, beliefs: Beliefs) -> bool:
+        """Take `beliefs` of the adviser, active LATENCY after they were asked for; return whether they came in time."""
+        return self._beliefs.offer(beliefs, self._next_tick)
+
+    def _follow_beliefs(self, tick: int) -> None:
+        """Activate what is due, and give it to law, guard and gates."""
+        self._next_tick = tick + 1
+        before = self.design
+        self._alarms += self._beliefs.follow(tick)
+        if self.design is not before:
+            self._take_law()
+        if self._beliefs.has_moved_tip:
+            self._supervisor.reset_sea()
+        for owner in self._beliefs.corrected:
+            self._supervisor.guard.allow_correction(owner)
+        if "encoder" in self._beliefs.corrected:
+            self._encoder.restart()
+            self._winch.drum.restart()
+
+    def _watch_encoder(self, tick: int) -> None:
+        """Set a reversed encoder aside; one that was lost says where the drum is once it is back."""
+        observer, lasting = self.observer, round(LOST_TIME / self._dt)
+        is_lost = observer.gates["encoder"].is_lost
+        before, self._has_lost_encoder = self._has_lost_encoder, self._has_lost_encoder + 1 if is_lost else 0
+        if before >= lasting:
+            # where the drum is was not known: the depth sensor is not held against the estimate
+            self._supervisor.guard.reset_mismatch()
+            if not is_lost:
+                self._estimation.find_drum(tick - 1)
+        if tick * self._dt - observer.encoder.jumped_at < self._command.time_of_another_count:
+            self._estimation.reset_readings()
+            self._winch.drum.restart()
+        moves = self.mode in (Mode.COMPENSATING, Mode.FADE_OUT)
+        if not moves or not identifies_winch(self.parameters) or observer.excluded not in ("", "encoder"):
+            return
+        ordered = self._winch.drum.ordered() if self._encoder.is_due(tick) else None
+        is_aside = observer.excluded == "encoder"
+        act = self._encoder.look(tick, ordered, is_aside=is_aside)
+        if act is Act.USE_AGAIN:
+            observer.exclude("")
+        elif act is Act.SET_ASIDE and ordered is not None:
+            self._estimation.set_encoder_aside(ordered.payout, tick - 1)
+            self._supervisor.guard.allow_correction("encoder")
+            self._alarms.append(self._encoder.alarm)
+
+    def _follow_length(self) -> None:
+        """Follow the gain schedule, where there is one."""
+        if self._in_force.follow_length(self.mean.point.payout):
+            self._estimation.take_design(self.design)
+            self._take_law()
+
+    def _take_law(self) -> None:
+        """Command and supervise with the active design and law; mode and mean payout stay."""
+        design, law = self._in_force.design, self._in_force.law
+        self._command.take_design(design, law)
+        self.crane.take_winch(design.parameters.winch)
+        self._supervisor.take_design(design, law)

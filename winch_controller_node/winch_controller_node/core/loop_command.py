@@ -1,0 +1,319 @@
+"""From mode and loop to the order: which law is asked, the mean payout's share, the governor, the set-points."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from heave_node.interface.preview import HeavePreview
+from heave_node.numerics.arrays import Array
+
+from winch_controller_node.core.estimation.loop_tick import CommandShares, LoopTick, free_swing
+from winch_controller_node.core.supervision.modes import Mode, ModeOutput
+from winch_controller_node.core.supervision.supervisor import Decision
+from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.interface.readings import WinchOrder
+from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint, Travel
+from winch_controller_node.laws.law import ControlLaw, LawCommand
+from winch_controller_node.laws.outlet_hold import OutletHold
+from winch_controller_node.laws.parts.governor import NO_LIFT, TENSION, GovernedCommand, LiftShare
+from winch_controller_node.laws.parts.loop_state import AuthorityShift, LoopState, Reference
+from winch_controller_node.model.loop_rows import loop_rows
+
+IDLE = LawCommand(0.0)
+
+GIVING_TIME = 1.0
+"""A winch gives way to a tension above the highest one within this time [s], and no quicker than twice its lag."""
+
+LARGEST_UNSEEN, UNSEEN_ERROR = 0.02, 0.5
+"""Largest swing for which compensation corrects a unit that no depth sensor sees [m], and swing of which it corrects
+what is above it: up to there all of it may be error."""
+
+COUNT_MARGIN = 0.2
+"""Time that an order may take longer than the nominal delay to the drive's position loop [s]: some ticks."""
+
+BY_LAW = (Mode.COMPENSATING, Mode.FADE_OUT)
+"""Modes in which a winch that gives way to more than compensation can keep would be too late for the next wave."""
+
+
+class TickCommand(NamedTuple):
+    """The command of a tick, in the terms of the model.
+
+    Attributes
+    ----------
+    asked : by the law, without the mean payout's share
+    governed : what the governor lets through, the mean payout's share included
+    standing : command under which the winch would stay where it is, and not follow a crane's lift
+    shares : of the governed command
+    lift : what the winch does for the crane's lift beside it
+    """
+
+    asked: LawCommand
+    governed: GovernedCommand
+    standing: float
+    shares: CommandShares
+    lift: LiftShare = NO_LIFT
+
+
+NO_COMMAND = TickCommand(IDLE, GovernedCommand(0.0, (), 0.0), 0.0, CommandShares())
+"""Command before the first tick."""
+
+
+class LoopCommand:
+    """The command of a tick.
+
+    Parameters
+    ----------
+    design : the active one; law : of it, for compensation
+
+    Attributes
+    ----------
+    governor : of all commands
+    last : command of the last tick
+    """
+
+    def __init__(self, design: ControllerDesign, law: ControlLaw) -> None:
+        self._sequence = 0
+        self.last = NO_COMMAND
+        self._tension = TensionSetPoint(design.parameters.tension, tick_period=design.tick_period)
+        self._travel = Travel(tick_period=design.tick_period)
+        self.take_design(design, law)
+
+    def take_design(self, design: ControllerDesign, law: ControlLaw) -> None:
+        """Use a design and its `law` from now on; the tension that is held stays."""
+        parameters, model = design.parameters, design.model
+        self._winch = parameters.winch
+        self._static_tension = design.cable.static_tension
+        self._rows = loop_rows(model)
+        self._stop_step = parameters.modes.stop_deceleration * design.tick_period
+        self._law = law
+        self.governor = design.make_governor()
+        # a first-order winch has no rate to command: its law fades out by itself
+        rate_driven = not self._is_first_order
+        self._fade_out = OutletHold(model, parameters.winch, 0.0) if rate_driven else None
+        self._settling = OutletHold(model, parameters.winch, design.cable.a) if rate_driven else None
+        self._constant_tension = ConstantTension(
+            model,
+            design.cable,
+            parameters.winch,
+            parameters.tension,
+            self._tension,
+            self._travel,
+            round_trip=design.wave_round_trip,
+        )
+        self._stiffness, self._travel_bound = design.cable.stiffness, parameters.tension.travel
+        self._giving_time = max(GIVING_TIME, 2.0 * (parameters.winch.command_delay + parameters.winch.time_constant))
+        self._shift = AuthorityShift(model, design.sea_states)
+        self._inertia = design.cable.a
+        self._left_over_states = model.state("payout"), model.state("unit_heave")
+
+    @property
+    def _is_first_order(self) -> bool:
+        return self._winch.law == "first_order"
+
+    @property
+    def time_of_another_count(self) -> float:
+        """Time from a jump of the encoder to the first effect of an order that is in its new count [s].
+
+        Meanwhile a position loop goes by the old order in the new count. Without one there is no such time.
+        """
+        has_loop = self._is_first_order or self._winch.position_gain > 0.0
+        return self._winch.command_delay + COUNT_MARGIN if has_loop else 0.0
+
+    @property
+    def settled_swing(self) -> float:
+        """Swing of the unit at which a fade-out may end [m]; infinite where the law is not asked to damp it."""
+        return math.inf if self._settling is None else self._settling.settled_swing
+
+    def begin_tension(self, measured: float) -> None:
+        """Begin constant tension at the measured tension [N]."""
+        self._tension.begin(measured)
+
+    def hold_tension(self, tension: float) -> None:
+        """Go to another tension [N] from the one that is held."""
+        self._travel.begin(self._travel_bound, abs(tension - self._tension.value) / self._stiffness)
+        self._tension.hold(tension)
+
+    @property
+    def is_half_travelled(self) -> bool:
+        """Tell whether constant tension has used half of the travel that it may."""
+        return self._travel.is_half_used
+
+    def speed(self, tick: LoopTick) -> float:
+        """Return the speed of the winch as last commanded at `tick` [m/s], absolute."""
+        return abs(tick.total_payout_rate + self.last.lift.rate) if self._is_first_order else abs(self._speed_asked)
+
+    @property
+    def _speed_asked(self) -> float:
+        """Speed that was last asked of a speed servo [m/s]."""
+        return self.last.governed.value - self.last.standing
+
+    def payout_range(self) -> tuple[float, float]:
+        """Return the ends of the range that the mean payout may use, less what is paid out for the crane's lift [m]."""
+        limits, lifted = self.governor.limits, self.last.lift.payout
+        return limits.payout_minimum - lifted, limits.payout_maximum - lifted
+
+    def command(
+        self, tick: LoopTick, decision: Decision, preview: HeavePreview | None = None, lift: LiftShare = NO_LIFT
+    ) -> TickCommand:
+        """Return the command of a tick: the law's and the mean payout's share, governed.
+
+        Parameters
+        ----------
+        tick : what is known of the loop
+        decision : what is to be done
+        preview : of the boom tip, seen from this tick; None: there is none
+        lift : what the winch is to do for the crane's lift
+        """
+        mode = decision.mode
+        if preview is not None:
+            preview = replace(preview, heave=mode.authority * preview.heave)
+        payout, rate = self.governor.predict(tick.total_state)
+        follows = self._standing_command(tick.total_state, payout)
+        standing = follows + self._standing_share(lift) - lift.command
+        mean_payout, mean_rate = self.governor.predict(tick.mean_state)
+        state = LoopState(
+            x=self._law_state(tick, mode),
+            reference=Reference(mean_payout, mean_rate, tick.mean_command),
+            static_tension=self._static_tension,
+            measured_tension=tick.sensed.filtered_tension,
+            mru_rate=mode.authority * (tick.boom_tip[1] if math.isnan(tick.sensed.mru_rate) else tick.sensed.mru_rate),
+            preview=preview,
+            bounds_tension=decision.bounds_tension,
+        )
+        asked = self._ask(tick, state, follows if mode.mode is Mode.MANUAL else standing, decision)
+        if decision.bounds_tension or mode.mode not in BY_LAW:
+            asked = self._give_way(asked, tick, mode)
+        if mode.brake:
+            governed = GovernedCommand(standing, (), standing, lift.command)
+        else:
+            tension = tick.sensed.tension if math.isfinite(tick.sensed.tension) else state.static_tension
+            governed = self.governor.govern(asked.value + tick.mean_command, payout, rate, tension, lift)
+        compensating = governed.value - tick.mean_command
+        shares = CommandShares(compensating, governed.value - compensating)
+        self.last = TickCommand(asked, governed, standing, shares, lift)
+        return self.last
+
+    def order(self, command: TickCommand, mode: ModeOutput, mean_payout: float) -> WinchOrder:
+        """Return the set-points of a command, without those for the crane's lift.
+
+        Parameters
+        ----------
+        command : of the tick
+        mode : of the tick
+        mean_payout : about which the winch works at the end of the tick [m]
+        """
+        self._sequence += 1
+        sent = command.governed.sent
+        if mode.brake and not self._is_first_order:
+            return WinchOrder(self._sequence, self._place_held(command, mean_payout), 0.0, True)
+        if self._is_first_order:
+            return WinchOrder(self._sequence, sent, 0.0, mode.brake)
+        # the model's command counts what the winch's position loop makes of the payout set-point as well
+        return WinchOrder(self._sequence, mean_payout, sent - self._winch.position_gain * mean_payout, mode.brake)
+
+    def with_lift(self, order: WinchOrder) -> WinchOrder:
+        """Return the `order` of the last command as it leaves: with the set-points for the crane's lift."""
+        lift, sent = self.last.lift, self.last.governed.lift_sent
+        if self._is_first_order:
+            return order._replace(payout=order.payout + sent)
+        rate = 0.0 if order.brake else sent - self._winch.position_gain * lift.payout
+        return order._replace(payout=order.payout + lift.payout, payout_rate=order.payout_rate + rate)
+
+    def _place_held(self, command: TickCommand, mean_payout: float) -> float:
+        """Return the payout set-point [m] under which a servo on its brake asks for no speed."""
+        gain, sent = self._winch.position_gain, command.governed.sent + command.governed.lift_sent
+        return sent / gain - command.lift.payout if gain > 0.0 else mean_payout
+
+    def _law_state(self, tick: LoopTick, mode: ModeOutput) -> Array:
+        """Return the state that the law acts on; constant tension follows the whole sea and acts on the estimate."""
+        if mode.mode is Mode.CONSTANT_TENSION:
+            return tick.estimate
+        if tick.knows_tip:
+            is_held = mode.mode is Mode.COMPENSATING
+            uncompensated = tick.taut_uncompensated if is_held else tick.released_motion
+            x = self._shift.shift(tick.estimate, uncompensated, mode.authority)
+        else:  # the unit is to come to rest
+            is_held = False
+            x = self._shift.shift(tick.estimate, np.zeros(2), 0.0)
+        # the unit shall follow the mean payout stiffly, not swing after it as it would by itself
+        x[self._rows.unit_states] += tick.mean_swing
+        if is_held and not tick.sensed.has_depth:
+            self._bound_unseen(x)
+        if tick.left_over != 0.0:
+            payout, unit = self._left_over_states
+            x[payout] -= tick.left_over
+            x[unit] += tick.left_over
+        return x
+
+    def _bound_unseen(self, x: Array) -> None:
+        """Bound, in place, how far off a unit is taken to be that no depth sensor sees.
+
+        Its estimate is then no better than the assumed MRU, load cell and cable: fed back in full it sends
+        the drum after the errors of all three. What is more than those may be is there, and is to be damped.
+        """
+        unit = self._rows.unit_states
+        swing = free_swing(x[unit], self._inertia)
+        if swing > LARGEST_UNSEEN:
+            x[unit] *= (LARGEST_UNSEEN + max(swing - UNSEEN_ERROR, 0.0)) / swing
+
+    def _give_way(self, asked: LawCommand, tick: LoopTick, mode: ModeOutput) -> LawCommand:
+        """Pay out more than is asked for where the tension is above the highest one."""
+        over = tick.sensed.filtered_tension - self.governor.limits.maximum_tension
+        if mode.brake or self._is_first_order or not over > 0.0:
+            return asked
+        more = over / (self._stiffness * self._giving_time)
+        return asked._replace(value=asked.value + more, active=(*asked.active, TENSION))
+
+    def _ask(self, tick: LoopTick, state: LoopState, standing: float, decision: Decision) -> LawCommand:
+        """Ask the law that the mode calls for."""
+        mode = decision.mode.mode
+        if mode is Mode.CONSTANT_TENSION:
+            tension = tick.sensed.tension if math.isfinite(tick.sensed.tension) else state.measured_tension
+            return self._constant_tension.command(
+                state, tension, follows_tip="mru" not in tick.sensed.lost, unit_stands=decision.unit_stands
+            )
+        if mode is Mode.COMPENSATING:
+            return self._law.command(state)
+        if mode is Mode.MANUAL:
+            # the drum stays where it is about the mean payout, which the operator moves
+            gain = 1.0 if self._is_first_order else self._winch.position_gain
+            return LawCommand(standing - gain * state.reference.payout)
+        if mode is Mode.STOPPING:
+            return self._slow_down(state, standing)
+        if mode is Mode.FADE_OUT:
+            return self._ask_fade_out(state, standing, decision)
+        return IDLE
+
+    def _ask_fade_out(self, state: LoopState, standing: float, decision: Decision) -> LawCommand:
+        """Ask for a fade-out that uses no more of the estimate than can be trusted."""
+        if not decision.trusts_estimate:
+            return self._slow_down(state, standing)
+        if decision.is_damped and self._settling is not None:
+            return self._settling.command(state)
+        if self._fade_out is not None and not decision.fades_by_law:
+            # a sensor was lost: the estimated motion of the unit is not to be acted upon
+            return self._fade_out.command(state)
+        return self._law.command(state)
+
+    def _slow_down(self, state: LoopState, standing: float) -> LawCommand:
+        """Return the command that brings the winch to rest at a bounded deceleration; `standing` keeps it there."""
+        if self._is_first_order:
+            return LawCommand(standing - state.reference.command)
+        slower = math.copysign(max(abs(self._speed_asked) - self._stop_step, 0.0), self._speed_asked)
+        return LawCommand(slower + standing - state.reference.command)
+
+    def _standing_share(self, lift: LiftShare) -> float:
+        """Return what the crane's `lift` adds to the command under which the whole drum stays where it is."""
+        return lift.payout if self._is_first_order else self._winch.position_gain * lift.payout
+
+    def _standing_command(self, total_state: Array, payout_ahead: float) -> float:
+        """Return the command under which the winch stays where it is but for the crane's lift.
+
+        It is its own payout, or what a servo's position loop takes off.
+        """
+        if self._is_first_order:
+            return float(self._rows.payout @ total_state)
+        return self._winch.position_gain * payout_ahead

@@ -1,0 +1,96 @@
+"""What must hold before the winch begins to follow the sea; a closed gate says which it is and by how much."""
+
+from __future__ import annotations
+
+from heave_node.interface.alarm import Alarm
+
+from winch_controller_node.core.estimation.loop_tick import LoopTick
+from winch_controller_node.core.supervision.checks import RunningSigma
+from winch_controller_node.core.supervision.watch.winch_demand import PEAK, SIGNIFICANT
+from winch_controller_node.interface.alarms import ALARMS
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
+from winch_controller_node.parameters.laws import EntryParameters
+
+PEAK_OVER_SIGNIFICANT = PEAK / SIGNIFICANT
+"""Peak over significant amplitude."""
+
+
+class EntryGates:
+    """Watches the sea while the winch stands.
+
+    Parameters
+    ----------
+    parameters : thresholds
+    window : memory of the waves [s]
+    tick_period : [s]
+    """
+
+    def __init__(self, parameters: EntryParameters, *, window: float, tick_period: float) -> None:
+        self._parameters = parameters
+        self._heave = RunningSigma(window, tick_period)
+
+    def observe(self, tick: LoopTick) -> None:
+        """Take a tick in."""
+        self._heave.add(tick.boom_tip.heave)
+
+    def for_compensation(self, payout: float, limits: WinchLimits, demand: float, largest_demand: float) -> str:
+        """Return why compensation may not begin, in words; empty when it may.
+
+        Parameters
+        ----------
+        payout : mean, about which it would work [m]
+        limits : of the winch
+        demand, largest_demand : significant amplitude of the boom tip over the winch's limits, and the most of it
+        """
+        reasons = [self._range(payout, limits)]
+        if demand > largest_demand:
+            reasons.append(f"the sea demands {demand:.1f} times the winch's limits, limit {largest_demand:g}")
+        return "; ".join(reason for reason in reasons if reason)
+
+    def for_tension(self, payout: float, limits: WinchLimits, demand: float) -> str:
+        """Return why constant tension may not begin, in words; empty when it may.
+
+        The winch must follow the whole boom tip.
+
+        Parameters
+        ----------
+        payout : mean, about which it would work [m]
+        limits : of the winch
+        demand : significant amplitude of the boom tip over the winch's limits
+        """
+        peak, most = PEAK_OVER_SIGNIFICANT * demand, self._parameters.peak_use
+        reasons = [self._range(payout, limits)]
+        if peak > most:
+            reasons.append(
+                f"peaks of the boom tip need {100 * peak:.0f} % of the winch's limits, limit {100 * most:.0f} %"
+            )
+        return "; ".join(reason for reason in reasons if reason)
+
+    def peaks_alarm(self, demand: float, share: float) -> Alarm | None:
+        """Return how the peaks of the boom tip are above what a winch should be used for; None where they are not.
+
+        Compensation need not wait for a lower sea: it begins with what it can have of this one.
+
+        Parameters
+        ----------
+        demand : significant amplitude of the boom tip over the winch's limits
+        share : of the sea that compensation begins with
+        """
+        peak, most = PEAK_OVER_SIGNIFICANT * demand, self._parameters.peak_use
+        if peak <= most:
+            return None
+        rest = "; motion beyond the limits stays" if share * peak > 1.0 else ""
+        return ALARMS.alarm(
+            "SEA_ABOVE_WINCH", percent=100.0 * peak, limit=100.0 * most, authority=100.0 * share, rest=rest
+        )
+
+    def _range(self, payout: float, limits: WinchLimits) -> str:
+        """Return how the range of payout does not hold the waves."""
+        amplitude = PEAK * self._heave.sigma
+        room = min(payout - limits.payout_minimum, limits.payout_maximum - payout)
+        if room >= amplitude:
+            return ""
+        return (
+            f"a payout of {payout:.1f} m leaves {max(room, 0.0):.1f} m to the end of the range, and the sea needs "
+            f"{amplitude:.1f} m"
+        )
