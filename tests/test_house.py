@@ -43,9 +43,9 @@ FOLDERS = {
 """Folder of each package whose folder has another name."""
 
 BUDGETS = {
-    "node_base": (12_051, 9_500),
+    "node_base": (12_160, 9_500),
     "wave_vessel_node": (5_762, 4_400),
-    "cable_sim_node": (11_942, 8_500),
+    "cable_sim_node": (11_990, 8_500),
     "winch_controller_node": (22_792, 14_000),
     "bags": (11_379, 7_700),
     "bringup": (8_952, 6_100),
@@ -66,7 +66,6 @@ UPWARDS = {
     "heave_bringup.run.records imports heave_studies.whatif.question",
     "heave_bringup.scenarios imports heave_studies.tables.case_table",
     "heave_bringup.scenarios imports heave_studies.tables.kept_files",
-    "heave_fmu.archive imports heave_node.files.archive",
 }
 """Imports that run up and are to go: each is a part of an extra that the suite knows by name."""
 

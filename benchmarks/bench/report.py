@@ -1,4 +1,4 @@
-"""What `heave bench` measured, as tables for people."""
+"""What `make bench` measured, as tables for people."""
 
 from __future__ import annotations
 

@@ -185,7 +185,7 @@ def test_hard_catenaries_agree_with_an_independent_integration(name, length, sti
 
 
 def test_tensions_agree_with_moorpy():
-    """Catenaries of `heave bench`; MoorPy's own solver stops at 1e-6 of the span."""
+    """Catenaries of `make bench`; MoorPy's own solver stops at 1e-6 of the span."""
     pytest.importorskip("moorpy")
     assert all(row["difference_percent"] < 1e-4 for row in measure_statics(solves=1))
 

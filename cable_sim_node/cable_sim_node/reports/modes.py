@@ -11,9 +11,12 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from scipy.optimize import brentq
 
-from cable_sim_node.errors import LinearisationError
+from cable_sim_node.errors import LinearisationError, StaticsError
+from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.line.linearised import LinearLine, LineResponse, linearise
 from cable_sim_node.parameters import CableSimParameters, CompensatorParameters, RopePathParameters, SeabedParameters
+from cable_sim_node.physics.clearance import clearance_of
+from cable_sim_node.physics.tension_law import overstrained_words
 from cable_sim_node.reports.report import columns, labelled_rows
 from cable_sim_node.vertical.axial_line import AxialLine, axial_line
 from cable_sim_node.vertical.linear import ResonanceMap, mode_shape, natural_frequencies, resonance_map, resonant_length
@@ -236,13 +239,14 @@ def modes_report(
     LinearisationError
         for a count, amplitude or length that is not positive.
     StaticsError, NoEquilibriumError, PlantError
-        where the line does not hang, as `hanging_report` does.
+        where the line does not hang free of the seabed, or would part.
     """
     longest = parameters.length if longest is None else longest
     if not (sea_period > 0.0 and amplitude > 0.0 and longest > 0.0 and count >= 1):
         raise LinearisationError("period, amplitude, longest length and number of modes must be positive")
-    speed = 2.0 * math.pi / sea_period * amplitude
     calm = _at_small_motion(parameters)
+    _refuse_no_rest(calm, boom_tip)
+    speed = 2.0 * math.pi / sea_period * amplitude
     line = linearise(_free(calm), boom_tip, speed_amplitude=speed)
 
     def axial_at(length: float) -> AxialLine:
@@ -265,6 +269,17 @@ def modes_report(
         critical_estimate=resonant_length(axial_at(parameters.length), 2.0 * math.pi / sea_period),
         left_out=_left_out(parameters),
     )
+
+
+def _refuse_no_rest(parameters: CableSimParameters, boom_tip: Sequence[float]) -> None:
+    """Raise StaticsError or NoEquilibriumError for a line that does not hang under a `boom_tip`."""
+    free = CableDynamics(_free(parameters))
+    free.start_at_equilibrium(boom_tip, 0.0)
+    clearance_of(parameters, free.unit_position)
+    strain = axial_line(parameters, float(np.asarray(boom_tip)[2])).static_strain(parameters.length)
+    words = overstrained_words(strain, parameters.cable.axial_stiffness)
+    if words:
+        raise StaticsError(words)
 
 
 def _at_small_motion(parameters: CableSimParameters) -> CableSimParameters:

@@ -18,11 +18,12 @@ from heave_msgs.msg import MruSample
 from heave_node.numerics.kinematics import euler_part
 from hypothesis import given
 from hypothesis import strategies as st
-from made_up_run import MadeUpRun, header
 from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Float64
+
+from bags.test.made_up_run import MadeUpRun, header
 
 OMEGA = 2.0 * math.pi / 8.0
 PERIOD_NS = 50_000_000

@@ -11,7 +11,7 @@ from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import ParameterError
 from heave_studies.campaign.campaign_file import read_campaign
 
-FOLDER = Path(str(resources.files("heave_bringup"))) / "campaigns"
+FOLDER = Path(str(resources.files("heave_studies"))) / "campaigns"
 FILES = sorted(FOLDER.glob("*.yaml"))
 
 

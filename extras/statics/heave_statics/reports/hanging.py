@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from cable_sim_node.errors import StaticsError
 from cable_sim_node.line.rest.floating import refuse_floating
 from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.clearance import clearance_of
 from cable_sim_node.physics.current import current_of
 from cable_sim_node.physics.properties import cable_sections, unit_properties
-from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.reports.report import labelled_rows
 from heave_node.numerics.arrays import Array
 from numpy.typing import ArrayLike
@@ -169,23 +168,6 @@ class HangingReport:
             f"{self.shape.cable.length:g} m out: top tension {self.top_tension / 1e3:.2f} kN,"
             f" top angle {math.degrees(self.top_angle):.2f} deg"
         )
-
-
-def clearance_of(parameters: CableSimParameters, unit: Array) -> float | None:
-    """Return the height [m] of a `unit` at x, y, z [m] above the seabed of the `parameters`, None where there is none.
-
-    Raises StaticsError for a unit below the seabed.
-    """
-    seabed = parameters.seabed
-    if not seabed.depth > 0.0:
-        return None
-    clearance = Seabed(seabed).clearance(unit)
-    if clearance < 0.0:
-        raise StaticsError(
-            f"the unit would hang {-clearance:.3g} m below the seabed: reduce length ({parameters.length:g} m) "
-            f"or increase seabed.depth ({seabed.depth:g} m)"
-        )
-    return clearance
 
 
 def pressure_shortening(parameters: CableSimParameters, shape: StaticShape) -> float:

@@ -12,13 +12,13 @@ import numpy as np
 from cable_sim_node.errors import StaticsError
 from cable_sim_node.line.rest.floating import refuse_floating
 from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.clearance import clearance_of
 from cable_sim_node.physics.current import current_of
 from cable_sim_node.reports.report import columns
 from heave_node.numerics.arrays import Array
 from numpy.typing import ArrayLike
 
 from heave_statics.problems import towing_cable
-from heave_statics.reports.hanging import clearance_of
 from heave_statics.shape import StaticShape
 from heave_statics.suspended import shape_at_rest
 

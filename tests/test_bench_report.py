@@ -1,4 +1,4 @@
-"""What `heave bench` prints of its measurements."""
+"""What `make bench` prints of its measurements."""
 
 import math
 
