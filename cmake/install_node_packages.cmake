@@ -19,6 +19,7 @@ function(install_node_package folder package)
   endforeach()
 endfunction()
 
+install_node_package(core heave_core)
 install_node_package(node_base heave_node)
 install_node_package(wave_vessel_node wave_vessel_node wave_vessel)
 install_node_package(cable_sim_node cable_sim_node cable_sim virtual_winch)

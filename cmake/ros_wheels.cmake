@@ -27,6 +27,7 @@ endforeach()
 
 if(SKBUILD)
   include("${CMAKE_CURRENT_LIST_DIR}/install_node_packages.cmake")
+  include("${CMAKE_CURRENT_LIST_DIR}/../core/library.cmake")
 endif()
 
 # Most of the time of the build is the same headers compiled for each message anew: the C++ sources are compiled in batches.

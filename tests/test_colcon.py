@@ -16,6 +16,7 @@ PACKAGES = (
     "cable_sim_node",
     "heave_bags",
     "heave_bringup",
+    "heave_core",
     "heave_msgs",
     "heave_node",
     "wave_vessel_node",

@@ -14,10 +14,11 @@ import pytest
 ROOT = Path(__file__).parents[1]
 
 SUITE = {
+    "heave_core": (),
     "heave_node": (),
     "wave_vessel_node": ("heave_node",),
     "cable_sim_node": ("heave_node",),
-    "winch_controller_node": ("heave_node", "wave_vessel_node", "cable_sim_node"),
+    "winch_controller_node": ("heave_core", "heave_node", "wave_vessel_node", "cable_sim_node"),
     "heave_bags": ("heave_node",),
     "heave_bringup": ("heave_node", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "heave_bags"),
 }
@@ -35,6 +36,7 @@ EXTRAS = {
 MAY_IMPORT = {**SUITE, **{name: (*SUITE, *others) for name, others in EXTRAS.items()}}
 
 FOLDERS = {
+    "heave_core": "core",
     "heave_node": "node_base",
     "heave_bags": "bags",
     "heave_bringup": "bringup",
@@ -43,6 +45,7 @@ FOLDERS = {
 """Folder of each package whose folder has another name."""
 
 BUDGETS = {
+    "core": (700, 2_800),
     "node_base": (12_160, 9_500),
     "wave_vessel_node": (5_762, 4_400),
     "cable_sim_node": (11_990, 8_500),

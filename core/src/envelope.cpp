@@ -1,0 +1,202 @@
+// The envelope: the last thing before an order leaves. It trusts no belief, estimate or design: it sees raw readings, what
+// an operator asked for, and nominal values. Speed and travel about the asked move are bounded by what the ship did,
+//
+//     |v - v_move| <= R = f V + m,    v - v_move <= (D -+ e) / (delay + T),    D = f H + m,
+//
+// with V and H the largest rate and heave of the boom tip within the window and e the travel about the move, by the count
+// and by the nominal drum that is driven by what was sent. What lies outside for long, a drum that does not do what was
+// sent, a fade-out that does not end, or a load cell that shows harm, ends in the brake, latched.
+#include "parts.h"
+
+namespace heave {
+
+namespace {
+
+struct Limits {
+    double rate, travel;  // R [m/s], D [m]
+    double lower, upper;  // of the speed about the asked move [m/s]
+    double by_travel;     // the narrower one of those that travel leaves [m/s]
+};
+
+Limits limits_of(const Design &design, const State &state, const Readings &readings, const Ship &ship, double share) {
+    const Bounds &bounds = design.envelope;
+    const bool has_count = state.count_age <= bounds.count_time, has_mru = state.mru_age <= bounds.mru_time;
+    const double early = 1.0 + (bounds.early_factor - 1.0) * (1.0 - ship.filling);
+    const double factor = early * (has_count && has_mru ? 1.0 : bounds.lost_factor);
+    const double rate = share * (bounds.rate_factor * factor * ship.rate + bounds.rate_margin);
+    const double travel = share * (bounds.travel_factor * factor * ship.heave + bounds.travel_margin) + state.allowance;
+    const double lag = design.winch.delay + design.winch.lag;
+    double out = (travel - state.travel_sent) / lag, in = (travel + state.travel_sent) / lag;
+    if (has_count) {
+        out = std::min(out, (travel - state.travel_count) / lag);
+        in = std::min(in, (travel + state.travel_count) / lag);
+    }
+    const bool gives_way = bounds.highest_tension > 0.0 && readings.load > bounds.highest_tension;
+    if (gives_way) out = rate;
+    return {rate, travel, -clip(in, 0.0, rate), clip(out, 0.0, rate), std::max(std::min(in, out), 0.0)};
+}
+
+// Travel that constant tension may have, beyond the waves; it is forgotten as the travel is.
+void follow_allowance(const Design &design, State &state, const Readings &readings) {
+    const Bounds &bounds = design.envelope;
+    const bool gives_way = bounds.highest_tension > 0.0 && readings.load > bounds.highest_tension;
+    if (gives_way) state.allowance += std::abs(state.drum.rate) * design.tick_period;
+    if (int(readings.duty) != TENSION) {
+        state.allowance *= 1.0 - design.tick_period / bounds.travel_time;
+        state.held_tension = NOT_KNOWN;
+        return;
+    }
+    const double held = readings.held_tension;
+    const bool is_new = std::isfinite(held) && held != state.held_tension;
+    if (is_new && std::isfinite(state.load) && design.cable.stiffness > 0.0) {
+        const double change = std::abs(held - state.load) * (1.0 + state.position / design.cable.length);
+        state.allowance = std::max(state.allowance, bounds.tension_travel + change / design.cable.stiffness);
+        state.held_tension = held;
+    }
+    state.allowance = std::max(state.allowance, bounds.tension_travel);
+}
+
+void enter(State &state, Phase phase, Cause cause, double value, double limit) {
+    if (state.phase == FREE || phase == HELD) {
+        state.cause = cause;
+        state.value = value;
+        state.limit = limit;
+    }
+    state.phase = phase;
+    state.phase_time = 0.0;
+    state.ramp = NOT_KNOWN;
+}
+
+// A drum that does not do what was sent: brake at once, whoever makes the order.
+void watch_drum(const Design &design, State &state, bool is_braked) {
+    const double limit = design.envelope.drum_margin + design.envelope.drum_share * state.drum_travel;
+    if (std::abs(state.residual) <= limit || state.cause == DRUM || state.cause == BRAKE_SLIPS) return;
+    enter(state, HELD, is_braked ? BRAKE_SLIPS : DRUM, state.residual, limit);
+}
+
+// Fade-out and compensation without the motion reference unit end in time; harm that the load cell shows ends too.
+void watch_duty(const Design &design, State &state, const Readings &readings, double harm) {
+    const Bounds &bounds = design.envelope;
+    const bool is_seen = state.mru_age <= bounds.mru_time, fades = int(readings.duty) == FADE;
+    const bool counts = readings.brake == 0.0 && (fades || (int(readings.duty) == FOLLOW && !is_seen));
+    state.duty_time = counts ? state.duty_time + design.tick_period : 0.0;
+    const double most = !fades ? bounds.unseen_time : is_seen ? bounds.fade_out_time : bounds.blind_time;
+    if (state.phase != FREE) return;
+    if (state.duty_time > most) enter(state, RAMP, fades ? FADE_LONG : UNSEEN, state.duty_time, most);
+    else if (state.harm_time >= bounds.harm_time) enter(state, TAKEN, HARM, harm, 1.0);
+}
+
+// Largest speed of a stop that is under way [m/s]: from the last order sent to rest.
+double ramp(const Design &design, State &state) {
+    const double dt = design.tick_period, fastest = std::max(std::abs(state.last_speed), std::abs(state.drum.rate));
+    const bool begins = std::isnan(state.ramp);
+    state.ramp = begins ? fastest : std::max(state.ramp - design.envelope.stop_deceleration * dt, 0.0);
+    state.rest_time = begins || state.ramp > 0.0 ? 0.0 : state.rest_time + dt;
+    return state.ramp;
+}
+
+struct Asked {
+    double speed, ahead;  // [m/s], [m]
+    bool is_finite;
+};
+
+// Speed within the bounds [m/s]; notes which one acts.
+double bounded(const Design &design, State &state, const Limits &limits, const Asked &asked, double move, Order &order) {
+    const Bounds &bounds = design.envelope;
+    const double about = asked.speed - move, kept = clip(about, limits.lower, limits.upper), dt = design.tick_period;
+    const bool is_bound = kept != about, by_rate = std::abs(about) > limits.rate;
+    // an order far outside counts for more
+    const double weight = is_bound ? std::max(std::abs(about) / std::max(limits.rate, 1e-3), 1.0) : 0.0;
+    state.bound += (weight - state.bound / bounds.bound_window) * dt;
+    if (!is_bound) return asked.speed;
+    state.bound_ticks += 1.0;
+    order.bits += by_rate ? AT_RATE : AT_TRAVEL;
+    order.value = about;
+    order.limit = about > 0.0 ? limits.upper : limits.lower;
+    if (state.bound > bounds.bound_time) {
+        const bool by_count = std::abs(state.travel_count) > std::abs(state.travel_sent);
+        const double travel = by_count ? state.travel_count : state.travel_sent;
+        enter(state, TAKEN, by_rate ? RATE : TRAVEL, by_rate ? about : travel, by_rate ? limits.rate : limits.travel);
+    }
+    return move + kept;
+}
+
+// Own order of a take-over: the asked move and the boom tip's raw rate, fading; where that did harm, the controller's.
+double own_speed(const Design &design, const State &state, const Limits &limits, const Asked &asked, double move) {
+    const double share = 1.0 - state.phase_time / design.envelope.takeover_time;
+    const bool follows = state.cause != HARM && state.mru_age <= design.envelope.mru_time;
+    const double about = follows ? state.rate : asked.is_finite ? asked.speed - move : 0.0;
+    return move + clip(share * about, limits.lower, limits.upper);
+}
+
+}  // namespace
+
+void envelope(const Design &design, State &state, const Readings &readings, Order &order) {
+    const Bounds &bounds = design.envelope;
+    const Travelled travelled = advance_drum(design, state, state.load);
+    observe_mru(design, state, readings);
+    order = Order{};
+    order.bits = observe_count(design, state, readings, travelled) + (state.mru_age > bounds.mru_time ? MRU_LOST : 0);
+    const Ship ship = ship_of(design, state);
+    take_request(design, state, readings, ship.heave);
+    follow_allowance(design, state, readings);
+    order.harm = observe_load(design, state, readings);
+    if (readings.acknowledged != 0.0 && state.phase == HELD && state.drum.rate == 0.0) {
+        state.phase = FREE, state.cause = NOTHING;
+        state.residual = state.bound = state.harm_time = state.follow_time = 0.0;
+    }
+    watch_drum(design, state, travelled.is_braked || readings.is_held != 0.0);
+    watch_duty(design, state, readings, order.harm);
+
+    const double move = state.move.rate + (std::isfinite(readings.lift_rate) ? readings.lift_rate : 0.0);
+    const bool by_payout = design.winch.is_first_order || design.winch.position_gain > 0.0;
+    const double ahead = by_payout ? payout_ahead(design, state, state.load) : 0.0;
+    const bool is_finite = std::isfinite(readings.payout) && std::isfinite(readings.rate);
+    const Asked asked{is_finite ? speed_of(design.winch, readings.payout, readings.rate, ahead) : 0.0, ahead, is_finite};
+    const bool stops = int(readings.duty) == STOP && state.phase == FREE;
+    if (!is_finite && state.phase == FREE) enter(state, stops ? RAMP : TAKEN, NOT_FINITE, NOT_KNOWN, NOT_KNOWN);
+    const double share = state.phase == TAKEN ? std::max(1.0 - state.phase_time / bounds.takeover_time, 0.0) : 1.0;
+    const Limits limits = limits_of(design, state, readings, ship, share);
+
+    double speed = asked.speed;
+    bool brake = readings.brake != 0.0;
+    if (brake && state.phase != FREE) state.phase = HELD;
+    if (state.phase == FREE && stops) {
+        const double most = ramp(design, state) + bounds.stop_margin;
+        speed = clip(asked.speed, -most, most);
+        if (speed != asked.speed) order.bits += AT_STOP;
+        brake = brake || state.rest_time > bounds.stop_time;
+    } else if (state.phase == FREE) {
+        state.ramp = NOT_KNOWN;
+        if (!brake) speed = bounded(design, state, limits, asked, move, order);
+    }
+    const bool is_over = state.phase_time > bounds.takeover_time;
+    const bool is_blind = state.cause != HARM && state.mru_age > bounds.mru_time;
+    if (state.phase == TAKEN && (is_over || is_blind)) state.phase = RAMP;
+    if (state.phase == TAKEN) speed = own_speed(design, state, limits, asked, move);
+    if (state.phase == RAMP) {
+        speed = std::copysign(ramp(design, state), state.last_speed);
+        if (state.rest_time > 0.0) state.phase = HELD;
+    }
+    brake = brake || state.phase == HELD;
+
+    order.payout = readings.payout, order.rate = readings.rate;
+    order.brake = brake;
+    if (!is_finite) order.payout = by_payout ? ahead : 0.0, order.rate = 0.0;
+    if (brake && readings.brake == 0.0) order.rate = 0.0;
+    else if (!brake && (speed != asked.speed || !is_finite)) set_speed(design.winch, speed, ahead, order.payout, order.rate);
+    state.last_speed = brake ? 0.0 : speed;
+    state.phase_time += design.tick_period;
+    state.sent[state.tick % KEPT] = Sent{order.payout, order.rate, order.brake, move};
+    state.tick += 1;
+    if (readings.brake == 0.0) advance_move(design, state.move);
+
+    if (state.phase != FREE) order.value = state.value, order.limit = state.limit;
+    order.phase = state.phase, order.cause = state.cause;
+    order.rate_bound = limits.rate, order.travel_bound = limits.travel, order.move_rate = move;
+    order.travel_sent = state.travel_sent, order.travel_count = state.travel_count;
+    order.residual = state.residual, order.residual_limit = bounds.drum_margin + bounds.drum_share * state.drum_travel;
+    order.speed = state.last_speed;
+}
+
+}  // namespace heave

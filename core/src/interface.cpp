@@ -1,0 +1,28 @@
+// The C interface. Sizes and the number of the layout are asked for by whoever loads the library, before anything else.
+#include "parts.h"
+
+extern "C" {
+
+long long heave_core_layout() { return heave::LAYOUT; }
+
+long long heave_core_size(int structure) {
+    const long long sizes[] = {sizeof(heave::Design), sizeof(heave::State), sizeof(heave::Readings), sizeof(heave::Order)};
+    return structure >= 0 && structure < 4 ? sizes[structure] : 0;
+}
+
+// Begin: the brake is on, and nothing was read yet.
+void heave_core_begin(heave::State *state) {
+    *state = heave::State{};
+    for (double *unknown : {&state->ramp, &state->read_heave, &state->read_rate, &state->count, &state->load,
+                            &state->held_tension, &state->measured.mean, &state->locked.mean})
+        *unknown = heave::NOT_KNOWN;
+    state->mru_age = state->count_age = state->read_age = 1e9;
+    state->move.request = -1.0;
+}
+
+// One tick: readings and the controller's order in, the order that leaves out.
+void heave_core_envelope(const heave::Design *design, heave::State *state, const heave::Readings *readings, heave::Order *order) {
+    heave::envelope(*design, *state, *readings, *order);
+}
+
+}

@@ -1,0 +1,60 @@
+// The move that an operator has asked for, made here from the request alone: bounded in speed and acceleration, the
+// acceleration building up over a time; near the target v = min(V, sqrt(a d), d / (4 lag)), so that it does not overshoot.
+#include "parts.h"
+
+namespace heave {
+
+namespace {
+
+constexpr double ARRIVED = 0.005, AT_REST = 0.002;  // [m], [m/s]: the last millimetres are no motion
+
+}  // namespace
+
+// `heave` is the largest of the window: the drum is so far from its mean.
+void take_request(const Design &design, State &state, const Readings &readings, double heave) {
+    Move &move = state.move;
+    if (readings.request == move.request) return;
+    move.request = readings.request;
+    move.kind = readings.kind;
+    const bool is_stated = std::isfinite(readings.speed) && std::isfinite(readings.acceleration);
+    move.speed = is_stated ? readings.speed : 0.0;
+    move.acceleration = is_stated ? readings.acceleration : design.envelope.stop_deceleration;
+    if (int(move.kind) == STAND) move.rate = move.slope = 0.0;
+    if (int(move.kind) != GO) return;
+    // what the controller states is taken within what count or depth sensor make of the request
+    const double by_count = readings.target - state.position;
+    const double own = std::isfinite(readings.reference) ? readings.reference : by_count;
+    const double room = design.envelope.move_tolerance + heave;
+    const double distance = std::isfinite(readings.distance) ? readings.distance : 0.0;
+    move.distance = std::isfinite(own) ? clip(distance, own - room, own + room) : distance;
+}
+
+void advance_move(const Design &design, Move &move) {
+    const double dt = design.tick_period, jerk_time = design.envelope.jerk_time, before = move.rate;
+    const int kind = int(move.kind);
+    if (kind == NONE || kind == STAND) return;
+    if (kind == HALT) {
+        move.rate = std::copysign(std::max(std::abs(before) - move.acceleration * dt, 0.0), before);
+        move.slope = 0.0;
+        return;
+    }
+    const double lag = std::max(jerk_time, 2.0 * dt), to_go = std::abs(move.distance);
+    double wanted = 0.0;
+    if (kind == DRIVE) wanted = move.speed;
+    if (kind == GO) {
+        const double approach = std::min(std::sqrt(move.acceleration * to_go), to_go / (4.0 * lag));
+        wanted = std::copysign(std::min(move.speed, approach), move.distance);
+    }
+    const double step = move.acceleration * dt / std::max(jerk_time, dt);
+    const double slope = clip((wanted - before) / lag, move.slope - step, move.slope + step);
+    move.slope = clip(slope, -move.acceleration, move.acceleration);
+    move.rate = before + move.slope * dt;
+    const bool is_there = kind == STOP_MOVE || (kind == GO && to_go <= ARRIVED);
+    if (is_there && std::abs(before) <= AT_REST && std::abs(move.rate) < AT_REST) {
+        move.rate = move.slope = 0.0;
+        move.kind = NONE;
+    }
+    if (kind == GO) move.distance -= 0.5 * (before + move.rate) * dt;
+}
+
+}  // namespace heave

@@ -1,0 +1,45 @@
+// The parts of a tick, each a function of the structures of layout.h. Nothing here allocates, throws or reads a clock.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "layout.h"
+
+namespace heave {
+
+constexpr double NOT_KNOWN = std::numeric_limits<double>::quiet_NaN();
+
+inline double clip(double value, double lower, double upper) { return std::min(std::max(value, lower), upper); }
+
+// Travel of a tick: of the nominal drum, and of the asked move, which the drum follows after its delay.
+struct Travelled {
+    double drum, move;  // [m]
+    bool is_braked;     // the order that acts has the brake on
+};
+
+// drum.cpp: the nominal drum
+Travelled advance_drum(const Design &design, State &state, double load);
+double payout_ahead(const Design &design, const State &state, double load);
+double speed_of(const Winch &winch, double payout, double rate, double ahead);
+void set_speed(const Winch &winch, double speed, double ahead, double &payout, double &rate);
+
+// move.cpp: the move that an operator has asked for
+void take_request(const Design &design, State &state, const Readings &readings, double heave);
+void advance_move(const Design &design, Move &move);
+
+// ship.cpp: what ship, drum and load cell did
+struct Ship {
+    double rate, heave;  // largest of the window [m/s], [m]
+    double filling;      // of the window, 0 to 1
+};
+void observe_mru(const Design &design, State &state, const Readings &readings);
+Ship ship_of(const Design &design, const State &state);
+int observe_count(const Design &design, State &state, const Readings &readings, const Travelled &travelled);
+double observe_load(const Design &design, State &state, const Readings &readings);
+
+// envelope.cpp
+void envelope(const Design &design, State &state, const Readings &readings, Order &order);
+
+}  // namespace heave

@@ -1,0 +1,161 @@
+// What the ship, the drum and the load did, by raw readings: the window of the boom tip, the count, the load cell.
+#include "parts.h"
+
+namespace heave {
+
+namespace {
+
+// Put a good reading into the window; the oldest bin is left out as a new one begins.
+void fill_window(const Design &design, State &state) {
+    if (state.bins[state.bin].time >= design.envelope.window / BINS) {
+        state.bin = (state.bin + 1) % BINS;
+        state.bins[state.bin] = Bin{};
+    }
+    Bin &bin = state.bins[state.bin];
+    const bool is_first = bin.readings == 0.0;
+    bin.rate = std::max(bin.rate, std::abs(state.rate));
+    bin.highest = is_first ? state.heave : std::max(bin.highest, state.heave);
+    bin.lowest = is_first ? state.heave : std::min(bin.lowest, state.heave);
+    bin.sum += state.heave;
+    bin.readings += 1.0;
+    bin.time += state.read_age;
+}
+
+}  // namespace
+
+// A reading is good where it is plausible, and goes with the one before: a jump of the heave is taken off.
+void observe_mru(const Design &design, State &state, const Readings &readings) {
+    const Bounds &bounds = design.envelope;
+    state.mru_age += design.tick_period;
+    state.read_age += design.tick_period;
+    const double heave = readings.mru_heave;
+    if (!std::isfinite(heave)) return;
+    const double step = heave - state.read_heave, time = state.read_age;
+    const bool follows = std::isfinite(state.read_heave) && time <= bounds.mru_time;
+    const double rate = std::isfinite(readings.mru_rate) ? readings.mru_rate : follows ? step / time : 0.0;
+    bool is_good = std::abs(heave) <= bounds.largest_heave && std::abs(rate) <= bounds.largest_rate;
+    if (follows) {
+        const double off = step - 0.5 * (rate + state.read_rate) * time;
+        const bool is_jump = std::abs(off) > bounds.heave_step;
+        if (is_jump) state.jump += off;
+        is_good = is_good && !is_jump && std::abs(rate - state.read_rate) <= bounds.largest_acceleration * time;
+    }
+    state.equal = heave == state.read_heave && rate == state.read_rate ? state.equal + 1 : 0;
+    state.read_heave = heave;
+    state.read_rate = rate;
+    if (is_good && state.equal < bounds.frozen_readings) {
+        state.heave = heave - state.jump;
+        state.rate = rate;
+        state.mru_age = 0.0;
+        state.read_age = std::min(state.read_age, bounds.window / BINS);
+        fill_window(design, state);
+    }
+    state.read_age = 0.0;
+}
+
+Ship ship_of(const Design &design, const State &state) {
+    double rate = 0.0, highest = 0.0, lowest = 0.0, sum = 0.0, readings = 0.0, time = 0.0;
+    for (const Bin &bin : state.bins) {
+        if (bin.readings == 0.0) continue;
+        rate = std::max(rate, bin.rate);
+        highest = readings == 0.0 ? bin.highest : std::max(highest, bin.highest);
+        lowest = readings == 0.0 ? bin.lowest : std::min(lowest, bin.lowest);
+        sum += bin.sum;
+        readings += bin.readings;
+        time += bin.time;
+    }
+    if (readings == 0.0) return {0.0, 0.0, 0.0};
+    const double mean = sum / readings;
+    return {rate, std::max(highest - mean, mean - lowest), std::min(time / design.envelope.window, 1.0)};
+}
+
+// The count beside the nominal drum. Returns bits.
+int observe_count(const Design &design, State &state, const Readings &readings, const Travelled &travelled) {
+    const Bounds &bounds = design.envelope;
+    const double dt = design.tick_period;
+    const bool is_held = travelled.is_braked || readings.is_held != 0.0, rests = is_held && state.drum.rate == 0.0;
+    const double left = rests ? 1.0 : 1.0 - dt / bounds.travel_time;
+    state.travel_sent = left * state.travel_sent + travelled.drum - travelled.move;
+    state.travel_count *= left;
+    if (!rests) state.residual *= 1.0 - dt / bounds.drum_time;
+    state.drum_travel *= 1.0 - dt / bounds.drum_time;
+    state.since_count += travelled.drum;
+    state.asked_since_count += travelled.move;
+    state.time_since_count += dt;
+    state.count_age += dt;
+    if (!std::isfinite(readings.count)) return state.count_age > bounds.count_time ? COUNT_LOST : 0;
+    const double sent = state.since_count, asked = state.asked_since_count, time = state.time_since_count;
+    const double step = readings.count - state.count;
+    const bool is_first = !std::isfinite(state.count);
+    const bool is_jump = !is_first && std::abs(step - sent) > design.winch.speed * time + bounds.count_step;
+    state.count = readings.count;
+    state.since_count = state.asked_since_count = state.time_since_count = 0.0;
+    if (is_first) {
+        state.position = state.drum.payout = readings.count;
+        state.count_age = 0.0;
+        return 0;
+    }
+    state.position += is_jump ? sent : step;
+    state.travel_count += (is_jump ? sent : step) - asked;
+    if (is_jump) {  // the position loop goes by the new count
+        state.drum.payout += step - sent;
+        return COUNT_JUMPED | (state.count_age > bounds.count_time ? COUNT_LOST : 0);
+    }
+    state.still_travel = step == 0.0 ? state.still_travel + std::abs(sent) : 0.0;
+    state.still_time = step == 0.0 ? state.still_time + time : 0.0;
+    if (state.still_travel > bounds.frozen_travel && state.still_time >= bounds.frozen_time) {
+        state.count_age = bounds.count_time + dt;
+        state.residual = 0.0;
+        return COUNT_LOST;
+    }
+    // a drum that stops by itself may be anywhere between rest and what was sent
+    const double expected = is_held ? clip(step, std::min(sent, 0.0), std::max(sent, 0.0)) : sent;
+    state.residual += step - expected;
+    state.drum_travel += std::abs(sent);
+    state.count_age = 0.0;
+    return 0;
+}
+
+namespace {
+
+void follow(Spread &spread, double value, double weight) {
+    if (std::isnan(spread.mean)) spread.mean = value;
+    const double off = value - spread.mean;
+    spread.mean += weight * off;
+    spread.variance = (1.0 - weight) * (spread.variance + weight * off * off);
+}
+
+}  // namespace
+
+// Spread of the load cell over the largest that is no harm; NaN: not judged. The nominal cable is a z'' + b z' + z = x_0
+// with the winch locked, by the trapezoidal rule; a goes with the length, k with one over it.
+double observe_load(const Design &design, State &state, const Readings &readings) {
+    const Bounds &bounds = design.envelope;
+    const Cable &cable = design.cable;
+    const double dt = design.tick_period;
+    if (std::isfinite(readings.load)) state.load = readings.load;
+    if (!(cable.static_tension > 0.0)) return NOT_KNOWN;
+    const double stretch = std::max(1.0 + state.position / cable.length, 0.01);
+    const double a = cable.inertia * stretch, k = cable.stiffness / stretch;
+    const double b = std::max(cable.damping, cable.drag * std::abs(state.unit_rate));
+    const double h = 0.5 * dt / a, heavier = 1.0 + h * (b + 0.5 * dt), lighter = 1.0 - h * (b + 0.5 * dt);
+    const double rate = (lighter * state.unit_rate + 2.0 * h * (state.heave - state.unit_heave)) / heavier;
+    state.unit_heave += 0.5 * dt * (state.unit_rate + rate);
+    state.unit_rate = rate;
+    const double weight = std::min(dt / bounds.harm_time, 1.0);
+    if (std::isfinite(readings.load)) follow(state.measured, readings.load, weight);
+    follow(state.locked, k * (state.heave - state.unit_heave), weight);
+    const bool follows = int(readings.duty) == FOLLOW && readings.brake == 0.0 && state.move.rate == 0.0;
+    const bool is_seen = state.mru_age <= bounds.mru_time && std::isfinite(readings.load);
+    state.follow_time = follows && is_seen && readings.lift_rate == 0.0 ? state.follow_time + dt : 0.0;
+    if (state.follow_time < bounds.harm_time) {
+        state.harm_time = 0.0;
+        return NOT_KNOWN;
+    }
+    const double most = bounds.harm_ratio * std::sqrt(state.locked.variance) + bounds.harm_margin * cable.static_tension;
+    const double share = std::sqrt(state.measured.variance) / most;
+    state.harm_time = share > 1.0 ? state.harm_time + dt : 0.0;
+    return share;
+}
+
+}  // namespace heave
