@@ -13,6 +13,7 @@ from heave_node.parameters import ParameterError, group, parameter
 from winch_controller_node.interface.sensors import KNOWN_SENSORS, SensorsModelParameters
 from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.parameters.crane import CraneModelParameters
+from winch_controller_node.parameters.envelope import EnvelopeParameters
 from winch_controller_node.parameters.laws import (
     AlarmParameters,
     EntryParameters,
@@ -103,6 +104,7 @@ class WinchControllerParameters(LawGroups):
     lag: LagParameters = group(LagParameters)
     modes: ModeParameters = group(ModeParameters)
     tension: TensionLawParameters = group(TensionLawParameters)
+    envelope: EnvelopeParameters = group(EnvelopeParameters)
     alarms: AlarmParameters = group(AlarmParameters)
     entry: EntryParameters = group(EntryParameters)
     move: MoveParameters = group(MoveParameters)

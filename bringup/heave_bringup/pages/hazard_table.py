@@ -54,19 +54,19 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The drum runs against its orders: the load is driven into the bottom or up to the boom",
         {"winch": ("reverse",)},
-        ("WINCH_DRIVE_FAULT", "WINCH_OR_ENCODER_REVERSED", "DRUM_SPEED_OFF", "WINCH_OR_ENCODER_SCALE"),
-        "the drive's supervision trips where it is fitted; the controller's guard ends compensation",
+        ("DRUM_OFF_ORDER", "WINCH_DRIVE_FAULT", "WINCH_OR_ENCODER_*", "DRUM_SPEED_OFF"),
+        "the envelope brakes; the drive's supervision trips where it is fitted; the guard ends compensation",
         "`supervision_time`, 1 s where it is set, counted while the order is above 0.05 m/s; guard: seconds",
         "the drum moves for the time of the supervision; without it until the guard has seen it",
         ("tests/test_winch_faults.py::"
          "test_a_drum_that_does_not_follow_is_stopped_by_its_drive_and_the_controller_stops_with_it",
          f"{_C}test_guard.py::test_a_drum_that_runs_wild_is_noticed_before_the_unit_has_answered"),
-        events=(Event.WINCH_FAULT, Event.HARM),
+        events=(Event.WINCH_FAULT, Event.HARM, Event.ENVELOPE),
     ),
     Hazard(
         "The load drops past the brake",
         {"winch": ("brake_slip", "brake_open")},
-        ("WINCH_DRIVE_FAULT",),
+        ("DRUM_RUNS_BRAKED", "WINCH_DRIVE_FAULT"),
         "the drive trips, and the virtual winch's holds the drum where it is; the controller stops and reports it. "
         "No second brake is commanded",
         "0.05 m of motion from the standstill (test)",
@@ -78,6 +78,18 @@ HAZARDS: tuple[Hazard, ...] = (
          "cable_sim_node/test/test_faulty_drum.py::"
          "test_a_drum_that_slips_past_its_brake_is_held_by_the_drive_without_any_command"),
         events=(Event.WINCH_FAULT,),
+    ),
+    Hazard(
+        "What was identified, estimated or computed is wrong: the drum is driven away",
+        {},
+        ("ORDER_TOO_FAST", "ORDER_TOO_FAR", "ORDER_NOT_FINITE", "STOP_OVERDUE", "LOAD_SWUNG_HIGHER"),
+        "the envelope bounds the order, replaces it by one from raw readings that fades, then brakes; an operator "
+        "releases it",
+        "bounded at once, replaced after 0.5 s at a bound and sooner far beyond it",
+        "the drum travels 1.5 times the heave of the last minute and 0.3 m; the load swings after the stop",
+        ("tests/test_envelope.py::test_a_fault_drives_the_drum_no_further_than_the_sea_explains",),
+        others="an identified value, an estimate or a design that is wrong",
+        events=(Event.ENVELOPE,),
     ),
     Hazard(
         "The brake does not open while the drive pulls: drive and gear are overloaded",

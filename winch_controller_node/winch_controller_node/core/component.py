@@ -18,6 +18,7 @@ from heave_node.parameters import describe
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.core.beliefs_in_force import BeliefsInForce
 from winch_controller_node.core.design_in_force import DesignInForce, PreparedDesign
+from winch_controller_node.core.envelope import Asked, OrderEnvelope
 from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.core.estimation.loop_tick import LoopTick
 from winch_controller_node.core.estimation.observation import Observer
@@ -39,13 +40,13 @@ from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design.schedule import identifies_winch
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.observations import Observations
-from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchReading
+from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchOrder, WinchReading
 from winch_controller_node.interface.requests import DEPTH, DESIGN, FACTOR, HOLD, MODE, Request, stated
 from winch_controller_node.laws.constant_tension import TRAVEL
 from winch_controller_node.model.estimator import KalmanEstimator
 from winch_controller_node.motion.operator_speed import OperatorRange, OperatorSpeed
 from winch_controller_node.motion.programme import Programme, ProgrammeStep
-from winch_controller_node.motion.trajectory import MeanPayout
+from winch_controller_node.motion.trajectory import MeanPayout, MoveRequest
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
@@ -95,6 +96,7 @@ class WinchController:
         self._supervisor = Supervisor(design, law)
         self._command = LoopCommand(design, law)
         self._winch = WinchWatch(design)
+        self.envelope = OrderEnvelope(parameters, design.cable, tick_period)
         self._load = LoadWatch(parameters.alarms, tick_period=tick_period, rope=rope_strength(parameters))
         self._travel_episodes = Episode(tick_period), Episode(tick_period)
         self._programme = Programme(parameters.programme)
@@ -171,6 +173,7 @@ class WinchController:
         Returns the mode taken in words. Raises ModeError, saying why, where it cannot be taken.
         """
         self._supervisor.timeouts.cancel()
+        self.envelope.acknowledge()
         self.observer.trust()
         self._encoder.restart()
         if self.observer.excluded == "encoder":
@@ -242,18 +245,21 @@ class WinchController:
             raise ModeError(f"a move needs mode compensating; the mode is {self.mode.value}")
         if not math.isfinite(depth):
             raise ModeError(f"a depth must be a number; got {depth} m")
-        self.move_to_payout(self._estimation.payout_at(stated(depth)), stated(speed))
+        reference = self.envelope.distance_to(stated(depth))
+        self.move_to_payout(self._estimation.payout_at(stated(depth)), stated(speed), reference)
         self._requests.append(Request(DEPTH, (depth, speed) if speed > 0.0 else (depth,)).words)
 
-    def move_to_payout(self, payout: float, speed: float = 0.0) -> None:
+    def move_to_payout(self, payout: float, speed: float = 0.0, reference: float = math.nan) -> None:
         """Move the mean payout to `payout` [m] at no more than `speed` [m/s] (0: the default).
+
+        `reference` is how far that is by the depth sensor [m], where a depth was requested.
 
         Raises ModeError where the winch's range does not reach.
         """
         lowest, highest = self._command.payout_range()
         if not lowest <= payout <= highest:
             raise ModeError(f"that needs a payout of {payout:.1f} m; the winch reaches {lowest:g} to {highest:g} m")
-        self.mean.move_to(payout, speed)
+        self.mean.move_to(payout, speed, reference)
 
     @property
     def is_operated(self) -> bool:
@@ -373,7 +379,8 @@ class WinchController:
 
     def step(self, tick: int, measurements: Measurements) -> Outputs:
         """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
-        measurements, self._alarms = self.crane.carried(tick * self._dt, measurements)
+        raw = measurements
+        measurements, self._alarms = self.crane.carried(tick * self._dt, raw)
         if kept := self._winch.kept:
             self._alarms.append(ALARMS.alarm("TICKS_LEFT_OUT", count=kept, time=kept * self._dt))
         self._run_programme(tick * self._dt)
@@ -394,12 +401,12 @@ class WinchController:
         preview = self._watch_preview(loop, measurements.preview)
         lift = self.crane.lift_share(self._command.governor.limits, self.mean.point.payout, loop.payout)
         command = self._command.command(loop, decision, preview, lift)
+        move = self.mean.request
         self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
         self._watch_load(loop, measurements.winch, command)
         order = self._command.order(command, decision.mode, self._estimation.set_point)
-        self._winch.give(order)
-        order = self._command.with_lift(order)
-        order = order._replace(payout=self.observer.encoder.count_at(order.payout))
+        order = self._leave(order, move, raw, measurements)
+        command = self._command.last
         self._note_kpi(loop)
         reported = ControllerTick(
             loop=loop,
@@ -429,6 +436,32 @@ class WinchController:
             observations,
         )
 
+    def _leave(self, order: WinchOrder, move: MoveRequest, raw: Measurements, at_tip: Measurements) -> WinchOrder:
+        """Return the order that leaves, in the encoder's count, within the envelope; all go by what is sent.
+
+        Parameters
+        ----------
+        order : of the controller
+        move : last request for the mean payout before the tick
+        raw, at_tip : readings as they came, and carried to the boom tip
+        """
+        leaving = self._command.with_lift(order)
+        leaving = leaving._replace(payout=self.observer.encoder.count_at(leaving.payout))
+        asked = Asked(self.mode, move, self._command.tension_asked, self.crane.lift_speed)
+        sent, news = self.envelope.step(raw, at_tip, asked, leaving)
+        self._alarms += news
+        if sent is not leaving:
+            self._command.take_sent(leaving, sent)
+            own = sent if not math.isfinite(order.payout + order.payout_rate) else order
+            more, faster = sent.payout - leaving.payout, sent.payout_rate - leaving.payout_rate
+            order = (
+                sent
+                if own is sent
+                else WinchOrder(order.sequence, order.payout + more, order.payout_rate + faster, sent.brake)
+            )
+        self._winch.give(order)
+        return sent
+
     def leave_out(self, tick: int) -> tuple[str, ...]:
         """Let tick k pass, predicted: no readings were taken and no order was given, so the winch has kept the last.
 
@@ -439,6 +472,7 @@ class WinchController:
         self._estimation.step(tick, Measurements(), shares, unit_stands=stands)
         self._estimation.advance_mean(shares.mean, is_braked=self.modes.brake)
         self._winch.keep()
+        self.envelope.leave_out()
         self._estimation.log.break_record()
         self._next_tick = tick + 1
         return self._take_requests()
@@ -467,7 +501,8 @@ class WinchController:
             WinchSituation(
                 fault=self._winch.fault,
                 fault_cause=self._winch.fault_cause(measurements.lateness),
-                speed=self._command.speed(loop),
+                speed=math.inf if self.envelope.moves_winch else self._command.speed(loop),
+                envelope="" if self.envelope.reason is None else self.envelope.reason.brief,
                 mean_payout=self.mean.point.payout,
                 mean_acceleration=self.mean.point.acceleration,
                 settled_swing=self._command.settled_swing,

@@ -38,6 +38,10 @@ BY_LAW = (Mode.COMPENSATING, Mode.FADE_OUT)
 """Modes in which a winch that gives way to more than compensation can keep would be too late for the next wave."""
 
 
+ENVELOPE = "envelope"
+"""Name of the bound on what leaves."""
+
+
 class TickCommand(NamedTuple):
     """The command of a tick, in the terms of the model.
 
@@ -137,6 +141,11 @@ class LoopCommand:
         self._tension.hold(tension)
 
     @property
+    def tension_asked(self) -> float:
+        """Tension that was last asked for [N]; NaN before the first."""
+        return self._tension.target
+
+    @property
     def is_half_travelled(self) -> bool:
         """Tell whether constant tension has used half of the travel that it may."""
         return self._travel.is_half_used
@@ -221,6 +230,20 @@ class LoopCommand:
             return order._replace(payout=order.payout + sent)
         rate = 0.0 if order.brake else sent - self._winch.position_gain * lift.payout
         return order._replace(payout=order.payout + lift.payout, payout_rate=order.payout_rate + rate)
+
+    def take_sent(self, asked: WinchOrder, sent: WinchOrder) -> None:
+        """Take what was `sent` in place of what this tick `asked`: estimate, adviser and the next stop go by it."""
+        last, mean = self.last, self.last.shares.mean
+        if sent.brake:
+            governed = GovernedCommand(last.standing, (), last.standing, last.lift.command)
+        else:
+            is_whole = math.isfinite(asked.payout) and math.isfinite(asked.payout_rate)
+            more = sent.payout - asked.payout if self._is_first_order else sent.payout_rate - asked.payout_rate
+            before = last.governed.value if is_whole else last.standing
+            value = before + (more * self.governor.gain(more) if is_whole else sent.payout_rate)
+            governed = last.governed._replace(value=value, active=(*last.governed.active, ENVELOPE))
+        shares = CommandShares(governed.value - mean, mean)
+        self.last = last._replace(governed=governed, shares=shares)
 
     def _place_held(self, command: TickCommand, mean_payout: float) -> float:
         """Return the payout set-point [m] under which a servo on its brake asks for no speed."""

@@ -77,6 +77,11 @@ class LiftOrders:
         drum = discretise(winch_block(winch), self._dt)
         self._a, self._b = drum.A.tolist(), drum.B[:, 0].tolist()
 
+    @property
+    def speed(self) -> float:
+        """Speed that is ordered for the lift [m/s]."""
+        return self._speed
+
     def made(self, before: float) -> tuple[float, float]:
         """Return the drum's payout for the lift, and its rate, a time `before` the start of the coming tick [m], [m/s].
 

@@ -145,6 +145,11 @@ class TipCarry:
         self._room.watch(self._lift.bound, self.left(self._now)[0], rate, bounds, mean)
         return share
 
+    @property
+    def lift_speed(self) -> float:
+        """Speed that the winch is ordered for the crane's lift [m/s]; 0 without a pose."""
+        return 0.0 if self.place is None else self._lift.speed
+
     def left(self, time: float) -> tuple[float, float]:
         """Return the lift that the winch has not made up for at a `time` [s] near now, and its rate [m], [m/s]."""
         if self.place is None:

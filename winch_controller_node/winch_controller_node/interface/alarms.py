@@ -408,7 +408,70 @@ CRANE = (
     ),
 )
 
-ALARMS: AlarmTable = alarm_table(*SENSORS, *READINGS, *IDENTIFIED, *LOAD, *COMMANDS, *HARM, *CRANE, *MODES)
+LATCHED = "Brake on; latched until an operator requests a mode"
+TAKEN_OVER = "The order is replaced: the boom tip's raw motion is followed and fades out, then brake; latched"
+ASK_AGAIN = "then request a mode"
+
+ENVELOPE = (
+    AlarmRow(
+        "ORDER_TOO_FAST",
+        HIGH,
+        "envelope",
+        "order of {speed:+.2f} m/s about the requested move, limit {limit:.2f} m/s by the boom tip's motion",
+        TAKEN_OVER,
+        f"Check encoder, MRU and the identified winch, {ASK_AGAIN}",
+    ),
+    AlarmRow(
+        "ORDER_TOO_FAR",
+        HIGH,
+        "envelope",
+        "drum {travel:+.2f} m off the requested move, limit {limit:.2f} m by the boom tip's motion",
+        TAKEN_OVER,
+        f"Check encoder, MRU and the identified winch, {ASK_AGAIN}",
+    ),
+    AlarmRow(
+        "ORDER_NOT_FINITE",
+        HIGH,
+        "envelope",
+        "the controller's order is not a number",
+        TAKEN_OVER,
+        f"Keep the bag and report it, {ASK_AGAIN}",
+    ),
+    AlarmRow(
+        "DRUM_OFF_ORDER",
+        CRITICAL,
+        "winch",
+        "count {distance:+.2f} m off what was ordered, limit {limit:.2f} m",
+        LATCHED,
+        f"Drive or encoder is wrong in scale or sign, or the drum runs: check both, {ASK_AGAIN}",
+    ),
+    AlarmRow(
+        "DRUM_RUNS_BRAKED",
+        CRITICAL,
+        "winch",
+        "count moved by {distance:+.2f} m with the brake on, limit {limit:.2f} m",
+        LATCHED,
+        f"Keep everybody clear. The brake slips, or the count drifts: check both, {ASK_AGAIN}",
+    ),
+    AlarmRow(
+        "STOP_OVERDUE",
+        HIGH,
+        "envelope",
+        "compensation was to end: {time:.0f} s without an end, limit {limit:g} s",
+        f"The winch comes to rest. {LATCHED}",
+        f"Check the MRU and what the unit does, {ASK_AGAIN}",
+    ),
+    AlarmRow(
+        "LOAD_SWUNG_HIGHER",
+        HIGH,
+        "envelope",
+        "load cell varies by {ratio:.2f} times its limit, more than with the winch locked",
+        f"Compensation fades out. {LATCHED}",
+        f"Check the sign of the MRU, mass of the unit and length of the cable, {ASK_AGAIN}",
+    ),
+)
+
+ALARMS: AlarmTable = alarm_table(*SENSORS, *READINGS, *IDENTIFIED, *LOAD, *COMMANDS, *HARM, *CRANE, *ENVELOPE, *MODES)
 """All of them, by code."""
 
 HARMFUL = frozenset(row.code for row in HARM)

@@ -39,29 +39,30 @@ class TensionSetPoint:
     Attributes
     ----------
     value : tension that is held now [N]; NaN before the first
+    target : that it goes to [N]
     """
 
     def __init__(self, parameters: TensionLawParameters, *, tick_period: float) -> None:
         self._dt = tick_period
         self._ramp_time = parameters.ramp_time
         self.value = math.nan
-        self._target = math.nan
+        self.target = math.nan
         self._slope = 0.0
 
     def begin(self, measured: float) -> None:
         """Start from the measured tension [N]: none was held until now."""
-        self.value = self._target = measured
+        self.value = self.target = measured
         self._slope = 0.0
 
     def hold(self, tension: float) -> None:
         """Go to a tension [N] from the one that is held."""
-        self._target = tension
+        self.target = tension
         self._slope = abs(tension - self.value) / self._ramp_time
 
     def advance(self) -> float:
         """Return the set-point of the next tick [N]."""
         step = self._slope * self._dt
-        self.value += min(max(self._target - self.value, -step), step)
+        self.value += min(max(self.target - self.value, -step), step)
         return self.value
 
 

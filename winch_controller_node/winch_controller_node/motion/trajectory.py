@@ -30,6 +30,29 @@ class MovePoint(NamedTuple):
     acceleration: float
 
 
+class MoveRequest(NamedTuple):
+    """What was last asked of the mean payout, as whoever makes the move a second time must know it.
+
+    Attributes
+    ----------
+    number : counts requests
+    kind : "go" to a target, "stop" smoothly, "halt", "drive" at a speed, "stand": it is elsewhere now, at rest
+    distance : to the target [m]
+    target : payout to go to [m]; NaN: it goes nowhere, or not by payout
+    speed : largest, or asked for [m/s]
+    acceleration : largest [m/s^2]
+    reference : distance by a depth sensor [m]; NaN: none
+    """
+
+    number: int = 0
+    kind: str = "stand"
+    distance: float = 0.0
+    target: float = math.nan
+    speed: float = 0.0
+    acceleration: float = 0.0
+    reference: float = math.nan
+
+
 def approach_speed(distance: float, acceleration: float, lag: float) -> float:
     """Return the largest speed [m/s] from which half the acceleration is enough to stop after `distance`.
 
@@ -55,6 +78,7 @@ class MeanPayout:
     lag : with which it goes to another speed [s]
     point : now
     target : of the last move [m]
+    request : that was last made
     """
 
     def __init__(self, parameters: MoveParameters, *, tick_period: float) -> None:
@@ -68,6 +92,13 @@ class MeanPayout:
         self._deceleration = 0.0
         self._driven: float | None = None
         self._ticks_to_go = 0
+        self.request = MoveRequest()
+
+    def _note(self, kind: str, speed: float = 0.0, **where: float) -> None:
+        """Note a request of a `kind` with its `speed` [m/s]; `where` it goes are fields of it."""
+        number = self.request.number + 1
+        acceleration = self._deceleration if kind == "halt" else self._acceleration
+        self.request = MoveRequest(number, kind, speed=speed, acceleration=acceleration, **where)
 
     @property
     def is_moving(self) -> bool:
@@ -123,8 +154,11 @@ class MeanPayout:
         self.point = MovePoint(self.point.payout + ticks * self._dt * rate, rate, 0.0)
         return ticks
 
-    def move_to(self, payout: float, speed: float = 0.0) -> None:
-        """Go to the mean payout [m] at no more than `speed` [m/s]; 0 takes the default."""
+    def move_to(self, payout: float, speed: float = 0.0, reference: float = math.nan) -> None:
+        """Go to the mean payout [m] at no more than `speed` [m/s]; 0 takes the default.
+
+        `reference` is the distance by a depth sensor [m], where the request is for a depth.
+        """
         if not math.isfinite(payout) or not math.isfinite(speed) or speed < 0.0:
             raise ValueError(f"a move needs a finite payout and a speed of at least 0; got {payout} m, {speed} m/s")
         self.target = payout
@@ -132,31 +166,38 @@ class MeanPayout:
         self._acceleration = self._parameters.acceleration
         self._is_stopping, self._deceleration, self._driven = False, 0.0, None
         self._ticks_to_go = 0
+        by_payout = payout if math.isnan(reference) else math.nan
+        distance = payout - self.point.payout
+        self._note("go", self._speed, distance=distance, target=by_payout, reference=reference)
 
     def stop(self) -> None:
         """Come to rest smoothly, wherever that is."""
         self._is_stopping, self._driven = True, None
+        self._note("stop")
 
     def halt(self, deceleration: float) -> None:
         """Come to rest at a `deceleration` [m/s^2], without the ease of a move."""
         self._is_stopping = True
         self._deceleration, self._driven = deceleration, None
+        self._note("halt")
 
     def drive(self, rate: float, acceleration: float) -> None:
         """Go to a `rate` [m/s] and keep it until another command; 0 ends the motion.
 
         It is done with no more than an `acceleration` [m/s^2], which builds up as that of a move does.
         """
-        self.stop()
         self._acceleration = acceleration
+        self.stop()
         if rate != 0.0:
             self._is_stopping, self._driven = False, rate
+            self._note("drive", rate)
 
     def jump_to(self, payout: float) -> None:
         """Take the mean payout to be here, at rest: for when the winch has stopped there."""
         self.point = MovePoint(payout, 0.0, 0.0)
         self.target = payout
         self._is_stopping, self._deceleration, self._driven = False, 0.0, None
+        self._note("stand")
 
     def advance(self) -> MovePoint:
         """Return the point of the next tick."""

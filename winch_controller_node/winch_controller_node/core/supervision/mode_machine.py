@@ -199,6 +199,8 @@ class ModeMachine:
             return f"{situation.lost}; {self._after_loss()}"
         if event is Event.HARM:
             return self._harm
+        if event is Event.ENVELOPE:
+            return f"{situation.envelope}; check the cause, then request a mode"
         # a stop that comes to its end goes on for the reason for which it began
         return self.reason if event in (Event.FADED, Event.AT_REST) else event.value
 

@@ -76,6 +76,7 @@ class Event(str, Enum):
     ASK_EMERGENCY_STOP = f"emergency stop {REQUESTED}"
     TOUCHDOWN = "touchdown"
     LIFTED_OFF = "unit suspended"
+    ENVELOPE = "envelope took over"
     WINCH_EMERGENCY_STOP = "emergency stop of the winch"
     WINCH_FAULT = "winch fault"
     WINCH_SILENT = "no data from the winch"
@@ -117,6 +118,7 @@ class Situation(NamedTuple):
     fault_cause : why the winch has its fault, in words; empty where that is not known
     awaits_operator : after this harm compensation is tried again only once an operator asks for it
     resumes_after_fault : the winch has stopped for want of commands, and compensation is asked for again once they come
+    envelope : why the envelope has taken over, until an operator acknowledges; empty: it has not
     """
 
     lost: str
@@ -133,6 +135,7 @@ class Situation(NamedTuple):
     prospect: str = ""
     awaits_operator: bool = False
     resumes_after_fault: bool = False
+    envelope: str = ""
 
 
 NOTHING_KNOWN = Situation(lost="", has_estimate=False, winch_fault=WinchFault.NONE, harm="", speed=0.0)
@@ -204,6 +207,7 @@ TICK_EVENTS: dict[Event, Callable[[View], bool]] = {
         view.situation.winch_fault == WinchFault.EMERGENCY_STOP and _has_new_fault(view)
     ),
     Event.WINCH_FAULT: _has_new_fault,
+    Event.ENVELOPE: lambda view: bool(view.situation.envelope),
     Event.WINCH_SILENT: lambda view: "encoder stale" in view.situation.lost,  # it comes with the state of the winch
     Event.SENSOR_LOST: lambda view: view.lost_time > view.parameters.coast_time,
     Event.HARM: lambda view: bool(view.situation.harm),
@@ -391,6 +395,11 @@ TABLE: tuple[Transition, ...] = (
     Transition((_STANDBY,), Event.WINCH_FAULT, _STOPPED, (NEW_FAULT,), (want_rest,)),
     Transition((_STOPPED,), Event.WINCH_EMERGENCY_STOP, _EMERGENCY, (NEW_FAULT,), (want_rest,)),
     Transition((_STOPPED,), Event.WINCH_FAULT, _STOPPED, (NEW_FAULT, NOT_FOR_WANT_OF_COMMANDS), (want_rest,)),
+    # what happens in front of the winch
+    Transition(
+        (_COMPENSATING, _TENSION, _MANUAL, _FADE_OUT), Event.ENVELOPE, _STOPPING, (), (wait_for_operator, end_stopped)
+    ),
+    Transition((_STANDBY,), Event.ENVELOPE, _STOPPED, (), (wait_for_operator,)),
     # what happens to the sensors
     Transition((_FADE_OUT,), Event.WINCH_SILENT, _STOPPING, (RESTS_STOPPED,)),
     Transition((_COMPENSATING,), Event.SENSOR_LOST, _FADE_OUT, (), (end_stopped,)),

@@ -66,6 +66,7 @@ class WinchSituation(NamedTuple):
     fault_cause : why the winch has its fault, in words; empty: unknown
     is_reversed : drum or encoder are reversed: the winch is brought to rest until an operator releases it
     mean_acceleration : with which the winch goes there [m/s^2]
+    envelope : why the envelope has taken over, in words; empty: it has not
     """
 
     fault: int
@@ -77,6 +78,7 @@ class WinchSituation(NamedTuple):
     fault_cause: str = ""
     is_reversed: bool = False
     mean_acceleration: float = 0.0
+    envelope: str = ""
 
 
 class Decision(NamedTuple):
@@ -232,6 +234,7 @@ class Supervisor:
             awaits_operator=is_reversed,
             resumes_after_fault=self.timeouts.is_pending,
             speed=winch.speed,
+            envelope=winch.envelope,
             closed_gates=self._closed_gates(tick, winch.mean_payout),
             tension_refusal=self._why_no_tension(tick, winch.mean_payout),
         )

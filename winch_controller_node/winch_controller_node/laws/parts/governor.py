@@ -133,7 +133,7 @@ class CommandGovernor:
         lift : what the winch does for the crane's lift beside it: the limits hold for the sum
         """
         whole = self._governed(wanted + lift.command, payout + lift.payout, rate + lift.rate, tension)
-        lift_sent = lift.command if self._winch.law == "first_order" else lift.command / self._gain(whole.value)
+        lift_sent = lift.command if self._winch.law == "first_order" else lift.command / self.gain(whole.value)
         return GovernedCommand(whole.value - lift.command, whole.active, whole.sent - lift_sent, lift_sent)
 
     def _governed(self, wanted: float, payout: float, rate: float, tension: float) -> GovernedCommand:
@@ -161,9 +161,9 @@ class CommandGovernor:
 
     def _demand(self, speed: float) -> float:
         """Return the set-point of which the servo makes a `speed` [m/s]."""
-        return (speed - self._winch.creep) / self._gain(speed)
+        return (speed - self._winch.creep) / self.gain(speed)
 
-    def _gain(self, speed: float) -> float:
+    def gain(self, speed: float) -> float:
         """Return the speed of the drum over its set-point, at a `speed` [m/s]."""
         winch = self._winch
         return winch.speed_gain if speed >= winch.creep else winch.speed_gain * winch.hauling_gain

@@ -1,0 +1,242 @@
+"""The envelope in front of the winch: from raw readings and the controller's order to the order that leaves.
+
+What bounds an order is in C++ (`heave_core`, envelope.cpp). This shell fills what it sees, from raw readings, the
+operator's requests and nominal parameters, and makes alarms of what it has done.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any, NamedTuple
+
+from heave_core.layout import Bit, Cause, Duty, MoveKind, Phase
+from heave_core.library import Envelope, EnvelopeOrder
+from heave_node.interface.alarm import Alarm
+from heave_node.interface.codes import MruStatus, WinchFault
+
+from winch_controller_node.core.supervision.modes import Mode
+from winch_controller_node.interface.alarms import ALARMS
+from winch_controller_node.interface.readings import Measurements, WinchOrder
+from winch_controller_node.model.blocks import CableModel
+from winch_controller_node.motion.trajectory import MoveRequest
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.envelope import EnvelopeParameters
+from winch_controller_node.parameters.model import WinchModelParameters
+
+DUTIES = {
+    Mode.COMPENSATING: Duty.FOLLOW,
+    Mode.CONSTANT_TENSION: Duty.TENSION,
+    Mode.FADE_OUT: Duty.FADE,
+    Mode.STOPPING: Duty.STOP,
+    Mode.EMERGENCY_STOP: Duty.STOP,
+}
+"""What a mode is there for; in all others the drum does what an operator asks for."""
+
+MOVES = {
+    "go": MoveKind.GO,
+    "stop": MoveKind.STOP_MOVE,
+    "halt": MoveKind.HALT,
+    "drive": MoveKind.DRIVE,
+    "stand": MoveKind.STAND,
+}
+"""Kinds of a request for a move."""
+
+BOUND = Bit.AT_RATE | Bit.AT_TRAVEL | Bit.AT_STOP
+"""Bits of an order that was bounded."""
+
+
+_NOTHING_READ = (math.nan, math.nan, math.nan, 0.0, math.nan)
+"""Readings of a tick in which nothing came."""
+
+
+class Asked(NamedTuple):
+    """What an operator has asked for, by a mode and its requests.
+
+    Attributes
+    ----------
+    mode : active
+    move : last request for the mean payout
+    tension : to hold [N]; NaN: none
+    lift_rate : with which a crane lifts the boom tip, as the winch is to make up for it [m/s]
+    """
+
+    mode: Mode
+    move: MoveRequest
+    tension: float = math.nan
+    lift_rate: float = 0.0
+
+
+def nominal_design(parameters: WinchControllerParameters, cable: CableModel, tick_period: float) -> dict[str, Any]:
+    """Return the values of the core's `Design`.
+
+    Parameters
+    ----------
+    parameters : as an operator states them
+    cable : nominal two-state cable at payout 0
+    tick_period : [s]
+    """
+    tension = cable.static_tension if math.isfinite(cable.static_tension) else 0.0
+    ratio = parameters.limits.maximum_tension_ratio
+    others = {
+        "stop_deceleration": parameters.modes.stop_deceleration,
+        "tension_travel": parameters.tension.travel,
+        "highest_tension": ratio * tension,
+        "jerk_time": parameters.move.jerk_time,
+    }
+    return {
+        "tick_period": tick_period,
+        "winch": _nominal_winch(parameters.winch),
+        "cable": {
+            "inertia": cable.a,
+            "damping": cable.b,
+            "drag": cable.drag,
+            "stiffness": cable.stiffness,
+            "length": parameters.length,
+            "static_tension": tension,
+        },
+        "envelope": others | _margins(parameters.envelope),
+    }
+
+
+def _nominal_winch(winch: WinchModelParameters) -> Mapping[str, float]:
+    is_first_order = winch.law == "first_order"
+    return {
+        "is_first_order": is_first_order,
+        "lag": 1.0 / winch.position_rate if is_first_order else winch.time_constant,
+        "delay": winch.command_delay,
+        "position_gain": winch.position_gain,
+        "gain": winch.speed_gain,
+        "hauling_gain": winch.hauling_gain,
+        "creep": winch.creep,
+        "reach": winch.set_point_reach * winch.speed_limit,
+        "speed": winch.speed_limit,
+        "acceleration": winch.acceleration_limit,
+        "power": winch.power_limit,
+    }
+
+
+def _margins(parameters: EnvelopeParameters) -> dict[str, float]:
+    names = (field.name for field in fields(EnvelopeParameters) if field.name != "active")
+    return {name: float(getattr(parameters, name)) for name in names}
+
+
+class OrderEnvelope:
+    """The envelope of a controller.
+
+    Parameters
+    ----------
+    parameters : as an operator states them
+    cable : nominal two-state cable at payout 0
+    tick_period : [s]
+
+    Attributes
+    ----------
+    last : what left in the last tick, and why
+    reason : why it has taken over, until an operator acknowledges; None: it has not
+    """
+
+    def __init__(self, parameters: WinchControllerParameters, cable: CableModel, tick_period: float) -> None:
+        self._dt = tick_period
+        self._core = Envelope(nominal_design(parameters, cable, tick_period))
+        self._is_active = parameters.envelope.active
+        self._is_acknowledged = False
+        self._depth = math.nan
+        self._given: tuple[float, ...] | None = None
+        self.last = EnvelopeOrder._make([0.0] * len(EnvelopeOrder._fields))
+        self.reason: Alarm | None = None
+
+    def take_nominal(self, parameters: WinchControllerParameters, cable: CableModel) -> None:
+        """Go by other nominal `parameters` and `cable` from now on: an operator has stated them."""
+        self._core.take_design(nominal_design(parameters, cable, self._dt))
+
+    @property
+    def moves_winch(self) -> bool:
+        """Tell whether the envelope makes the order itself, and the drum is not at rest yet."""
+        return self.last.phase in (Phase.TAKEN, Phase.RAMP)
+
+    def acknowledge(self) -> None:
+        """Release what is latched, once drum and order are at rest; an operator has asked for a mode."""
+        if self.last.phase == Phase.HELD:
+            self._is_acknowledged, self.reason = True, None
+
+    def distance_to(self, depth: float) -> float:
+        """Return how much deeper than the newest raw reading of the depth sensor a `depth` is [m]; NaN without one."""
+        return depth - self._depth
+
+    def leave_out(self) -> None:
+        """Let a tick pass in which nothing is read and the winch keeps the last order."""
+        if self._is_active and self._given is not None:
+            *_, payout, rate, brake = self._given
+            self._core.step((*_NOTHING_READ, *self._given[len(_NOTHING_READ) : -4], 0.0, payout, rate, brake))
+
+    def step(
+        self, raw: Measurements, at_tip: Measurements, asked: Asked, order: WinchOrder
+    ) -> tuple[WinchOrder, list[Alarm]]:
+        """Return the order that leaves in place of `order`, the same one inside the bounds, and what is new.
+
+        Parameters
+        ----------
+        raw : readings of the tick
+        at_tip : the same, carried to the boom tip by geometry
+        asked : by an operator
+        order : of the controller
+        """
+        if depths := raw.of("depth"):
+            self._depth = depths[-1].value
+        if not self._is_active:
+            return order, []
+        before = self.last.cause
+        given = _readings(raw, at_tip, asked, order, self._is_acknowledged)
+        self.last = sent = self._core.step(given)
+        self._given = (*given[:-3], sent.payout, sent.rate, sent.brake)
+        self._is_acknowledged = False
+        alarms = []
+        if sent.cause and sent.cause != before:
+            self.reason = _alarm(sent)
+            alarms.append(self.reason)
+        if sent.payout == order.payout and sent.rate == order.payout_rate and bool(sent.brake) == order.brake:
+            return order, alarms
+        return WinchOrder(order.sequence, sent.payout, sent.rate, bool(sent.brake)), alarms
+
+
+def _readings(
+    raw: Measurements, at_tip: Measurements, asked: Asked, order: WinchOrder, is_acknowledged: bool
+) -> tuple[float, ...]:
+    """Return what comes in at a tick, in the order of READING_NAMES."""
+    heave = rate = count = load = math.nan
+    for reading in at_tip.mru:
+        if reading.status == MruStatus.OK:
+            heave, rate = reading.heave, reading.heave_rate
+    winch, is_held = raw.winch, False
+    if winch is not None:
+        count = winch.encoder_payout
+        is_held = winch.brake or winch.fault != WinchFault.NONE or winch.limits_hit != 0
+    for cell in raw.of("load_cell"):
+        load = cell.value
+    move = asked.move
+    return (
+        *(heave, rate, count, float(is_held), load, asked.lift_rate),
+        *(float(DUTIES.get(asked.mode, Duty.OPERATE)), asked.tension),
+        *(float(move.number), float(MOVES[move.kind]), move.distance, move.target, move.reference),
+        *(move.speed, move.acceleration, float(is_acknowledged)),
+        *(order.payout, order.payout_rate, float(order.brake)),
+    )
+
+
+def _alarm(sent: EnvelopeOrder) -> Alarm:
+    """Return the alarm of what the envelope took over for."""
+    cause = Cause(int(sent.cause))
+    if cause in (Cause.DRUM, Cause.BRAKE_SLIPS):
+        code = "DRUM_OFF_ORDER" if cause is Cause.DRUM else "DRUM_RUNS_BRAKED"
+        return ALARMS.alarm(code, distance=sent.value, limit=sent.limit)
+    if cause is Cause.RATE:
+        return ALARMS.alarm("ORDER_TOO_FAST", speed=sent.value, limit=sent.limit)
+    if cause is Cause.TRAVEL:
+        return ALARMS.alarm("ORDER_TOO_FAR", travel=sent.value, limit=sent.limit)
+    if cause is Cause.NOT_FINITE:
+        return ALARMS.alarm("ORDER_NOT_FINITE")
+    if cause is Cause.HARM:
+        return ALARMS.alarm("LOAD_SWUNG_HIGHER", ratio=sent.value)
+    return ALARMS.alarm("STOP_OVERDUE", time=sent.value, limit=sent.limit)
