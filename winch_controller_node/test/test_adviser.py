@@ -80,7 +80,18 @@ def test_an_mru_that_reads_twice_as_much_is_found_within_20_seconds_with_the_sta
     assert all(not one.findings for one in found[second + 1 :])
 
 
-@pytest.mark.parametrize("factor", [-1.0, 0.5, 2.0])
+@pytest.mark.parametrize(("sensor", "factor"), [("mru", -1.0), ("mru", 2.6), ("depth", -1.0), ("depth", 3.0)])
+def test_a_sensor_that_is_reversed_or_of_no_scale_is_excluded_and_not_corrected(design, drawn_from, sensor, factor):
+    def other(name, value, tick):
+        return factor * value if name.startswith(sensor if sensor == "mru" else "unit") and tick >= 800 else value
+
+    found = answers(drawn_from(design, 90.0, change=other))
+    assert found[-1].excluded == sensor
+    assert not found[-1].values
+    assert [(one.code, one.quantity) for answer in found for one in answer.findings] == [("excluded", sensor)]
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.7, 2.0])
 def test_an_encoder_that_reads_otherwise_all_at_once_is_found_within_five_seconds(design, drawn_from, factor):
     """From 40 s on it counts on in another scale."""
     last = {}

@@ -95,7 +95,7 @@ CHANGES = {
     "sea": {"values": {"sea.peak_period": 11.0}, "is_designed": True},
     "scale of the MRU": {"values": {"mru.scale": 1.3}, "is_adopted": True},
     "high-pass of the MRU": {"values": {"mru.high_pass_period": 30.0}, "is_designed": True, "is_adopted": True},
-    "scale of the depth sensor": {"values": {"depth.scale": -1.0}, "is_adopted": True},
+    "scale of the depth sensor": {"values": {"depth.scale": 0.8}, "is_adopted": True},
     "inertia of the cable": {"values": {"cable.inertia_factor": 1.2}, "is_designed": True, "is_adopted": True},
     "encoder": {
         "values": {"encoder.scale": 0.5},

@@ -24,7 +24,7 @@ DT = 0.05
 AHEAD = 20
 BELIEF = WinchControllerParameters()
 PLACE = {name: place for place, name in enumerate(Drum._fields)}
-PRIOR = prior_of(BELIEF.winch, BELIEF.lag.largest)
+PRIOR = prior_of(BELIEF)
 NOMINAL = np.array([*drum_of(BELIEF.winch), 1.0])
 
 
@@ -146,7 +146,7 @@ def crept(gain, hauling, creep, seconds=30.0, lag=0.15):
 @pytest.mark.parametrize(("hauling", "creep"), [(0.76, 0.058), (1.3, -0.04), (1.0, 0.05)])
 def test_a_drum_that_creeps_and_hauls_in_with_another_gain_is_known(hauling, creep):
     winch = replace(BELIEF.winch, command_delay=0.0)
-    prior = prior_of(winch, BELIEF.lag.largest)
+    prior = prior_of(replace(BELIEF, winch=winch))
     found = identify(crept(0.94, hauling, creep), prior, np.array([*drum_of(winch), 1.0]))
     assert found.theta[PLACE["gain"]] == pytest.approx(0.94, abs=0.01)
     assert found.theta[PLACE["hauling"]] == pytest.approx(hauling, abs=0.02)
@@ -165,7 +165,7 @@ def scaled_from(factor, before_end, limited=(), **winch):
 
 
 @pytest.mark.parametrize("before_end", [1.5, 3.0, 6.0, 11.0])
-@pytest.mark.parametrize("factor", [-1.0, 0.5, 2.0, -2.44])
+@pytest.mark.parametrize("factor", [0.5, 0.75, 2.0])
 def test_an_encoder_that_changes_its_factor_is_known_with_its_onset(factor, before_end):
     """A drum's gain does not jump: what does is the encoder's."""
     record, onset = scaled_from(factor, before_end)
@@ -174,6 +174,30 @@ def test_an_encoder_that_changes_its_factor_is_known_with_its_onset(factor, befo
     assert found.theta[FACTOR] == pytest.approx(factor, rel=0.03)
     assert found.record.onset == pytest.approx(onset, abs=4)
     assert not set(found.free) & set(LIMITS)
+
+
+@pytest.mark.parametrize("before_end", [1.5, 3.0, 6.0, 11.0])
+@pytest.mark.parametrize("factor", [-1.0, 0.0, 0.2, 3.0])
+def test_an_encoder_that_is_reversed_still_or_of_another_kind_of_scale_is_no_scale_to_correct(
+    excerpt_of, factor, before_end
+):
+    """Half to twice is a scale: another gear, or a count taken once for twice. Beyond it the sensor is not one."""
+    *_, excerpt = excerpts(excerpt_of, WinchParameters(), 25.0)
+    onset, column = len(excerpt.ticks) - round(before_end / DT), TICK_COLUMNS.index("encoder")
+    ticks = excerpt.ticks.copy()
+    start = ticks[onset, column]
+    ticks[onset:, column] = start + factor * (ticks[onset:, column] - start)
+    answer = WinchIdentifier(BELIEF, DT).look(replace(excerpt, ticks=ticks), SensorHistory(), {})
+    assert answer is None or answer.factor is None
+
+
+def test_an_encoder_whose_newest_reading_was_not_accepted_is_not_identified(excerpt_of):
+    """It is lost, frozen or has jumped: what it read in the second before may not be the drum."""
+    *_, excerpt = excerpts(excerpt_of, WinchParameters(time_constant=0.4), 15.0)
+    ticks = excerpt.ticks.copy()
+    ticks[-1, TICK_COLUMNS.index("encoder")] = np.nan
+    assert WinchIdentifier(BELIEF, DT).look(excerpt, SensorHistory(), {}) is not None
+    assert WinchIdentifier(BELIEF, DT).look(replace(excerpt, ticks=ticks), SensorHistory(), {}) is None
 
 
 @pytest.mark.parametrize(("every", "is_found"), [(5, False), (20, True)])

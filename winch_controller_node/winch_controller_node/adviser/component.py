@@ -38,7 +38,7 @@ from winch_controller_node.beliefs.beliefs import (
     without_sea,
 )
 from winch_controller_node.beliefs.corrections import Correction, corrections
-from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, with_value
+from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, out_of_range, with_value
 from winch_controller_node.design.design import ControllerDesign, design_controller
 from winch_controller_node.design.schedule import identifies_winch, is_scheduled
 from winch_controller_node.design.seas import possible_seas
@@ -179,7 +179,8 @@ class Adviser:
         if answer.factor is not None:
             self._take_encoder(*answer.factor, answer.nats)
         self._drum_gain = answer.gain * self._history.encoder_scale
-        if answer.factor is None:
+        # an encoder that is set aside says nothing of the winch
+        if answer.factor is None and self._beliefs.excluded != "encoder":
             self._take_winch(answer)
 
     def _take_winch(self, answer: WinchAnswer) -> None:
@@ -287,9 +288,17 @@ class Adviser:
             self._take_hypothesis(found, present)
 
     def _take_hypothesis(self, found: Hypothesis, present: Hypothesis) -> None:
-        """Accept a hypothesis, and continue from the state that it leads to."""
+        """Accept a hypothesis, and continue from the state that it leads to.
+
+        A sensor that would have to be corrected by what cannot be is excluded.
+        """
+        beyond = beyond_range(found, self._nominal)
+        if beyond is not None:
+            if beyond.excluded in ("", self._beliefs.excluded):
+                return
+            found = beyond
         held = self._history, self._beliefs
-        values = dict(self._beliefs.values)
+        values = {name: one for name, one in self._beliefs.values.items() if QUANTITIES[name].owner != found.excluded}
         nats = present.total - found.total
         for name, change in found.changes.items():
             if change.value == QUANTITIES[name].nominal_in(self._nominal):
@@ -383,8 +392,10 @@ class Adviser:
     def _assume(self, values: Mapping[str, Belief], *, excluded: str | None = None) -> bool:
         """Take over other `values`, and design for them where the model is another one; return whether that succeeds.
 
-        Where it does not, the beliefs stay as they are.
+        Where it does not, or a value cannot be, the beliefs stay as they are.
         """
+        if out_of_range({name: belief.value for name, belief in values.items()}, self._nominal):
+            return False
         before = self.parameters
         beliefs = replace(
             self._beliefs,
@@ -417,3 +428,17 @@ class Adviser:
 def _needs_design(before: WinchControllerParameters, after: WinchControllerParameters) -> bool:
     """Tell whether the model changes: limits and gain of the winch are not in it."""
     return replace(after, winch=after.winch.with_limits_of(before.winch)) != before
+
+
+def beyond_range(found: Hypothesis, nominal: WinchControllerParameters) -> Hypothesis | None:
+    """Return what was `found` with the sensor excluded that it corrects by what cannot be with `nominal` parameters.
+
+    It names no sensor where it is no sensor's value, or the encoder's, which a reflex of the core sets aside. None: all
+    of it can be.
+    """
+    owners = {QUANTITIES[name].owner for name, one in found.changes.items() if out_of_range({name: one.value}, nominal)}
+    if not owners:
+        return None
+    changes = {name: change for name, change in found.changes.items() if QUANTITIES[name].owner not in owners}
+    sensor = next(iter(owners & {"mru", "depth"}), "") if len(owners) == 1 else ""
+    return replace(found, changes=changes, excluded=sensor)

@@ -35,7 +35,7 @@ from winch_controller_node.adviser.hypothesis import (
 )
 from winch_controller_node.adviser.pass_model import linear, pass_model
 from winch_controller_node.adviser.record import TICK, Excerpt
-from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, with_value
+from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, out_of_range, with_value
 from winch_controller_node.design.design import measurement_models
 
 STARTS = {
@@ -54,9 +54,6 @@ NEAR = (0.75, 0.83, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.2, 1.35)
 ENCODER_ROW = "payout"
 """Measurement of the encoder, which is not judged here: the winch is identified by it, and it is right where the
 model of the winch is not."""
-
-LARGEST_DELAY = 0.4
-"""A delay beyond which a reading cannot be corrected by its slope [s]."""
 
 LEAST_READ = 10
 """Seconds in which a sensor must have been read for a correction of it, or its acquittal."""
@@ -176,7 +173,7 @@ class Judge:
 
         def attempt(value: float) -> None:
             value = nominal if nominal > 0.0 and abs(math.log(value / nominal)) < SAME else value
-            if value != assumed and value not in tried:
+            if value != assumed and value not in tried and not out_of_range({quantity: value}, self._assumed.nominal):
                 tried[value] = self._of_model({quantity: value}, excluded, since=self._excerpt.first)
 
         for value in values:
@@ -254,12 +251,13 @@ class Judge:
         quantity, weight, sigma = JUDGED[sensor][kind], fitted.weight, fitted.sigma
         assumed, nominal = self._assumed.value(quantity), QUANTITIES[quantity].nominal
         if kind == FACTOR:
+            # one outside its range is found as well: the sensor is then excluded
             value = assumed / (1.0 + weight) if abs(1.0 + weight) > LEAST_FACTOR else math.inf
         elif kind == STEP:
             value = assumed - weight
         else:
             value, sigma = assumed + weight * self._excerpt.dt, sigma * self._excerpt.dt
-        if not math.isfinite(value) or (kind == DELAY and abs(value) > LARGEST_DELAY):
+        if not math.isfinite(value) or (kind != FACTOR and out_of_range({quantity: value}, self._assumed.nominal)):
             return None
         value = nominal if abs(value - nominal) < TOLERANCE[quantity] else value
         return None if value == assumed else {**changes, quantity: Change(value, sigma, since)}

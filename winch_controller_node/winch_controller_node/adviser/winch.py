@@ -155,7 +155,7 @@ class WinchIdentifier:
     def __init__(self, parameters: WinchControllerParameters, tick_period: float) -> None:
         self._dt = tick_period
         self._winch, self._lag = parameters.winch, parameters.lag
-        self._prior = prior_of(parameters.winch, parameters.lag.largest)
+        self._prior = prior_of(parameters)
         self._ahead = math.ceil((parameters.winch.command_delay + parameters.lag.largest) / tick_period) + 3
         self._looks = 0
         self._probes = {index: LimitProbe() for index in LIMITS}
@@ -184,6 +184,9 @@ class WinchIdentifier:
         record = drum_record(excerpt, self._lag.window, self._ahead, history, self._winch.position_gain)
         if record is None or record.duration < SHORTEST or record.duration < 0.5 * len(record.readings) * self._dt:
             return None
+        if not math.isfinite(record.readings[-1]):
+            # an encoder that is lost, or has just jumped, says nothing of the drum
+            return None
         newest = record.readings[-round(TURNS_WITHIN / self._dt) :]
         newest = newest[np.isfinite(newest)]
         if len(newest) == 0 or np.ptp(newest) <= FLOOR:
@@ -201,14 +204,16 @@ class WinchIdentifier:
     def _answer(self, present: DrumFit, found: DrumFit, held: Array, excerpt: Excerpt) -> WinchAnswer:
         gain = float(found.theta[GAIN] / self._prior.nominal[GAIN])
         is_explained = found.residual <= max(EXPLAINED, SHARE_LEFT * present.residual)
-        if FACTOR in found.free and not is_explained:
+        # a factor at the end of what can be is no scale: the encoder has another fault
+        factor, ends = float(found.theta[FACTOR]), (self._prior.lowest[FACTOR], self._prior.highest[FACTOR])
+        if FACTOR in found.free and (factor in ends or not is_explained):
             return WinchAnswer(gain=gain, residual=present.residual)
         if FACTOR in found.free:
             tick = excerpt.last + 1 - (len(found.record.readings) - found.record.onset)
             index = found.free.index(FACTOR)
             nats = present.loss - found.loss - PRICES[(FACTOR,)]
             return WinchAnswer(
-                factor=(tick, float(found.theta[FACTOR]), float(found.sigmas[index]), found.record.step(found.theta)),
+                factor=(tick, factor, float(found.sigmas[index]), found.record.step(found.theta)),
                 gain=gain,
                 nats=nats,
                 residual=present.residual,

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from heave_node.interface.alarm import Alarm
 
-from winch_controller_node.beliefs.beliefs import Beliefs, latency_ticks, parameters_under, without_sea
+from winch_controller_node.beliefs.beliefs import Beliefs, EncoderScale, latency_ticks, parameters_under, without_sea
 from winch_controller_node.beliefs.corrections import corrections
-from winch_controller_node.beliefs.quantities import QUANTITIES, restated
+from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, out_of_range, restated
 from winch_controller_node.beliefs.words import alarms_of
-from winch_controller_node.core.design_in_force import DesignInForce
+from winch_controller_node.core.design_in_force import DesignInForce, designed
 from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.core.supervision.watch.adviser_trust import AdviserTrust
 from winch_controller_node.core.supervision.watch.winch_watch import WinchWatch
+from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.design.schedule import is_scheduled
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 NONE = Beliefs(asked=-1)
 """All is nominal."""
+
+DROPPED = -1
+"""Number of the active beliefs where the core has dropped those of the adviser: it begins anew."""
 
 OWN = "encoder"
 """Sensor that a reflex of the core alone sets aside and uses again: what the adviser says of that is an echo."""
@@ -33,6 +39,7 @@ class BeliefsInForce:
     restated : those that have changed since the start, and what to, by path
     beliefs : the active ones
     refused : answers that came too late, so far
+    trust : whether the adviser is believed
     corrected : owners whose assumed values have changed in this tick: winch, cable, a sensor
     has_moved_tip : the boom tip is taken to be elsewhere since this tick: what was seen of the sea is void
     """
@@ -46,6 +53,8 @@ class BeliefsInForce:
         self.beliefs = NONE
         self._pending: Beliefs | None = None
         self.refused = 0
+        self.trust = AdviserTrust(in_force.design.tick_period)
+        self._note_plain()
         self.corrected: set[str] = set()
         self.has_moved_tip = False
 
@@ -54,25 +63,53 @@ class BeliefsInForce:
         if beliefs.asked + self._latency < next_tick:
             self.refused += 1
             return False
-        self._pending = beliefs
+        if not self.trust.accepts(next_tick):
+            return True
+        fault = impossible(beliefs, self.nominal)
+        if fault:
+            self._drop(fault, next_tick)
+        else:
+            self._pending = beliefs
         return True
+
+    def _drop(self, fault: str, next_tick: int) -> None:
+        """Go on with all nominal from the `next_tick`: what the adviser says cannot be, for a `fault` in words."""
+        self.trust.contradict(fault, next_tick)
+        self._pending = None
+        if self.beliefs.number > 0 or self.beliefs.values:
+            encoder = None if self.beliefs.encoder is None else EncoderScale(next_tick)
+            plain = self._plain_design()
+            design = None if self._in_force.design is plain else plain
+            self._pending = Beliefs(next_tick - self._latency, DROPPED, encoder=encoder, design=design)
 
     def follow(self, tick: int) -> list[Alarm]:
         """Activate before a `tick` what is due; return what is new."""
         self.corrected, self.has_moved_tip = set(), False
-        pending = self._pending
+        pending, news = self._pending, self.trust.news()
         if pending is None or pending.asked + self._latency > tick:
-            return []
+            return news
         self._pending = None
         if pending.number != self.beliefs.number:
             self._take(pending, tick)
-        return alarms_of(pending.findings)
+        return [*news, *alarms_of(pending.findings)]
 
     def renew(self, nominal: WinchControllerParameters) -> None:
         """Go by other `nominal` parameters; beliefs about the sea are void."""
         self.nominal, self._pending = nominal, None
         self.restated = restated(self._first, nominal)
         self.beliefs = without_sea(self.beliefs)
+        self.trust.restart()
+        self._note_plain()
+
+    def _note_plain(self) -> None:
+        """Note the active design where it is the nominal one, for as long as it does not follow the length."""
+        is_plain = not (self.beliefs.values or is_scheduled(self.nominal))
+        self._plain = self._in_force.design if is_plain else None
+
+    def _plain_design(self) -> ControllerDesign:
+        """Return the nominal design, made now where no tick has had it yet."""
+        payout = self._estimation.motion.mean.point.payout
+        return self._plain or designed(self.nominal, payout, self._in_force.design.tick_period)[1]
 
     def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:
         """Return the parameters under the active beliefs, were others `nominal`; beliefs about the sea are void."""
@@ -118,3 +155,10 @@ class BeliefsInForce:
             self.has_moved_tip = True
             estimation.reset_sea()
         self.corrected = changed - {"sea"}
+
+
+def impossible(beliefs: Beliefs, nominal: WinchControllerParameters) -> str:
+    """Return what of `beliefs` cannot be with `nominal` parameters, in words; empty: all can."""
+    values = {name: belief.value for name, belief in beliefs.values.items()}
+    scale = 1.0 if beliefs.encoder is None else beliefs.encoder.scale
+    return out_of_range(values, nominal) or out_of_range({ENCODER_SCALE: scale}, nominal)

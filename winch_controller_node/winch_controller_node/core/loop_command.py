@@ -11,7 +11,7 @@ from heave_node.interface.preview import HeavePreview
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.core.estimation.loop_tick import CommandShares, LoopTick, free_swing
-from winch_controller_node.core.supervision.modes import Mode, ModeOutput
+from winch_controller_node.core.supervision.modes import SETTLING_LIMIT, Mode, ModeOutput
 from winch_controller_node.core.supervision.supervisor import Decision
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.readings import WinchOrder
@@ -20,6 +20,7 @@ from winch_controller_node.laws.law import ControlLaw, LawCommand
 from winch_controller_node.laws.outlet_hold import OutletHold
 from winch_controller_node.laws.parts.governor import NO_LIFT, TENSION, GovernedCommand, LiftShare
 from winch_controller_node.laws.parts.loop_state import AuthorityShift, LoopState, Reference
+from winch_controller_node.laws.parts.order_minute import OrderMinute
 from winch_controller_node.model.loop_rows import loop_rows
 
 IDLE = LawCommand(0.0)
@@ -81,6 +82,7 @@ class LoopCommand:
     def __init__(self, design: ControllerDesign, law: ControlLaw) -> None:
         self._sequence = 0
         self.last = NO_COMMAND
+        self._minute = OrderMinute(design.tick_period)
         self._tension = TensionSetPoint(design.parameters.tension, tick_period=design.tick_period)
         self._travel = Travel(tick_period=design.tick_period)
         self.take_design(design, law)
@@ -91,7 +93,9 @@ class LoopCommand:
         self._winch = parameters.winch
         self._static_tension = design.cable.static_tension
         self._rows = loop_rows(model)
-        self._stop_step = parameters.modes.stop_deceleration * design.tick_period
+        self._dt = design.tick_period
+        self._longest_fade = parameters.modes.fade_out_time + SETTLING_LIMIT
+        self._stop_step = parameters.modes.stop_deceleration * self._dt
         self._law = law
         self.governor = design.make_governor()
         # a first-order winch has no rate to command: its law fades out by itself
@@ -192,17 +196,21 @@ class LoopCommand:
             preview=preview,
             bounds_tension=decision.bounds_tension,
         )
-        asked = self._ask(tick, state, follows if mode.mode is Mode.MANUAL else standing, decision)
-        if decision.bounds_tension or mode.mode not in BY_LAW:
-            asked = self._give_way(asked, tick, mode)
         if mode.brake:
-            governed = GovernedCommand(standing, (), standing, lift.command)
+            asked, governed = IDLE, GovernedCommand(standing, (), standing, lift.command)
+        elif comes_to_rest(decision):
+            asked, governed, standing = self._slow_down(tick, lift)
         else:
+            asked = self._ask(tick, state, follows if mode.mode is Mode.MANUAL else standing, decision)
+            if decision.bounds_tension or mode.mode not in BY_LAW:
+                asked = self._give_way(asked, tick, mode)
             tension = tick.sensed.tension if math.isfinite(tick.sensed.tension) else state.static_tension
-            governed = self.governor.govern(asked.value + tick.mean_command, payout, rate, tension, lift)
+            within = self._within(decision, knows_tip=tick.knows_tip)
+            governed = self.governor.govern(asked.value + tick.mean_command, payout, rate, tension, lift, within)
         compensating = governed.value - tick.mean_command
         shares = CommandShares(compensating, governed.value - compensating)
         self.last = TickCommand(asked, governed, standing, shares, lift)
+        self._minute.note(self._speed_asked)
         return self.last
 
     def order(self, command: TickCommand, mode: ModeOutput, mean_payout: float) -> WinchOrder:
@@ -304,16 +312,12 @@ class LoopCommand:
             # the drum stays where it is about the mean payout, which the operator moves
             gain = 1.0 if self._is_first_order else self._winch.position_gain
             return LawCommand(standing - gain * state.reference.payout)
-        if mode is Mode.STOPPING:
-            return self._slow_down(state, standing)
         if mode is Mode.FADE_OUT:
-            return self._ask_fade_out(state, standing, decision)
+            return self._ask_fade_out(state, decision)
         return IDLE
 
-    def _ask_fade_out(self, state: LoopState, standing: float, decision: Decision) -> LawCommand:
+    def _ask_fade_out(self, state: LoopState, decision: Decision) -> LawCommand:
         """Ask for a fade-out that uses no more of the estimate than can be trusted."""
-        if not decision.trusts_estimate:
-            return self._slow_down(state, standing)
         if decision.is_damped and self._settling is not None:
             return self._settling.command(state)
         if self._fade_out is not None and not decision.fades_by_law:
@@ -321,12 +325,34 @@ class LoopCommand:
             return self._fade_out.command(state)
         return self._law.command(state)
 
-    def _slow_down(self, state: LoopState, standing: float) -> LawCommand:
-        """Return the command that brings the winch to rest at a bounded deceleration; `standing` keeps it there."""
-        if self._is_first_order:
-            return LawCommand(standing - state.reference.command)
-        slower = math.copysign(max(abs(self._speed_asked) - self._stop_step, 0.0), self._speed_asked)
-        return LawCommand(slower + standing - state.reference.command)
+    def _slow_down(self, tick: LoopTick, lift: LiftShare) -> tuple[LawCommand, GovernedCommand, float]:
+        """Return the last order, slower by a step: the winch comes to rest whatever is estimated.
+
+        Where the drum stands under a position loop is the way of the orders since the last one that was given by the
+        estimate. Returns what is asked, the command, and that under which the winch would stay where it is.
+        """
+        last = self.last
+        if self._is_first_order:  # it goes to its last set-point, and stays
+            return LawCommand(last.governed.value - tick.mean_command), last.governed, last.governed.value
+        speed, stood = self._speed_asked, last.standing + last.lift.command
+        slower = math.copysign(max(abs(speed) - self._stop_step, 0.0), speed)
+        stands = stood + self._winch.position_gain * slower * self._dt
+        sent = last.governed.sent + last.governed.lift_sent - stood
+        # what is sent falls with it: a servo that needs more than its speed gets less of that too
+        sent *= slower / speed if speed != 0.0 else 0.0
+        governed = GovernedCommand(slower + stands - lift.command, (), sent + stands - lift.command, lift.command)
+        return LawCommand(governed.value - tick.mean_command), governed, stands - lift.command
+
+    def _within(self, decision: Decision, *, knows_tip: bool) -> tuple[float, float] | None:
+        """Return the speeds of a fade-out [m/s]; None: of any other mode they are as the law wants.
+
+        While the unit is damped because the boom tip is not known it goes on for longer, and they stay what they are.
+        """
+        if decision.mode.mode is not Mode.FADE_OUT:
+            self._minute.restart()
+            return None
+        self._minute.fade(self._longest_fade, is_held=decision.is_damped and not knows_tip)
+        return self._minute.bounds(self.governor.limits.acceleration, self._winch.time_constant, self._stop_step)
 
     def _standing_share(self, lift: LiftShare) -> float:
         """Return what the crane's `lift` adds to the command under which the whole drum stays where it is."""
@@ -340,3 +366,9 @@ class LoopCommand:
         if self._is_first_order:
             return float(self._rows.payout @ total_state)
         return self._winch.position_gain * payout_ahead
+
+
+def comes_to_rest(decision: Decision) -> bool:
+    """Tell whether the winch comes to rest from its last order, whatever is estimated."""
+    mode = decision.mode.mode
+    return mode is Mode.STOPPING or (mode is Mode.FADE_OUT and not decision.trusts_estimate)

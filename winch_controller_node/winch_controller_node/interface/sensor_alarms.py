@@ -343,6 +343,23 @@ IDENTIFIED = (
         "The controller keeps its last values ({which})",
         "Install the winch_adviser of the controller's version",
     ),
+    AlarmRow(
+        "ADVISER_CONTRADICTED",
+        HIGH,
+        "adviser",
+        "what it identified is wrong: {fault}",
+        "The nominal values are active again. Its answers are not used for {time:.0f} s",
+        "Check winch_adviser and its version, then the sensor or part that it names",
+    ),
+    AlarmRow(
+        "ADVISER_EXCLUDED",
+        HIGH,
+        "adviser",
+        "what it identified is wrong {count} times: {fault}",
+        "The nominal values stay active: its answers are not used any more",
+        "Check winch_adviser and its version, and the parameters of the scenario; restate the sea or restart "
+        "winch_controller to use it again",
+    ),
     AlarmRow("ADVISER_RESTORED", EVENT, "adviser", "answers again"),
     AlarmRow(
         "ADVISER_ENDED",

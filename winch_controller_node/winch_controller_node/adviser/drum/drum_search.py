@@ -62,6 +62,9 @@ UNEXPLAINED = 4e-3
 ONSETS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 11.0, 15.0)
 """Times before the end of the record from which on the encoder may read otherwise [s]."""
 
+FACTORS = (0.5, 2.0)
+"""First values that are tried of a factor of the encoder [-]."""
+
 LIMITED = 0.1
 """Share of the ticks since then in which a limit may have acted: it has the drum do less than it was ordered."""
 
@@ -196,7 +199,7 @@ def _with_factor(prior: DrumPrior, best: DrumFit, onsets: Sequence[int]) -> Drum
     fits = []
     for onset in onsets:
         shifted = replace(record, onset=onset)
-        for factor in (-1.0, 0.5, 2.0):
+        for factor in FACTORS:
             start = best.theta.copy()
             start[FACTOR] = factor
             fits.append(fit_drum(shifted, prior, start, (*best.free, FACTOR)))

@@ -21,7 +21,7 @@ from winch_controller_node.model.blocks import winch_block
 from winch_controller_node.motion.trajectory import approach_speed
 from winch_controller_node.parameters.model import WinchModelParameters
 
-SPEED, ACCELERATION, PAYOUT, POWER, TENSION = "speed", "acceleration", "payout", "power", "tension"
+SPEED, ACCELERATION, PAYOUT, POWER, TENSION, FADE = "speed", "acceleration", "payout", "power", "tension", "fade_out"
 
 
 class GovernedCommand(NamedTuple):
@@ -121,7 +121,13 @@ class CommandGovernor:
         return payout, rate
 
     def govern(
-        self, wanted: float, payout: float, rate: float, tension: float, lift: LiftShare = NO_LIFT
+        self,
+        wanted: float,
+        payout: float,
+        rate: float,
+        tension: float,
+        lift: LiftShare = NO_LIFT,
+        within: tuple[float, float] | None = None,
     ) -> GovernedCommand:
         """Return the nearest command to `wanted` within the limits.
 
@@ -131,12 +137,15 @@ class CommandGovernor:
         payout, rate : of the winch when the command takes effect, with mean motion, without lift [m], [m/s]
         tension : expected at the top, for the power limit [N]
         lift : what the winch does for the crane's lift beside it: the limits hold for the sum
+        within : least and largest speed of a speed servo, whatever its predicted state [m/s]; None: any
         """
-        whole = self._governed(wanted + lift.command, payout + lift.payout, rate + lift.rate, tension)
+        whole = self._governed(wanted + lift.command, payout + lift.payout, rate + lift.rate, tension, within)
         lift_sent = lift.command if self._winch.law == "first_order" else lift.command / self.gain(whole.value)
         return GovernedCommand(whole.value - lift.command, whole.active, whole.sent - lift_sent, lift_sent)
 
-    def _governed(self, wanted: float, payout: float, rate: float, tension: float) -> GovernedCommand:
+    def _governed(
+        self, wanted: float, payout: float, rate: float, tension: float, within: tuple[float, float] | None
+    ) -> GovernedCommand:
         """Return the command of the whole drum."""
         if self._winch.law == "first_order":
             return self._govern_payout(wanted, payout, tension)
@@ -147,16 +156,22 @@ class CommandGovernor:
         # limits are those of the speed that the servo is asked for, less what its position loop takes off over the tick
         taken = self._winch.position_gain * (payout + 0.5 * rate * self._dt)
         value = wanted - taken
-        for lower, upper, name in (
+        bounds = [
             (*self._reach(speed, rate), SPEED if speed >= limits.speed else POWER),
             (*self._room(payout, rate), PAYOUT),
             (rate - step, rate + step, ACCELERATION),
-        ):
+        ]
+        if within is not None:
+            bounds.append((*within, FADE))
+        for lower, upper, name in bounds:
             if value < lower or value > upper:
                 active.append(name)
                 value = min(max(value, lower), upper)
         reach = self._winch.set_point_reach * limits.speed
         sent = min(max(self.servo.set_point(value, rate), -reach), reach)
+        if within is not None:
+            more = limits.acceleration * (self._winch.time_constant + self._dt)
+            sent = min(max(sent, within[0] - more), within[1] + more)
         return GovernedCommand(value + taken, tuple(active), self._demand(sent) + taken)
 
     def _demand(self, speed: float) -> float:

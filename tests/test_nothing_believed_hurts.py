@@ -1,0 +1,125 @@
+"""What was learnt or assumed wrongly moves no tonnes: the drum stays within the last minute's heave and 0.3 m."""
+
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+from heave_bringup.closed_loop import COLUMNS, ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
+from winch_controller_node.beliefs.beliefs import Belief, Beliefs, EncoderScale, parameters_under
+from winch_controller_node.design.design import design_controller
+
+TICK = 0.05
+ROOM = 0.3
+"""Travel beyond the largest heave of the boom tip in the minute before [m]."""
+
+STOPS = ("fade_out", "stopping", "stopped", "emergency_stop", "standby")
+
+
+class Run:
+    """A loop of a shipped scenario, up to a time at which it compensates; what happens after it is judged."""
+
+    def __init__(self, scenario, seed, begin, *settings):
+        scenario = load_scenario(scenario, settings=[f"all.seed={seed}", *settings])
+        self.loop = ClosedLoop(loop_parameters(scenario))
+        self.begin = begin
+        self.rows, self.modes, self.alarms, self.orders = [], [], [], []
+        self.go(begin)
+        assert self.modes[-1] == "compensating"
+
+    @property
+    def time(self):
+        return self.loop.tick * TICK
+
+    def go(self, until):
+        while self.time < until:
+            outputs, row = self.loop.step()
+            self.rows.append(row)
+            self.modes.append(outputs.mode)
+            self.orders.append(outputs.order.payout_rate)
+            self.alarms += [(self.time, alarm) for alarm in outputs.alarms]
+        return self
+
+    def column(self, name, after=0.0, before=np.inf):
+        rows = np.array(self.rows)
+        return rows[(rows[:, 0] >= after) & (rows[:, 0] < before)][:, COLUMNS.index(name)]
+
+    @property
+    def travel(self):
+        """Largest distance of the drum from where it was, over the heave of the boom tip in the minute before [m]."""
+        drum = self.column("payout", self.begin)
+        return np.max(np.abs(drum - np.mean(self.column("payout", self.begin - 60.0, self.begin))))
+
+    @property
+    def allowed(self):
+        heave = self.column("boom_tip", self.begin - 60.0)
+        return np.max(np.abs(heave - np.mean(heave))) + ROOM
+
+    def codes(self):
+        return [alarm.code for time, alarm in self.alarms if time > self.begin]
+
+    def inject(self, **held):
+        """Have the core take what an adviser says, in each second: quantity and value."""
+        controller, asked = self.loop.controller, self.loop.tick - 1
+        values = {name: Belief(name, value) for name, value in held["values"].items()}
+        beliefs = Beliefs(asked, held.get("number", 1000), MappingProxyType(values))
+        if "encoder.scale" in values:
+            gate = controller.observer.encoder
+            scale = EncoderScale(asked, values["encoder.scale"].value, gate.as_read, gate.as_read)
+            beliefs = replace(beliefs, encoder=scale)
+        under = parameters_under(beliefs, controller.nominal)
+        if under != controller.nominal:
+            cable = controller.design.cable
+            share = under.cable_model.inertia_factor / controller.nominal.cable_model.inertia_factor
+            design = design_controller(under, tick_period=TICK, cable=replace(cable, a=cable.a * share))
+            beliefs = replace(beliefs, design=design)
+        controller.take(beliefs)
+
+
+def frozen(begin):
+    faults = {"kind": "freeze", "start": begin, "duration": 0.0, "magnitude": 0.0}
+    return [f"virtual_winch.encoder.faults.{name}=[{value}]" for name, value in faults.items()]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("scenario", "seed"),
+    [
+        ("b2_calm_300", 3),
+        pytest.param("b3_deep_900", 2, marks=pytest.mark.long),
+        pytest.param("b3_deep_900", 3, marks=pytest.mark.long),
+    ],
+)
+def test_an_encoder_that_freezes_is_lost_and_not_identified(scenario, seed):
+    """It was found to read 3.7e-16 times the payout, and 50 m of wire went out at 2 m/s, while it came to rest."""
+    run = Run(scenario, seed, 120.0, *frozen(120.0)).go(160.0)
+    assert run.travel < run.allowed
+    assert {"ENCODER_FROZEN", "COMPENSATION_LOST"} <= set(run.codes())
+    assert "ENCODER_SCALE_ERROR" not in run.codes()
+    assert run.modes[-1] == "stopped"
+
+
+LIES = {
+    "encoder": {"encoder.scale": 0.05},
+    "inertia": {"cable.inertia_factor": 5.0},
+    "delay": {"winch.command_delay": 1.0},
+    "delay of the MRU": {"mru.delay": 1.0},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lie", LIES)
+def test_an_adviser_that_says_what_cannot_be_is_named_and_the_nominal_stays(lie):
+    """It was taken at once and never named: 32 m of wire, 11 times the motion without compensation."""
+    run = Run("b2_calm_300", 1, 60.0)
+    run.loop.adviser = None
+    for until in np.arange(61.0, 76.0):
+        run.inject(values=LIES[lie])
+        run.go(until)
+    assert run.travel < run.allowed
+    assert run.codes().count("ADVISER_CONTRADICTED") == 1
+    (alarm,) = [alarm for _, alarm in run.alarms if alarm.code == "ADVISER_CONTRADICTED"]
+    assert next(iter(LIES[lie])) in alarm.values["fault"]
+    assert not run.loop.controller.beliefs.values
+    assert run.modes[-1] == "compensating"
