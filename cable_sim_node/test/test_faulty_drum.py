@@ -61,7 +61,7 @@ def test_a_drum_that_creeps_pays_out_besides_what_it_is_ordered_and_a_slack_cabl
 
 def test_a_brake_that_slips_says_that_it_holds_and_one_that_is_open_says_so():
     for kind, engaged in (("brake_slip", True), ("brake_open", False)):
-        bench = Bench()
+        bench = Bench(supervision_time=0.0)
         bench.inject(kind, 0.02)
         bench.run(2.0, brake=True)
         assert bench.state.payout == pytest.approx(0.04)
@@ -69,7 +69,7 @@ def test_a_brake_that_slips_says_that_it_holds_and_one_that_is_open_says_so():
 
 
 def test_a_brake_that_does_not_open_keeps_the_drum_where_it_is():
-    bench = Bench()
+    bench = Bench(supervision_time=0.0)
     bench.inject("brake_shut", duration=2.0)
     bench.run(2.0, rate=0.5)
     assert (bench.state.payout, bench.state.brake) == (0.0, True)
@@ -190,6 +190,34 @@ def test_a_sound_drum_is_never_stopped_whatever_is_ordered(rates):
     for rate in rates:
         assert bench.run(2.0 * TICK, rate=rate) == 2.0 * TICK
     assert bench.state.fault is WinchFault.NONE
+
+
+def test_a_drive_is_supervised_unless_it_is_said_that_nothing_does_so():
+    """The table of hazards names reactions that need it."""
+    bench = Bench()
+    bench.run(1.0, brake=True)
+    bench.inject("brake_slip", 0.5)
+    rest(bench, 10.0)
+    assert bench.state.fault is WinchFault.DRIVE
+    assert bench.state.payout < SLIP + 2.0 * TICK * 0.5 + 1e-6
+
+
+@pytest.mark.parametrize("kind", ["freeze", "jump", "scale", "nan", "spike"])
+def test_an_encoder_that_fails_is_no_fault_of_drum_or_brake(kind):
+    bench = Bench()
+    bench.winch.encoder.faults.inject(kind, start=2.0, magnitude=0.4, duration=8.0)
+    assert bench.run(6.0, rate=0.2) == 6.0
+    bench.run(6.0, brake=True)
+    assert bench.state.fault is WinchFault.NONE
+
+
+def test_a_drum_at_the_end_of_its_range_or_below_its_dead_zone_is_no_fault():
+    at_end = Bench(payout_maximum=1.0)
+    at_end.run(10.0, rate=0.3)
+    assert (at_end.state.fault, at_end.state.payout) == (WinchFault.NONE, pytest.approx(1.0, abs=1e-3))
+    still = Bench(speed_deadband=0.2)
+    still.run(10.0, rate=0.15)
+    assert (still.state.fault, still.state.payout) == (WinchFault.NONE, 0.0)
 
 
 def test_an_encoder_counted_twice_reads_twice():

@@ -170,7 +170,7 @@ class VirtualWinch:
         self._line = CommandLine(parameters, self.faults, tick_period=tick_period, seed=seed)
         self._command = WinchCommand(0)
         self._command_since = 0.0
-        self._caught_at = 0.0
+        self._caught_at = self._reference = 0.0
         reading = self.encoder.read(0.0, 0.0)
         self.state = self._make_state(WinchLimit.NONE, math.nan, (reading, reading))
 
@@ -200,7 +200,7 @@ class VirtualWinch:
         limits = self._advance_to(float(tick + 1), tension)
         reading = self.encoder.read(self._now * self._tick_period, self._moved.payout)
         rate = (reading - self.state.encoder_payout) / (ticks * self._tick_period)
-        self._supervise(reading, rate)
+        self._supervise(limits, ticks * self._tick_period)
         self.state = self._make_state(limits, tension, (reading, rate))
         return self.state
 
@@ -219,10 +219,25 @@ class VirtualWinch:
         """What the drive's supervision tripped for last, in words; "": nothing yet."""
         return self._supervision.found + ("; the drive holds it" if self._mode is _Mode.CATCH else "")
 
-    def _supervise(self, reading: float, rate: float) -> None:
-        """Trip the drive where drum or brake do not do what they are ordered, and hold a drum that slips."""
+    def _supervise(self, limits: WinchLimit, duration: float) -> None:
+        """Trip the drive where drum or brake do not do what they are ordered, and hold a drum that slips.
+
+        It goes by the drive's own feedback: an encoder at the drum that fails is no fault of drum or brake. An order
+        counts from when the drive can have followed it within its acceleration limit.
+
+        Parameters
+        ----------
+        limits : that acted in the last step
+        duration : of that step [s]
+        """
         is_braked, brake = self._mode is not _Mode.FOLLOW, float(self._drum.is_brake_engaged)
-        drum = DrumReading(self._command.payout_rate, is_braked, reading, rate, brake)
+        if is_braked:
+            self._reference = self._moved.payout_rate
+        else:
+            asked = 0.0 if limits & WinchLimit.PAYOUT else self._asked_rate()
+            largest = self._parameters.acceleration_limit * self._parameters.hauling_acceleration_share * duration
+            self._reference += min(max(asked - self._reference, -largest), largest)
+        drum = DrumReading(self._reference, is_braked, self._moved.payout, self._moved.payout_rate, brake)
         if self._supervision.look(self._now * self._tick_period, drum) and self._mode is not _Mode.CATCH:
             self._trip(WinchFault.DRIVE)
             if (
@@ -231,6 +246,13 @@ class VirtualWinch:
                 and self._fault is not WinchFault.EMERGENCY_STOP
             ):
                 self._mode, self._caught_at = _Mode.CATCH, self._moved.payout
+
+    def _asked_rate(self) -> float:
+        """Return the speed that both set-points together ask of the drum [m/s], less the drive's dead zone."""
+        p, order = self._parameters, self._order()
+        gain, rate = (p.position_rate, 0.0) if p.law == "first_order" else (p.position_gain, order.payout_rate)
+        asked = rate + gain * (order.payout - self._moved.payout)
+        return math.copysign(min(max(abs(asked) - p.speed_deadband, 0.0), p.speed_limit), asked)
 
     def _handle_events(self) -> None:
         """Do what is due now: commands first, so that one at the very deadline is in time; then watchdog and faults."""

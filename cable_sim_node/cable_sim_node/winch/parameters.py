@@ -155,12 +155,12 @@ class WinchParameters(WinchFigures):
         description="Watchdog: simulated time without a fresh command after which the winch stops and brakes.",
     )
     supervision_time: float = parameter(
-        0.0,
+        1.0,
         unit="s",
         minimum=0.0,
         maximum=60.0,
-        description="Supervision of the drive: it trips where drum or brake do not follow their orders for so long, or "
-        "the drum has moved by 0.05 m with its brake engaged or since it stood; 0 means none.",
+        description="Supervision of the drive by its own feedback: it trips where drum or brake do not follow their "
+        "orders for so long, or the drum has moved by 0.05 m with its brake engaged or since it stood; 0 means none.",
     )
     electric: ElectricParameters = group(ElectricParameters)
     pump_controlled: PumpControlledParameters = group(PumpControlledParameters)

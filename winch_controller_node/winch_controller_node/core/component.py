@@ -29,13 +29,14 @@ from winch_controller_node.core.supervision.landing import LandingEvent
 from winch_controller_node.core.supervision.late_commands import LateCommands
 from winch_controller_node.core.supervision.mode_machine import ModeMachine
 from winch_controller_node.core.supervision.modes import BRAKED, Mode, ModeError, ModeOutput
+from winch_controller_node.core.supervision.proofs import Driven, Proofs, Proven
 from winch_controller_node.core.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.core.supervision.supervisor import Decision, Supervisor, WinchSituation
 from winch_controller_node.core.supervision.watch.encoder_reflex import Act, EncoderReflex
 from winch_controller_node.core.supervision.watch.load_watch import Episode, LoadWatch, rope_strength
 from winch_controller_node.core.supervision.watch.winch_watch import WinchWatch
 from winch_controller_node.crane.tip_carry import TipCarry
-from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.design.design import ControllerDesign, assumed_cable
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design.schedule import identifies_winch
 from winch_controller_node.interface.alarms import ALARMS
@@ -63,6 +64,9 @@ LEAST_MEAN_TIME = 10.0
 
 LOST_TIME = 1.0
 """An encoder that is lost for so long is lost indeed [s]; one with play is still for a moment when the drum turns."""
+
+MOVING = 0.01
+"""Speed from which on the mean payout is on its way [m/s]."""
 
 LIFTING_SURPLUS = 0.06
 """Tension above the static one that lifts a unit off, in weights of the unit: more than the load cell may err."""
@@ -104,6 +108,7 @@ class WinchController:
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
         self._beliefs = BeliefsInForce(self._in_force, self._estimation, self._winch)
         self._encoder = EncoderReflex(tick_period)
+        self.proofs = Proofs(parameters, design.cable, tick_period)
         self._has_lost_encoder = 0
         self._alarms: list[Alarm] = []
         self._requests: list[str] = []
@@ -167,13 +172,16 @@ class WinchController:
 
     # what an operator requests
 
-    def set_mode(self, name: str, tension: float = 0.0) -> str:
+    def set_mode(self, name: str, tension: float = 0.0, *, consent: bool = False) -> str:
         """Request a mode by name, with the tension to hold [N] in constant_tension (0: the present mean).
+
+        `consent`: compensation may begin although nothing has proved the MRU.
 
         Returns the mode taken in words. Raises ModeError, saying why, where it cannot be taken.
         """
         self._supervisor.timeouts.cancel()
         self.envelope.acknowledge()
+        self.proofs.ask(consent=consent)
         self.observer.trust()
         self._encoder.restart()
         if self.observer.excluded == "encoder":
@@ -392,7 +400,7 @@ class WinchController:
             tick, measurements, self._command.last.shares, unit_stands=not self._supervisor.landing.hangs
         )
         self._alarms += loop.sensed.faults
-        decision = self._decide(loop, measurements)
+        decision = self._decide(loop, measurements, self._prove(tick, raw, measurements))
         if decision.mode.before is not None or decision.landing is not None:
             self._change_mode(decision.mode, loop)
             self._act_on(decision.landing, loop)
@@ -406,6 +414,7 @@ class WinchController:
         self._watch_load(loop, measurements.winch, command)
         order = self._command.order(command, decision.mode, self._estimation.set_point)
         order = self._leave(order, move, raw, measurements)
+        self.proofs.note(order)
         command = self._command.last
         self._note_kpi(loop)
         reported = ControllerTick(
@@ -493,7 +502,17 @@ class WinchController:
             restated=self._beliefs.restated,
         )
 
-    def _decide(self, loop: LoopTick, measurements: Measurements) -> Decision:
+    def _prove(self, tick: int, raw: Measurements, at_tip: Measurements) -> Proven:
+        """Return what nominal values and readings that are `raw`, or carried to the boom tip, prove before a `tick`."""
+        now, modes = tick * self._dt, self.modes
+        driven = Driven(
+            modes.mode, modes.wants_compensation, self._supervisor.landing.hangs, abs(self.mean.point.rate) > MOVING
+        )
+        proven = self.proofs.step(now, raw, at_tip, self.crane.left(now), driven)
+        self._alarms += proven.alarms
+        return proven
+
+    def _decide(self, loop: LoopTick, measurements: Measurements, proven: Proven) -> Decision:
         """Have winch and loop supervised."""
         transport = self._winch.watch(measurements.winch, loop.sensed.payout, loop.sensed.tension, self.parameters)
         decision = self._supervisor.decide(
@@ -511,6 +530,7 @@ class WinchController:
                 else 1.0,
                 inhibition=transport.inhibition or self._encoder.inhibition,
                 is_reversed=self._encoder.is_unresolved,
+                proven=proven,
             ),
         )
         self._alarms += [transport.alarm] if transport.alarm else []
@@ -625,6 +645,7 @@ class WinchController:
         """Go on with a design that was `prepared` from other `nominal` parameters; called between two ticks."""
         matrix, added = self._in_force.take(prepared)
         self._beliefs.renew(nominal)
+        self.proofs.take_nominal(nominal, assumed_cable(nominal, nominal.length))
         self._estimation.carry(self.design, matrix, added)
         self._estimation.reset_readings()
         self._estimation.reset_sea()

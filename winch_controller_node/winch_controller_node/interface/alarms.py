@@ -168,6 +168,77 @@ COMMANDS = (
     ),
 )
 
+BRAKE = (
+    AlarmRow(
+        "BRAKE_DOES_NOT_HOLD",
+        CRITICAL,
+        "winch",
+        "the drum has moved by {moved:+.2f} m under its brake, by the {witness}",
+        "{follows}. Compensation does not begin",
+        "Keep everybody clear of load and wire. Do not press the emergency stop while the drive holds; have a second "
+        "brake applied",
+    ),
+    AlarmRow(
+        "DRUM_HELD_BY_DRIVE",
+        HIGH,
+        "winch",
+        "the drum stands again, {moved:+.2f} m from where its brake was to hold it",
+        "The drive holds the load, not the brake: it falls with the drive's power",
+        "Do not press the emergency stop. Set the load down under mode manual, or have a second brake applied",
+    ),
+    AlarmRow(
+        "DRUM_NOT_HELD",
+        CRITICAL,
+        "winch",
+        "the drum runs at {rate:+.2f} m/s under its brake, {moved:+.2f} m so far",
+        "Neither brake nor drive holds the load: it goes on",
+        "Keep everybody clear of load and wire; have a second brake applied. A drive that has power holds the drum "
+        "under mode manual: clear its fault and request that",
+    ),
+)
+
+PROOFS = (
+    AlarmRow(
+        "MRU_REVERSED",
+        HIGH,
+        "mru",
+        "the {witness} moves {scale:.2f} times as the MRU makes the load move (correlation {correlation:.2f}, "
+        "{certainty:.0f} standard errors): one of them is reversed",
+        "Compensation does not begin: it would double the motion",
+        "Check the sign of heave in the MRU's map and its mounting, then sign and scale of the {witness}; it is proved "
+        "again all the time",
+    ),
+    AlarmRow(
+        "MRU_SCALE_UNPROVED",
+        HIGH,
+        "mru",
+        "the {witness} moves {scale:.2f} times as the MRU makes the load move (correlation {correlation:.2f}, "
+        "{certainty:.0f} standard errors), proved is 0.6 to 1.4",
+        "Compensation does not begin",
+        "Check scale and unit of heave in the MRU's map and those of the {witness}, then system.unit.mass, "
+        "system.cable.axial_stiffness and system.length. To begin all the same: "
+        "`heave operate mode compensating --unproved`",
+    ),
+    AlarmRow(
+        "MRU_UNPROVED",
+        HIGH,
+        "mru",
+        "nothing has proved the MRU in {time:.0f} s: {why}",
+        "Compensation does not begin",
+        "Fit a load cell or a depth sensor, or wait for a higher sea. To begin all the same, with somebody at the "
+        "stop: `heave operate mode compensating --unproved`, or entry.accept_unproved in the scenario",
+    ),
+    AlarmRow(
+        "COUNT_SPEED_DISAGREE",
+        HIGH,
+        "winch",
+        "the count is off by {error:+.2f} m from the speed that the drive states, over a way of {way:.2f} m in "
+        "{time:g} s",
+        "One of them is false; compensation goes by the count",
+        "Check registers, units and scales of position and speed in the winch's map (`state: position`, `speed`)",
+    ),
+)
+
 TRIED_AGAIN = "Compensation fades out; it is tried again automatically, first after guard.hold_time"
 CHECK_MODEL = (
     "If the next attempt fails too, request standby; check mass of the unit, length of the cable, lag of the winch, "
@@ -200,6 +271,24 @@ HARM = (
         TRIED_AGAIN,
         "If the next attempt fails too, request standby, and check the drive (pressure, speed control, brake) and its "
         "parameters",
+    ),
+    AlarmRow(
+        "LOAD_CELL_HARM",
+        HIGH,
+        "loop",
+        "the load cell moves by {spread:.1f} kN, and under a locked drum it would by {locked:.1f} kN: {ratio:.1f} times, "
+        "limit {limit:g}",
+        "Compensation fades out, and begins again only once the MRU has been proved",
+        "Check signs and scales of MRU, drive and encoder, then system.unit.mass and system.cable.axial_stiffness",
+    ),
+    AlarmRow(
+        "DRUM_CONTRADICTED",
+        HIGH,
+        "winch",
+        "the count goes {scale:.2f} times the way that was ordered (correlation {correlation:.2f}), 0.4 to 2 is proved",
+        TRIED_AGAIN,
+        "Check sign, unit and scale of the orders and of the count in the winch's map (`command: set`, `state: "
+        "position`), then winch.speed_gain",
     ),
     AlarmRow(
         "WORSE_THAN_OFF",
@@ -471,7 +560,9 @@ ENVELOPE = (
     ),
 )
 
-ALARMS: AlarmTable = alarm_table(*SENSORS, *READINGS, *IDENTIFIED, *LOAD, *COMMANDS, *HARM, *CRANE, *ENVELOPE, *MODES)
+ALARMS: AlarmTable = alarm_table(
+    *(*SENSORS, *READINGS, *IDENTIFIED, *LOAD, *COMMANDS, *BRAKE, *PROOFS, *HARM, *CRANE, *ENVELOPE, *MODES)
+)
 """All of them, by code."""
 
 HARMFUL = frozenset(row.code for row in HARM)

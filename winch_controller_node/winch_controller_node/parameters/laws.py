@@ -246,6 +246,12 @@ class EntryParameters:
         description="No constant tension while the peaks of the boom tip use more than this fraction of the limits; "
         "compensation begins all the same, and reports with what authority.",
     )
+    accept_unproved: bool = parameter(
+        False,
+        unit="",
+        description="Begin compensation although neither load cell nor depth sensor has proved the MRU: an operator's "
+        "consent, stated beforehand. One that is proved to be reversed is refused all the same.",
+    )
 
 
 @dataclass(frozen=True)

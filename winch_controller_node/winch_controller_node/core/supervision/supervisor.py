@@ -19,6 +19,7 @@ from winch_controller_node.core.supervision.guard_hold import KNOWN_HOLD
 from winch_controller_node.core.supervision.landing import LEAST_RATE, HangingLoad, HangingUnit, Landing, LandingEvent
 from winch_controller_node.core.supervision.mode_machine import ModeMachine
 from winch_controller_node.core.supervision.modes import BRAKED, Mode, ModeOutput, Situation
+from winch_controller_node.core.supervision.proofs import Proven
 from winch_controller_node.core.supervision.watch.highest_tension import HighestTension
 from winch_controller_node.core.supervision.watch.load_watch import Episode
 from winch_controller_node.core.supervision.watch.share_news import ShareNews
@@ -67,6 +68,7 @@ class WinchSituation(NamedTuple):
     is_reversed : drum or encoder are reversed: the winch is brought to rest until an operator releases it
     mean_acceleration : with which the winch goes there [m/s^2]
     envelope : why the envelope has taken over, in words; empty: it has not
+    proven : what follows from the proofs
     """
 
     fault: int
@@ -79,6 +81,7 @@ class WinchSituation(NamedTuple):
     is_reversed: bool = False
     mean_acceleration: float = 0.0
     envelope: str = ""
+    proven: Proven = Proven()
 
 
 class Decision(NamedTuple):
@@ -172,6 +175,8 @@ class Supervisor:
         self.landing.observe(time, tick.sensed, float(tick.rows.payout @ tick.mean_state), hanging)
         if winch.inhibition:
             self.guard.inhibit(winch.inhibition, KNOWN_HOLD)
+        if winch.proven.harm:
+            self.guard.inhibit(winch.proven.harm)
         modes = self.modes
         alarms = self._standing.update(
             tick, winch.mean_payout, self._load, brake=modes.brake, is_wanted=modes.wants_compensation
@@ -184,6 +189,7 @@ class Supervisor:
         authority_limit = min(
             _known_share(tick),
             winch.share,
+            winch.proven.authority_limit,
             self.guard.authority_limit(keeps_limits=self._keeps_limits),
         )
         is_damped_blind = self._watch_blind_damping(tick, winch.settled_swing)
@@ -235,7 +241,7 @@ class Supervisor:
             resumes_after_fault=self.timeouts.is_pending,
             speed=winch.speed,
             envelope=winch.envelope,
-            closed_gates=self._closed_gates(tick, winch.mean_payout),
+            closed_gates=self._closed_gates(tick, winch.mean_payout) or winch.proven.gate,
             tension_refusal=self._why_no_tension(tick, winch.mean_payout),
         )
 
