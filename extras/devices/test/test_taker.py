@@ -38,6 +38,17 @@ def test_a_size_that_cannot_be_is_never_used(size):
     assert taker.counters.implausible or taker.counters.missing
 
 
+@pytest.mark.parametrize("size", [31.0, -1e300, math.inf, math.nan])
+def test_a_number_of_a_register_that_cannot_be_is_never_used(size):
+    """A PLC's float32 may hold NaN, which is neither below nor above a limit."""
+    taker = Taker(
+        device_map_of("m", {"source": {"modbus": "1"}, "payout_rate": "input:0:float32", "payout": "input:2"})
+    )
+    taken = taker.of_sample(Sample("MODBUS", {"input:0:float32": size, "input:2": 7.0}), 0.0)
+    assert (taken.values, taken.invalid) == ({"payout": 7.0}, {"payout_rate"})
+    assert taker.counters.invalid == 1
+
+
 def test_a_field_that_is_not_there_is_told():
     taker = Taker(device_map_of("m", SBG))
     assert not taker.of_message("/e", SimpleNamespace(angles=1), 0.0).values
