@@ -174,6 +174,17 @@ def test_a_winch_that_is_silent_is_not_released_before_it_speaks_again(clock):
     assert not controller.fault
 
 
+def test_registers_of_a_drum_that_stand_still_while_it_moves_hold_it_and_are_no_good_health(clock):
+    """Position and speed as at one moment at sea, the counter going on."""
+    controller, place = moved_drum(clock)
+    while not controller.fault:
+        controller.node.callbacks["/joint_states"](joints(place, 0.2, second=clock.now))
+        controller.command(rate=0.1)
+        assert clock.now < 102.0
+    assert "payout and payout_rate contradict each other: +0." in health_of(controller.device, {}).message
+    assert controller.fault == WinchFault.DRIVE
+
+
 class StandingExchange:
     """A PLC that takes no order."""
 

@@ -28,6 +28,7 @@ SUBJECTS: dict[str, Subject] = {
         ("cable_sim_node/test/test_command_line.py", "cable_sim_node/test/test_virtual_winch.py"),
     ),
     "faulty drum": Subject("cable_sim_node.winch.faulty_drum", ("cable_sim_node/test/test_faulty_drum.py",)),
+    "travel": Subject("heave_node.winch.travel", ("node_base/test/test_travel.py",)),
     "motion supervision": Subject(
         "heave_node.winch.motion_supervision", ("node_base/test/test_motion_supervision.py",)
     ),

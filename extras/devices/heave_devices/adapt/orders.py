@@ -108,6 +108,8 @@ class Orders:
         if count.jumps > self._jumps:
             self._jumps = count.jumps
             self.handshake.latch.trip(WinchFault.DRIVE, count.words)
+        words = self._adapter.speed_travel.words
+        self.handshake.latch.hold(WinchFault.DRIVE, words, is_present=bool(words))
         if "payout" not in newest or watch.is_stale(now) or not self.sent:
             return
         order, brake = self.handshake.order(now), newest.get("brake", math.nan)

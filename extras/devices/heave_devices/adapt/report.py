@@ -76,12 +76,14 @@ def health_of(device: LiveDevice, before: Mapping[str, float]) -> Health:
     more = {name: figures.get(name, 0) - before.get(name, 0) for name in _WRONG}
     words = [f"{_plain(name)} +{count:g}" for name, count in more.items() if count > 0]
     name = device.device.name
-    if device.problem:
-        return Health(name, Level.ERROR, f"{device.device.link or 'link'}: {device.problem}", values)
-    if taker.missing and figures["missing_fields"] > before.get("missing_fields", 0):
-        return Health(name, Level.ERROR, "; ".join(taker.missing), values)
-    if figures["implausible"] > before.get("implausible", 0):
-        return Health(name, Level.ERROR, f"not used: {taker.worst}", values)
+    errors = {
+        f"{device.device.link or 'link'}: {device.problem}": bool(device.problem),
+        device.adapter.speed_travel.words: bool(device.adapter.speed_travel.words),
+        "; ".join(taker.missing): figures["missing_fields"] > before.get("missing_fields", 0),
+        f"not used: {taker.worst}": figures["implausible"] > before.get("implausible", 0),
+    }
+    if error := next((text for text, is_present in errors.items() if is_present), ""):
+        return Health(name, Level.ERROR, error, values)
     if device.adapter.watch.is_stale(now):
         return Health(name, Level.STALE, stale_words(device, now), values)
     if words:

@@ -20,6 +20,7 @@ from heave_devices.live.link_watch import LinkWatch
 from heave_devices.live.mru_maker import MruMaker
 from heave_devices.live.taker import Recent, Taken, Taker
 from heave_devices.maps.device_map import DeviceMap
+from heave_node.winch.travel import SpeedTravel
 
 _COUNT_BEGAN = 10**18
 """Stamp of a time of 0 s by a count or counter [ns]: far from any simulated time, and taken for an own one."""
@@ -63,6 +64,7 @@ class Adapter:
     newest : quantities as they came last
     published : readings so far, by topic
     drum_count : whether the count of a drum goes on
+    speed_travel : whether a drum's position and speed belong together
     is_counting : False while the device's watchdog has stopped: nothing that it says is used then
     """
 
@@ -79,6 +81,7 @@ class Adapter:
         self._clock = DeviceClock()
         self._restarts = 0
         self.drum_count = DrumCount()
+        self.speed_travel = SpeedTravel()
         self._counted: dict[str, CountedTime] = {}
         self._payout = RecentMotion()
         self._beside = Recent(("payout_rate", "tension", "brake", "fault"))
@@ -190,6 +193,10 @@ class Adapter:
         rate = measured_rate if is_measured else self._recent_rate(taken.time)
         payout = self._counted_on(taken.values["payout"], rate, taken.time)
         self._payout.add(taken.time, payout)
+        if is_measured and math.isfinite(rate):
+            self.speed_travel.look(taken.time, payout, rate)
+        else:
+            self.speed_travel.restart()
         rate = rate if is_measured else self._recent_rate(taken.time)
         return WinchReading(stamp, payout, rate, *beside)
 
