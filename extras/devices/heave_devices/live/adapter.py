@@ -24,6 +24,10 @@ from heave_node.winch.travel import SpeedTravel
 
 _COUNT_BEGAN = 10**18
 """Stamp of a time of 0 s by a count or counter [ns]: far from any simulated time, and taken for an own one."""
+_OWN_FROM = 1e8
+"""A counter that begins above it counts from 1970 or the like, and is far from any simulated time as it is [s]."""
+LATE = -1
+"""In the place of a time: the sample is older than one before, and is not used."""
 NO_STAMP = 0
 """Stamp of a reading whose time of arrival counts."""
 WINCH_STATE = "winch/state"
@@ -66,6 +70,7 @@ class Adapter:
     drum_count : whether the count of a drum goes on
     speed_travel : whether a drum's position and speed belong together
     is_counting : False while the device's watchdog has stopped: nothing that it says is used then
+    clocks : of the device, by the kind of its samples
     """
 
     def __init__(self, device: DeviceMap) -> None:
@@ -78,8 +83,9 @@ class Adapter:
         self._mru = MruMaker(device)
         self._crane = CraneMaker(device.timeout)
         self._time = DeviceTime(device.counter_wrap) if "device_time" in device.channels else DeviceTime()
+        self.clocks: dict[str, DeviceClock] = {}
         self._clock = DeviceClock()
-        self._restarts = 0
+        self._began: int | None = None
         self.drum_count = DrumCount()
         self.speed_travel = SpeedTravel()
         self._counted: dict[str, CountedTime] = {}
@@ -92,7 +98,10 @@ class Adapter:
         """Return the readings, each with its topic, that `samples` which arrived at `now` [s] make."""
         made = []
         for sample in samples:
-            stamp, time = self._stamp(self._own_time(sample, now), now, sample.kind)
+            own = self._own_time(sample, now)
+            if own == LATE:
+                continue
+            stamp, time = self._stamp(own, now, sample.kind)
             made += self._made(self.taker.of_sample(sample, time), stamp, now)
         return made
 
@@ -112,13 +121,23 @@ class Adapter:
         return self._made(self.taker.of_message(topic, message, time), used, now)
 
     def _own_time(self, sample: Sample, now: float) -> int | None:
-        """Return the time of a sample that arrived at `now` [s] by the device's own clock [ns]; None: it has none."""
+        """Return the time of a sample that arrived at `now` [s] by the device's own clock [ns].
+
+        None: it has none. LATE: it is older than one before.
+        """
         if "device_time" in self.device.channels:
             sample = replace(sample, time=self.taker.own_time(sample), time_base=TimeBase.COUNTER)
         own = self._time.nanoseconds(sample)
-        if own is None or sample.time_base is not TimeBase.COUNTER:
-            return own
-        return _COUNT_BEGAN + round(self._clock.time(own * 1e-9, now) * 1e9)
+        if own is None:
+            return None
+        self._clock = self.clocks.setdefault(sample.kind, DeviceClock())
+        time = self._clock.time(own * 1e-9, now)
+        if time is None:
+            return LATE
+        if self._began is None:
+            is_count = sample.time_base is TimeBase.COUNTER and time < _OWN_FROM
+            self._began = _COUNT_BEGAN if is_count else 0
+        return self._began + round(time * 1e9)
 
     def _stamp(self, own: int | None, now: float, kind: str = "") -> tuple[int, float]:
         """Return the stamp [ns] and the time [s] of what has an `own` time [ns], or none, and arrived at `now` [s].
@@ -207,8 +226,7 @@ class Adapter:
 
     def _counted_on(self, payout: float, rate: float, time: float) -> float:
         """Return a `payout` of a `time` [s], counted on where the drum's count was lost; its `rate` as measured."""
-        has_restarted, self._restarts = self._clock.restarts > self._restarts, self._clock.restarts
-        jump = self.drum_count.jump(time, payout, rate, has_restarted=has_restarted)
+        jump = self.drum_count.jump(time, payout, rate, has_restarted=self._clock.has_stepped)
         if jump:
             zeros = self.taker.zeros
             zeros["payout"] = zeros.get("payout", 0.0) + jump

@@ -54,8 +54,9 @@ class Channel:
         `valid`
     valid_values : `valid` must be one of these numbers or words instead
     invalid_bits : `valid` is a status instead, and a sample with one of these bits set is not valid
+    invalid_values : numbers, as sent, that stand for "not available", besides those of `fill_values`
     sigma : accuracy that is stated with a live sample, one standard deviation, SI; NaN: none
-    zero_at_start : the first live value counts as 0
+    zero_at_start : the first usable live value counts as 0
     """
 
     topic: str = ""
@@ -74,6 +75,7 @@ class Channel:
     valid: str = ""
     valid_values: tuple[float | str, ...] = ()
     invalid_bits: int = 0
+    invalid_values: tuple[float, ...] = ()
     sigma: float = math.nan
     zero_at_start: bool = False
 
@@ -95,6 +97,8 @@ class Channel:
             return status in self.valid_values
         if isinstance(status, str):
             return status.lower() in ("true", "valid", "ok", "good", "yes", "a", "y", "t")
+        if not math.isfinite(status):
+            return False
         return not int(status) & self.invalid_bits if self.invalid_bits else status != 0.0
 
 
@@ -119,6 +123,10 @@ def read_channel(quantity: str, entry: Any, positive: str = "") -> Channel:
         given = values["valid_values"]
         listed = given if isinstance(given, list) else [given]
         values["valid_values"] = tuple(float(v) if isinstance(v, int | float) else str(v) for v in listed)
+    if "invalid_values" in values:
+        given = values["invalid_values"]
+        listed = given if isinstance(given, list) else [given]
+        values["invalid_values"] = tuple(as_kind(float, f"{quantity}: invalid_values", value) for value in listed)
     for known in fields(Channel):
         kind = {"str": str, "float": float, "bool": bool, "int": int}.get(str(known.type))
         if known.name in values and kind is not None:

@@ -13,6 +13,19 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from heave_devices.formats.datagram import DATAGRAM, DatagramDecoder, Layout
+from heave_devices.formats.nmea import NmeaDecoder
+from heave_devices.formats.nmea_sentences import UNSIGNED
+from heave_devices.formats.number_kinds import split_bit, wrap_of
+from heave_devices.formats.pattern import PatternDecoder
+from heave_devices.formats.registers import BIT_TABLES, WRITABLE, register_of
+from heave_devices.formats.sample import Decoder
+from heave_devices.formats.table import FORMATS, LINE
+from heave_devices.maps.channel import Channel, MapError, as_kind, placed, read_channel, refuse_unknown
+from heave_devices.maps.command_map import CommandMap, read_command, read_layout
+from heave_devices.maps.field_path import FieldPath
+from heave_devices.maps.link import Link, read_link
+from heave_devices.maps.quantities import NED_WAYS, QUANTITIES, outputs_of
 from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.files.given_files import read_given
 
@@ -105,12 +118,15 @@ class DeviceMap:
     def counter_wrap(self) -> float:
         """Time after which the counter of `device_time` begins again [s]; infinity: never."""
         channel = self.channels["device_time"]
-        name, kind = self.bit_of(channel.field)[0], ""
-        if self.link is not None and self.link.kind == "modbus":
-            kind = register_of(channel.field).kind
-        elif self.layout is not None:
-            kind = self.layout.fields[name]
+        kind = self.kind_of(channel.field)
         return wrap_of(kind) * channel.factor("device_time") if kind else math.inf
+
+    def kind_of(self, field_name: str) -> str:
+        """Return the kind of number that the field `field_name` holds; "": not known."""
+        if self.link is not None and self.link.kind == "modbus":
+            register = register_of(field_name)
+            return "" if register.table in BIT_TABLES else register.kind
+        return "" if self.layout is None else self.layout.fields[self.bit_of(field_name)[0]]
 
     @property
     def has_names(self) -> bool:
