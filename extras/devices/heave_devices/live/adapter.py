@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from heave_node.interface import sensors, topics
@@ -125,8 +124,7 @@ class Adapter:
 
         None: it has none. LATE: it is older than one before.
         """
-        if "device_time" in self.device.channels:
-            sample = replace(sample, time=self.taker.own_time(sample), time_base=TimeBase.COUNTER)
+        sample = self.device.own_time(sample)
         own = self._time.nanoseconds(sample)
         if own is None:
             return None

@@ -151,15 +151,6 @@ class Taker:
         self.counters.invalid += bool(taken.invalid)
         return taken
 
-    def own_time(self, sample: Sample) -> float | None:
-        """Return the time by the counter that the map names [s]; None where it, or the `sample`, has no usable one."""
-        channel = self._channels.get("device_time")
-        raw = None if channel is None else sample.values.get(channel.field)
-        if channel is None or raw is None:
-            return None
-        time = self._factors["device_time"] * raw + channel.offset
-        return time if abs(time) <= QUANTITIES["device_time"].largest else None
-
     def of_message(self, topic: str, message: Any, time: float) -> Taken:
         """Return what the map wants of a `message` that came on a `topic`, measured at a `time` [s]."""
         taken = Taken(time)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ from heave_devices.maps.command_map import CommandMap, read_command, read_layout
 from heave_devices.maps.field_path import FieldPath
 from heave_devices.maps.link import Link, read_link
 from heave_devices.maps.quantities import NED_WAYS, QUANTITIES, outputs_of
+from heave_devices.formats.sample import Decoder, Sample, TimeBase
 from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.files.given_files import read_given
 
@@ -137,6 +138,16 @@ class DeviceMap:
     def is_polled(self) -> bool:
         """Whether it is asked for its values, as a PLC is."""
         return self.link is not None and self.link.is_polled
+
+    def own_time(self, sample: Sample) -> Sample:
+        """Return a `sample` with the time of the clock or counter that the map names, if it names one."""
+        channel = self.channels.get("device_time")
+        if channel is None:
+            return sample
+        raw = sample.values.get(channel.field, math.nan)
+        time = channel.factor("device_time") * raw + channel.offset
+        is_usable = abs(time) <= QUANTITIES["device_time"].largest
+        return replace(sample, time=time if is_usable else None, time_base=TimeBase.COUNTER)
 
     def bit_of(self, field_name: str) -> tuple[str, int | None]:
         """Return what the field `field_name` is called where it is read, and the bit of it; None: the whole number."""

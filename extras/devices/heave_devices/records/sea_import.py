@@ -229,7 +229,7 @@ def _log_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[
 def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findings: Findings) -> Signal:
     """Return the usable samples of a channel, in metres or radians, in order of time."""
     channel = mapping.channels[name]
-    good = np.isfinite(signal.value) & np.isfinite(signal.time)
+    good = np.isfinite(signal.value) & np.isfinite(signal.time) & ~np.isin(signal.value, channel.invalid_values)
     numbers = without_marks(name, Signal(signal.time[good], signal.value[good]), findings)
     time, value = numbers.time, channel.factor(name) * numbers.value + channel.offset
     later = np.ones(time.size, dtype=bool)
