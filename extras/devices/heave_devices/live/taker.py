@@ -17,8 +17,9 @@ from heave_devices.maps.field_path import FieldPath
 from heave_devices.maps.quantities import QUANTITIES
 from heave_node.files.fill_values import is_fill
 from heave_node.interface.codes import MruStatus
+from heave_node.numerics.arrays import Array
 from heave_node.numerics.high_pass import HighPass
-from heave_node.numerics.kinematics import euler_part
+from heave_node.numerics.kinematics import euler_part, turned
 
 <<<<<<<
 from heave_devices.formats.sample import Sample
@@ -128,8 +129,8 @@ class Taker:
             text: FieldPath(text)
             for channel in self._channels.values()
             if channel.topic
-            for text in (channel.field, channel.valid)
-            if text
+            for text in (channel.field, channel.valid, channel.turned_by, channel.field[:-2])
+            if text and (text != channel.field[:-2] or channel.turned_by)
         }
 
     def of_sample(self, sample: Sample, time: float) -> Taken:
@@ -170,13 +171,29 @@ class Taker:
 
     def _number(self, channel: Channel, message: Any) -> float:
         path = self._paths[channel.field]
-        if not channel.part:
+        if channel.part:
+            return float(euler_part(channel.part, *self._quaternion(channel.field, message)))
+        if channel.turned_by in ("", "none"):
             return path.number_of(message)
-        turn = path.of(message)
+        holder = self._paths[channel.field[:-2]].of(message)
+        vector = [np.array(getattr(holder, axis, math.nan), dtype=float) for axis in "xyz"]
+        number = float(turned(vector, *self._quaternion(channel.turned_by, message))["xyz".index(channel.field[-1])])
+        if not math.isfinite(number):
+            raise LookupError(f"{channel.field} is {number:g}")
+        return number
+
+    def _quaternion(self, text: str, message: Any) -> Array:
+        """Return the quaternion x, y, z, w of length 1 that a `message` holds at the path `text`."""
+        turn = self._paths[text].of(message)
         try:
-            return euler_angle(channel.part, *(float(getattr(turn, axis)) for axis in "xyzw"))
+            numbers = np.array([float(getattr(turn, axis)) for axis in "xyzw"])
         except (AttributeError, TypeError, ValueError):
-            raise LookupError(f"{channel.field} is no quaternion") from None
+            raise LookupError(f"{text} is no quaternion") from None
+        size = float(np.linalg.norm(numbers))
+        if not 0.5 < size < 2.0:
+            raise LookupError(f"{text} is a quaternion of length {size:g}")
+        unit: Array = numbers / size
+        return unit
 
     def _is_valid_sample(self, sample: Sample, channel: Channel, prefix: str) -> bool:
         if not channel.valid:
@@ -239,11 +256,3 @@ class Taker:
 
 def _status(value: Any) -> float | str:
     return value if isinstance(value, str) else float(value)
-
-
-def euler_angle(part: str, x: float, y: float, z: float, w: float) -> float:
-    """Return `part`, roll, pitch or yaw [rad] (about x, y, z, in the order z-y-x), of the quaternion x, y, z, w."""
-    size = math.sqrt(x * x + y * y + z * z + w * w)
-    if not size > 0.5:
-        raise ValueError("a quaternion of no length")
-    return float(euler_part(part, *(np.array([x, y, z, w]) / size)))

@@ -262,7 +262,8 @@ def _check(device: DeviceMap) -> None:
                     f"{quantity} needs either a topic or a column, or the map a format: {', '.join(_FORMATS)}"
                 )
             with placed(quantity):
-                _ = [FieldPath(path) for path in (channel.field, channel.valid) if path and channel.topic]
+                paths = (channel.field, channel.valid, channel.turned_by)
+                _ = [FieldPath(path) for path in paths if path and channel.topic]
 
 
 def _check_live(device: DeviceMap) -> None:
