@@ -9,20 +9,16 @@ from types import SimpleNamespace
 
 import pytest
 from builtin_interfaces.msg import Time
+from heave_bringup.errors import CommandError
 from heave_devices.adapt import device as device_module
 from heave_devices.adapt import orders as orders_module
 from heave_devices.adapt.device import LiveDevice
 from heave_devices.adapt.plc import polled as polled_module
 from heave_devices.adapt.report import figures_of, health_of
 from heave_devices.adapt.shipped import find_map
-from heave_bringup.errors import CommandError
-from heave_devices.adapt.device import LiveDevice
-from heave_devices.adapt.report import figures_of, health_of
-from heave_devices.adapt.shipped import find_map
-from heave_devices.maps.device_map import device_map_of
-from heave_msgs.msg import MruSample, WinchCommand
 from heave_devices.formats.sample import Sample
 from heave_devices.maps.device_map import device_map_of
+from heave_msgs.msg import MruSample, WinchCommand
 from heave_node.interface.codes import WinchFault
 from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Level

@@ -11,11 +11,9 @@ import numpy as np
 import pytest
 from heave_devices.adapt.shipped import find_map, shipped_maps, title_of
 from heave_devices.live.adapter import Adapter
+from heave_devices.maps.device_map import device_map_of
 from heave_devices.records.sea_import import import_sea
 from heave_devices.records.sea_mapping import read_mapping
-from heave_bags.play.sea_import import import_sea
-from heave_bags.play.sea_mapping import read_mapping
-from heave_devices.maps.device_map import device_map_of
 from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.interface.codes import MruStatus
 from heave_node.interface.sensors import mru_reading

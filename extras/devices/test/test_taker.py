@@ -4,12 +4,11 @@ import math
 from types import SimpleNamespace
 
 import pytest
-from heave_devices.formats.sample import Sample
-from heave_devices.live.taker import Taker, euler_angle
-from heave_devices.maps.device_map import device_map_of
 from heave_devices.formats.number_kinds import with_words_swapped
+from heave_devices.formats.sample import Sample
 from heave_devices.live.taker import Taker
 from heave_devices.maps.channel import MapError
+from heave_devices.maps.device_map import device_map_of
 from heave_node.numerics.kinematics import euler_part
 from hypothesis import given
 from hypothesis import strategies as st

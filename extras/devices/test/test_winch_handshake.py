@@ -2,8 +2,8 @@
 
 import math
 
-from heave_devices.live.winch_handshake import WinchHandshake, WinchOrder
 import pytest
+from heave_devices.live.winch_handshake import WinchHandshake, WinchOrder
 from heave_node.interface.codes import WinchFault, WinchRelease
 
 

@@ -34,7 +34,7 @@ SUBJECTS: dict[str, Subject] = {
     ),
     "fault latch": Subject("heave_node.winch.fault_latch", ("node_base/test/test_fault_latch.py",)),
     "taker": Subject("heave_devices.live.taker", ("extras/devices/test/test_taker.py",)),
-    "orders": Subject("heave_devices.adapt.orders", ("extras/devices/test/test_adapt_device.py", "tests/test_plc_winch.py")),
+    "orders": Subject("heave_devices.adapt.orders", ("extras/devices/test/test_adapt_device.py",)),
     "handshake": Subject("heave_devices.live.winch_handshake", ("extras/devices/test/test_winch_handshake.py",)),
     "link watch": Subject("heave_devices.live.link_watch", ("extras/devices/test/test_link_watch.py",)),
     "guard": _controller("supervision.guard", "test_guard", "test_guard_checks"),

@@ -8,10 +8,6 @@ from collections.abc import Callable
 from typing import Any
 
 from heave_node.crane.messages import pose_message
-from heave_devices.formats.sample import Counters, Decoder, Sample
-from heave_devices.live.adapter import Adapter, WinchReading
-from heave_devices.live.winch_handshake import WinchOrder
-from heave_devices.maps.device_map import DeviceMap
 from heave_node.interface import topics
 from heave_node.interface.messages import SensorMessages, message_type
 from heave_node.interface.sensors import SENSORS
@@ -28,7 +24,7 @@ from heave_devices.adapt.orders import Orders, follow_commands
 from heave_devices.adapt.plc.polled import PolledLink
 from heave_devices.adapt.plc.protocols import exchange_of
 from heave_devices.formats.sample import Counters, Decoder, Sample
-from heave_devices.live.adapter import WINCH_STATE, Adapter, WinchReading
+from heave_devices.live.adapter import Adapter, WinchReading
 from heave_devices.live.winch_handshake import WinchOrder
 from heave_devices.maps.device_map import DeviceMap
 

@@ -11,9 +11,8 @@ from heave_node.ros.diagnostics import Health, Level
 from rich.table import Table
 
 from heave_devices.adapt.device import LiveDevice
-from heave_devices.adapt.plc.polled import PolledLink
 from heave_devices.adapt.links import LinkReader
-from heave_bringup.output import make_table
+from heave_devices.adapt.plc.polled import PolledLink
 
 
 def figures_of(device: LiveDevice) -> dict[str, float]:

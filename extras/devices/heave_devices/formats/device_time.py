@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from heave_devices.formats.sample import DAY, Sample, TimeBase
 
 COUNTER_WRAP = 2.0**32 * 1e-3

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from heave_node.interface import sensors, topics
 from heave_node.interface.sensors import WireReading
 from heave_node.sensing.recent_motion import RecentMotion
+from heave_node.winch.travel import SpeedTravel
 
 from heave_devices.formats.device_time import DeviceTime
 from heave_devices.formats.sample import Sample, TimeBase
@@ -19,7 +20,6 @@ from heave_devices.live.link_watch import LinkWatch
 from heave_devices.live.mru_maker import MruMaker
 from heave_devices.live.taker import Recent, Taken, Taker
 from heave_devices.maps.device_map import DeviceMap
-from heave_node.winch.travel import SpeedTravel
 
 _COUNT_BEGAN = 10**18
 """Stamp of a time of 0 s by a count or counter [ns]: far from any simulated time, and taken for an own one."""

@@ -8,30 +8,21 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from heave_node.interface.codes import MruStatus
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.high_pass import HighPass
+from heave_node.numerics.kinematics import euler_part, turned
 
+from heave_devices.formats.fill_values import is_fill
 from heave_devices.formats.number_kinds import size_of, with_words_swapped
 from heave_devices.formats.sample import Sample
 from heave_devices.maps.channel import Channel
 from heave_devices.maps.device_map import DeviceMap
 from heave_devices.maps.field_path import FieldPath
 from heave_devices.maps.quantities import QUANTITIES
-from heave_node.files.fill_values import is_fill
-from heave_node.interface.codes import MruStatus
-from heave_node.numerics.arrays import Array
-from heave_node.numerics.high_pass import HighPass
-from heave_node.numerics.kinematics import euler_part, turned
 
-<<<<<<<
-from heave_devices.formats.sample import Sample
-from heave_devices.maps.channel import Channel
-from heave_devices.maps.device_map import DeviceMap
-from heave_devices.maps.field_path import FieldPath
-from heave_devices.maps.quantities import QUANTITIES
-
-=======
 _LEAST_FLOAT = 1e-25
 """A float below is no measurement, but the words of one in the wrong order."""
->>>>>>>
 DEFAULT_PERIOD = 300.0
 """Period of the high-pass of a height or velocity, where a map says none [s]: a swell of 12 s leads by 3 degrees."""
 

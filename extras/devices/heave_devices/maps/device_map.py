@@ -13,20 +13,6 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
-from heave_devices.formats.datagram import DATAGRAM, DatagramDecoder, Layout
-from heave_devices.formats.nmea import NmeaDecoder
-from heave_devices.formats.nmea_sentences import UNSIGNED
-from heave_devices.formats.number_kinds import split_bit, wrap_of
-from heave_devices.formats.pattern import PatternDecoder
-from heave_devices.formats.registers import BIT_TABLES, WRITABLE, register_of
-from heave_devices.formats.sample import Decoder
-from heave_devices.formats.table import FORMATS, LINE
-from heave_devices.maps.channel import Channel, MapError, as_kind, placed, read_channel, refuse_unknown
-from heave_devices.maps.command_map import CommandMap, read_command, read_layout
-from heave_devices.maps.field_path import FieldPath
-from heave_devices.maps.link import Link, read_link
-from heave_devices.maps.quantities import NED_WAYS, QUANTITIES, outputs_of
-from heave_devices.formats.sample import Decoder, Sample, TimeBase
 from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.files.given_files import read_given
 
@@ -35,8 +21,8 @@ from heave_devices.formats.nmea import NmeaDecoder
 from heave_devices.formats.nmea_sentences import UNSIGNED
 from heave_devices.formats.number_kinds import split_bit, wrap_of
 from heave_devices.formats.pattern import PatternDecoder
-from heave_devices.formats.registers import WRITABLE, register_of
-from heave_devices.formats.sample import Decoder
+from heave_devices.formats.registers import BIT_TABLES, WRITABLE, register_of
+from heave_devices.formats.sample import Decoder, Sample, TimeBase
 from heave_devices.formats.table import FORMATS, LINE
 from heave_devices.maps.channel import Channel, MapError, as_kind, placed, read_channel, refuse_unknown
 from heave_devices.maps.command_map import CommandMap, read_command, read_layout

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from heave_bags.signals import Signal
-from heave_node.files.fill_values import is_fill
 from heave_node.files.plausible import PLAUSIBLE, question
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
+from heave_devices.formats.fill_values import is_fill
 from heave_devices.records.ship_time import time_words
 from heave_devices.records.stretches import LONGEST_BRIDGE
 

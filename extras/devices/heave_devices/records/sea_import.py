@@ -17,14 +17,13 @@ from heave_bags.analyse.time_base import LONGEST_GAP
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import TIME, Bag
 from heave_bags.signals import Signal, integrated
-from heave_devices.maps.channel import Channel, with_standard_turn
 from heave_node.files.plausible import PLAUSIBLE, question, refusal, sea_question
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import euler_part, turned
 from heave_node.numerics.spectral_estimate import RecordTooShortError, height_and_period
 from scipy.interpolate import CubicSpline
 
-from heave_devices.maps.channel import Channel
+from heave_devices.maps.channel import Channel, with_standard_turn
 from heave_devices.records.device_log import device_signals
 from heave_devices.records.sample_checks import Findings, is_valid, without_fill, without_marks, without_standstill
 from heave_devices.records.sea_mapping import MOTIONS, SeaMapping, mapping_for_topic

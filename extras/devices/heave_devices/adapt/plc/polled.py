@@ -8,10 +8,9 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Protocol
 
+from heave_devices.adapt.links import failure_words
 from heave_devices.formats.sample import Sample
 from heave_devices.maps.link import Link
-
-from heave_bringup.adapt.links import failure_words
 
 REOPEN_PERIOD = 1.0
 """Wall time between two attempts to open a link [s]."""
