@@ -50,6 +50,7 @@ import numpy as np
 from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.interface.faults import FaultSchedule, FaultyValues
 from heave_node.sensing.quantisation import quantised
+from heave_node.winch.fault_latch import FaultLatch
 from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
 
 from cable_sim_node.winch.choice import make_drive
@@ -148,6 +149,7 @@ class VirtualWinch:
     Attributes
     ----------
     faults, encoder.faults : fault schedules; faults may be injected during the run
+    latch : of faults
     refused_commands : commands that were neither fresh nor the newest one again, so far
     """
 
@@ -165,8 +167,7 @@ class VirtualWinch:
         self._moved = DriveState(0.0, 0.0, 0.0, 0.0, 0.0, WinchLimit.NONE, True)
         self._tension = 0.0
         self._mode = _Mode.HOLD
-        self._fault = WinchFault.NONE
-        self._is_acknowledged = False
+        self.latch = FaultLatch()
         self._line = CommandLine(parameters, self.faults, tick_period=tick_period, seed=seed)
         self._command = WinchCommand(0)
         self._command_since = 0.0
@@ -238,12 +239,13 @@ class VirtualWinch:
             largest = self._parameters.acceleration_limit * self._parameters.hauling_acceleration_share * duration
             self._reference += min(max(asked - self._reference, -largest), largest)
         drum = DrumReading(self._reference, is_braked, self._moved.payout, self._moved.payout_rate, brake)
-        if self._supervision.look(self._now * self._tick_period, drum) and self._mode is not _Mode.CATCH:
-            self._trip(WinchFault.DRIVE)
+        found = self._supervision.look(self._now * self._tick_period, drum)
+        if found and self._mode is not _Mode.CATCH:
+            self._trip(WinchFault.DRIVE, found)
             if (
                 self._mode is _Mode.HOLD
                 and self._supervision.is_slipping
-                and self._fault is not WinchFault.EMERGENCY_STOP
+                and self.latch.fault is not WinchFault.EMERGENCY_STOP
             ):
                 self._mode, self._caught_at = _Mode.CATCH, self._moved.payout
 
@@ -281,7 +283,7 @@ class VirtualWinch:
 
     def _take(self, command: WinchCommand) -> None:
         """Let a command take effect."""
-        is_resync = self._fault is not WinchFault.NONE and command.brake and command.sequence != self._command.sequence
+        is_resync = bool(self.latch.fault) and command.brake and command.sequence != self._command.sequence
         if command.sequence <= self._command.sequence and not is_resync:
             self.refused_commands += 1
             return
@@ -291,21 +293,17 @@ class VirtualWinch:
             return
         self._command = command
         self._command_since = self._now
-        if self._fault is not WinchFault.NONE:
-            if command.brake:
-                self._is_acknowledged = True
-            elif self._is_acknowledged and self._mode in _AT_REST:
-                self._fault = WinchFault.NONE
         if command.brake:
+            self.latch.acknowledge()
             self._stop(_Mode.FOLLOW)
-        elif self._fault is WinchFault.NONE:
+            return
+        self.latch.release(is_at_rest=self._mode in _AT_REST)
+        if not self.latch.fault:
             self._mode = _Mode.FOLLOW
 
-    def _trip(self, fault: WinchFault) -> None:
-        """Latch a fault and stop. The first fault stays the named one; the emergency stop goes before all."""
-        if self._fault is WinchFault.NONE or fault is WinchFault.EMERGENCY_STOP:
-            self._fault = fault
-        self._is_acknowledged = False
+    def _trip(self, fault: WinchFault, words: str = "") -> None:
+        """Latch a `fault`, found as `words` say, and stop."""
+        self.latch.trip(fault, words)
         self._stop(_Mode.FOLLOW, _Mode.CATCH)
 
     def _stop(self, *moved_by_drive: _Mode) -> None:
@@ -355,14 +353,6 @@ class VirtualWinch:
             power=-tension * self._cable_per_drum * self._moved.payout_rate,
             limits_hit=limits,
             brake=self._drum.is_brake_engaged,
-            fault=self._fault,
-            release=self._release(),
+            fault=self.latch.fault,
+            release=self.latch.waits_for(is_at_rest=self._mode in _AT_REST),
         )
-
-    def _release(self) -> WinchRelease:
-        """Return what a latched fault waits for."""
-        if self._fault is WinchFault.NONE:
-            return WinchRelease.NONE
-        if not self._is_acknowledged:
-            return WinchRelease.BRAKE_REQUEST
-        return WinchRelease.COMMAND if self._mode in _AT_REST else WinchRelease.STANDSTILL

@@ -5,15 +5,21 @@ import os
 import pty
 import time
 import tty
+from types import SimpleNamespace
 
 import pytest
 from builtin_interfaces.msg import Time
 from heave_bringup.errors import CommandError
+from heave_devices.adapt import device as device_module
+from heave_devices.adapt import orders as orders_module
 from heave_devices.adapt.device import LiveDevice
+from heave_devices.adapt.plc import polled as polled_module
 from heave_devices.adapt.report import figures_of, health_of
 from heave_devices.adapt.shipped import find_map
+from heave_devices.formats.sample import Sample
 from heave_devices.maps.device_map import device_map_of
 from heave_msgs.msg import MruSample, WinchCommand
+from heave_node.interface.codes import WinchFault
 from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Level
 from rclpy.serialization import deserialize_message
@@ -25,7 +31,8 @@ from tests.adapt_fakes import Node
 
 def joints(position, velocity=0.0, second=1):
     message = JointState(name=["slew", "drum"], position=[0.0, position], velocity=[0.0, velocity])
-    message.header.stamp.sec = second
+    message.header.stamp.sec = int(second)
+    message.header.stamp.nanosec = round(second % 1.0 * 1e9)
     return message
 
 
@@ -61,18 +68,171 @@ def test_a_position_controller_is_told_where_in_its_own_count_and_stays_there_to
     assert list(sent[-1].data) == [pytest.approx(690.8)], "it stays where it is"
 
 
-def test_another_run_begins_with_its_brake_on_and_counts_from_one():
+@pytest.fixture
+def clock(monkeypatch):
+    """Return the wall clock of a device, which the test sets [s]."""
+    wall = SimpleNamespace(now=100.0, monotonic=lambda: wall.now, time_ns=lambda: round(wall.now * 1e9))
+    for module in (device_module, orders_module):
+        monkeypatch.setattr(module, "time", wall)
+    return wall
+
+
+class Controller:
+    """Twenty commands a second to a device behind topics, or in the place of its link, by a `clock` of the test."""
+
+    def __init__(self, device, node, clock):
+        self.device, self.node, self.clock, self.number = device, node, clock, 0
+
+    def command(self, rate=0.0, brake=False, seconds=0.05):
+        for _ in range(round(20 * seconds)):
+            self.number += 1
+            self.node.callbacks["winch/command"](WinchCommand(sequence=self.number, payout_rate=rate, brake=brake))
+            self.wait(0.05)
+
+    def wait(self, seconds):
+        for _ in range(round(20 * seconds)):
+            self.clock.now += 0.05
+            self.device.guard()
+
+    @property
+    def fault(self):
+        return self.device.orders.handshake.fault
+
+
+def moved_drum(clock):
+    """Return a controller and the place of a drum [rad] that turns at 0.2 rad/s, as commanded."""
     node = Node()
-    LiveDevice(find_map("ros2_control_velocity"), node)
-    sent = node.sent["/velocity_controller/commands"]
-    node.callbacks["/joint_states"](joints(0.0))
-    node.callbacks["clock"](Clock(clock=Time(sec=90)))
-    node.callbacks["winch/command"](WinchCommand(sequence=1800, payout_rate=0.3))
-    node.callbacks["clock"](Clock(clock=Time(nanosec=50_000_000)))
-    node.callbacks["/joint_states"](joints(0.0))
+    controller = Controller(LiveDevice(find_map("ros2_control_velocity"), node), node, clock)
+    place = 690.0
+    for _ in range(10):
+        place += 0.01
+        node.callbacks["/joint_states"](joints(place, 0.2, second=clock.now))
+        controller.command(rate=0.1)
+    assert not controller.fault
+    return controller, place
+
+
+def test_a_controller_that_restarts_counts_from_one_and_releases_the_winch_by_the_contract(clock):
+    controller, place = moved_drum(clock)
+    node = controller.node
+    controller.number = 1800
+    controller.command(rate=0.1)
+    controller.wait(0.6)
+    controller.number = 0
+    node.callbacks["/joint_states"](joints(place, 0.0, second=clock.now))
     assert node.sent["winch/state"][-1].brake
-    node.callbacks["winch/command"](WinchCommand(sequence=1, payout_rate=0.1))
-    assert list(sent[-1].data) == [pytest.approx(0.2)]
+    controller.command(brake=True)
+    controller.command(rate=0.1)
+    assert list(node.sent["/velocity_controller/commands"][-1].data) == [pytest.approx(0.2)]
+
+
+def test_a_message_on_the_clock_releases_no_fault_that_is_latched(clock):
+    """The clock moves the simulated boom tip alone; what a stranger sends on it is not a new run."""
+    topic = {"topic": "/joint_states", "type": "sensor_msgs/msg/JointState"}
+    drum = {"payout": {**topic, "field": "position[name=drum]"}, "heave": {**topic, "field": "position[name=slew]"}}
+    command = {"topic": "/c", "type": "std_msgs/msg/Float64", "set": {"data": "payout_rate"}}
+    node = Node()
+    controller = Controller(LiveDevice(device_map_of("m", {**drum, "command": command}), node), node, clock)
+    node.callbacks["/joint_states"](joints(1.0, second=clock.now))
+    controller.command(rate=0.1, seconds=0.3)
+    controller.device.orders.handshake.latch.trip(WinchFault.DRIVE, "the drive reports a trip")
+    for second in (90, 0, 91):
+        node.callbacks["clock"](Clock(clock=Time(sec=second)))
+        controller.number += 1
+        node.callbacks["winch/command"](WinchCommand(sequence=controller.number, payout_rate=0.1))
+        assert node.sent["/c"][-1].data == 0.0
+    assert controller.fault == WinchFault.DRIVE
+    assert controller.device.problem == "stopped: the drive reports a trip"
+
+
+def test_a_plc_that_was_away_and_counts_from_nought_is_a_fault_of_the_drive_and_stays_it(clock):
+    """The timeout of its silence, which a controller releases by itself, does not hide the count that was lost."""
+    controller, _ = moved_drum(clock)
+    controller.command(rate=0.1, seconds=3.0)
+    assert controller.fault == WinchFault.COMMAND_TIMEOUT
+    controller.node.callbacks["/joint_states"](joints(0.0, second=clock.now))
+    controller.command(rate=0.1)
+    assert controller.fault == WinchFault.DRIVE
+    controller.command(brake=True)
+    assert "the drum's count jumped by -34" in controller.device.problem, "its words stay until it is released"
+    assert controller.node.sent["winch/state"][-1].encoder_payout == pytest.approx(9 * 0.005)
+
+
+def test_a_winch_that_is_silent_is_not_released_before_it_speaks_again(clock):
+    controller, place = moved_drum(clock)
+    controller.command(rate=0.1, seconds=2.0)
+    controller.command(brake=True, seconds=0.2)
+    controller.command(rate=0.1, seconds=0.2)
+    assert controller.fault == WinchFault.COMMAND_TIMEOUT
+    controller.node.callbacks["/joint_states"](joints(place, 0.0, second=clock.now))
+    controller.command(brake=True)
+    controller.command(rate=0.1)
+    assert not controller.fault
+
+
+def test_registers_of_a_drum_that_stand_still_while_it_moves_hold_it_and_are_no_good_health(clock):
+    """Position and speed as at one moment at sea, the counter going on."""
+    controller, place = moved_drum(clock)
+    while not controller.fault:
+        controller.node.callbacks["/joint_states"](joints(place, 0.2, second=clock.now))
+        controller.command(rate=0.1)
+        assert clock.now < 102.0
+    assert "payout and payout_rate contradict each other: +0." in health_of(controller.device, {}).message
+    assert controller.fault == WinchFault.DRIVE
+
+
+class StandingExchange:
+    """A PLC that takes no order."""
+
+    def open(self):
+        """See Exchange."""
+
+    def close(self):
+        """See Exchange."""
+
+
+@pytest.mark.parametrize("timeout", [0.3, 0.5])
+def test_orders_that_do_not_reach_the_plc_hold_the_winch(clock, monkeypatch, timeout):
+    """What it says still comes, so that the age of a reading shows nothing; its thread hangs in an order."""
+    monkeypatch.setattr(device_module, "exchange_of", lambda _: StandingExchange())
+    monkeypatch.setattr(polled_module, "time", clock)
+    node = Node()
+    content = {
+        "source": {"modbus": "127.0.0.1:502"},
+        "payout": "input:0",
+        "command": {"timeout": timeout, "set": {"holding:0:int16": "payout_rate"}},
+    }
+    device = LiveDevice(device_map_of("m", content), node)
+    controller = Controller(device, node, clock)
+    began = clock.now
+    while not controller.fault:
+        device._on_sample(Sample("MODBUS", {"input:0": 5.0}))
+        controller.command(rate=0.04)
+        assert clock.now - began < 2.0
+    assert controller.fault == WinchFault.COMMAND_TIMEOUT
+    assert clock.now - began == pytest.approx(timeout + 0.05, abs=0.051)
+    device._on_sample(Sample("MODBUS", {"input:0": 5.0}))
+    controller.command(brake=True)
+    controller.command(rate=0.04)
+    assert controller.fault, "an order that is still on its way releases nothing"
+
+
+def test_an_order_that_fits_no_datagram_holds_the_winch(clock):
+    node = Node()
+    content = {
+        "payout": {"topic": "/joint_states", "type": "sensor_msgs/msg/JointState", "field": "position[name=drum]"},
+        "command": {
+            "to": {"udp": "127.0.0.1:9"},
+            "layout": {"speed": "int16"},
+            "set": {"speed": {"quantity": "payout_rate", "scale": 1e6}},
+        },
+    }
+    controller = Controller(LiveDevice(device_map_of("m", content), node), node, clock)
+    for _ in range(20):
+        node.callbacks["/joint_states"](joints(1.0, second=clock.now))
+        controller.command(rate=0.04)
+    assert controller.fault == WinchFault.COMMAND_TIMEOUT
+    assert "speed: 40000 does not fit int16" in controller.device.problem
 
 
 def test_a_serial_line_of_sentences_becomes_mru(tmp_path):

@@ -5,6 +5,7 @@ import pty
 import socket
 import time
 import tty
+from contextlib import ExitStack
 
 import pytest
 import serial
@@ -69,6 +70,61 @@ def test_a_datagram_is_whole_and_is_answered_where_it_came_from(reader_of):
         assert heard.is_whole == [True]
         reader.send(b"back")
         assert device.recv(100) == b"back"
+
+
+def test_what_cannot_be_processed_ends_no_thread_and_is_named_once():
+    failing = {"left": 2}
+
+    def process(data, _):
+        heard(data, True)
+        if failing["left"]:
+            failing["left"] -= 1
+            raise OverflowError("cannot convert float infinity to integer")
+
+    heard = Heard()
+    port = free_port(socket.SOCK_DGRAM)
+    reader = LinkReader(Link("udp", "127.0.0.1", port), process)
+    reader.start()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as device:
+        deadline = time.monotonic() + 20.0
+        while b"four" not in heard.data:
+            assert time.monotonic() < deadline
+            if failing["left"] == 0:
+                device.sendto(b"four", ("127.0.0.1", port))
+            else:
+                device.sendto(b"two.", ("127.0.0.1", port))
+            time.sleep(0.05)
+    reader.close()
+    assert reader.failures == 2
+    assert reader.failed.startswith("OverflowError: cannot convert float infinity to integer.")
+
+
+def test_a_map_may_name_the_one_sender_that_is_heard(reader_of):
+    """127.0.0.2 is another host as far as its address says."""
+    port = free_port(socket.SOCK_DGRAM)
+    reader, heard = reader_of(Link("udp", "127.0.0.1", port, sender="127.0.0.2"))
+    with ExitStack() as stack:
+        stranger, device = (stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) for _ in range(2))
+        device.bind(("127.0.0.2", 0))
+        stranger.sendto(b"stranger", ("127.0.0.1", port))
+        device.sendto(b"device", ("127.0.0.1", port))
+        heard.wait_for(b"device")
+    assert heard.data == b"device"
+    assert reader.strangers == 1
+
+
+def test_a_second_sender_is_counted_where_the_map_names_none(reader_of):
+    port = free_port(socket.SOCK_DGRAM)
+    reader, heard = reader_of(Link("udp", "127.0.0.1", port))
+    with ExitStack() as stack:
+        first, second = (stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) for _ in range(2))
+        second.bind(("127.0.0.2", 0))
+        first.sendto(b"one", ("127.0.0.1", port))
+        heard.wait_for(b"one")
+        assert reader.strangers == 0
+        second.sendto(b"two", ("127.0.0.1", port))
+        heard.wait_for(b"two")
+    assert reader.strangers == 1
 
 
 def free_port(kind):

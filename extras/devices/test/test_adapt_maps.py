@@ -11,12 +11,15 @@ import numpy as np
 import pytest
 from heave_devices.adapt.shipped import find_map, shipped_maps, title_of
 from heave_devices.live.adapter import Adapter
+from heave_devices.maps.device_map import device_map_of
 from heave_devices.records.sea_import import import_sea
 from heave_devices.records.sea_mapping import read_mapping
+from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.interface.codes import MruStatus
 from heave_node.interface.sensors import mru_reading
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from scipy.spatial.transform import Rotation
 
 NUMBERS = ["float32", "float64", "uint8", "uint16", "uint32", "bool", "string"]
 DEFINITIONS = {
@@ -112,16 +115,23 @@ def of_xsens(t):
     yield "/filter/velocity", made("geometry_msgs/msg/Vector3Stamped", t, vector__z=rate(t))
 
 
+def underway(t, height):
+    """Return an odometry whose twist is in the body's axes, as nav_msgs has it: the ship makes 2 m/s, trimmed by 1
+    degree, on a course of 40 degrees."""
+    turn = Rotation.from_euler("ZYX", [0.7, math.radians(1.0), 0.1])
+    body = turn.inv().apply([2.0 * math.cos(0.7), 2.0 * math.sin(0.7), rate(t)])
+    values = {f"twist__twist__linear__{axis}": value for axis, value in zip("xyz", body, strict=True)}
+    values |= {f"pose__pose__orientation__{axis}": value for axis, value in zip("xyzw", turn.as_quat(), strict=True)}
+    return made("nav_msgs/msg/Odometry", t, pose__pose__position__z=height + heave(t), **values)
+
+
 def of_microstrain(t):
     yield "/ekf/imu/data", made("sensor_msgs/msg/Imu", t, **TURN)
-    values = {"pose__pose__position__z": -3.0 + heave(t), "twist__twist__linear__z": rate(t)}
-    yield "/ekf/odometry_map", made("nav_msgs/msg/Odometry", t, **values)
+    yield "/ekf/odometry_map", underway(t, -3.0)
 
 
 def of_odometry(t):
-    turn = {f"pose__pose__{name}": value for name, value in TURN.items()}
-    values = {"pose__pose__position__z": 5.0 + heave(t), "twist__twist__linear__z": rate(t), **turn}
-    yield "/odometry", made("nav_msgs/msg/Odometry", t, **values)
+    yield "/odometry", underway(t, 5.0)
 
 
 def of_imu_and_twist(t):
@@ -179,6 +189,39 @@ def test_nothing_that_is_called_invalid_reaches_height_and_period_of_a_bag(tmp_p
     # positive up: at the first whole period the heave is that of the truth, not its mirror image
     truth = np.array([heave(sea.start + t) for t in sea.time])
     assert np.corrcoef(sea.position[:, 2], truth - truth.mean())[0, 1] > 0.999
+
+
+@pytest.mark.parametrize("frame", ["NED", "ENU"])
+def test_ship_motion_of_sbg_is_positive_down_in_either_frame_of_its_driver(frame):
+    """sbg_driver 3.3.2, message_wrapper.cpp: use_enu turns the attitude, not the ship motion."""
+    text = shipped_maps()["sbg_ship_motion"].read_text(encoding="utf-8")
+    adapter = Adapter(device_map_of("m", parse_yaml(text.replace("frame: NED", f"frame: {frame}"))))
+    sign = -1.0 if frame == "NED" else 1.0
+    angles = made("sbg_driver/msg/SbgEkfEuler", 1.0, angle__x=0.1, angle__y=sign * 0.02, status__attitude_valid=True)
+    adapter.on_message("/sbg/ekf_euler", angles, 10**9, 0.0)
+    values = {"ship_motion__z": -0.3, "velocity__z": -0.2, "acceleration__z": -0.1, "status__heave_valid": True}
+    message = made("sbg_driver/msg/SbgShipMotion", 1.0, **values)
+    ((_, reading),) = adapter.on_message("/sbg/ship_motion", message, 10**9, 0.0)
+    mru = mru_reading(reading)
+    assert (mru.heave, mru.heave_rate, mru.heave_acceleration) == pytest.approx((0.3, 0.2, 0.1))
+    assert (mru.roll, mru.pitch) == pytest.approx((0.1, 0.02))
+
+
+def test_a_vertical_velocity_of_an_odometry_in_a_bag_is_turned_into_the_world(tmp_path):
+    """Heave from the twist of a ship under way, its map without a type, as of a record."""
+    path = tmp_path / "bag"
+    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        kind = "nav_msgs/msg/Odometry"
+        connection = writer.add_connection("/odometry", kind, typestore=STORE)
+        for n in range(6000):
+            t = 1000.0 + 0.05 * n
+            writer.write(connection, round(t * 1e9), STORE.serialize_cdr(underway(t, 5.0), kind))
+    mapping = tmp_path / "map.yaml"
+    mapping.write_text("heave: {topic: /odometry, field: twist.twist.linear.z, velocity: true}\n")
+    sea = import_sea(path, read_mapping(mapping))
+    truth = np.array([heave(sea.start + t) for t in sea.time])
+    inside = slice(800, -800)
+    assert np.abs(sea.position[inside, 2] - (truth - truth.mean())[inside]).max() < 0.05 * AMPLITUDE
 
 
 @pytest.mark.parametrize(("name", "scale"), [("ros2_control_velocity", 0.5), ("ros2_control_position", 0.5)])

@@ -156,9 +156,9 @@ PLC = {
 """A drum at 10 readings per second, and a counter of cycles of 10 ms in 16 bits."""
 
 
-def read_plc(adapter, now, payout, cycles):
-    """Return the reading of a drum that stands, and of its count of cycles."""
-    values = {"input:0:int32": -1e4 * payout, "input:2:int32": 0.0, "input:5": float(cycles % 65_536)}
+def read_plc(adapter, now, payout, cycles, rate=0.0):
+    """Return the reading of a drum, and of its count of cycles."""
+    values = {"input:0:int32": -1e4 * payout, "input:2:int32": -1e4 * rate, "input:5": float(cycles % 65_536)}
     ((_, reading),) = adapter.on_samples([Sample("MODBUS", values)], now)
     return reading
 
@@ -182,3 +182,54 @@ def test_a_plc_that_lost_its_count_is_counted_on_and_named():
     assert "clock restarted" in adapter.drum_count.words
     # a set-point of the controller is sent in the drive's own count: where the controller has it, less this
     assert adapter.taker.zeros["payout"] + adapter.newest["payout"] == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize(("unit", "first"), [("s", 1_764_000_000.0), ("ms", 1_764_000_000_000.0), ("s", 3.0)])
+def test_a_device_time_of_any_epoch_stamps_within_what_a_stamp_holds(unit, first):
+    """Seconds since 1970, as a PLC with a clock sends them, and those since its start."""
+    time = {"field": "input:9:float64", "unit": unit}
+    adapter = Adapter(device_map_of("m", {"source": {"modbus": "1"}, "payout": "input:0", "device_time": time}))
+    step = 0.1 if unit == "s" else 100.0
+    stamps = []
+    for k in range(5):
+        sample = Sample("MODBUS", {"input:0": 1.0, "input:9:float64": first + step * k})
+        stamps += [reading.stamp for _, reading in adapter.on_samples([sample], 50.0 + 0.1 * k)]
+    assert all(0 < stamp < 2**31 * 10**9 for stamp in stamps)
+    assert np.diff(stamps) * 1e-9 == pytest.approx(0.1, abs=1e-5)
+
+
+@pytest.mark.parametrize("wrong", [1e300, math.inf, math.nan, -5.0, 4e9, 1e12])
+def test_a_device_time_that_cannot_be_is_named_and_the_arrival_counts(wrong):
+    time = {"field": "input:9:float64", "unit": "s"}
+    adapter = Adapter(device_map_of("m", {"source": {"modbus": "1"}, "payout": "input:0", "device_time": time}))
+    sample = Sample("MODBUS", {"input:0": 1.0, "input:9:float64": wrong})
+    ((_, reading),) = adapter.on_samples([sample], 50.0)
+    assert reading.stamp == 0
+    assert wrong == -5.0 or adapter.taker.counters.implausible == {"device_time": 1}
+
+
+def test_one_time_that_is_wrong_is_rejected_and_counted_and_the_drum_that_moves_has_not_jumped():
+    adapter = Adapter(device_map_of("m", PLC))
+    cycles = [30_000 + 10 * k for k in range(20)]
+    cycles[9] = 60_000
+    readings = [read_plc(adapter, 0.1 * k, 0.1 * k, count, 1.0) for k, count in enumerate(cycles)]
+    stamps = [reading.stamp for reading in readings]
+    assert np.diff(stamps) * 1e-9 == pytest.approx(0.1, abs=1e-6)
+    (clock,) = adapter.clocks.values()
+    assert (clock.glitches, clock.restarts, adapter.drum_count.jumps) == (1, 0, 0)
+
+
+def test_a_sample_that_is_older_than_one_before_is_not_used():
+    """As one of NMEA over UDP that another way has held up, or that a second sender sent."""
+    content = {"format": "nmea", "clock": "own", "heave": {"field": "PASHR.heave", "positive": "down"}}
+    adapter = Adapter(device_map_of("m", content))
+    times = [100.0, 100.1, 100.05, 100.2, 40.0, 100.3]
+    made = [
+        adapter.on_samples([Sample("PASHR", {"heave": 0.5}, time=time, time_base=TimeBase.DAY)], 3.0 + 0.1 * k)
+        for k, time in enumerate(times)
+    ]
+    assert [len(readings) for readings in made] == [1, 1, 0, 1, 1, 1]
+    stamps = [reading.stamp * 1e-9 for readings in made for _, reading in readings]
+    assert stamps == pytest.approx([100.0, 100.1, 100.2, 100.3, 100.3])
+    (clock,) = adapter.clocks.values()
+    assert (clock.late, clock.glitches, clock.restarts) == (1, 1, 0)

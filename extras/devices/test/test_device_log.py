@@ -125,3 +125,35 @@ def test_a_line_of_a_load_cell_alone_is_no_sea(tmp_path):
     mapping = "format: line\npattern: '(?P<x>.*)'\ntension: x\n"
     with pytest.raises(BagError, match="heave is missing"):
         imported(tmp_path, "1\n2\n", mapping)
+
+
+def test_a_clock_of_the_devices_own_and_its_values_for_not_available_are_those_of_the_map(tmp_path):
+    """A line with Unix milliseconds and 7777 for no heave."""
+    text = "".join(
+        f"T{1000.0 * (BEGUN.timestamp() + t):.0f} H{7777.0 if n in (500, 501) else up(t):.4f}\n"
+        for n, t in enumerate(TIMES)
+    )
+    mapping = (
+        "format: line\npattern: 'T(?P<ms>[0-9]+) H(?P<h>[-0-9.]+)'\n"
+        "heave: {field: h, invalid_values: 7777}\ndevice_time: {field: ms, unit: ms}\n"
+    )
+    sea = imported(tmp_path, text, mapping, "mru.log")
+    assert sea.start == pytest.approx(BEGUN.timestamp(), abs=1e-3)
+    assert_is_the_sine(sea)
+
+
+def test_a_log_of_datagrams_is_read_by_their_layout_and_their_counter_that_wraps(tmp_path):
+    """A counter of 16 bits in 10 ms wraps each 655 s; 0x8000 is no heave."""
+    data = b"".join(
+        struct.pack(">HhB", round(60_000 + 10 * n) % 65_536, -32768 if n in (500, 501) else round(1e3 * up(t)), 7)
+        for n, t in enumerate(TIMES)
+    )
+    mapping = (
+        "format: datagram\nlayout: {count: uint16, heave: int16, kind: uint8=7}\n"
+        "heave: {field: heave, unit: mm}\ndevice_time: {field: count, unit: ms, scale: 10.0}\n"
+    )
+    sea = imported(tmp_path, data, mapping, "mru.bin")
+    heave = sea.position[:, 2]
+    truth = np.array([up(t) for t in sea.time])
+    assert sea.time[-1] > 230.0
+    assert np.abs(heave - (truth - truth.mean())).max() < 0.01

@@ -4,11 +4,15 @@ import math
 from types import SimpleNamespace
 
 import pytest
+from heave_devices.formats.number_kinds import with_words_swapped
 from heave_devices.formats.sample import Sample
-from heave_devices.live.taker import Taker, euler_angle
+from heave_devices.live.taker import Taker
+from heave_devices.maps.channel import MapError
 from heave_devices.maps.device_map import device_map_of
+from heave_node.numerics.kinematics import euler_part
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 SBG = {
     "frame": "NED",
@@ -36,6 +40,99 @@ def test_a_size_that_cannot_be_is_never_used(size):
     taken = taker.of_message("/m", motion(size, True), 0.0)
     assert not taken.values
     assert taker.counters.implausible or taker.counters.missing
+
+
+@pytest.mark.parametrize("size", [31.0, -1e300, math.inf, math.nan])
+def test_a_number_of_a_register_that_cannot_be_is_never_used(size):
+    """A PLC's float32 may hold NaN, which is neither below nor above a limit."""
+    taker = Taker(
+        device_map_of("m", {"source": {"modbus": "1"}, "payout_rate": "input:0:float32", "payout": "input:2"})
+    )
+    taken = taker.of_sample(Sample("MODBUS", {"input:0:float32": size, "input:2": 7.0}), 0.0)
+    assert (taken.values, taken.invalid) == ({"payout": 7.0}, {"payout_rate"})
+    assert taker.counters.invalid == 1
+
+
+NOT_AVAILABLE = [
+    ("int16", -32768.0),
+    ("int16", 32767.0),
+    ("uint16", 65535.0),
+    ("int32", -(2.0**31)),
+    ("uint32", 2.0**32 - 1.0),
+    ("float32", math.nan),
+    ("float32", -math.inf),
+]
+
+
+@pytest.mark.parametrize("is_zero", [True, False])
+@pytest.mark.parametrize(("kind", "sent"), NOT_AVAILABLE)
+def test_what_stands_for_not_available_is_no_value_and_no_zero(kind, sent, is_zero):
+    """A drive that is not referenced yet, and then is at 300 as it counts."""
+    entry = {"field": f"input:0:{kind}", "unit": "mm", "scale": 0.1, "zero_at_start": is_zero}
+    taker = Taker(device_map_of("m", {"source": {"modbus": "1"}, "payout": entry}))
+    for _ in range(3):
+        taken = taker.of_sample(Sample("MODBUS", {f"input:0:{kind}": sent}), 0.0)
+        assert (taken.values, taken.invalid) == ({}, {"payout"})
+    assert taker.counters.unavailable.keys() == {"payout"}
+    taken = taker.of_sample(Sample("MODBUS", {f"input:0:{kind}": 300.0}), 0.0)
+    assert taken.values == {"payout": 0.0 if is_zero else pytest.approx(0.03)}
+    assert not taker.counters.unavailable
+
+
+def test_a_map_names_what_stands_for_not_available_of_its_drive():
+    entry = {"field": "p", "zero_at_start": True, "invalid_values": [-999.9, 88888]}
+    content = {"format": "line", "pattern": "(?P<p>[-0-9.]+)", "payout": entry}
+    taker = Taker(device_map_of("m", content))
+    sent = [taker.of_sample(Sample("LINE", {"p": p}), 0.0).values for p in (88888.0, -999.9, 5.0, 5.5)]
+    assert sent == [{}, {}, {"payout": 0.0}, {"payout": 0.5}]
+
+
+def test_a_count_and_a_status_use_all_of_their_range():
+    content = {"source": {"modbus": "1"}, "payout": "input:0", "watchdog": "input:1:int16", "fault": "input:2:int16"}
+    values = {"input:0": 1.0, "input:1:int16": 32767.0, "input:2:int16": -32768.0}
+    taken = Taker(device_map_of("m", content)).of_sample(Sample("MODBUS", values), 0.0)
+    assert (taken.values["watchdog"], taken.values["fault"]) == (32767.0, -32768.0)
+
+
+def test_a_value_beyond_the_plausible_is_no_zero():
+    entry = {"field": "input:0:int32", "unit": "mm", "zero_at_start": True}
+    taker = Taker(device_map_of("m", {"source": {"modbus": "1"}, "payout": entry}))
+    sent = [taker.of_sample(Sample("MODBUS", {"input:0:int32": p}), 0.0).values for p in (1e9, 1e4, 1.2e4)]
+    assert sent == [{}, {"payout": 0.0}, {"payout": 2.0}]
+
+
+@pytest.mark.parametrize(
+    ("kind", "sent", "order", "hint"),
+    [
+        ("int32", 123_100, "big", "with word_order: little it reads 12.31"),
+        ("float32", 123_100.0, "big", "with word_order: little it reads 12.31"),
+        ("float32", 123_100.0, "little", "with word_order: big it reads 12.31"),
+    ],
+)
+def test_words_in_the_other_order_are_named(kind, sent, order, hint):
+    """12.31 m in 0.1 mm, as a PLC of the other order sends it."""
+    swapped = with_words_swapped(kind, sent)
+    entry = {"field": f"input:0:{kind}", "unit": "mm", "scale": 0.1}
+    taker = Taker(device_map_of("m", {"source": {"modbus": "1", "word_order": order}, "payout": entry}))
+    assert not taker.of_sample(Sample("MODBUS", {f"input:0:{kind}": swapped}), 0.0).values
+    assert hint in taker.counters.worst
+
+
+@pytest.mark.parametrize("status", [math.inf, math.nan, 1e300])
+def test_a_bit_of_what_is_no_status_is_invalid(status):
+    layout = {"format": "datagram", "layout": {"status": "float64", "position": "float64"}}
+    taker = Taker(device_map_of("m", {**layout, "payout": "position", "fault": "status.1"}))
+    taken = taker.of_sample(Sample("DATAGRAM", {"status": status, "position": 1.0}), 0.0)
+    assert taken.values.get("fault", 0.0) in (0.0, 1.0)
+    assert ("fault" in taken.invalid) == (not math.isfinite(status))
+
+
+@pytest.mark.parametrize("bits", [0, 4])
+def test_a_validity_that_is_no_number_calls_nothing_valid(bits):
+    entry = {"topic": "/m", "type": "t", "field": "z", "valid": "s", "invalid_bits": bits}
+    taker = Taker(device_map_of("m", {"heave": entry}))
+    for status in (math.nan, math.inf):
+        assert not taker.of_message("/m", SimpleNamespace(z=0.1, s=status), 0.0).values
 
 
 def test_a_field_that_is_not_there_is_told():
@@ -79,6 +176,54 @@ def test_the_angles_of_a_quaternion(roll, pitch, yaw):
         cr * cp * sy - sr * sp * cy,
         cr * cp * cy + sr * sp * sy,
     )
-    assert euler_angle("roll", *turn) == pytest.approx(roll, abs=1e-6)
-    assert euler_angle("pitch", *turn) == pytest.approx(pitch, abs=1e-6)
-    assert euler_angle("yaw", *turn) == pytest.approx(yaw, abs=1e-6)
+    assert euler_part("roll", *turn) == pytest.approx(roll, abs=1e-6)
+    assert euler_part("pitch", *turn) == pytest.approx(pitch, abs=1e-6)
+    assert euler_part("yaw", *turn) == pytest.approx(yaw, abs=1e-6)
+
+
+ODOMETRY = {"topic": "/o", "type": "nav_msgs/msg/Odometry"}
+
+
+def odometry(velocity, turn):
+    """A message whose twist is the `velocity` of the world [m/s] in the body's axes, as the type's definition says."""
+    x, y, z, w = turn.as_quat()
+    linear = SimpleNamespace(**dict(zip("xyz", turn.inv().apply(velocity), strict=True)))
+    pose = SimpleNamespace(position=SimpleNamespace(z=0.5), orientation=SimpleNamespace(x=x, y=y, z=z, w=w))
+    return SimpleNamespace(pose=SimpleNamespace(pose=pose), twist=SimpleNamespace(twist=SimpleNamespace(linear=linear)))
+
+
+@given(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5), st.floats(-3.0, 3.0), st.floats(-5.0, 5.0))
+def test_the_twist_of_an_odometry_is_turned_into_the_world_by_its_pose(roll, pitch, yaw, speed):
+    """The turn by scipy; with a degree of trim at 2 m/s the body's own z is 0.035 m/s off."""
+    entry = {**ODOMETRY, "field": "twist.twist.linear.z"}
+    taker = Taker(device_map_of("m", {"heave": {**ODOMETRY, "field": "pose.pose.position.z"}, "heave_rate": entry}))
+    message = odometry([speed, 0.3, -0.4], Rotation.from_euler("ZYX", [yaw, pitch, roll]))
+    assert taker.of_message("/o", message, 0.0).values == {"heave": 0.5, "heave_rate": pytest.approx(-0.4, abs=1e-9)}
+
+
+def test_a_vector_of_any_message_is_turned_where_the_map_says_so_and_none_where_it_says_none():
+    turn = Rotation.from_euler("ZYX", [0.7, 0.1, 0.05])
+    message = odometry([2.0, 0.0, 0.25], turn)
+    body = message.twist.twist.linear.z
+    field = {"topic": "/o", "field": "twist.twist.linear.z"}
+    for more, expected in (
+        ({"turned_by": "pose.pose.orientation"}, 0.25),
+        ({}, body),
+        ({"type": "nav_msgs/msg/Odometry", "turned_by": "none"}, body),
+    ):
+        content = {"heave": {**ODOMETRY, "field": "pose.pose.position.z"}, "heave_rate": {**field, **more}}
+        taken = Taker(device_map_of("m", content)).of_message("/o", message, 0.0)
+        assert taken.values["heave_rate"] == pytest.approx(expected)
+
+
+def test_a_turn_that_is_none_is_told():
+    taker = Taker(device_map_of("m", {"heave": {**ODOMETRY, "field": "twist.twist.linear.z", "high_pass": 300.0}}))
+    message = odometry([2.0, 0.0, 0.25], Rotation.identity())
+    message.pose.pose.orientation.w = 0.0
+    assert not taker.of_message("/o", message, 0.0).values
+    assert taker.counters.missing == {"pose.pose.orientation is a quaternion of length 0": 1}
+
+
+def test_a_turn_of_what_is_no_vector_is_refused():
+    with pytest.raises(MapError, match=r"turned_by needs the field of a message that ends with \.x, \.y or \.z"):
+        device_map_of("m", {"heave": {"topic": "/o", "field": "height", "turned_by": "q"}})

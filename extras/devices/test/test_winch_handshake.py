@@ -2,6 +2,7 @@
 
 import math
 
+import pytest
 from heave_devices.live.winch_handshake import WinchHandshake, WinchOrder
 from heave_node.interface.codes import WinchFault, WinchRelease
 
@@ -85,14 +86,32 @@ def test_a_drive_is_asked_for_a_reset_only_while_a_fault_is_latched():
     assert (winch.fault, winch.wants_reset) == (WinchFault.NONE, False)
 
 
-def test_a_new_trip_takes_an_acknowledgement_back_and_the_first_fault_stays_the_named_one():
+def test_a_new_trip_takes_an_acknowledgement_back():
     winch = latched()
     winch.take(1.0, order(6, brake=True), 0.0)
-    winch.trip(WinchFault.DRIVE)
-    assert winch.fault is WinchFault.COMMAND_TIMEOUT
+    winch.latch.trip(WinchFault.COMMAND_TIMEOUT)
     assert winch.release(0.0) is WinchRelease.BRAKE_REQUEST
     winch.take(1.1, order(7), 0.0)
     assert winch.fault, "a command alone releases nothing"
+
+
+@pytest.mark.parametrize("sequence", [5, 4, 1])
+def test_a_command_that_is_not_fresh_does_not_feed_the_watchdog(sequence):
+    winch = WinchHandshake(0.5)
+    winch.take(0.0, order(5), 0.0)
+    for step in range(1, 12):
+        winch.take(0.05 * step, order(sequence), 0.0)
+    assert winch.order(0.55).brake
+    assert winch.fault is WinchFault.COMMAND_TIMEOUT
+
+
+@pytest.mark.parametrize(("silence", "is_taken"), [(0.6, True), (0.4, False)])
+def test_a_braked_winch_hears_a_restarted_controller_after_the_timeout_and_no_command_that_came_late(silence, is_taken):
+    winch = WinchHandshake(0.5)
+    winch.take(0.0, order(1800, brake=True), 0.0)
+    winch.take(silence, order(1, brake=True), 0.0)
+    winch.take(silence + 0.05, order(2, 0.1), 0.0)
+    assert winch.is_released is is_taken
 
 
 def test_a_fault_that_was_released_and_comes_again_has_to_be_acknowledged_again():
@@ -100,7 +119,7 @@ def test_a_fault_that_was_released_and_comes_again_has_to_be_acknowledged_again(
     winch.take(1.0, order(6, brake=True), 0.0)
     winch.take(1.1, order(7), 0.0)
     assert winch.order(1.2) == order(7)
-    winch.trip(WinchFault.DRIVE)
+    winch.latch.trip(WinchFault.DRIVE)
     assert winch.release(0.0) is WinchRelease.BRAKE_REQUEST
 
 
@@ -139,7 +158,7 @@ def test_a_command_that_is_sent_again_acknowledges_nothing_and_one_of_a_controll
     for sequence, is_taken in ((7, False), (1, True), (8, True)):
         shake = WinchHandshake(0.5)
         shake.take(0.0, WinchOrder(0.0, 0.0, brake=True, sequence=7), 0.0)
-        shake.trip(WinchFault.DRIVE)
+        shake.latch.trip(WinchFault.DRIVE)
         shake.take(0.1, WinchOrder(0.0, 0.0, brake=True, sequence=sequence), 0.0)
         assert shake.wants_reset is is_taken
         assert shake.refused == 0

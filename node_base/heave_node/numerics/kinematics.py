@@ -40,6 +40,20 @@ def euler_part(part: str, x: Array, y: Array, z: Array, w: Array) -> Array:
     return np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
+def turned(vector: Sequence[Array], x: Array, y: Array, z: Array, w: Array) -> tuple[Array, Array, Array]:
+    """Return a `vector` in the frame that the quaternions x, y, z, w turn it into.
+
+    v + 2 q x (q x v + w v), q = x, y, z. Each component, and each of x, y, z, w, has one shape; their squares sum to 1.
+    """
+    a, b, c = vector
+    inner = (y * c - z * b + w * a, z * a - x * c + w * b, x * b - y * a + w * c)
+    return (
+        a + 2.0 * (y * inner[2] - z * inner[1]),
+        b + 2.0 * (z * inner[0] - x * inner[2]),
+        c + 2.0 * (x * inner[1] - y * inner[0]),
+    )
+
+
 def height_of(arm: Sequence[float], roll: float, pitch: float) -> float:
     """Return how high the end of an arm is above its start: the third component of R_y(pitch) R_x(roll) arm [m].
 

@@ -7,13 +7,16 @@ Rules, each for longer than the supervision's time, so that delay and lag of a s
 - it does not slow down while it is ordered to brake;
 - its brake does not open, or does not engage, as the brake's switch says.
 
-One more holds at once: it has moved by 0.05 m with its brake engaged, or since it stood while it is ordered to brake.
+Two more hold at once: it has moved by 0.05 m with its brake engaged, or since it stood while it is ordered to brake;
+it has gone much further than it was ordered to, or the other way (`travel`).
 """
 
 from __future__ import annotations
 
 import math
 from typing import NamedTuple
+
+from heave_node.winch.travel import OrderedTravel
 
 ORDERED = 0.05
 """An ordered speed of less is no order to move [m/s]."""
@@ -64,6 +67,7 @@ class MotionSupervision:
         self._since: dict[str, float] = {}
         self._held_at = math.nan
         self._slowest = math.inf
+        self._travel = OrderedTravel(time)
 
     def look(self, now: float, drum: DrumReading) -> str:
         """Return what is wrong with the `drum` at `now` [s], in words; "": nothing. What lasts is returned again."""
@@ -76,9 +80,16 @@ class MotionSupervision:
         if late:
             self._since.pop(late)
         slip = self._slip(drum)
-        if late or slip:
-            self.found, self.is_slipping = late or slip, bool(slip)
-        return late or slip
+        found = late or slip or self._far(now, drum)
+        if found:
+            self.found, self.is_slipping = found, bool(slip)
+        return found
+
+    def _far(self, now: float, drum: DrumReading) -> str:
+        if drum.is_braked or not math.isfinite(drum.payout):
+            self._travel.restart()
+            return ""
+        return self._travel.look(now, drum.payout, drum.ordered_rate)
 
     def _broken(self, drum: DrumReading) -> list[str]:
         speed = math.copysign(1.0, drum.ordered_rate) * drum.payout_rate

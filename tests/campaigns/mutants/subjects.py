@@ -28,9 +28,13 @@ SUBJECTS: dict[str, Subject] = {
         ("cable_sim_node/test/test_command_line.py", "cable_sim_node/test/test_virtual_winch.py"),
     ),
     "faulty drum": Subject("cable_sim_node.winch.faulty_drum", ("cable_sim_node/test/test_faulty_drum.py",)),
+    "travel": Subject("heave_node.winch.travel", ("node_base/test/test_travel.py",)),
     "motion supervision": Subject(
         "heave_node.winch.motion_supervision", ("node_base/test/test_motion_supervision.py",)
     ),
+    "fault latch": Subject("heave_node.winch.fault_latch", ("node_base/test/test_fault_latch.py",)),
+    "taker": Subject("heave_devices.live.taker", ("extras/devices/test/test_taker.py",)),
+    "orders": Subject("heave_devices.adapt.orders", ("extras/devices/test/test_adapt_device.py",)),
     "handshake": Subject("heave_devices.live.winch_handshake", ("extras/devices/test/test_winch_handshake.py",)),
     "link watch": Subject("heave_devices.live.link_watch", ("extras/devices/test/test_link_watch.py",)),
     "guard": _controller("supervision.guard", "test_guard", "test_guard_checks"),

@@ -24,7 +24,7 @@ from heave_devices.adapt.orders import Orders, follow_commands
 from heave_devices.adapt.plc.polled import PolledLink
 from heave_devices.adapt.plc.protocols import exchange_of
 from heave_devices.formats.sample import Counters, Decoder, Sample
-from heave_devices.live.adapter import WINCH_STATE, Adapter, WinchReading
+from heave_devices.live.adapter import Adapter, WinchReading
 from heave_devices.live.winch_handshake import WinchOrder
 from heave_devices.maps.device_map import DeviceMap
 
@@ -55,7 +55,6 @@ class LiveDevice:
         self._node = node
         self._lock = threading.Lock()
         self._decoder: Decoder | None = None
-        self._run_time = 0
         self._publishers: dict[str, Publisher[Any]] = {}
         self._encode = {name: SensorMessages(_SENSOR_OF[name]) for name in device.outputs if name in _SENSOR_OF}
         self._open()
@@ -86,12 +85,11 @@ class LiveDevice:
             self._node.create_subscription(message, topic, self._on_message(topic), qos_profile_sensor_data)
 
     def _follow_clock(self) -> None:
-        """Move the simulated boom tip at each tick, where the map says so, and see when another run begins."""
+        """Move the simulated boom tip at each tick, where the map says so."""
         self._tip: Publisher[Any] | None = None
         if topics.MRU.name in self.device.outputs and self.device.boom_tip:
             kind = message_type(topics.BOOM_TIP.type)
             self._tip = self._node.create_publisher(kind, topics.BOOM_TIP.name, qos_of(topics.BOOM_TIP.role))
-        if self._tip is not None or WINCH_STATE in self.device.outputs:
             self._node.create_subscription(message_type(topics.CLOCK.type), topics.CLOCK.name, self._on_clock, 10)
 
     def start(self) -> None:
@@ -168,9 +166,6 @@ class LiveDevice:
 
     def _on_clock(self, message: Any) -> None:
         with self._lock:
-            before, self._run_time = self._run_time, nanoseconds_of(message.clock)
-            if self._run_time < before:  # a controller that counts its commands from 1 again
-                self.orders.begin_run()
             motion = self.adapter.heave.at(time.monotonic())
         if motion is not None and self._tip is not None:
             self._tip.publish(boom_tip(message.clock, self.device.boom_tip_height, motion))

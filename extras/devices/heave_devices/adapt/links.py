@@ -17,6 +17,7 @@ REOPEN_PERIOD = 1.0
 _WAIT = 0.2
 """Longest wait for bytes, after which the end is looked for [s]."""
 _LARGEST = 65_536
+_GONE = "the port is gone: its cable was pulled, or another program reads it. It is opened again"
 
 
 class LinkReader:
@@ -31,6 +32,9 @@ class LinkReader:
     ----------
     problem : why nothing can be read now, in words; "" while all is well
     opened : times that the link was opened
+    failures : times that what came could not be processed, or the link failed in a way that nobody foresaw
+    failed : the last of them, in words
+    strangers : datagrams of another sender than the one that the map names, or that spoke first
 
     Raises CommandError where a serial port or a UDP port cannot be opened at the start; TCP is tried again.
     """
@@ -38,7 +42,8 @@ class LinkReader:
     def __init__(self, link: Link, on_bytes: Callable[[bytes, bool], None]) -> None:
         self.link = link
         self.problem = ""
-        self.opened = 0
+        self.failed = ""
+        self.opened = self.failures = self.strangers = 0
         self._on_bytes = on_bytes
         self._is_ended = threading.Event()
         self._port: serial.Serial | socket.socket | None = None
@@ -88,8 +93,11 @@ class LinkReader:
                 self._port = self._open()
             while not self._is_ended.is_set():
                 self._read(self._port)
-        except (OSError, ValueError, TypeError) as error:  # TypeError: pyserial of a port that went away
+        except OSError as error:  # pyserial's own are of its kind
             self.problem = _words(error)
+        except Exception as error:
+            self.failures += 1
+            self.problem = self.failed = failure_words(error)
 
     def _open(self) -> serial.Serial | socket.socket:
         link = self.link
@@ -114,14 +122,18 @@ class LinkReader:
     def _read(self, port: serial.Serial | socket.socket) -> None:
         """Read once; raise OSError where the link has ended."""
         if isinstance(port, serial.Serial):
-            data = port.read(max(1, min(port.in_waiting, _LARGEST)))
+            try:
+                data = port.read(max(1, min(port.in_waiting, _LARGEST)))
+            except TypeError:  # pyserial of a port that went away
+                raise ConnectionError(_GONE) from None
             if data:
                 self._on_bytes(data, False)
             return
         try:
             if self.link.kind == "udp":
-                data, self._peer = port.recvfrom(_LARGEST)
-                self._on_bytes(data, True)
+                data, peer = port.recvfrom(_LARGEST)
+                if self._is_of_device(peer):
+                    self._on_bytes(data, True)
                 return
             data = port.recv(_LARGEST)
         except TimeoutError:
@@ -129,6 +141,20 @@ class LinkReader:
         if not data:
             raise ConnectionError("the other side has closed the connection")
         self._on_bytes(data, False)
+
+    def _is_of_device(self, peer: tuple[str, int]) -> bool:
+        """Return whether a datagram's sender, host and port, is the device; it is who is answered."""
+        first = self._peer or peer
+        self.strangers += (self.link.sender or first[0]) != peer[0]
+        if self.link.sender and self.link.sender != peer[0]:
+            return False
+        self._peer = peer
+        return True
+
+
+def failure_words(error: BaseException) -> str:
+    """Return in words what nobody foresaw, an `error` in a link's thread."""
+    return f"{type(error).__name__}: {_words(error) or 'no words'}. What came was not used; the link is opened again"
 
 
 class Sender:
@@ -177,6 +203,6 @@ def _words(error: BaseException) -> str:
     number = getattr(error, "errno", None)  # pyserial puts the name of the port into the text once more
     if isinstance(number, int):
         return os.strerror(number)
-    if isinstance(error, TypeError) or "returned no data" in str(error):
-        return "the port is gone: its cable was pulled, or another program reads it. It is opened again"
+    if "returned no data" in str(error):
+        return _GONE
     return " ".join(str(error).split())

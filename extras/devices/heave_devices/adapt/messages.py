@@ -44,8 +44,8 @@ def winch_state(reading: WinchReading, order: WinchOrder, handshake: WinchHandsh
     state.power = -reading.tension * rate
     is_slow = not abs(rate) > 0.01
     state.brake = bool(reading.brake) if math.isfinite(reading.brake) else order.brake and is_slow
-    if math.isfinite(reading.fault) and reading.fault != 0.0 and not handshake.fault:
-        handshake.trip(WinchFault.DRIVE)
+    if math.isfinite(reading.fault):
+        handshake.latch.hold(WinchFault.DRIVE, "the drive reports a trip", is_present=reading.fault != 0.0)
     state.fault = int(handshake.fault)
     state.release = int(handshake.release(rate))
     return state

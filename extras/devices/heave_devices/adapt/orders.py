@@ -59,7 +59,7 @@ class Orders:
         self._passed_on = 0
         self._commanded = 0.0
         self._supervision = MotionSupervision(self._command.supervision if self._command else 0.0)
-        self._jumps, self._found = 0, ""
+        self._jumps = 0
         self.handshake = WinchHandshake(self._timeout)
         self.sent = 0
         self.rate = float("nan")
@@ -68,8 +68,8 @@ class Orders:
     @property
     def problem(self) -> str:
         """Why nothing can be sent now, in words; "" while all is well."""
-        stopped = f"stopped: {self._found}" if self._found and self.handshake.fault == WinchFault.DRIVE else ""
-        return self._refusal or (self._out.problem if self._out else "") or stopped
+        words = self.handshake.latch.words
+        return self._refusal or (self._out.problem if self._out else "") or (f"stopped: {words}" if words else "")
 
     def take(self, order: WinchOrder) -> None:
         """Take an `order` of the controller, and pass it on."""
@@ -78,10 +78,6 @@ class Orders:
         self.sent += 1
         self._commanded = now
         self._pass_on(self.handshake.order(now))
-
-    def begin_run(self) -> None:
-        """Begin with the brake on, and with a controller that counts its commands from 1 again."""
-        self.handshake = WinchHandshake(self._timeout)
 
     def guard(self) -> None:
         """Hold the winch where it cannot be seen or reached, or where commands have ended; called many times a second.
@@ -92,8 +88,10 @@ class Orders:
             return
         now = time.monotonic()
         self._supervise(now)
-        if self.handshake.is_released and (self._adapter.watch.is_stale(now) or self._is_out_of_reach(now)):
-            self.handshake.trip(WinchFault.COMMAND_TIMEOUT)
+        is_lost = self._adapter.watch.is_stale(now) or self._is_out_of_reach(now)
+        is_in_use = self.handshake.is_released or bool(self.handshake.fault)
+        words = self._refusal or (self._link.problem if self._link is not None else "")
+        self.handshake.latch.hold(WinchFault.COMMAND_TIMEOUT, words, is_present=is_lost and is_in_use)
         if self._command.counts or (self.sent and now - self._commanded >= self._timeout):
             self._pass_on(self.handshake.order(now))
 
@@ -108,15 +106,16 @@ class Orders:
         """Hold the winch where drum or brake do not do what they are ordered."""
         newest, watch, count = self._adapter.newest, self._adapter.watch, self._adapter.drum_count
         if count.jumps > self._jumps:
-            self._jumps, self._found = count.jumps, count.words
-            self.handshake.trip(WinchFault.DRIVE)
+            self._jumps = count.jumps
+            self.handshake.latch.trip(WinchFault.DRIVE, count.words)
+        words = self._adapter.speed_travel.words
+        self.handshake.latch.hold(WinchFault.DRIVE, words, is_present=bool(words))
         if "payout" not in newest or watch.is_stale(now) or not self.sent:
             return
         order, brake = self.handshake.order(now), newest.get("brake", math.nan)
         drum = DrumReading(order.payout_rate, order.brake, newest["payout"], self.rate, brake)
         if found := self._supervision.look(now, drum):
-            self._found = found
-            self.handshake.trip(WinchFault.DRIVE)
+            self.handshake.latch.trip(WinchFault.DRIVE, found)
 
     def _is_out_of_reach(self, now: float) -> bool:
         since = self._unsent_since

@@ -11,6 +11,7 @@ from heave_node.ros.diagnostics import Health, Level
 from rich.table import Table
 
 from heave_devices.adapt.device import LiveDevice
+from heave_devices.adapt.links import LinkReader
 from heave_devices.adapt.plc.polled import PolledLink
 
 
@@ -28,7 +29,14 @@ def figures_of(device: LiveDevice) -> dict[str, float]:
         "invalid": taker.invalid,
         "implausible": sum(taker.implausible.values()),
         "missing_fields": sum(taker.missing.values()),
+        "time_glitches": sum(clock.glitches for clock in adapter.clocks.values()),
+        "clock_restarts": sum(clock.restarts for clock in adapter.clocks.values()),
+        "old_samples": sum(clock.late for clock in adapter.clocks.values()),
     }
+    if device.link is not None:
+        figures["link_failures"] = device.link.failures
+    if isinstance(device.link, LinkReader) and device.link.link.kind == "udp":
+        figures["other_senders"] = device.link.strangers
     if counters is not None:
         figures |= {
             "bytes": counters.bytes,
@@ -57,6 +65,10 @@ _WRONG = (
     "malformed",
     "lost",
     "refusals",
+    "time_glitches",
+    "clock_restarts",
+    "old_samples",
+    "other_senders",
 )
 
 
@@ -76,12 +88,17 @@ def health_of(device: LiveDevice, before: Mapping[str, float]) -> Health:
     more = {name: figures.get(name, 0) - before.get(name, 0) for name in _WRONG}
     words = [f"{_plain(name)} +{count:g}" for name, count in more.items() if count > 0]
     name = device.device.name
-    if device.problem:
-        return Health(name, Level.ERROR, f"{device.device.link or 'link'}: {device.problem}", values)
-    if taker.missing and figures["missing_fields"] > before.get("missing_fields", 0):
-        return Health(name, Level.ERROR, "; ".join(taker.missing), values)
-    if figures["implausible"] > before.get("implausible", 0):
-        return Health(name, Level.ERROR, f"not used: {taker.worst}", values)
+    errors = {
+        f"{device.device.link or 'link'}: {device.problem}": bool(device.problem),
+        f"{device.device.link}: {device.link.failed if device.link else ''}": (
+            figures.get("link_failures", 0) > before.get("link_failures", 0)
+        ),
+        device.adapter.speed_travel.words: bool(device.adapter.speed_travel.words),
+        "; ".join(taker.missing): figures["missing_fields"] > before.get("missing_fields", 0),
+        f"not used: {taker.worst}": figures["implausible"] > before.get("implausible", 0),
+    }
+    if error := next((text for text, is_present in errors.items() if is_present), ""):
+        return Health(name, Level.ERROR, error, values)
     if device.adapter.watch.is_stale(now):
         return Health(name, Level.STALE, stale_words(device, now), values)
     if words:
@@ -93,18 +110,25 @@ def stale_words(device: LiveDevice, now: float) -> str:
     """Return in words that nothing usable comes from a `device`, at `now` [s], and the likely cause."""
     age = device.adapter.watch.age(now)
     since = "no reading yet" if math.isnan(age) else f"no reading for {age:.1f} s"
-    counters = device.counters
     if not device.adapter.is_counting and "watchdog" in device.adapter.newest:
         return f"watchdog has not counted for {age:.1f} s. Check that the PLC's program runs, and the map's watchdog"
+    return f"{since}: {_cause_of_silence(device)}"
+
+
+def _cause_of_silence(device: LiveDevice) -> str:
+    counters, unavailable = device.counters, device.adapter.taker.counters.unavailable
+    if unavailable:
+        what = ", ".join(f"{name} reads {value:.10g}" for name, value in unavailable.items())
+        return f"{what}, which stands for not available. Check the drive or sensor: is it referenced?"
     if isinstance(device.link, PolledLink) and device.link.reads:
-        return f"{since}: what it answers is invalid. Check the PLC"
+        return "what it answers is invalid. Check the PLC"
     if counters is None or not counters.bytes:
-        return f"{since}: nothing received. Check power, cable, address and baud rate"
+        return "nothing received. Check power, cable, address and baud rate"
     if counters.samples == 0 and counters.unknown:
-        return f"{since}: only unknown lines: {', '.join(list(counters.unknown)[:5])}. Check the map's format"
+        return f"only unknown lines: {', '.join(list(counters.unknown)[:5])}. Check the map's format"
     if counters.samples == 0:
-        return f"{since}: {counters.bytes} bytes, none as the format has it. Check format and baud rate"
-    return f"{since}: what comes lacks the map's fields, or is invalid"
+        return f"{counters.bytes} bytes, none as the format has it. Check format and baud rate"
+    return "what comes lacks the map's fields, or is invalid"
 
 
 def _plain(name: str) -> str:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import math
-
 from heave_devices.formats.sample import DAY, Sample, TimeBase
 
 COUNTER_WRAP = 2.0**32 * 1e-3
 """A counter of milliseconds in 32 bits begins again after this time [s]."""
+
+LATEST = 2.0**31
+"""No time of a device is later: a stamp of ROS ends here, in 2038 [s]."""
 
 
 class DeviceTime:
@@ -27,8 +28,8 @@ class DeviceTime:
         self._newest: dict[TimeBase, float] = {}
 
     def nanoseconds(self, sample: Sample) -> int | None:
-        """Return the time of a sample [ns], above 0; None where it has none."""
-        if sample.time is None or not math.isfinite(sample.time) or sample.time < 0.0:
+        """Return the time of a sample [ns], above 0; None where it has none, or none that can be."""
+        if sample.time is None or not 0.0 <= sample.time < LATEST:
             return None
         if sample.time_base is TimeBase.UNIX:
             if sample.kind == "ZDA":

@@ -54,6 +54,12 @@ def unpacked(kind: str, data: bytes, order: str = "big") -> float:
     return float(struct.unpack(ORDERS_OF_BYTES[order] + KINDS[kind], data)[0])
 
 
+def with_words_swapped(kind: str, value: float) -> float:
+    """Return what a `value` of a `kind` reads with its words of 16 bits in the other order."""
+    data = packed(kind, value)
+    return unpacked(kind, b"".join(data[at : at + 2] for at in reversed(range(0, len(data), 2))))
+
+
 def wrap_of(kind: str) -> float:
     """Return the count after which one in a number of a `kind` begins at 0 again; infinity for floats."""
     return math.inf if kind.startswith("float") else float(1 << 8 * size_of(kind) - (not kind.startswith("uint")))

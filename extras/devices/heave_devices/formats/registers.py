@@ -1,5 +1,7 @@
 """Modbus registers by name: `TABLE:ADDRESS:KIND`, such as `input:4:int32`, and `holding:10.0` for one bit.
 
+A number whose words come in another order than the map's says so: `input:4:int32:little`.
+
 TABLE is one of the four of the MODBUS Application Protocol Specification V1.1b3, section 4.3: `coil`, `discrete` (one
 bit), `input`, `holding` (16 bits). ADDRESS is that of the wire, from 0: what a manual calls 40001 is `holding:0`, and
 30001 is `input:0`. A number of more than one register begins with the most significant word unless the map says
@@ -18,7 +20,9 @@ BIT_TABLES = ("coil", "discrete")
 WRITABLE = ("coil", "holding")
 LONGEST_READ = 120
 """Registers of one request; the specification allows 125 to be read and 123 to be written."""
-_NAME = re.compile(r"(?P<table>coil|discrete|input|holding):(?P<address>\d{1,5})(:(?P<kind>\w+))?")
+_NAME = re.compile(
+    r"(?P<table>coil|discrete|input|holding):(?P<address>\d{1,5})(:(?P<kind>\w+))?(:(?P<order>big|little))?"
+)
 
 
 @dataclass(frozen=True)
@@ -31,12 +35,14 @@ class Register:
     table : coil, discrete, input, holding
     address : of its first register, from 0
     kind : of number_kinds
+    order : of its words, big or little; "": that of the map
     """
 
     name: str
     table: str
     address: int
     kind: str
+    order: str = ""
 
     @property
     def count(self) -> int:
@@ -53,8 +59,8 @@ def register_of(text: str) -> Register:
     table, address, kind = found["table"], int(found["address"]), found["kind"] or "uint16"
     if kind not in KINDS or size_of(kind) < 2:
         raise ValueError(f"{text!r}: {kind} must be one of {', '.join(name for name in KINDS if size_of(name) > 1)}")
-    register = Register(name, table, address, kind)
-    if table in BIT_TABLES and (found["kind"] or bit is not None):
+    register = Register(name, table, address, kind, found["order"] or "")
+    if table in BIT_TABLES and (found["kind"] or found["order"] or bit is not None):
         raise ValueError(f"{text!r}: a {table} is one bit: leave out what follows its address")
     if bit is not None and (kind.startswith("float") or bit >= 16 * register.count):
         raise ValueError(f"{text!r}: {kind} has no bit {bit}")
@@ -108,7 +114,7 @@ def values_in(block: Block, words: Sequence[int], word_order: str) -> dict[str, 
         if register.table in BIT_TABLES:
             values[register.name] = float(bool(own[0]))
             continue
-        ordered = own if word_order == "big" else own[::-1]
+        ordered = own if (register.order or word_order) == "big" else own[::-1]
         values[register.name] = unpacked(register.kind, b"".join(word.to_bytes(2, "big") for word in ordered))
     return values
 
@@ -126,5 +132,5 @@ def words_for(block: Block, values: Mapping[str, float], word_order: str) -> lis
             continue
         data = packed(register.kind, values[register.name], name=register.name)
         own = [int.from_bytes(data[place : place + 2], "big") for place in range(0, len(data), 2)]
-        words[start : start + register.count] = own if word_order == "big" else own[::-1]
+        words[start : start + register.count] = own if (register.order or word_order) == "big" else own[::-1]
     return words

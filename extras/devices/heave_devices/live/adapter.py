@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from heave_node.interface import sensors, topics
 from heave_node.interface.sensors import WireReading
 from heave_node.sensing.recent_motion import RecentMotion
+from heave_node.winch.travel import SpeedTravel
 
 from heave_devices.formats.device_time import DeviceTime
 from heave_devices.formats.sample import Sample, TimeBase
@@ -23,6 +23,10 @@ from heave_devices.maps.device_map import DeviceMap
 
 _COUNT_BEGAN = 10**18
 """Stamp of a time of 0 s by a count or counter [ns]: far from any simulated time, and taken for an own one."""
+_OWN_FROM = 1e8
+"""A counter that begins above it counts from 1970 or the like, and is far from any simulated time as it is [s]."""
+LATE = -1
+"""In the place of a time: the sample is older than one before, and is not used."""
 NO_STAMP = 0
 """Stamp of a reading whose time of arrival counts."""
 WINCH_STATE = "winch/state"
@@ -63,7 +67,9 @@ class Adapter:
     newest : quantities as they came last
     published : readings so far, by topic
     drum_count : whether the count of a drum goes on
+    speed_travel : whether a drum's position and speed belong together
     is_counting : False while the device's watchdog has stopped: nothing that it says is used then
+    clocks : of the device, by the kind of its samples
     """
 
     def __init__(self, device: DeviceMap) -> None:
@@ -76,9 +82,11 @@ class Adapter:
         self._mru = MruMaker(device)
         self._crane = CraneMaker(device.timeout)
         self._time = DeviceTime(device.counter_wrap) if "device_time" in device.channels else DeviceTime()
+        self.clocks: dict[str, DeviceClock] = {}
         self._clock = DeviceClock()
-        self._restarts = 0
+        self._began: int | None = None
         self.drum_count = DrumCount()
+        self.speed_travel = SpeedTravel()
         self._counted: dict[str, CountedTime] = {}
         self._payout = RecentMotion()
         self._beside = Recent(("payout_rate", "tension", "brake", "fault"))
@@ -89,7 +97,10 @@ class Adapter:
         """Return the readings, each with its topic, that `samples` which arrived at `now` [s] make."""
         made = []
         for sample in samples:
-            stamp, time = self._stamp(self._own_time(sample, now), now, sample.kind)
+            own = self._own_time(sample, now)
+            if own == LATE:
+                continue
+            stamp, time = self._stamp(own, now, sample.kind)
             made += self._made(self.taker.of_sample(sample, time), stamp, now)
         return made
 
@@ -109,13 +120,22 @@ class Adapter:
         return self._made(self.taker.of_message(topic, message, time), used, now)
 
     def _own_time(self, sample: Sample, now: float) -> int | None:
-        """Return the time of a sample that arrived at `now` [s] by the device's own clock [ns]; None: it has none."""
-        if "device_time" in self.device.channels:
-            sample = replace(sample, time=self.taker.own_time(sample), time_base=TimeBase.COUNTER)
+        """Return the time of a sample that arrived at `now` [s] by the device's own clock [ns].
+
+        None: it has none. LATE: it is older than one before.
+        """
+        sample = self.device.own_time(sample)
         own = self._time.nanoseconds(sample)
-        if own is None or sample.time_base is not TimeBase.COUNTER:
-            return own
-        return _COUNT_BEGAN + round(self._clock.time(own * 1e-9, now) * 1e9)
+        if own is None:
+            return None
+        self._clock = self.clocks.setdefault(sample.kind, DeviceClock())
+        time = self._clock.time(own * 1e-9, now)
+        if time is None:
+            return LATE
+        if self._began is None:
+            is_count = sample.time_base is TimeBase.COUNTER and time < _OWN_FROM
+            self._began = _COUNT_BEGAN if is_count else 0
+        return self._began + round(time * 1e9)
 
     def _stamp(self, own: int | None, now: float, kind: str = "") -> tuple[int, float]:
         """Return the stamp [ns] and the time [s] of what has an `own` time [ns], or none, and arrived at `now` [s].
@@ -190,6 +210,10 @@ class Adapter:
         rate = measured_rate if is_measured else self._recent_rate(taken.time)
         payout = self._counted_on(taken.values["payout"], rate, taken.time)
         self._payout.add(taken.time, payout)
+        if is_measured and math.isfinite(rate):
+            self.speed_travel.look(taken.time, payout, rate)
+        else:
+            self.speed_travel.restart()
         rate = rate if is_measured else self._recent_rate(taken.time)
         return WinchReading(stamp, payout, rate, *beside)
 
@@ -200,8 +224,7 @@ class Adapter:
 
     def _counted_on(self, payout: float, rate: float, time: float) -> float:
         """Return a `payout` of a `time` [s], counted on where the drum's count was lost; its `rate` as measured."""
-        has_restarted, self._restarts = self._clock.restarts > self._restarts, self._clock.restarts
-        jump = self.drum_count.jump(time, payout, rate, has_restarted=has_restarted)
+        jump = self.drum_count.jump(time, payout, rate, has_restarted=self._clock.has_stepped)
         if jump:
             zeros = self.taker.zeros
             zeros["payout"] = zeros.get("payout", 0.0) + jump

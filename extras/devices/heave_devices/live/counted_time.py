@@ -15,33 +15,63 @@ STEPPED = 1.0
 
 
 class DeviceClock:
-    """Follows the counter of a device that may restart.
+    """Follows the own time of a device, which may restart, or be wrong in one sample.
 
     Attributes
     ----------
-    restarts : so far
+    restarts : so far: a step that the next sample confirms
+    glitches : steps that the next sample does not confirm
+    late : samples older than one before
+    has_stepped : the newest sample's time has stepped, and the next one has to confirm it
     """
 
     def __init__(self) -> None:
-        self.restarts = 0
+        self.restarts = self.glitches = self.late = 0
+        self.has_stepped = False
         self._before: tuple[float, float] | None = None
+        self._candidate: tuple[float, float, float] | None = None
         self._shift = 0.0
 
-    def time(self, own: float, now: float) -> float:
-        """Return the time of a sample that goes on over restarts [s].
+    def time(self, own: float, now: float) -> float | None:
+        """Return the time of a sample that goes on over restarts [s]; None: it is older than one before.
 
         Parameters
         ----------
-        own : time by the counter [s]
+        own : time by the device [s]
         now : monotonic time of its arrival [s]
         """
-        before, self._before = self._before, (own, now)
-        if before is not None:
-            went, passed = own - before[0], now - before[1]
-            if went < -STEPPED or went - passed > STEPPED:
-                self.restarts += 1
-                self._shift += passed - went
+        self.has_stepped = False
+        if self._before is None:
+            self._before = (own, now)
+            return own
+        if _is_step(own - self._before[0], now - self._before[1]):
+            return self._stepped(own, now)
+        self.glitches += self._candidate is not None
+        self._candidate = None
+        if own < self._before[0]:
+            self.late += 1
+            return None
+        self._before = (own, now)
         return own + self._shift
+
+    def _stepped(self, own: float, now: float) -> float:
+        """Return the time of a sample that has stepped [s]: by its arrival, until the next one confirms it."""
+        assert self._before is not None
+        last = self._candidate
+        if last is not None and not _is_step(own - last[0], now - last[1]):
+            self.restarts += 1
+            self._candidate, self._before = None, (own, now)
+            self._shift = last[2] - last[0]
+            return own + self._shift
+        self.glitches += last is not None
+        self.has_stepped = True
+        time = self._before[0] + self._shift + now - self._before[1]
+        self._candidate = (own, now, time)
+        return time
+
+
+def _is_step(went: float, passed: float) -> bool:
+    return went < -STEPPED or went - passed > STEPPED
 
 
 class CountedTime:

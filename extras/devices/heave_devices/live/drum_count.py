@@ -43,7 +43,9 @@ class DrumCount:
             return 0.0
         elapsed, change = now - last[0], payout - last[1]
         time = elapsed + JITTER
-        allowed = LEAST if has_restarted else LEAST + abs(last[2]) * time + 0.5 * STANDARD_GRAVITY * time**2
+        if has_restarted:  # it stood, or went on for a moment: its clock has stepped, or one of its times was wrong
+            time = min(time, JITTER)
+        allowed = LEAST + abs(last[2]) * time + (0.0 if has_restarted else 0.5 * STANDARD_GRAVITY * time**2)
         if not abs(change) > allowed:  # also where no rate is known
             return 0.0
         self.jumps += 1

@@ -9,15 +9,20 @@ from typing import Any
 
 import numpy as np
 from heave_node.interface.codes import MruStatus
+from heave_node.numerics.arrays import Array
 from heave_node.numerics.high_pass import HighPass
-from heave_node.numerics.kinematics import euler_part
+from heave_node.numerics.kinematics import euler_part, turned
 
+from heave_devices.formats.fill_values import is_fill
+from heave_devices.formats.number_kinds import size_of, with_words_swapped
 from heave_devices.formats.sample import Sample
 from heave_devices.maps.channel import Channel
 from heave_devices.maps.device_map import DeviceMap
 from heave_devices.maps.field_path import FieldPath
 from heave_devices.maps.quantities import QUANTITIES
 
+_LEAST_FLOAT = 1e-25
+"""A float below is no measurement, but the words of one in the wrong order."""
 DEFAULT_PERIOD = 300.0
 """Period of the high-pass of a height or velocity, where a map says none [s]: a swell of 12 s leads by 3 degrees."""
 
@@ -74,9 +79,11 @@ class TakeCounters:
     implausible : values larger than the quantity can be, by quantity
     missing : fields that a message does not have, in words
     worst : in words, the last implausible value
+    unavailable : values that stand for "not available" now, as sent, by quantity
     """
 
     invalid: int = 0
+    unavailable: dict[str, float] = field(default_factory=dict)
     implausible: dict[str, int] = field(default_factory=dict)
     missing: dict[str, int] = field(default_factory=dict)
     worst: str = ""
@@ -100,6 +107,8 @@ class Taker:
         self._channels = dict(device.channels)
         self._has_names = device.has_names
         self._places = {name: device.bit_of(channel.field) for name, channel in device.channels.items()}
+        self._kinds = {name: device.kind_of(channel.field) for name, channel in device.channels.items()}
+        self._word_order = device.link.word_order if device.link is not None else ""
         self._factors = {name: channel.factor(name) for name, channel in self._channels.items()}
         self._filters = {
             name: HighPass(channel.high_pass or DEFAULT_PERIOD)
@@ -111,8 +120,8 @@ class Taker:
             text: FieldPath(text)
             for channel in self._channels.values()
             if channel.topic
-            for text in (channel.field, channel.valid)
-            if text
+            for text in (channel.field, channel.valid, channel.turned_by, channel.field[:-2])
+            if text and (text != channel.field[:-2] or channel.turned_by)
         }
 
     def of_sample(self, sample: Sample, time: float) -> Taken:
@@ -128,15 +137,11 @@ class Taker:
                 taken.invalid.add(name)
             elif field_name in sample.values:
                 value = sample.values[field_name]
-                self._put(taken, name, value if bit is None else float(int(value) >> bit & 1))
+                if bit is not None:
+                    value = float(int(value) >> bit & 1) if math.isfinite(value) else math.nan
+                self._put(taken, name, value)
         self.counters.invalid += bool(taken.invalid)
         return taken
-
-    def own_time(self, sample: Sample) -> float | None:
-        """Return the time by the counter that the map names [s]; None where it, or the `sample`, has none."""
-        channel = self._channels.get("device_time")
-        raw = None if channel is None else sample.values.get(channel.field)
-        return None if channel is None or raw is None else self._factors["device_time"] * raw + channel.offset
 
     def of_message(self, topic: str, message: Any, time: float) -> Taken:
         """Return what the map wants of a `message` that came on a `topic`, measured at a `time` [s]."""
@@ -157,13 +162,29 @@ class Taker:
 
     def _number(self, channel: Channel, message: Any) -> float:
         path = self._paths[channel.field]
-        if not channel.part:
+        if channel.part:
+            return float(euler_part(channel.part, *self._quaternion(channel.field, message)))
+        if channel.turned_by in ("", "none"):
             return path.number_of(message)
-        turn = path.of(message)
+        holder = self._paths[channel.field[:-2]].of(message)
+        vector = [np.array(getattr(holder, axis, math.nan), dtype=float) for axis in "xyz"]
+        number = float(turned(vector, *self._quaternion(channel.turned_by, message))["xyz".index(channel.field[-1])])
+        if not math.isfinite(number):
+            raise LookupError(f"{channel.field} is {number:g}")
+        return number
+
+    def _quaternion(self, text: str, message: Any) -> Array:
+        """Return the quaternion x, y, z, w of length 1 that a `message` holds at the path `text`."""
+        turn = self._paths[text].of(message)
         try:
-            return euler_angle(channel.part, *(float(getattr(turn, axis)) for axis in "xyzw"))
+            numbers = np.array([float(getattr(turn, axis)) for axis in "xyzw"])
         except (AttributeError, TypeError, ValueError):
-            raise LookupError(f"{channel.field} is no quaternion") from None
+            raise LookupError(f"{text} is no quaternion") from None
+        size = float(np.linalg.norm(numbers))
+        if not 0.5 < size < 2.0:
+            raise LookupError(f"{text} is a quaternion of length {size:g}")
+        unit: Array = numbers / size
+        return unit
 
     def _is_valid_sample(self, sample: Sample, channel: Channel, prefix: str) -> bool:
         if not channel.valid:
@@ -174,34 +195,55 @@ class Taker:
 
     def _put(self, taken: Taken, name: str, raw: float) -> None:
         channel = self._channels[name]
+        if QUANTITIES[name].is_measured and (is_fill(raw, self._kinds[name]) or raw in channel.invalid_values):
+            self.counters.unavailable[name] = raw
+            taken.invalid.add(name)
+            return
         value = self._factors[name] * raw + channel.offset
         if channel.zero_at_start:
-            self.zeros.setdefault(name, value)
-        value -= self.zeros.get(name, 0.0)
+            if name not in self.zeros and self._is_implausible(name, raw, value):
+                taken.invalid.add(name)
+                return
+            value -= self.zeros.setdefault(name, value)
         if name in self._filters:
             filtered = self._filters[name]
             value = (filtered.add_rate if channel.velocity else filtered.add)(taken.time, value)
             if not filtered.is_settled:
                 taken.status = MruStatus.SETTLING
-        largest = QUANTITIES[name].largest
-        if not abs(value) <= largest:
-            count = self.counters.implausible
-            count[name] = count.get(name, 0) + 1
-            self.counters.worst = (
-                f"{name} = {value:.4g}, at most {largest:g} can be: check unit, scale and column of the map"
-            )
+        if self._is_implausible(name, raw, value):
             taken.invalid.add(name)
             return
+        self.counters.unavailable.pop(name, None)
         taken.values[name] = value
+
+    def _is_implausible(self, name: str, raw: float, value: float) -> bool:
+        """Return whether a `value`, sent as `raw`, cannot be one of a quantity; it is then counted and put in words."""
+        largest = QUANTITIES[name].largest
+        is_tiny = 0.0 < abs(raw) < _LEAST_FLOAT and QUANTITIES[name].is_measured
+        if abs(value) <= largest and not is_tiny:
+            return False
+        self.counters.implausible[name] = self.counters.implausible.get(name, 0) + 1
+        what = "no instrument reads it" if is_tiny else f"at most {largest:g} can be"
+        hint = self._other_order(name, raw) or "check unit, scale and column of the map"
+        self.counters.worst = f"{name} = {value:.4g}, {what}: {hint}"
+        return True
+
+    def _other_order(self, name: str, raw: float) -> str:
+        """Return in words what a register of several words, sent as `raw`, reads in the other order; "": nothing."""
+        kind, channel = self._kinds[name], self._channels[name]
+        if not self._word_order or not kind or size_of(kind) < 4 or not math.isfinite(raw):
+            return ""
+        own = channel.field.rpartition(":")[2]
+        order = own if own in ("big", "little") else self._word_order
+        try:
+            other = with_words_swapped(kind, raw)
+        except ValueError:  # a bit, or a number that its kind does not hold
+            return ""
+        value = self._factors[name] * other + channel.offset
+        if is_fill(other, kind) or 0.0 < abs(other) < _LEAST_FLOAT or abs(value) > QUANTITIES[name].largest:
+            return ""
+        return f"with word_order: {'big' if order == 'little' else 'little'} it reads {value:.2f}"
 
 
 def _status(value: Any) -> float | str:
     return value if isinstance(value, str) else float(value)
-
-
-def euler_angle(part: str, x: float, y: float, z: float, w: float) -> float:
-    """Return `part`, roll, pitch or yaw [rad] (about x, y, z, in the order z-y-x), of the quaternion x, y, z, w."""
-    size = math.sqrt(x * x + y * y + z * z + w * w)
-    if not size > 0.5:
-        raise ValueError("a quaternion of no length")
-    return float(euler_part(part, *(np.array([x, y, z, w]) / size)))

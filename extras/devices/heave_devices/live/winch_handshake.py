@@ -2,8 +2,9 @@
 
 The contract of a winch (`docs/contract.md`): the brake is on at the start; a fresh command without a brake request
 releases it; without a fresh command for the timeout it stops, brakes and latches a fault, which a brake request, and at
-rest a command without one, release. A command is fresh when its number is above the newest one's; while a fault is
-latched a brake request with any other number is fresh too.
+rest a command without one, release. A command is fresh when its number is above the newest one's. A brake request with
+any other number is fresh too while a fault is latched, or once a braked winch has had no fresh command for the timeout:
+a controller that was restarted counts from 1 again.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import math
 from typing import NamedTuple
 
 from heave_node.interface.codes import WinchFault, WinchRelease
+from heave_node.winch.fault_latch import FaultLatch
 
 AT_REST = 0.01
 """A drum slower than this is at rest [m/s]."""
@@ -42,7 +44,7 @@ class WinchHandshake:
 
     Attributes
     ----------
-    fault : latched
+    latch : of faults
     refused : commands that were not fresh
     """
 
@@ -50,8 +52,7 @@ class WinchHandshake:
         self._timeout = timeout
         self._order = WinchOrder(0.0, 0.0, brake=True, sequence=0)
         self._since = -math.inf
-        self._is_acknowledged = False
-        self.fault = WinchFault.NONE
+        self.latch = FaultLatch()
         self.refused = 0
 
     def take(self, now: float, order: WinchOrder, rate: float) -> None:
@@ -63,28 +64,30 @@ class WinchHandshake:
         order : the command
         rate : of the drum [m/s]; NaN: not known
         """
-        is_resync = bool(self.fault) and order.brake and order.sequence != self._order.sequence
-        if order.sequence <= self._order.sequence and not is_resync:
+        if not self._is_fresh(now, order):
             self.refused += order.sequence != self._order.sequence
             return
         self._since = now
         if not (math.isfinite(order.payout) and math.isfinite(order.payout_rate)):
             self._order = self._order._replace(sequence=order.sequence)
-            self.trip(WinchFault.INVALID_COMMAND)
+            self.latch.trip(WinchFault.INVALID_COMMAND)
             return
         self._order = order
-        if self.fault and order.brake:
-            self._is_acknowledged = True
-        elif self.fault and self._is_acknowledged and self._is_at_rest(rate):
-            self.fault = WinchFault.NONE
+        if order.brake:
+            self.latch.acknowledge()
+        else:
+            self.latch.release(is_at_rest=_is_at_rest(rate))
 
     def order(self, now: float) -> WinchOrder:
         """Return what the drive shall do at `now` [s]: the command, or to stop and brake."""
-        if not self._order.brake and not self.fault and now - self._since > self._timeout:
-            self.trip(WinchFault.COMMAND_TIMEOUT)
-        if self.fault or self._order.brake:
-            return self._order._replace(payout_rate=0.0, brake=True)
-        return self._order
+        if self.is_released and now - self._since > self._timeout:
+            self.latch.trip(WinchFault.COMMAND_TIMEOUT)
+        return self._order if self.is_released else self._order._replace(payout_rate=0.0, brake=True)
+
+    @property
+    def fault(self) -> WinchFault:
+        """The latched fault."""
+        return self.latch.fault
 
     @property
     def is_released(self) -> bool:
@@ -94,20 +97,19 @@ class WinchHandshake:
     @property
     def wants_reset(self) -> bool:
         """Whether a latched fault has been acknowledged by a brake request: a drive may then reset its own."""
-        return bool(self.fault) and self._is_acknowledged
-
-    def trip(self, fault: WinchFault) -> None:
-        """Latch a `fault`; the first one stays the named one."""
-        self.fault = self.fault or fault
-        self._is_acknowledged = False
+        return self.latch.is_acknowledged
 
     def release(self, rate: float) -> WinchRelease:
         """Return what a latched fault waits for, with the drum at a `rate` [m/s]."""
-        if not self.fault:
-            return WinchRelease.NONE
-        if not self._is_acknowledged:
-            return WinchRelease.BRAKE_REQUEST
-        return WinchRelease.COMMAND if self._is_at_rest(rate) else WinchRelease.STANDSTILL
+        return self.latch.waits_for(is_at_rest=_is_at_rest(rate))
 
-    def _is_at_rest(self, rate: float) -> bool:
-        return not abs(rate) > AT_REST
+    def _is_fresh(self, now: float, order: WinchOrder) -> bool:
+        newest = self._order
+        if order.sequence > newest.sequence:
+            return True
+        is_silent = newest.brake and now - self._since > self._timeout
+        return order.brake and order.sequence != newest.sequence and (bool(self.fault) or is_silent)
+
+
+def _is_at_rest(rate: float) -> bool:
+    return not abs(rate) > AT_REST

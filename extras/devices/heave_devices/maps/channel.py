@@ -6,7 +6,7 @@ import difflib
 import math
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from heave_node.files.units import UNITS
@@ -42,6 +42,9 @@ class Channel:
     type : of the topic's messages, for a live run
     column : of a CSV log
     part : "roll", "pitch" or "yaw" of a quaternion [rad]
+    turned_by : of a vector's component, such as "twist.twist.linear.z", the quaternion of the same message that turns
+        it into the map's frame, such as "pose.pose.orientation"; "": it is in that frame; "none": the same, though the
+        standard of its type says otherwise (`with_standard_turn`)
     unit : of the value, such as "deg" or "kN"; "": SI
     positive : which way is, such as "down" or "bow up"; "": as the suite has it
     scale, offset : quantity = scale * value + offset, in SI units after `unit` and `positive`
@@ -54,8 +57,9 @@ class Channel:
         `valid`
     valid_values : `valid` must be one of these numbers or words instead
     invalid_bits : `valid` is a status instead, and a sample with one of these bits set is not valid
+    invalid_values : numbers, as sent, that stand for "not available", besides those of `fill_values`
     sigma : accuracy that is stated with a live sample, one standard deviation, SI; NaN: none
-    zero_at_start : the first live value counts as 0
+    zero_at_start : the first usable live value counts as 0
     """
 
     topic: str = ""
@@ -63,6 +67,7 @@ class Channel:
     type: str = ""
     column: str = ""
     part: str = ""
+    turned_by: str = ""
     unit: str = ""
     positive: str = ""
     scale: float = 1.0
@@ -74,8 +79,14 @@ class Channel:
     valid: str = ""
     valid_values: tuple[float | str, ...] = ()
     invalid_bits: int = 0
+    invalid_values: tuple[float, ...] = ()
     sigma: float = math.nan
     zero_at_start: bool = False
+
+    @property
+    def is_component(self) -> bool:
+        """Whether its field is a component of a vector."""
+        return self.field[-2:] in (".x", ".y", ".z")
 
     def factor(self, quantity: str) -> float:
         """Return what turns a number of this channel into a `quantity` in SI units and the suite's sign."""
@@ -95,6 +106,8 @@ class Channel:
             return status in self.valid_values
         if isinstance(status, str):
             return status.lower() in ("true", "valid", "ok", "good", "yes", "a", "y", "t")
+        if not math.isfinite(status):
+            return False
         return not int(status) & self.invalid_bits if self.invalid_bits else status != 0.0
 
 
@@ -119,13 +132,27 @@ def read_channel(quantity: str, entry: Any, positive: str = "") -> Channel:
         given = values["valid_values"]
         listed = given if isinstance(given, list) else [given]
         values["valid_values"] = tuple(float(v) if isinstance(v, int | float) else str(v) for v in listed)
+    if "invalid_values" in values:
+        given = values["invalid_values"]
+        listed = given if isinstance(given, list) else [given]
+        values["invalid_values"] = tuple(as_kind(float, f"{quantity}: invalid_values", value) for value in listed)
     for known in fields(Channel):
         kind = {"str": str, "float": float, "bool": bool, "int": int}.get(str(known.type))
         if known.name in values and kind is not None:
             values[known.name] = as_kind(kind, f"{quantity}: {known.name}", values[known.name])
     channel = Channel(**values)
     _check(quantity, channel)
-    return channel
+    return with_standard_turn(channel, channel.type)
+
+
+def with_standard_turn(channel: Channel, kind: str) -> Channel:
+    """Return a `channel` of messages of a `kind`, with the turn by which the standard of that type has its field.
+
+    The twist of nav_msgs/Odometry is in `child_frame_id`, the body, and its pose turns that into `frame_id`.
+    """
+    if channel.turned_by or kind != "nav_msgs/msg/Odometry" or not channel.field.startswith("twist.twist.linear."):
+        return channel
+    return replace(channel, turned_by="pose.pose.orientation")
 
 
 def as_kind(kind: type, name: str, value: Any) -> Any:
@@ -168,6 +195,8 @@ def _check(quantity: str, channel: Channel) -> None:
         raise MapError(f"{quantity}: {name} needs valid: the column or field of the status")
     if channel.part and channel.part not in EULER_PARTS:
         raise MapError(f"{quantity}: part must be one of {', '.join(EULER_PARTS)}")
+    if channel.turned_by and (channel.column or not channel.is_component):
+        raise MapError(f"{quantity}: turned_by needs the field of a message that ends with .x, .y or .z")
 
 
 def refuse_unknown(where: str, entry: Mapping[str, object], known: Collection[str]) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +21,8 @@ from heave_devices.formats.nmea import NmeaDecoder
 from heave_devices.formats.nmea_sentences import UNSIGNED
 from heave_devices.formats.number_kinds import split_bit, wrap_of
 from heave_devices.formats.pattern import PatternDecoder
-from heave_devices.formats.registers import WRITABLE, register_of
-from heave_devices.formats.sample import Decoder
+from heave_devices.formats.registers import BIT_TABLES, WRITABLE, register_of
+from heave_devices.formats.sample import Decoder, Sample, TimeBase
 from heave_devices.formats.table import FORMATS, LINE
 from heave_devices.maps.channel import Channel, MapError, as_kind, placed, read_channel, refuse_unknown
 from heave_devices.maps.command_map import CommandMap, read_command, read_layout
@@ -105,12 +105,15 @@ class DeviceMap:
     def counter_wrap(self) -> float:
         """Time after which the counter of `device_time` begins again [s]; infinity: never."""
         channel = self.channels["device_time"]
-        name, kind = self.bit_of(channel.field)[0], ""
-        if self.link is not None and self.link.kind == "modbus":
-            kind = register_of(channel.field).kind
-        elif self.layout is not None:
-            kind = self.layout.fields[name]
+        kind = self.kind_of(channel.field)
         return wrap_of(kind) * channel.factor("device_time") if kind else math.inf
+
+    def kind_of(self, field_name: str) -> str:
+        """Return the kind of number that the field `field_name` holds; "": not known."""
+        if self.link is not None and self.link.kind == "modbus":
+            register = register_of(field_name)
+            return "" if register.table in BIT_TABLES else register.kind
+        return "" if self.layout is None else self.layout.fields[self.bit_of(field_name)[0]]
 
     @property
     def has_names(self) -> bool:
@@ -121,6 +124,16 @@ class DeviceMap:
     def is_polled(self) -> bool:
         """Whether it is asked for its values, as a PLC is."""
         return self.link is not None and self.link.is_polled
+
+    def own_time(self, sample: Sample) -> Sample:
+        """Return a `sample` with the time of the clock or counter that the map names, if it names one."""
+        channel = self.channels.get("device_time")
+        if channel is None:
+            return sample
+        raw = sample.values.get(channel.field, math.nan)
+        time = channel.factor("device_time") * raw + channel.offset
+        is_usable = abs(time) <= QUANTITIES["device_time"].largest
+        return replace(sample, time=time if is_usable else None, time_base=TimeBase.COUNTER)
 
     def bit_of(self, field_name: str) -> tuple[str, int | None]:
         """Return what the field `field_name` is called where it is read, and the bit of it; None: the whole number."""
@@ -235,7 +248,8 @@ def _check(device: DeviceMap) -> None:
                     f"{quantity} needs either a topic or a column, or the map a format: {', '.join(_FORMATS)}"
                 )
             with placed(quantity):
-                _ = [FieldPath(path) for path in (channel.field, channel.valid) if path and channel.topic]
+                paths = (channel.field, channel.valid, channel.turned_by)
+                _ = [FieldPath(path) for path in paths if path and channel.topic]
 
 
 def _check_live(device: DeviceMap) -> None:

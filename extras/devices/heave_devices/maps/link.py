@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from ipaddress import ip_address
 from typing import Any
 
 from heave_devices.maps.channel import MapError, as_kind, refuse_unknown
@@ -30,6 +31,7 @@ class Link:
     unit : of Modbus, unit identifier
     word_order : of Modbus, `big`: the most significant word of a number comes first, or `little`
     period : of a polled link, wall time between two readings [s]
+    sender : of udp, address of the one host that is heard; "": any
     """
 
     kind: str
@@ -38,6 +40,7 @@ class Link:
     unit: int = 1
     word_order: str = "big"
     period: float = 0.02
+    sender: str = ""
 
     def __str__(self) -> str:
         if self.kind == "opcua":
@@ -67,13 +70,14 @@ def read_link(where: str, entry: Any) -> Link | None:
         return Link("serial", as_kind(str, f"{where}: serial", entry["serial"]), baud)
     if kind == "opcua":
         return _opcua(where, entry)
-    refuse_unknown(where, entry, (kind,) if kind != "modbus" else (kind, "unit", "word_order", "period"))
+    more = {"modbus": ("unit", "word_order", "period"), "udp": ("from",)}.get(kind, ())
+    refuse_unknown(where, entry, (kind, *more))
     host, _, port = str(entry[kind]).rpartition(":")
     if not (port.isascii() and port.isdigit() and 1 <= int(port) <= 65535):
         raise MapError(f"{where}: {kind} = {entry[kind]!r} must be PORT, of this machine alone, or HOST:PORT")
     place, number = host or LOOPBACK, int(port)
     if kind != "modbus":
-        return Link(kind, place, number)
+        return Link(kind, place, number, sender=_address(where, entry))
     order = entry.get("word_order", "big")
     if order not in ("big", "little"):
         raise MapError(f"{where}: word_order = {order!r} must be big or little")
@@ -89,6 +93,14 @@ def _opcua(where: str, entry: Any) -> Link:
             f"{where}: opcua = {entry['opcua']!r} must be an endpoint such as opc.tcp://127.0.0.1:4840/winch"
         )
     return Link("opcua", str(entry["opcua"]), int(found["port"]), period=_period(where, entry))
+
+
+def _address(where: str, entry: Any) -> str:
+    text = as_kind(str, f"{where}: from", entry.get("from", ""))
+    try:
+        return str(ip_address(text)) if text else ""
+    except ValueError:
+        raise MapError(f"{where}: from = {text!r} must be the address of a host, such as 192.168.1.20") from None
 
 
 def _whole(where: str, value: Any, lowest: int, highest: int) -> int:

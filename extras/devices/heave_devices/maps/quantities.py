@@ -28,6 +28,11 @@ class Quantity:
     largest: float
     ways: Mapping[str, float] = field(default_factory=dict)
 
+    @property
+    def is_measured(self) -> bool:
+        """Whether it is a measurement, of which an end of its number's range stands for none: no count, state, time."""
+        return self.dimension not in ("number", "time")
+
 
 _UP = {"up": 1.0, "down": -1.0}
 _ROLL = {"starboard down": 1.0, "port up": 1.0, "port down": -1.0, "starboard up": -1.0}
@@ -53,7 +58,7 @@ QUANTITIES: Mapping[str, Quantity] = {
     "brake": Quantity("number", 1e9),
     "fault": Quantity("number", 1e9),
     "watchdog": Quantity("number", 1e19),
-    "device_time": Quantity("time", 1e11),
+    "device_time": Quantity("time", 2.0**31),
     "slew": Quantity("angle", 7.0, _TURN),
     "luff": Quantity("angle", 3.2, _UP),
     "knuckle": Quantity("angle", 3.2, _UP),

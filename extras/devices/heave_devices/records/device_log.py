@@ -66,18 +66,21 @@ def device_signals(source: Path, device: DeviceMap, wanted: Sequence[str], findi
 
 def _read(data: bytes, device: DeviceMap, decoder: Decoder) -> _Record:
     """Read a whole log."""
-    record, clock = _Record(), DeviceTime()
-    is_text = device.format == LINE or FORMATS[device.format].is_text
-    pieces = data.splitlines() if is_text else [data[at : at + _PIECE] for at in range(0, len(data), _PIECE)]
+    record = _Record()
+    clock = DeviceTime(device.counter_wrap) if "device_time" in device.channels else DeviceTime()
+    is_text = device.format == LINE or (device.layout is None and FORMATS[device.format].is_text)
+    size = _PIECE if device.layout is None else device.layout.size
+    pieces = data.splitlines() if is_text else [data[at : at + size] for at in range(0, len(data), size)]
     for number, piece in enumerate(pieces):
         samples = decoder.feed(piece + b"\n" if is_text else piece)
+        samples += decoder.end() if device.layout is not None else []
         stamp = ""
         if samples and is_text and device.format != LINE:
             text = piece.decode("latin-1")
             found = list(_START.finditer(text.replace(":", " ") if device.format == "nmea" else text))
             stamp = text[: found[-1].start()].strip(" ,;\t") if found else ""
         for sample in samples:
-            own = clock.nanoseconds(sample)
+            own = clock.nanoseconds(device.own_time(sample))
             record.samples.append(sample)
             record.lines.append(number)
             record.stamps.append(stamp)
@@ -87,7 +90,7 @@ def _read(data: bytes, device: DeviceMap, decoder: Decoder) -> _Record:
 
 def _has(device: DeviceMap, channel: Channel, sample: Sample) -> bool:
     """Return whether a sample is of the sentence of a channel."""
-    return device.format == LINE or channel.field.partition(".")[0] == sample.kind
+    return device.has_names or channel.field.partition(".")[0] == sample.kind
 
 
 def _signal(
@@ -95,7 +98,7 @@ def _signal(
 ) -> Signal:
     channel = device.channels[name]
     time = _times(source, device, record, places, findings)
-    field_name = channel.field if device.format == LINE else channel.field.partition(".")[2]
+    field_name = channel.field if device.has_names else channel.field.partition(".")[2]
     value = np.full(len(places), np.nan)
     invalid = 0
     for row, place in enumerate(places):
@@ -113,7 +116,7 @@ def _signal(
 def _is_valid(device: DeviceMap, channel: Channel, sample: Sample) -> bool:
     if not channel.valid:
         return True
-    name = channel.valid if device.format == LINE else channel.valid.partition(".")[2]
+    name = channel.valid if device.has_names else channel.valid.partition(".")[2]
     status = sample.values.get(name, sample.words.get(name))
     return status is not None and channel.is_valid(status)
 

@@ -11,6 +11,7 @@ from heave_node.files.plausible import PLAUSIBLE, question
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
+from heave_devices.formats.fill_values import is_fill
 from heave_devices.records.ship_time import time_words
 from heave_devices.records.stretches import LONGEST_BRIDGE
 
@@ -117,9 +118,9 @@ def _without(name: str, signal: Signal, fill: NDArray[np.bool_], findings: Findi
 
 
 def _is_mark(value: float) -> bool:
-    """Return whether a value stands for none by custom: nines alone, an end of whole numbers of 16 bits, or huge."""
+    """Return whether a value stands for none by custom: nines alone, one of `fill_values`, or huge."""
     digits = f"{abs(value):.6g}".replace(".", "")
-    return abs(value) >= 1e19 or value in (-32768.0, 32767.0, 65535.0) or (len(digits) > 1 and set(digits) == {"9"})
+    return abs(value) >= 1e19 or is_fill(value) or (len(digits) > 1 and set(digits) == {"9"})
 
 
 def without_standstill(name: str, signal: Signal, findings: Findings) -> Signal:

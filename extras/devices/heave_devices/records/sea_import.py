@@ -19,11 +19,11 @@ from heave_bags.mcap.reader import TIME, Bag
 from heave_bags.signals import Signal, integrated
 from heave_node.files.plausible import PLAUSIBLE, question, refusal, sea_question
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.kinematics import euler_part
+from heave_node.numerics.kinematics import euler_part, turned
 from heave_node.numerics.spectral_estimate import RecordTooShortError, height_and_period
 from scipy.interpolate import CubicSpline
 
-from heave_devices.maps.channel import Channel
+from heave_devices.maps.channel import Channel, with_standard_turn
 from heave_devices.records.device_log import device_signals
 from heave_devices.records.sample_checks import Findings, is_valid, without_fill, without_marks, without_standstill
 from heave_devices.records.sea_mapping import MOTIONS, SeaMapping, mapping_for_topic
@@ -167,15 +167,19 @@ def _bag_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[
     for name, channel in mapping.channels.items():
         if not channel.topic:
             raise BagError(f"{source}: {name} names a column, but this is a bag: name a topic")
+    channels = {
+        name: with_standard_turn(channel, bag.topics[bag.resolve(channel.topic)].type)
+        for name, channel in mapping.channels.items()
+    }
     wanted: dict[str, set[str]] = {}
-    for channel in mapping.channels.values():
-        wanted.setdefault(channel.topic, set()).update({channel.field, *_validity_names(channel)})
+    for channel in channels.values():
+        wanted.setdefault(channel.topic, set()).update({*_fields(channel), *_validity_names(channel)})
     columns = bag.columns(wanted)
     findings.notes += [*bag.notes, *(str(loss) for loss in bag.losses)]
     signals = {}
-    for name, channel in mapping.channels.items():
+    for name, channel in channels.items():
         topic = columns[channel.topic]
-        names = [f"{channel.field}.{axis}" for axis in "xyzw"] if channel.part else [channel.field]
+        names = _columns(channel)
         valid = next((column for column in _validity_names(channel) if _is_status(topic.get(column))), "")
         missing = [column for column in names if column not in topic]
         if missing:
@@ -183,7 +187,10 @@ def _bag_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[
         if channel.valid and not valid:
             raise BagError(f"{source}: {name}: {channel.topic} has no field {channel.valid} that is a number or a flag")
         values = [np.asarray(topic[column], dtype=float) for column in names]
-        value = euler_part(channel.part, *values) if channel.part else values[0]
+        if len(values) == 7:
+            value = turned(values[:3], *values[3:])["xyz".index(channel.field[-1])]
+        else:
+            value = euler_part(channel.part, *values) if channel.part else values[0]
         if valid:
             status = np.asarray(topic[valid]).astype(np.int64)
             is_good = is_valid(status, channel.invalid_bits)
@@ -192,6 +199,22 @@ def _bag_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[
             value = findings.without_invalid(name, value, is_good, valid)
         signals[name] = Signal(topic[TIME], value)
     return signals
+
+
+def _fields(channel: Channel) -> tuple[str, ...]:
+    """Return the fields of a message that make up a channel: a number, a quaternion, or a vector and a quaternion."""
+    is_turned = channel.turned_by not in ("", "none")
+    return (channel.field[:-2], channel.turned_by) if is_turned else (channel.field,)
+
+
+def _columns(channel: Channel) -> list[str]:
+    """Return the columns of a bag that make up a channel, components in their order."""
+    if channel.part:
+        return [f"{channel.field}.{axis}" for axis in "xyzw"]
+    if channel.turned_by in ("", "none"):
+        return [channel.field]
+    vector = [f"{channel.field[:-1]}{axis}" for axis in "xyz"]
+    return vector + [f"{channel.turned_by}.{axis}" for axis in "xyzw"]
 
 
 def _is_status(values: object) -> bool:
@@ -229,7 +252,7 @@ def _log_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[
 def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findings: Findings) -> Signal:
     """Return the usable samples of a channel, in metres or radians, in order of time."""
     channel = mapping.channels[name]
-    good = np.isfinite(signal.value) & np.isfinite(signal.time)
+    good = np.isfinite(signal.value) & np.isfinite(signal.time) & ~np.isin(signal.value, channel.invalid_values)
     numbers = without_marks(name, Signal(signal.time[good], signal.value[good]), findings)
     time, value = numbers.time, channel.factor(name) * numbers.value + channel.offset
     later = np.ones(time.size, dtype=bool)

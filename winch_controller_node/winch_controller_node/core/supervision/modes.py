@@ -20,6 +20,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from heave_node.interface.codes import REQUESTED, WinchFault, fault_words
+from heave_node.winch.fault_latch import is_automatic
 
 from winch_controller_node.core.estimation.loop_estimation import BACK_TIME
 from winch_controller_node.parameters.laws import ModeParameters
@@ -252,7 +253,7 @@ NO_FAULT = Guard(
 )
 NEW_FAULT = Guard("a new fault", lambda view: view.situation.winch_fault != view.known_fault)
 NOT_FOR_WANT_OF_COMMANDS = Guard(
-    "the fault is not a command timeout", lambda view: view.situation.winch_fault != WinchFault.COMMAND_TIMEOUT
+    "the fault is not a command timeout", lambda view: not is_automatic(view.situation.winch_fault)
 )
 SENSORS_WELL = Guard("sensors good", lambda view: view.lost_time == 0.0, lambda view: view.situation.lost)
 GATES_OPEN = Guard(

@@ -5,8 +5,10 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Protocol
 
+from heave_devices.adapt.links import failure_words
 from heave_devices.formats.sample import Sample
 from heave_devices.maps.link import Link
 
@@ -52,12 +54,14 @@ class PolledLink:
     Attributes
     ----------
     reads, writes, refusals, opened : counted so far
+    failures, failed : what nobody foresaw, counted, and the last of it in words
     unsent_since : monotonic time of the oldest order that has not reached the PLC [s]; None: all have
     """
 
     def __init__(self, link: Link, exchange: Exchange, on_sample: Callable[[Sample], None]) -> None:
         self.link = link
-        self.reads = self.writes = self.refusals = self.opened = 0
+        self.reads = self.writes = self.refusals = self.opened = self.failures = 0
+        self.failed = ""
         self.unsent_since: float | None = None
         self._exchange = exchange
         self._on_sample = on_sample
@@ -100,7 +104,12 @@ class PolledLink:
                 self._try("write", self._write)
             except (LinkLostError, RefusedError) as error:
                 self._problems = {"read": str(error), "write": ""}
-            self._exchange.close()
+            except Exception as error:
+                self.failures += 1
+                self.failed = failure_words(error)
+                self._problems = {"read": self.failed, "write": ""}
+            with suppress(Exception):  # a session that is gone cannot be ended
+                self._exchange.close()
             with self._changed:
                 self._changed.wait_for(lambda: self._is_ended, REOPEN_PERIOD)
 
