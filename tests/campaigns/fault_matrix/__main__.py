@@ -2,7 +2,7 @@
 
     python -m tests.campaigns.fault_matrix --cases 1000 --seed 20261201 --workers 2
     python -m tests.campaigns.fault_matrix --cases 200 --only "encoder freeze"
-    python -m tests.campaigns.fault_matrix --print runs/fault_matrix/20261201-0123456789ab.jsonl --page
+    python -m tests.campaigns.fault_matrix --print runs/fault_matrix/20261201-0123456789ab.jsonl
 
 Drawn are: a kind of fault of a device (sensors, winch, orders on their way to the drive, clocks, nodes that end or
 stall, an adviser that lies), its size and length; the moment at which it begins (standby, entry, compensating, a move,
@@ -39,6 +39,7 @@ from tests.campaigns.fault_matrix.cases import Cell, cell
 from tests.campaigns.fault_matrix.faults import KINDS
 from tests.campaigns.fault_matrix.figures import BARS, COLUMNS, GROUPS, Ran, broken, kept, line, rows_by, worst
 from tests.campaigns.fault_matrix.moments import MOMENTS
+from tests.campaigns.fault_matrix.page import add
 from tests.campaigns.fault_matrix.run import Outcome, outcome_of, run_cells
 from tests.campaigns.journal import ROOT, JournalError, JournalFile, sources_digest
 
@@ -64,6 +65,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 130
     ran = [(one, _outcome(journal, one)) for one in wanted if journal.entries.get(one.index, ("",))[0] == one.words]
     sys.stdout.write(report(ran) + "\n")
+    if options.results:
+        add(options.results, journal.heading, ran)
     return 1 if broken(ran) else 0
 
 
@@ -138,6 +141,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--fresh", action="store_true", help="begin the journal anew")
     parser.add_argument("--print", type=Path, metavar="FILE", help="run nothing: print the figures of this journal")
+    parser.add_argument("--results", type=Path, metavar="FILE", help="add the results to this file, see `page`")
     return parser
 
 

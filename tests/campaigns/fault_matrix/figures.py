@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from tests.campaigns.fault_matrix.cases import Cell
 from tests.campaigns.fault_matrix.run import Outcome
 
 Ran = tuple[Cell, Outcome]
+Case = TypeVar("Case")
 
 LARGEST_UNIT = 1.3
 """Largest motion of the unit over that of the locked one."""
@@ -55,7 +57,7 @@ BARS = (
 """The promise."""
 
 
-def kept(bar: Bar, ran: Iterable[Ran]) -> tuple[int, int]:
+def kept(bar: Bar, ran: Iterable[tuple[Any, Outcome]]) -> tuple[int, int]:
     """Return how many cases keep a `bar`, of how many that are asked."""
     asked = [found for _, found in ran if not found.failure and bar.counts(found)]
     return sum(map(bar.holds, asked)), len(asked)
@@ -107,14 +109,15 @@ def rows_by(group: str, ran: Sequence[Ran]) -> list[list[str]]:
     of: dict[str, list[Ran]] = {}
     for one in ran:
         of.setdefault(GROUPS[group](one[0]), []).append(one)
-    return [[name, *_cells(of[name])] for name in sorted(of)]
+    return [[name, *cells_of(of[name])] for name in sorted(of)]
 
 
 COLUMNS = ("cases", "envelope", "travel", "unit", "named", "not blamed", "alarm, s", "rest, s", "largest")
 """Columns of a table of the matrix, after the first."""
 
 
-def _cells(ran: Sequence[Ran]) -> list[str]:
+def cells_of(ran: Sequence[Any]) -> list[str]:
+    """Return what cases came to, each with its outcome, by `COLUMNS`."""
     sound = [found for _, found in ran if not found.failure]
     shares = [f"{good}/{asked}" if asked else "" for good, asked in (kept(bar, ran) for bar in BARS)]
     largest = [_largest(found.travel for found in sound), _largest(found.unit for found in sound)]
@@ -133,7 +136,7 @@ def times_of(times: Sequence[float]) -> str:
     return f"{np.median(finite):.2g}, {max(finite):.3g}" if finite else "-"
 
 
-def worst(ran: Sequence[Ran], count: int = 10) -> list[Ran]:
+def worst(ran: Sequence[tuple[Case, Outcome]], count: int = 10) -> list[tuple[Case, Outcome]]:
     """Return the `count` cases that are furthest beyond the bars, the worst first."""
     return sorted((one for one in ran if breaches(one[1])), key=lambda one: -badness(one[1]))[:count]
 
