@@ -151,23 +151,32 @@ def travel_ratio(time: Array, payout: Array, tip: Array, asked: Asked, begin: fl
     return float(np.max(beyond(time, payout, asked, begin)[since] / (largest + MARGIN), initial=0.0))
 
 
-def envelope_ratio(time: Array, payout: Array, rate: Array, tip: Array, asked: Asked, begin: float) -> float:
+def envelope_ratio(time: Array, payout: Array, planned: Array, tip: Array, asked: Asked, begin: float) -> float:
     """Return the largest rate or travel of the drum from `begin` [s] on, over the bounds of the envelope.
 
+    Parameters
+    ----------
+    time, payout, tip : of each tick [s], [m], heave of the boom tip [m]; shapes (n,)
+    planned : mean payout that was asked for until `begin` [m], shape (n,)
+    asked : since then
+    begin : of the fault [s]
+
     Bounds go by rate and heave of the boom tip in the last minute, wider while a minute is not full. The travel is that
-    about the asked motion, with a leak of a minute.
+    about the asked motion, with a leak of a minute. How much of a move the drum has made is not known: anything from
+    none of it to all.
     """
-    period = _period(time)
+    period, since = _period(time), time >= begin
     count = round(MINUTE / period)
     wider = 2.0 - np.minimum(time / MINUTE, 1.0)
     speed = rolling_largest(np.abs(np.gradient(tip, period)), count)
     heave = rolling_largest(np.abs(tip - np.mean(tip)), count)
-    moves = np.where((time >= begin) & (time - begin < abs(asked.distance) / max(asked.speed, 1e-9)), asked.speed, 0.0)
+    rate = np.gradient(payout, period)
+    lasts = abs(asked.distance) / max(asked.speed, 1e-9)
+    moves = np.where(since & (time - begin < lasts), asked.speed, 0.0)
     over = np.abs(rate) / (RATE * wider * speed + RATE_MARGIN + moves)
-    since = time >= begin
-    # how much of a move the drum has made is not known here: anything from none of it to all
-    still = leaky(np.where(since, rate, 0.0), period)
-    moved = leaky(np.where(since, rate - math.copysign(1.0, asked.distance) * moves, 0.0), period)
+    before = np.where(since, 0.0, np.gradient(planned, period))
+    still = leaky(rate - before, period)
+    moved = leaky(rate - before - math.copysign(1.0, asked.distance) * moves, period)
     out = np.where(np.sign(still) != np.sign(moved), 0.0, np.minimum(np.abs(still), np.abs(moved)))
     travel = out / (TRAVEL * wider * heave + MARGIN + asked.travel)
     return float(max(np.max(over[since]), np.max(travel[since])))

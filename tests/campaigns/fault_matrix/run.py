@@ -191,7 +191,7 @@ def judged(
         }.get(kind.shows),
         rest=rest,
         travel=travel_ratio(time, payout, tip, asked, begin, begin + rest),
-        envelope=envelope_ratio(time, payout, rate, tip, asked, begin),
+        envelope=envelope_ratio(time, payout, record.column("depth_set_point"), tip, asked, begin),
         unit=math.nan
         if stands
         else unit_ratio(
