@@ -16,12 +16,13 @@ from tests.campaigns.draws.chance import Chance
 from tests.campaigns.draws.deviation import nominal
 from tests.campaigns.draws.figures import broken, figures_of, table
 from tests.campaigns.draws.findings import findings_of, warnings_of
-from tests.campaigns.draws.journal import Heading, Journal, JournalError
+from tests.campaigns.draws.journal import Heading, Journal
 from tests.campaigns.draws.lifts import SAFETY, STRAINS
 from tests.campaigns.draws.operations import OPERATIONS
 from tests.campaigns.draws.run import Outcome, counted, judged, run_case
 from tests.campaigns.draws.seas import highest, sea_of
 from tests.campaigns.draws.table import DEVIATIONS
+from tests.campaigns.journal import JournalError
 
 DAY = 20300101
 TICK = 0.05

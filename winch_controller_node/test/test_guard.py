@@ -372,6 +372,15 @@ def test_a_reason_that_is_certain_keeps_compensation_off_for_the_hold_time_after
     assert not guard.inhibits and guard.alarm is None
 
 
+def test_a_reason_may_have_a_hold_time_of_its_own():
+    guard = make_guard()
+    guard.inhibit(ALARMS.alarm("COMMANDS_CUT", time=0.5), hold=5.0)
+    feed_guard(guard, 0.0, 0.5, 4.9, authority=0.0)
+    assert guard.inhibits
+    feed_guard(guard, 0.0, 0.5, 0.2, authority=0.0)
+    assert not guard.inhibits, "not the 30 s of harm"
+
+
 @pytest.mark.parametrize("allow", [HarmGuard.allow_catch_up, HarmGuard.allow_resumption])
 def test_the_drum_is_not_checked_while_the_law_catches_up(allow):
     guard = make_guard()

@@ -335,3 +335,16 @@ def test_a_unit_that_is_hauled_up_hangs_again_and_one_whose_tension_is_held_has_
     landing, _ = weighed([0.0] * 200)
     landing.forget_weight()
     assert landing.hangs
+
+
+@pytest.mark.parametrize("was_unloaded", [False, True])
+@pytest.mark.parametrize("mean", [0.55, 0.65])
+def test_a_mean_that_is_no_farther_from_the_limit_than_it_may_err_changes_nothing(mean, was_unloaded):
+    """Waves of half the weight: sigma 0.35, of which a mean errs by 0.3, about 0.1; the limit is 0.6 of the weight."""
+    landing, _ = weighed([0.0 if was_unloaded else 1.0] * 200)
+    assert landing.hangs is not was_unloaded
+    tension = MeanTension(tick_period=DT)
+    for time in np.arange(0.0, 60.0, DT):
+        tension.add(10e3 + 50e3 * (mean + 0.5 * math.sin(2.0 * math.pi / 8.0 * time)), 1.0, unit_stands=False)
+        landing.weigh(tension.mean, 0.0)
+    assert landing.hangs is not was_unloaded

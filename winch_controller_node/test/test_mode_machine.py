@@ -262,6 +262,19 @@ def test_a_fault_that_was_there_at_the_start_does_not_stop_a_winch_in_standby_an
     assert run(modes, 0.1, situation(winch_fault=WinchFault.INVALID_COMMAND))[-1].mode is Mode.STOPPED
 
 
+@pytest.mark.parametrize("is_requested", [False, True], ids=["there at the start", "there when asked for"])
+def test_a_known_fault_that_was_cleared_is_a_new_one_when_it_comes_back(is_requested):
+    modes = machine()
+    fault = situation(winch_fault=WinchFault.DRIVE, has_estimate=False)
+    if is_requested:
+        run(modes, 0.1, situation(has_estimate=False))
+        run(modes, 0.1, fault)
+        modes.request("standby")
+    assert run(modes, 0.5, fault)[-1].mode is Mode.STANDBY
+    run(modes, 0.1, situation(has_estimate=False))
+    assert run(modes, 0.1, fault)[-1].mode is Mode.STOPPED
+
+
 def test_a_fault_that_lasts_after_the_brake_was_released_stops_what_moves():
     """Commands take time: a fault that was known may be reported for two seconds more."""
     modes = machine()

@@ -36,8 +36,9 @@ from heave_bags.record.provenance import git_commit
 from tests.campaigns.draws.ablation import ALL
 from tests.campaigns.draws.cases import KINDS, draw
 from tests.campaigns.draws.figures import Drawn, as_values, broken, comparison, figures_of, line, table, worst_first
-from tests.campaigns.draws.journal import ROOT, Heading, Journal, JournalError, sources_digest
+from tests.campaigns.draws.journal import Heading, Journal, sources_digest
 from tests.campaigns.draws.workers import Task, run_tasks
+from tests.campaigns.journal import ROOT, JournalError
 
 FOLDER = Path("runs") / "draws"
 """Folder of journals."""

@@ -57,25 +57,25 @@ LEARNING = {
 REFLEXES = {
     "encoder reflex": lambda: [
         Switch(
-            "supervision.watch.encoder_reflex:EncoderReflex.look",
-            _gives(import_module(f"{PACKAGE}.supervision.watch.encoder_reflex").Act.NOTHING),
+            "core.supervision.watch.encoder_reflex:EncoderReflex.look",
+            _gives(import_module(f"{PACKAGE}.core.supervision.watch.encoder_reflex").Act.NOTHING),
         )
     ],
-    "exclusion after jumps": lambda: [Switch("estimation.observation:Observer._exclude_first", _gives(None))],
-    "sensor noise": lambda: [Switch("estimation.sensor_noise:SensorNoise.add", _gives(None))],
-    "share by the drum": lambda: [Switch("supervision.watch.winch_watch:CAUTIOUS", 1.0)],
-    "share by the sea": lambda: [Switch("supervision.supervisor:CAUTIOUS", 1.0)],
-    "share by the limits": lambda: [Switch("supervision.guard:HarmGuard.authority_limit", _gives(1.0))],
+    "exclusion after jumps": lambda: [Switch("core.estimation.observation:Observer._exclude_first", _gives(None))],
+    "sensor noise": lambda: [Switch("core.estimation.sensor_noise:SensorNoise.add", _gives(None))],
+    "share by the drum": lambda: [Switch("core.supervision.watch.winch_watch:CAUTIOUS", 1.0)],
+    "share by the sea": lambda: [Switch("core.supervision.supervisor:CAUTIOUS", 1.0)],
+    "share by the limits": lambda: [Switch("core.supervision.guard:HarmGuard.authority_limit", _gives(1.0))],
 }
 """Reflexes of the core within a tick."""
 
 CHECKS = {
-    "gates": lambda: [Switch("supervision.supervisor:Supervisor._closed_gates", _gives(""))],
-    "drum check": lambda: [Switch("supervision.guard_checks:DrumCheck.harm", _nothing())],
-    "swing check": lambda: [Switch("supervision.guard_checks:UnitCheck.harm_to_swing", _nothing())],
-    "depth check": lambda: [Switch("supervision.guard_checks:UnitCheck.harm_by_depth", _nothing())],
-    "mismatch check": lambda: [Switch("supervision.guard_checks:UnitCheck.mismatch", _nothing())],
-    "waves check": lambda: [Switch("supervision.guard:WaveComparison.harm", _gives(None))],
+    "gates": lambda: [Switch("core.supervision.supervisor:Supervisor._closed_gates", _gives(""))],
+    "drum check": lambda: [Switch("core.supervision.guard_checks:DrumCheck.harm", _nothing())],
+    "swing check": lambda: [Switch("core.supervision.guard_checks:UnitCheck.harm_to_swing", _nothing())],
+    "depth check": lambda: [Switch("core.supervision.guard_checks:UnitCheck.harm_by_depth", _nothing())],
+    "mismatch check": lambda: [Switch("core.supervision.guard_checks:UnitCheck.mismatch", _nothing())],
+    "waves check": lambda: [Switch("core.supervision.guard:WaveComparison.harm", _gives(None))],
     "guard": lambda: [
         switch
         for name in ("drum check", "swing check", "depth check", "mismatch check", "waves check")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -11,25 +9,16 @@ from typing import Any
 
 from tests.campaigns.draws.cases import Case, draw
 from tests.campaigns.draws.run import Outcome
+from tests.campaigns.journal import JournalError, JournalFile
+from tests.campaigns.journal import sources_digest as digest_of
 
-ROOT = Path(__file__).parents[3]
-PACKAGES = ("node_base", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "bringup/heave_bringup")
 DRAWING = ("chance", "deviation", "table", "seas", "operations", "lifts", "cases", "findings", "run")
-"""Places of the code that an outcome depends on: packages, and files beside this one."""
-
-
-class JournalError(ValueError):
-    """A journal that is of another campaign, or cannot be read; the message says which, in one line."""
+"""Files beside this one that an outcome depends on, besides the packages."""
 
 
 def sources_digest() -> str:
     """Return a digest of the code, by which two commits with changes are distinguished."""
-    digest = hashlib.sha256()
-    paths = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
-    for path in [*paths, *(Path(__file__).with_name(f"{name}.py") for name in DRAWING)]:
-        if "test" not in path.parts:
-            digest.update(path.read_bytes())
-    return digest.hexdigest()[:12]
+    return digest_of(Path(__file__).with_name(f"{name}.py") for name in DRAWING)
 
 
 @dataclass(frozen=True)
@@ -83,27 +72,13 @@ class Journal:
     """
 
     def __init__(self, path: Path, heading: Heading | None = None) -> None:
-        self._path = path
+        self._file = JournalFile(path, None if heading is None else asdict(heading))
         self.outcomes: dict[int, Outcome] = {}
-        if heading is not None and not path.exists():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(json.dumps(asdict(heading)) + "\n", encoding="utf-8")
         try:
-            first, *lines = path.read_text(encoding="utf-8").splitlines()
-            self.heading = Heading(**json.loads(first))
-        except (OSError, ValueError, TypeError) as error:
+            self.heading = Heading(**self._file.heading)
+        except TypeError as error:
             raise JournalError(f"{path}: no journal of draws: {error}") from error
-        # a commit is only a name for the sources: it changes when they are committed
-        if heading is not None and _without_commit(heading) != _without_commit(self.heading):
-            raise JournalError(f"{path}: is of {self.heading}, not of {heading}; name another with --journal")
-        for line in lines:
-            if not line:
-                continue
-            try:
-                values = json.loads(line)
-            except ValueError:  # it was being written when the campaign was ended
-                continue
-            index, words = int(values.pop("index")), values.pop("words", "")
+        for index, (words, values) in self._file.entries.items():
             # by another table another case is drawn
             if words == draw(*self.heading.draws, index).words:
                 self.outcomes[index] = _outcome(values)
@@ -111,13 +86,7 @@ class Journal:
     def add(self, case: Case, outcome: Outcome) -> None:
         """Write down what a `case` came to."""
         self.outcomes[case.index] = outcome
-        with self._path.open("a", encoding="utf-8") as file:
-            # a line of its own, also after one that was not finished
-            file.write("\n" + json.dumps({"index": case.index, "words": case.words, **asdict(outcome)}) + "\n")
-
-
-def _without_commit(heading: Heading) -> dict[str, object]:
-    return {name: value for name, value in asdict(heading).items() if name != "commit"}
+        self._file.add(case.index, case.words, asdict(outcome))
 
 
 def _outcome(values: Mapping[str, Any]) -> Outcome:

@@ -1,0 +1,231 @@
+"""How a run with a fault is judged: from its rows, by functions that know nothing of the loop."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from heave_node.interface.alarm import Severity
+from heave_node.kpi import WORSE_FLOOR
+from heave_node.numerics.arrays import Array
+
+from tests.campaigns.draws.findings import NO_BLAME, PARTS, blamed_by
+from tests.campaigns.fault_matrix.moments import Asked
+
+MINUTE = 60.0
+"""Time over which heave and motion are compared [s]."""
+
+MARGIN = 0.3
+"""Travel of the drum beyond the heave of a minute [m]."""
+
+RATE, RATE_MARGIN, TRAVEL = 1.5, 0.25, 1.5
+"""Envelope: times the largest rate of the boom tip in a minute, plus [m/s]; times its largest heave, plus `MARGIN`."""
+
+SETTLED = 10.0
+"""Time after the beginning of a fault from which on the unit's motion counts [s]."""
+
+STILL, LASTING = 1e-3, 5.0
+"""A drum at rest is slower [m/s], with the brake on, for so long [s]."""
+
+SHOWN = 0.1
+"""Way of the drum, made or ordered, that shows a fault of what moves it [m]."""
+
+HELD = 3.0
+"""Time under the brake that shows one of the brake [s]."""
+
+NAMES = {
+    "DEPTH_MRU_DISAGREE": ("depth", "mru"),
+    "PAYOUT_DEPTH_DISAGREE": ("encoder", "depth"),
+    "WINCH_OR_ENCODER_REVERSED": ("winch", "encoder"),
+    "WINCH_OR_ENCODER_SCALE": ("winch", "encoder"),
+    "DRUM_SPEED_OFF": ("winch", "encoder"),
+    "WINCH_INVALID_COMMAND": ("orders",),
+    "AUTHORITY_LIMITED_BY_WINCH": (),
+    "WINCH_SATURATED": (),
+}
+"""Parts that an alarm names, where its row says fewer, or the part is not at fault."""
+
+ALSO = ("winch", "adviser", "velocity", "imu", "loop", "network")
+"""Parts that an alarm above an event names, and that are no blame by themselves."""
+
+
+@dataclass(frozen=True)
+class Raised:
+    """An alarm of a run.
+
+    Attributes
+    ----------
+    time : [s]
+    code, part, severity : of its row
+    text : what it says
+    """
+
+    time: float
+    code: str
+    part: str
+    severity: Severity
+    text: str = ""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parts of which it names one."""
+        if self.code in NAMES:
+            return NAMES[self.code]
+        if self.code == "WINCH_MODEL_UPDATED":
+            return blamed_by(self, noise=True)  # type: ignore[arg-type]
+        if self.severity is Severity.EVENT or self.code in NO_BLAME or self.part not in (*PARTS, *ALSO):
+            return ()
+        return (self.part,)
+
+
+def named_after(alarms: Sequence[Raised], parts: Sequence[str], begin: float) -> float:
+    """Return how long after `begin` [s] the first alarm came that names one of the `parts` [s]; infinite: none did."""
+    times = [one.time - begin for one in alarms if one.time >= begin and set(one.names) & set(parts)]
+    return min(times, default=math.inf)
+
+
+def blamed(alarms: Sequence[Raised], parts: Sequence[str], begin: float) -> list[Raised]:
+    """Return the alarms after `begin` [s] that name none of the `parts`, but others: those are healthy."""
+    found = [one for one in alarms if one.time >= begin and not set(one.names) & set(parts)]
+    return [one for one in found if set(one.names) & {*PARTS, "winch", "velocity", "imu"}]
+
+
+def rolling_range(values: Array, count: int) -> Array:
+    """Return largest less least of the last `count` values, or of those there are, at each."""
+    padded = np.concatenate([np.full(count - 1, values[0]), values])
+    windows = np.lib.stride_tricks.sliding_window_view(padded, count)
+    found: Array = windows.max(axis=1) - windows.min(axis=1)
+    return found
+
+
+def rolling_largest(values: Array, count: int) -> Array:
+    """Return the largest of the last `count` values, or of those there are, at each."""
+    padded = np.concatenate([np.full(count - 1, values[0]), values])
+    found: Array = np.lib.stride_tricks.sliding_window_view(padded, count).max(axis=1)
+    return found
+
+
+def rest_after(time: Array, rate: Array, brake: Array, begin: float) -> float:
+    """Return how long after `begin` [s] the drum is at rest under its brake and stays so for `LASTING` [s].
+
+    Parameters
+    ----------
+    time, rate, brake : of each tick [s], [m/s], the brake is on; shapes (n,)
+    begin : of the fault [s]
+
+    0: it was at rest already; infinite: it never is.
+    """
+    still = (np.abs(rate) < STILL) & np.asarray(brake, dtype=bool) & (time >= begin)
+    moves = np.flatnonzero(~still)
+    starts = np.concatenate([[-1], moves]) + 1
+    ends = np.concatenate([moves, [time.size]])
+    period = _period(time)
+    for start, end in zip(starts, ends, strict=True):
+        if (end - start) * period >= LASTING:
+            return max(float(time[start]) - begin, 0.0)
+    return math.inf
+
+
+def beyond(time: Array, payout: Array, asked: Asked, begin: float) -> Array:
+    """Return how far the drum is from where it was at `begin`, beyond what was asked of it since, at each tick [m]."""
+    since = np.maximum(time - begin, 0.0)
+    way = np.minimum(asked.speed * since, abs(asked.distance))
+    moved = payout - payout[np.searchsorted(time, begin)]
+    low, high = (0.0, way) if asked.distance >= 0.0 else (-way, 0.0)
+    out = np.maximum(np.maximum(moved - high, low - moved) - asked.travel, 0.0)
+    found: Array = np.where(time >= begin, out, 0.0)
+    return found
+
+
+def travel_ratio(time: Array, payout: Array, tip: Array, asked: Asked, begin: float, end: float) -> float:
+    """Return the travel of the drum from `begin` to `end` [s] over the heave of the rolling minute and 0.3 m.
+
+    Heave is largest less least height of the boom tip in a minute; of all minutes that end since `begin` the largest
+    counts, for the drum may still have to come back from it.
+    """
+    heave = rolling_range(tip, round(MINUTE / _period(time)))
+    since = (time >= begin) & (time <= end)
+    largest = np.maximum.accumulate(heave[since])
+    return float(np.max(beyond(time, payout, asked, begin)[since] / (largest + MARGIN), initial=0.0))
+
+
+def envelope_ratio(time: Array, payout: Array, planned: Array, tip: Array, asked: Asked, begin: float) -> float:
+    """Return the largest rate or travel of the drum from `begin` [s] on, over the bounds of the envelope.
+
+    Parameters
+    ----------
+    time, payout, tip : of each tick [s], [m], heave of the boom tip [m]; shapes (n,)
+    planned : mean payout that was asked for until `begin` [m], shape (n,)
+    asked : since then
+    begin : of the fault [s]
+
+    Bounds go by rate and heave of the boom tip in the last minute, wider while a minute is not full. The travel is that
+    about the asked motion, with a leak of a minute. How much of a move the drum has made is not known: anything from
+    none of it to all.
+    """
+    period, since = _period(time), time >= begin
+    count = round(MINUTE / period)
+    wider = 2.0 - np.minimum(time / MINUTE, 1.0)
+    speed = rolling_largest(np.abs(np.gradient(tip, period)), count)
+    heave = rolling_largest(np.abs(tip - np.mean(tip)), count)
+    rate = np.gradient(payout, period)
+    lasts = abs(asked.distance) / max(asked.speed, 1e-9)
+    moves = np.where(since & (time - begin < lasts), asked.speed, 0.0)
+    over = np.abs(rate) / (RATE * wider * speed + RATE_MARGIN + moves)
+    before = np.where(since, 0.0, np.gradient(planned, period))
+    still = leaky(rate - before, period)
+    moved = leaky(rate - before - math.copysign(1.0, asked.distance) * moves, period)
+    out = np.where(np.sign(still) != np.sign(moved), 0.0, np.minimum(np.abs(still), np.abs(moved)))
+    travel = out / (TRAVEL * wider * heave + MARGIN + asked.travel)
+    return float(max(np.max(over[since]), np.max(travel[since])))
+
+
+def leaky(rate: Array, period: float, tau: float = MINUTE) -> Array:
+    """Return the integral of a `rate` [m/s] sampled each `period` [s], that forgets with a time constant `tau` [s]."""
+    decay = math.exp(-period / tau)
+    total, found = 0.0, np.empty_like(rate)
+    for place, one in enumerate(rate):
+        total = decay * total + one * period
+        found[place] = total
+    return found
+
+
+def unit_ratio(time: Array, unit: Array, off: Array, begin: float) -> float:
+    """Return the largest standard deviation of the `unit` from 10 s after `begin` on, over that with a locked winch.
+
+    Parameters
+    ----------
+    time, unit, off : of each tick [s], heave of the unit and of the locked one [m], shapes (n,)
+    begin : of the fault [s]
+
+    The unit is taken over minutes that end each second, or over what there is since; the locked one over the whole
+    minute. NaN: there are less than 5 s.
+    """
+    period = _period(time)
+    first = int(np.searchsorted(time, begin + SETTLED))
+    count, least = round(MINUTE / period), round(5.0 / period)
+    if time.size - first < least:
+        return math.nan
+    ends = range(min(first + count, time.size), time.size + 1, max(1, round(1.0 / period)))
+    ratios = []
+    for end in ends:
+        start = max(first, end - count)
+        ratios.append(np.std(unit[start:end]) / max(float(np.std(off[max(0, end - count) : end])), WORSE_FLOOR))
+    return float(max(ratios))
+
+
+def path_of(time: Array, rate: Array, ordered: Array, begin: float, end: float) -> float:
+    """Return the way that the drum made, or was to make, from `begin` to `end` [s], the larger one [m]."""
+    during = (time >= begin) & (time <= end)
+    return float(max(np.sum(np.abs(rate[during])), np.sum(np.abs(ordered[during])))) * _period(time)
+
+
+def held_for(time: Array, brake: Array, begin: float, end: float) -> float:
+    """Return how long the brake was on from `begin` to `end` [s]."""
+    return float(np.sum(np.asarray(brake, dtype=bool)[(time >= begin) & (time <= end)])) * _period(time)
+
+
+def _period(time: Array) -> float:
+    return float(time[1] - time[0])

@@ -1,0 +1,150 @@
+"""The page of the matrix, made of its results: `python -m tests.campaigns.fault_matrix.page > docs/fault_matrix.md`.
+
+Results stand in `docs/fault_matrix.json`, a table for each campaign: `python -m tests.campaigns.fault_matrix --print
+JOURNAL --results docs/fault_matrix.json` adds one, or takes the place of that of the same commit and seed.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tests.campaigns.fault_matrix.cases import Cell
+from tests.campaigns.fault_matrix.figures import BARS, COLUMNS, GROUPS, Ran, breaches, cells_of, kept, worst
+from tests.campaigns.fault_matrix.run import Outcome
+from tests.campaigns.journal import ROOT
+
+RESULTS = ROOT / "docs" / "fault_matrix.json"
+
+NUMBERS = ("named", "rest", "travel", "envelope", "unit", "tension", "slack", "rate")
+"""Figures of a case in its row, after the values of `GROUPS`."""
+
+HEAD = """# Every fault in every mode
+
+Each fault kind of each device begins at each moment of a lift, with and without something that is other than assumed:
+what do the drum, the unit and the alarms do? This page is made of `docs/fault_matrix.json` by
+`python -m tests.campaigns.fault_matrix.page > docs/fault_matrix.md`.
+
+| word | meaning |
+| --- | --- |
+| envelope | drum: rate at most 1.5 times the boom tip's of the minute + 0.25 m/s, travel 1.5 times its heave + 0.3 m |
+| travel | of the drum from the fault until rest, beyond what was asked, at most heave of the rolling minute + 0.3 m |
+| unit | its motion from 10 s after the fault on is at most 1.3 times that with a locked winch |
+| named | of the faults that show: an alarm names the part |
+| not blamed | no alarm names a healthy part |
+| alarm, rest | time from the fault: median, largest |
+| largest | travel and unit over what is allowed and over the locked one |
+
+A fault that shows nothing (a reversed drive while the brake holds) need not be named. Not drawn, for they need more
+than one process: a network, a PLC, a recorder.
+"""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A case as its row has it, laid out like one that has just been run.
+
+    Attributes
+    ----------
+    groups : its values of `GROUPS`
+    words : the case, in words, where it broke a bar
+    """
+
+    groups: Mapping[str, str]
+    words: str
+
+
+def row_of(one: Cell, found: Outcome) -> list[Any]:
+    """Return a case as a row of the results; numbers to three digits, what is infinite or none as null."""
+    numbers = [_number(getattr(found, name)) for name in NUMBERS]
+    words = one.words if breaches(found) else ""
+    return [
+        *(group(one) for group in GROUPS.values()),
+        *numbers,
+        found.is_visible,
+        list(found.wrong),
+        list(found.alarms[:6]),
+        words,
+        found.failure,
+    ]
+
+
+def _number(value: float) -> float | str | None:
+    if math.isnan(value):
+        return None
+    return "inf" if math.isinf(value) else float(f"{value:.3g}")
+
+
+def shown_of(row: Sequence[Any]) -> tuple[Shown, Outcome]:
+    """Return a case of a row of the results."""
+    names = dict(zip(GROUPS, row, strict=False))
+    numbers: dict[str, Any] = {
+        name: float("nan" if value is None else value) for name, value in zip(NUMBERS, row[len(GROUPS) :], strict=False)
+    }
+    visible, wrong, alarms, words, failure = row[len(GROUPS) + len(NUMBERS) :]
+    found = Outcome(**numbers, is_visible=visible, wrong=tuple(wrong), alarms=tuple(alarms), failure=failure)
+    return Shown(names, words), found
+
+
+def add(path: Path, heading: Mapping[str, Any], ran: Sequence[Ran]) -> None:
+    """Add the results of a campaign to those at a `path`, or take the place of those of its commit and seed."""
+    others = json.loads(path.read_text(encoding="utf-8")) if path.exists() else []
+    key = {name: heading[name] for name in ("commit", "seed")}
+    command = f"python -m tests.campaigns.fault_matrix --cases {len(ran)} --seed {heading['seed']}"
+    rows = [row_of(*one) for one in ran]
+    new = {**key, "command": command, "columns": [*GROUPS, *NUMBERS, "shows", "blamed", "alarms", "case", "failure"]}
+    kept_ones = [one for one in others if {name: one[name] for name in key} != key]
+    lines = [
+        json.dumps(one | {"rows": 0}).replace(
+            '"rows": 0', '"rows": [\n' + ",\n".join(map(json.dumps, one["rows"])) + "]"
+        )
+        for one in [*kept_ones, new | {"rows": rows}]
+    ]
+    path.write_text("[\n" + ",\n".join(lines) + "\n]\n", encoding="utf-8")
+
+
+def page(campaigns: Sequence[Mapping[str, Any]]) -> str:
+    """Return the page as Markdown; the newest commit in full, those before by their bars."""
+    newest = [one for one in campaigns if one["commit"] == campaigns[-1]["commit"]]
+    shown = [shown_of(row) for one in newest for row in one["rows"]]
+    lines = [HEAD, "## Bars", ""]
+    lines += _table(
+        ["commit", "seed", "cases", *(f"{bar.name} ({100 * bar.share:g} %)" for bar in BARS)], map(_bars, campaigns)
+    )
+    lines += ["", *(f"`{one['command']}`\n" for one in newest)]
+    for group in GROUPS:
+        values = sorted({one.groups[group] for one, _ in shown})
+        rows = [[value, *cells_of([case for case in shown if case[0].groups[group] == value])] for value in values]
+        lines += [f"## By {group}", "", *_table([group, *COLUMNS], rows), ""]
+    lines += ["## The worst", ""]
+    for one, found in worst(shown):
+        lines += [f"- {one.words}: **{'; '.join(breaches(found))}**. {', '.join(found.alarms) or 'No alarm'}"]
+    return "\n".join([*lines, ""])
+
+
+def _bars(campaign: Mapping[str, Any]) -> list[str]:
+    shown = [shown_of(row) for row in campaign["rows"]]
+    shares = [
+        f"{good} of {asked}, {100.0 * good / max(asked, 1):.1f} %" for good, asked in (kept(bar, shown) for bar in BARS)
+    ]
+    return [campaign["commit"][:10], str(campaign["seed"]), str(len(shown)), *shares]
+
+
+def _table(head: Sequence[str], rows: Any) -> list[str]:
+    return [f"| {' | '.join(row)} |" for row in [head, ["---"] * len(head), *rows]]
+
+
+def times(campaigns: Sequence[Mapping[str, Any]], holds: Callable[[str], bool]) -> list[tuple[float, float]]:
+    """Return time to the alarm and to rest [s] of the cases of the newest commit whose fault `holds`."""
+    newest = [one for one in campaigns if one["commit"] == campaigns[-1]["commit"]]
+    shown = [shown_of(row) for one in newest for row in one["rows"]]
+    return [(found.named, found.rest) for one, found in shown if holds(one.groups["fault"]) and found.is_visible]
+
+
+if __name__ == "__main__":
+    sys.stdout.write(page(json.loads(RESULTS.read_text(encoding="utf-8"))))

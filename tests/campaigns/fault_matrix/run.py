@@ -1,0 +1,214 @@
+"""Cases are run: a loop goes to its moment once, and each fault begins in a copy of it, which is a fork."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import signal
+import time as clock
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import groupby
+
+import numpy as np
+from heave_bringup.closed_loop import LoopRecord
+from heave_node.interface.alarm import Alarm
+
+from tests.campaigns.draws.chance import Chance
+from tests.campaigns.draws.findings import DRUM, ENCODER
+from tests.campaigns.draws.run import heave_of
+from tests.campaigns.fault_matrix.cases import Cell
+from tests.campaigns.fault_matrix.faults import ALWAYS, MOVING, RESTING
+from tests.campaigns.fault_matrix.judge import (
+    HELD,
+    SHOWN,
+    Raised,
+    blamed,
+    envelope_ratio,
+    held_for,
+    named_after,
+    path_of,
+    rest_after,
+    travel_ratio,
+    unit_ratio,
+)
+from tests.campaigns.fault_matrix.moments import LANDINGS, Asked, Session
+
+AFTER = 75.0
+"""Time that is watched from the beginning of a fault on [s]."""
+
+LIMIT = 300
+"""Longest time that a case may take [s]."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a case came to.
+
+    Attributes
+    ----------
+    named : time to the alarm that names the part at fault [s]; infinite: none did
+    is_visible : the fault showed; None: it does not from inside
+    rest : time to the drum at rest under its brake [s]; infinite: it goes on
+    travel : of the drum until then, over the heave of the rolling minute and 0.3 m
+    envelope : rate or travel over the bounds of the envelope
+    unit : motion of the unit from 10 s after the fault over that of the locked one; NaN: on the bottom, or too short
+    tension, slack : largest tension over that of the locked one, least one over static
+    rate : largest of the drum [m/s]
+    wrong : alarms that blame a healthy part
+    alarms : the first ones, time after the fault [s] and code
+    modes : that were taken after the fault
+    failure : why the case could not be run; empty: it could
+    seconds : of processor time that it took
+    """
+
+    named: float = math.inf
+    is_visible: bool | None = None
+    rest: float = math.inf
+    travel: float = math.nan
+    envelope: float = math.nan
+    unit: float = math.nan
+    tension: float = math.nan
+    slack: float = math.nan
+    rate: float = math.nan
+    wrong: tuple[str, ...] = ()
+    alarms: tuple[str, ...] = ()
+    modes: tuple[str, ...] = ()
+    failure: str = ""
+    seconds: float = 0.0
+
+
+def outcome_of(values: dict[str, object]) -> Outcome:
+    """Return an outcome from what JSON has of it."""
+    return Outcome(**{name: tuple(one) if isinstance(one, list) else one for name, one in values.items()})  # type: ignore[arg-type]
+
+
+def run_cells(cells: Sequence[Cell], after: float = AFTER) -> Iterator[tuple[Cell, Outcome]]:
+    """Run `cells`, each for a time `after` its fault begins [s]; those of one loop, in a row, share it."""
+    for _, branches in groupby(cells, key=lambda one: one.base.number):
+        yield from _run_loop(list(branches), after)
+
+
+def _run_loop(cells: Sequence[Cell], after: float) -> Iterator[tuple[Cell, Outcome]]:
+    base = cells[0].base
+    try:
+        session = Session(base.case.load(duration=1000.0))
+        is_reached = base.of.reach(session, Chance("moment", base.case.day, base.number))
+        failure = "" if is_reached else f"the moment does not come: {session.mode} at {session.time:.0f} s"
+    except Exception as error:  # one loop that cannot be run must not end the others; it stands in the matrix
+        failure = _words(error)
+    for one in cells:
+        yield one, Outcome(failure=failure) if failure else _forked(one, session, after)
+
+
+def _forked(one: Cell, session: Session, after: float) -> Outcome:
+    """Return what a case comes to in a copy of the `session`."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        status = 1
+        try:
+            os.close(reading)
+            signal.signal(signal.SIGALRM, signal.SIG_DFL)
+            signal.alarm(LIMIT)
+            with os.fdopen(writing, "w") as file:
+                json.dump(asdict(_branch(one, session, after)), file)
+            status = 0
+        finally:
+            os._exit(status)
+    os.close(writing)
+    with os.fdopen(reading) as file:
+        text = file.read()
+    _, status = os.waitpid(child, 0)
+    if status or not text:
+        return Outcome(failure=f"ended with status {os.waitstatus_to_exitcode(status)} and no answer")
+    return outcome_of(json.loads(text))
+
+
+def _branch(one: Cell, session: Session, after: float) -> Outcome:
+    began = clock.process_time()
+    try:
+        session.go(one.offset)
+        begin = session.time
+        session.wires.begin(one.fault)
+        session.asked = session.asked.after(one.offset)
+        session.go(after)
+    except Exception as error:  # see `_run_loop`
+        return Outcome(failure=_words(error))
+    cable = session.scenario.parameters["cable_sim"].cable
+    found = judged(
+        one,
+        session.record,
+        np.array(session.brake),
+        np.array(session.ordered),
+        session.asked,
+        begin,
+        cable.axial_stiffness,
+    )
+    return replace(found, seconds=clock.process_time() - began)
+
+
+def _words(error: Exception) -> str:
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"
+
+
+def judged(
+    one: Cell,
+    record: LoopRecord,
+    brake: np.ndarray,
+    ordered: np.ndarray,
+    asked: Asked,
+    begin: float,
+    stiffness: float = math.inf,
+) -> Outcome:
+    """Return what the `record` of a case came to.
+
+    Parameters
+    ----------
+    one, record : the case and what it left
+    brake, ordered : at each tick: the brake is on; rate that the drive was sent [m/s], NaN: to brake; shapes (ticks,)
+    asked : motion of the drum that was asked for
+    begin : of the fault [s]
+    stiffness : EA of the cable [N]
+    """
+    kind, time = one.fault.kind, record.column("time")
+    payout, rate, tip = record.column("payout"), record.column("payout_rate"), record.column("boom_tip")
+    rest, end = rest_after(time, rate, brake, begin), begin + (one.fault.duration or math.inf)
+    alarms = [raised(at, alarm) for at, alarm in record.alarms]
+    allowed = (*kind.parts, *one.base.case.parts)
+    since = time >= begin
+    tension, locked = record.column("largest_top_tension"), record.column("uncompensated_largest_tension")
+    counts_otherwise = bool({ENCODER, DRUM} & set(one.base.case.parts))
+    stands = one.base.of.scenarios is LANDINGS
+    modes = record.modes[int(np.argmax(since)) :]
+    return Outcome(
+        named=named_after(alarms, kind.parts, begin),
+        is_visible={
+            ALWAYS: True,
+            MOVING: path_of(time, rate, np.nan_to_num(ordered), begin, end) > SHOWN,
+            RESTING: held_for(time, np.isnan(ordered), begin, end) > HELD,
+        }.get(kind.shows),
+        rest=rest,
+        travel=travel_ratio(time, payout, tip, asked, begin, begin + rest),
+        envelope=envelope_ratio(time, payout, record.column("depth_set_point"), tip, asked, begin),
+        unit=math.nan
+        if stands
+        else unit_ratio(
+            time,
+            heave_of(record, stiffness, counts_otherwise=counts_otherwise),
+            record.column("uncompensated"),
+            begin,
+        ),
+        tension=float(np.max(tension[since]) / np.max(locked)),
+        slack=float(np.min(record.column("top_tension")[since]) / np.mean(record.column("uncompensated_tension"))),
+        rate=float(np.max(np.abs(rate[since]))),
+        wrong=tuple(dict.fromkeys(one.code for one in blamed(alarms, allowed, begin))),
+        alarms=tuple(f"{one.time - begin:.2f} {one.code}" for one in alarms if one.time >= begin)[:12],
+        modes=tuple(mode for mode, _ in groupby(modes)),
+    )
+
+
+def raised(time: float, alarm: Alarm) -> Raised:
+    """Return an `alarm` of a record as it is judged."""
+    return Raised(time, alarm.code, alarm.row.part, alarm.severity, alarm.text)

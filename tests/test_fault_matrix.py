@@ -1,0 +1,221 @@
+"""Every fault in every mode: how a run is judged, what is drawn, and 64 cases of it."""
+
+import json
+import math
+from dataclasses import asdict
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from cable_sim_node.winch.command_line import WinchCommand
+from heave_node.interface.alarm import Severity
+from heave_node.interface.fault_kinds import FAULTS, faults_of
+from heave_node.interface.sensors import MruReading
+from winch_controller_node.interface.readings import Measurements, Outputs, ScalarReading, WinchReading
+
+from tests.campaigns.fault_matrix.cases import BRANCHES, cell
+from tests.campaigns.fault_matrix.faults import BY_NAME, KINDS, Fault
+from tests.campaigns.fault_matrix.figures import BARS, breaches, broken, kept, worst
+from tests.campaigns.fault_matrix.judge import (
+    MARGIN,
+    RATE,
+    RATE_MARGIN,
+    TRAVEL,
+    Raised,
+    beyond,
+    blamed,
+    envelope_ratio,
+    leaky,
+    named_after,
+    rest_after,
+    rolling_largest,
+    rolling_range,
+    travel_ratio,
+    unit_ratio,
+)
+from tests.campaigns.fault_matrix.moments import MOMENTS, Asked
+from tests.campaigns.fault_matrix.run import Outcome, outcome_of
+from tests.campaigns.fault_matrix.wires import Wires
+
+PERIOD = 0.05
+TIME = np.arange(0.0, 200.0, PERIOD)
+OMEGA = 2.0 * math.pi / 10.0
+BEGIN = 100.0
+
+
+def raised(time, code, part, severity=Severity.HIGH):
+    return Raised(time, code, part, severity)
+
+
+def test_an_alarm_names_its_part_and_one_that_names_two_names_either():
+    alarms = [
+        raised(90.0, "MRU_STALE", "mru"),
+        raised(103.0, "MODE_CHANGED", "mode", Severity.EVENT),
+        raised(104.0, "DEPTH_MRU_DISAGREE", "sensors"),
+        raised(107.0, "ENCODER_FROZEN", "encoder"),
+    ]
+    assert named_after(alarms, ("mru",), BEGIN) == 4.0
+    assert named_after(alarms, ("encoder",), BEGIN) == 7.0
+    assert named_after(alarms, ("load_cell",), BEGIN) == math.inf
+    assert [one.code for one in blamed(alarms, ("mru",), BEGIN)] == ["ENCODER_FROZEN"]
+    assert [one.code for one in blamed(alarms, ("encoder",), BEGIN)] == ["DEPTH_MRU_DISAGREE"]
+
+
+def test_the_drum_is_at_rest_from_when_on_it_stands_under_its_brake_for_five_seconds():
+    rate = np.where(TIME < 103.0 - 1e-9, 0.2, 0.0)
+    brake = (TIME >= 104.0 - 1e-9) | (np.abs(TIME - 101.0) < 0.5)
+    assert rest_after(TIME, rate, brake, BEGIN) == pytest.approx(4.0)
+    slips = (TIME > 108.0) & (TIME < 110.0)
+    assert rest_after(TIME, np.where(slips, 0.05, rate), brake, BEGIN) == pytest.approx(10.0)
+    assert rest_after(TIME, rate, brake, 120.0) == 0.0
+    assert rest_after(TIME, rate, np.zeros_like(brake), BEGIN) == math.inf
+
+
+def test_heave_of_the_minute_is_largest_less_least_of_what_there_is():
+    values = np.array([0.0, 1.0, -2.0, 0.0, 0.5, 0.5])
+    np.testing.assert_array_equal(rolling_range(values, 3), [0.0, 1.0, 3.0, 3.0, 2.5, 0.5])
+    np.testing.assert_array_equal(rolling_largest(values, 3), [0.0, 1.0, 1.0, 1.0, 0.5, 0.5])
+
+
+def test_a_drum_that_follows_the_sea_travels_no_more_than_the_heave_and_one_that_runs_on_does():
+    tip = np.sin(OMEGA * TIME)
+    assert travel_ratio(TIME, tip, tip, Asked(), BEGIN, math.inf) == pytest.approx(1.0 / (2.0 + MARGIN), abs=1e-3)
+    runs = tip + np.where(TIME > BEGIN, 0.5 * (TIME - BEGIN), 0.0)
+    # the heave is 2 m; after 20 s the drum is 10 m away, at a zero of the wave
+    assert travel_ratio(TIME, runs, tip, Asked(), BEGIN, 120.0) == pytest.approx(10.0 / 2.3, abs=0.02)
+    assert travel_ratio(TIME, runs, tip, Asked(), BEGIN, BEGIN) == 0.0
+
+
+def test_what_was_asked_is_no_travel_and_no_more_of_it_than_had_time():
+    payout = np.clip(0.2 * (TIME - BEGIN), 0.0, 4.0)
+    assert np.max(beyond(TIME, payout, Asked(4.0, 0.2), BEGIN)) == pytest.approx(0.0, abs=1e-9)
+    assert np.max(beyond(TIME, payout, Asked(3.0, 0.2), BEGIN)) == pytest.approx(1.0)
+    assert np.max(beyond(TIME, payout, Asked(3.0, 0.2, travel=0.4), BEGIN)) == pytest.approx(0.6)
+    assert np.max(beyond(TIME, payout, Asked(4.0, 0.1), BEGIN)) == pytest.approx(2.0)
+    assert np.max(beyond(TIME, payout, Asked(-4.0, 0.2), BEGIN)) == pytest.approx(4.0)
+    assert Asked(-4.0, 0.2).after(5.0) == Asked(-3.0, 0.2)
+    assert Asked(4.0, 0.2).after(50.0).distance == 0.0
+
+
+def test_the_envelope_is_that_of_rate_and_heave_of_the_minute():
+    tip, none = np.sin(OMEGA * TIME), np.zeros_like(TIME)
+    # it follows the sea twice over: 2 m about the mean over 1.5 m + 0.3 m; the leak of a minute takes some per cent
+    over = envelope_ratio(TIME, 2.0 * tip, none, tip, Asked(), BEGIN)
+    assert over == pytest.approx(2.0 / (TRAVEL + MARGIN), rel=0.05)
+    steps = np.where(TIME > 110.0, 0.15, 0.0)  # 0.15 m in a tick is 1.5 m/s over the two ticks of a central difference
+    over = envelope_ratio(TIME, steps, none, 0.1 * tip, Asked(), BEGIN)
+    assert over == pytest.approx(1.5 / (RATE * 0.1 * OMEGA + RATE_MARGIN), rel=1e-2)
+    moves, still = np.clip(0.4 * (TIME - BEGIN), 0.0, 8.0), 0.001 * tip
+    assert envelope_ratio(TIME, moves, none, still, Asked(8.0, 0.4), BEGIN) < 1.0
+    assert envelope_ratio(TIME, none, none, still, Asked(8.0, 0.4), BEGIN) < 1.0, "a fault may end a move"
+    assert envelope_ratio(TIME, moves, none, still, Asked(), BEGIN) > 10.0
+    before = np.clip(0.4 * (TIME - 70.0), 0.0, 8.0)
+    assert envelope_ratio(TIME, before + tip, before, tip, Asked(), BEGIN) < 0.6
+
+
+def test_an_integral_that_leaks_forgets_with_its_time_constant():
+    rate = np.zeros(2000)
+    rate[0] = 1.0 / PERIOD
+    forgets = leaky(rate, PERIOD, tau=10.0)
+    assert forgets[0] == 1.0
+    assert forgets[200] == pytest.approx(math.exp(-1.0))
+
+
+def test_the_unit_counts_from_ten_seconds_after_the_fault_on():
+    off = np.sin(OMEGA * TIME)
+    unit = np.where((TIME > BEGIN) & (TIME < BEGIN + 10.0), 5.0, 0.0) * off
+    assert unit_ratio(TIME, unit, off, BEGIN) == 0.0
+    unit = np.where(TIME > BEGIN + 10.0, 1.3, 0.0) * off
+    assert unit_ratio(TIME, unit, off, BEGIN) == pytest.approx(1.3, rel=1e-2)
+    short = TIME < BEGIN + 20.0
+    assert unit_ratio(TIME[short], unit[short], off[short], BEGIN) == pytest.approx(1.3, rel=2e-2)
+    assert math.isnan(unit_ratio(TIME[short], unit[short], off[short], BEGIN + 6.0))
+
+
+class Ends:
+    """What stands at both ends of the wires, and notes what comes through."""
+
+    def __init__(self):
+        self.given, self.sent, self.left_out = [], [], []
+        self.controller = SimpleNamespace(step=self._control, leave_out=self.left_out.append)
+        self.winch = SimpleNamespace(step=self._drive)
+        self.adviser, self.tick = None, 1
+        self.wires = Wires(self, PERIOD)
+
+    def _control(self, tick, measurements):
+        self.given.append(measurements)
+        return Outputs(None, "", 0.0, 0.0, None)
+
+    def _drive(self, tick, command, tension):
+        self.sent.append(command)
+
+    def go(self, ticks, rate=0.5):
+        for _ in range(ticks):
+            time = self.tick * PERIOD
+            reading = {"depth": (ScalarReading(time, 100.0),)}
+            winch = WinchReading(time, 0.0, 0.0, brake=False)
+            self.controller.step(self.tick, Measurements((MruReading(time, 0.1, 0.2),), reading, winch))
+            self.winch.step(self.tick, WinchCommand(self.tick, 0.0, rate), 1e5)
+            self.tick += 1
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "rates"),
+    [
+        ("orders factor", 3.0, [0.5, 1.5, 1.5, 0.5]),
+        ("orders reversed", 0.0, [0.5, -0.5, -0.5, 0.5]),
+        ("node winch_controller", 0.0, [0.5, None, None, 0.5]),
+    ],
+)
+def test_orders_are_spoilt_on_their_way_for_as_long_as_the_fault_lasts(name, size, rates):
+    ends = Ends()
+    ends.go(1)
+    ends.wires.begin(Fault(name, size, 2.0 * PERIOD))
+    ends.go(3)
+    assert [None if one is None else one.payout_rate for one in ends.sent] == rates
+
+
+def test_a_controller_that_stalls_predicts_what_it_slept_through_and_gets_all_that_was_measured():
+    ends = Ends()
+    ends.go(1)
+    ends.wires.begin(Fault("node stalled", 0.0, 3.0 * PERIOD))
+    ends.go(4)
+    assert ends.left_out == [2, 3, 4]
+    assert [len(one.mru) for one in ends.given] == [1, 4]
+    assert [one.time for one in ends.given[1].of("depth")] == pytest.approx([0.1, 0.15, 0.2, 0.25])
+
+
+@pytest.mark.parametrize("sensor", ["mru", "depth", "winch"])
+def test_a_clock_that_is_off_moves_the_stamps_of_its_sensor_alone(sensor):
+    ends = Ends()
+    ends.wires.begin(Fault(f"clock {sensor}", 2.0))
+    ends.go(1)
+    (given,) = ends.given
+    stamps = {"mru": given.mru[0].time, "depth": given.of("depth")[0].time, "winch": given.winch.time}
+    assert stamps == {name: pytest.approx(PERIOD + 2.0 * (name == sensor)) for name in stamps}
+
+
+def test_all_kinds_of_all_devices_and_all_moments_are_drawn_alike():
+    for device, known in {"mru": "mru", "encoder": "encoder", "depth": "sensor", "winch": "winch"}.items():
+        assert {kind.kind for kind in KINDS if kind.device == device} == set(faults_of(known)) - {"clear"}
+    assert {kind for kind in FAULTS if kind != "clear"} <= {kind.kind for kind in KINDS}
+    cells = [cell(3, index) for index in range(len(KINDS))]
+    assert {one.fault.name for one in cells} == set(BY_NAME)
+    loops = [cell(3, BRANCHES * number).base.moment for number in range(len(MOMENTS))]
+    assert sorted(loops) == sorted(one.name for one in MOMENTS)
+    assert cell(3, 17) == cell(3, 17) != cell(4, 17)
+    for one in cells:
+        one.base.case.load(10.0)
+
+
+def test_what_all_cases_came_to_is_held_against_the_bars():
+    good = Outcome(named=0.1, is_visible=True, rest=2.0, travel=0.3, envelope=0.4, unit=1.0)
+    bad = Outcome(math.inf, True, math.inf, 1.2, 0.9, 1.4, 1.0, 0.5, 0.2, wrong=("DEPTH_STALE",))
+    hidden = Outcome(named=math.inf, is_visible=False, travel=0.0, envelope=0.0, unit=math.nan)
+    failed = Outcome(failure="ValueError: no")
+    ran = [(cell(1, place), one) for place, one in enumerate((good, bad, hidden, failed))]
+    assert [kept(bar, ran) for bar in BARS] == [(3, 3), (2, 3), (1, 2), (1, 2), (2, 3)]
+    assert breaches(bad) == ["travel 1.20", "unit 1.40", "not named", "blames DEPTH_STALE"]
+    assert len(broken(ran)) == 4
+    assert [found for _, found in worst(ran)] == [bad, failed]
+    assert outcome_of(json.loads(json.dumps(asdict(bad)))) == bad
