@@ -58,7 +58,8 @@ def _number(parameters: Mapping[str, Any], name: str, scale: float = 1.0) -> str
 
 def _law(record: RunRecord) -> str:
     controller = _of(record, "winch_controller")
-    law = str(controller.get("law", ""))
+    place, _, own = str(controller.get("law", "")).rpartition(":")  # of a law of one's own, which may be a file
+    law = f"{Path(place).name}:{own}" if place else own
     factor = controller.get("factor", 1.0)
     return f"{law}, factor {factor:g}" if law and isinstance(factor, int | float) and factor != 1.0 else law
 
