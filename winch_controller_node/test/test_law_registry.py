@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 from heave_node.parameters import ParameterError, build_parameters
-from winch_controller_node.component import WinchController
+from winch_controller_node.core.component import WinchController
 from winch_controller_node.design.wire import parameters_of, parameters_text
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.laws import registry
