@@ -335,6 +335,14 @@ def test_a_bag_names_the_parameters_that_were_changed_for_its_run(tmp_path):
     assert record.description == "What it is."
 
 
+def test_a_report_states_the_load_in_air_in_water_and_at_the_hook(shared_bag):
+    """Thesis 6.2.6: 50 kN in water, 54 N/m of cable in water, 900 m of it: 98.6 kN."""
+    (record,) = analysis.analyse([shared_bag])
+    rope = {"cable.diameter": 0.047, "cable.displaced_diameter": 0.045868, "cable.mass_per_length": 7.2}
+    record.parameters = {"cable_sim": {"unit.mass": 65000.0, "unit.volume": 58.4404, "length": 900.0, **rope}}
+    assert run_words.facts(record)["load"] == "65 t in air, 5.1 t in water, hook load 10.1 t"
+
+
 def test_a_recorded_sea_is_named_by_its_file(shared_bag):
     (record,) = analysis.analyse([shared_bag])
     for file, words in (("/data/sea.csv", "recorded: sea.csv"), ("", "recorded")):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import difflib
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
@@ -24,6 +25,7 @@ from heave_node.system_parameters import SYSTEM, owned_names, system_names
 from heave_studies.tables.case_table import files_of, scenario_of, split_reference
 from heave_studies.tables.kept_files import make_good
 from winch_controller_node.core.supervision.modes import Mode
+from winch_controller_node.node_parameters import load_chosen_law
 
 from heave_bringup.nodes import MASTER, NODE_BY_NAME, NODES
 from heave_bringup.settings import Setting, meant, near_places, parse_setting
@@ -31,6 +33,9 @@ from heave_bringup.settings import Setting, meant, near_places, parse_setting
 SCENARIO_FOLDER = "scenarios"
 NAMES_OF_FILES = ("rao_file", "spectrum_file", "recording_file")
 """Endings of the names of parameters that name a file which a run reads."""
+LAW = "law"
+"""Parameter of the controller that may name a law by its file and class."""
+_LAW_FILE = re.compile(r"(.+\.py)(:\w+)")
 QOS_OVERRIDES = "qos_overrides."
 """Parameters of ROS itself in a node's section: the node checks them when it makes its topics."""
 
@@ -178,7 +183,10 @@ def _of_sections(sections: Sections, path: Path, settings: Iterable[Setting | st
         folder = path.resolve().parent
         in_file = {node: {name: _found(one, folder) for name, one in of.items()} for node, of in in_file.items()}
         changes = [replace(one, value=_found(Given(one.value, one.name, one.source)).value) for one in changes]
-    return _checked(_stem(path), path, in_file, changes)
+    checked = _checked(_stem(path), path, in_file, changes)
+    if needs_files:  # it is going to run: a scenario that is only looked at, in a bag of others, loads no code
+        load_chosen_law(checked.parameters["winch_controller"])
+    return checked
 
 
 def _stem(path: Path) -> str:
@@ -215,13 +223,15 @@ def _found(given: Given, folder: Path | None = None) -> Given:
 
     Raises ParameterError for a file that is in neither place.
     """
-    if not (given.name.endswith(NAMES_OF_FILES) and isinstance(given.value, str) and given.value):
+    law = _LAW_FILE.fullmatch(str(given.value)) if given.name == LAW else None
+    if law is None and not (given.name.endswith(NAMES_OF_FILES) and isinstance(given.value, str) and given.value):
         return given
-    places = [Path(given.value)] if folder is None else [folder / given.value, Path(given.value)]
+    file, rest = (law[1], law[2]) if law else (str(given.value), "")
+    places = [Path(file)] if folder is None else [folder / file, Path(file)]
     path = next((place for place in places if place.is_file() or place.is_dir()), None)
     if path is None:
         raise ParameterError(f"{given.where}: {given.name} = {given.value!r}: no such file")
-    return replace(given, value=str(path.resolve()))
+    return replace(given, value=f"{path.resolve()}{rest}")
 
 
 def make_scenario(values: Mapping[str, Mapping[str, object]], *, settings: Iterable[Setting | str] = ()) -> Scenario:

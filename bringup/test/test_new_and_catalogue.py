@@ -46,9 +46,9 @@ def test_a_lift_of_ones_own_is_stated_on_the_command_line(here, capsys):
     lift = ["--mass", "6000", "--volume", "1.2", "--depth", "2000", "--hs", "2.2", "--tp", "9"]
     assert main(["new", "mine", *lift, "--title", 'Tree "A"']) == 0
     said = capsys.readouterr().out
-    assert "6000 kg in air, 4770 kg submerged; cable: 2000 m" in said, "6000 - 1025 x 1.2"
-    assert "criteria (wanted) are those of b3_deep_900: check them" in said
-    scenario, model = load_scenario("mine.yaml"), load_scenario("b3_deep_900")
+    assert "6 t in air, 4.77 t in water, displaces 1.2 m^3; rope: 2010 m" in said, "6000 - 1025 x 1.2"
+    assert "criteria (wanted) are those of unit_1500: check them" in said
+    scenario, model = load_scenario("mine.yaml"), load_scenario("unit_1500")
     plant, controller = scenario.parameters["cable_sim"], scenario.parameters["winch_controller"]
     assert (plant.unit.mass, plant.unit.volume, plant.length) == (6000.0, 1.2, 2000.0 + plant.boom_tip_height)
     assert controller.unit == plant.unit
@@ -60,25 +60,27 @@ def test_a_lift_of_ones_own_is_stated_on_the_command_line(here, capsys):
     assert plant.unit.added_mass == pytest.approx([scale * value for value in was.added_mass], rel=1e-5)
     assert plant.unit.drag_area == pytest.approx([scale ** (2 / 3) * value for value in was.drag_area], rel=1e-5)
     assert scenario.run.title == 'Tree "A"'
-    assert (
-        (here / "mine.yaml").read_text().startswith("# mine: made from b3_deep_900, with mass 6000 kg, volume 1.2 m^3")
-    )
+    assert (here / "mine.yaml").read_text().startswith("# mine: made from unit_1500, with mass 6000 kg, volume 1.2 m^3")
 
 
 def controller_sea(controller) -> tuple[float, float]:
     return controller.sea.significant_wave_height, controller.sea.peak_period
 
 
-def test_a_unit_of_another_mass_keeps_the_density_of_the_entry_and_no_strength_of_another(here):
+def test_a_unit_by_mass_and_density_has_the_shape_of_the_entry_and_no_strength_of_another(here):
     text = (
         "/**:\n  ros__parameters:\n    system: {unit: {mass: 9000.0, volume: 1.0, attachment_breaking_force: 1.0e+6}}\n"
     )
     (here / "model.yaml").write_text(text)
-    assert main(["new", "mine", "--like", "model.yaml", "--unit", "mas409_load", "--mass", "25200"]) == 0
+    assert (
+        main(["new", "mine", "--like", "model.yaml", "--unit", "mas409_load", "--mass", "25200", "--density", "6300"])
+        == 0
+    )
     unit = load_scenario("mine.yaml").parameters["cable_sim"].unit
     (entry,) = [one for one in entries("unit").values() if one.name == "mas409_load"]
     assert unit.mass == 2.0 * entry.values["mass"]
-    assert unit.volume == pytest.approx(2.0 * entry.values["volume"], rel=1e-5)
+    assert unit.volume == pytest.approx(4.0, rel=1e-5), "25200 / 6300"
+    assert unit.added_mass == pytest.approx([2.0 * value for value in entry.values["added_mass"]], rel=1e-5)
     assert unit.attachment_breaking_force == 0.0
 
 
@@ -129,8 +131,10 @@ def test_the_strength_of_a_wire_is_that_of_plant_and_belief_and_goes_with_the_wi
         ),
         (["new", "x", "--like", "b3_deep_90"], "did you mean b3_deep_900?"),
         (["new", "x", "--length", "-3"], "length"),
-        (["new", "x", "--mass", "600", "--volume", "3"], "heavier than the 3075 kg of water that it displaces"),
-        (["new", "x", "--mass", "-1"], "--mass -1: must be above 0"),
+        (["new", "x", "--mass", "600", "--volume", "3"], "the load floats, it displaces 3075 kg of water"),
+        (["new", "x", "--mass", "-1", "--volume", "1"], "--mass -1: must be above 0"),
+        (["new", "x", "--mass", "6000"], "its weight in water is not known; add --volume"),
+        (["new", "x", "--mass", "6000", "--volume", "1", "--density", "6000"], "either the --volume or the --density"),
         (["new", "x", "--volume", "nan"], "--volume nan: must be above 0"),
         (["new", "x", "--hs", "-2"], "significant_wave_height"),
         (["new", "x", "--depth", "300", "--length", "300"], "either the depth of the unit or the --length"),

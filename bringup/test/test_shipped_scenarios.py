@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
+import re
 import sys
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_bringup.cli import main
 from heave_bringup.nodes import NODES
 from heave_bringup.scenarios import Scenario, description_of, load_scenario, shipped_scenarios
+from heave_node.loads.payload import payload_words
+from heave_node.numerics.constants import STANDARD_GRAVITY
 from heave_node.parameters import describe, flatten
 from heave_node.scenario import read_sections
 from heave_node.system_parameters import SYSTEM, owned_names, system_names
@@ -141,6 +146,23 @@ def test_scenario_files_are_plain_ros_parameter_files() -> None:
 def test_description_is_the_first_line_of_the_file() -> None:
     path = Path(shipped_scenarios()["b2_calm_300"])
     assert description_of(path).startswith("B2 Calm-300")
+
+
+@pytest.mark.parametrize("name", sorted(shipped_scenarios()))
+def test_a_load_is_named_by_its_mass_in_air_and_its_weight_in_water_never_with_added_mass(name: str) -> None:
+    plant = scenario(name).parameters["cable_sim"]
+    words = description_of(shipped_scenarios()[name])
+    if re.search(r"\d t\b", words):
+        assert payload_words(plant.unit.mass, plant.unit.volume, plant.water_density) in words
+
+
+def test_the_list_says_load_and_rope_of_each_scenario(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list", "--json", "-"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert set(listed) == set(shipped_scenarios())
+    assert listed["b3_deep_900"]["mass_kg"] == 65_000.0
+    # thesis 6.2.6: 50 kN in water
+    assert listed["b3_deep_900"]["mass_in_water_kg"] * STANDARD_GRAVITY == pytest.approx(50_000.0, rel=1e-3)
 
 
 def test_parameter_sets_are_frozen() -> None:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch, WinchState
+from cable_sim_node.winch.drive import settings_of
 from cable_sim_node.winch.drive_parameters.electric import ElectricParameters
 from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
 from cable_sim_node.winch.parameters import EncoderParameters, WinchDriftParameters, WinchParameters
@@ -355,12 +356,17 @@ def test_ticks_left_out_run_with_the_last_command() -> None:
         some.step(5, None)
 
 
+def test_a_winch_that_is_made_weaker_stops_with_what_it_has_left() -> None:
+    weak = WinchParameters(acceleration_limit=0.5)
+    assert settings_of(weak).stop_deceleration == weak.deceleration == 0.5
+    assert WinchParameters(stop_deceleration=0.3).deceleration == 0.3
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         ({"payout_minimum": 3.0, "payout_maximum": 2.0}, "payout_minimum = 3 m must be below"),
         ({"payout_minimum": 1.0}, "payout 0, where the run starts, must be from payout_minimum = 1 m"),
-        ({"stop_deceleration": 2.0}, "stop_deceleration = 2 m/s"),
         (
             {"position_gain": 3.1},
             "position_gain = 3.1 1/s makes the drum swing about its set-point: with 2 m/s and 1.5",

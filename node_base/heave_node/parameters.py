@@ -17,6 +17,7 @@ import dataclasses
 import difflib
 import functools
 import math
+import re
 import typing
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -68,6 +69,7 @@ class ParameterInfo:
     choices : the strings that are allowed; () allows any
     length : number of elements of a list; None allows any
     is_live : may be changed while the node runs
+    also, also_words : regular expression of strings that are allowed beside the choices, and what they are; "": none
     """
 
     name: str
@@ -81,12 +83,14 @@ class ParameterInfo:
     choices: tuple[str, ...] = ()
     length: int | None = None
     is_live: bool = False
+    also: str = ""
+    also_words: str = ""
 
     def allowed(self) -> str:
         """Describe what values are allowed."""
         kind = {bool: "true or false", int: "a whole number", float: "a number", str: "a string"}[self.type]
         if self.choices:
-            kind = "one of " + ", ".join(self.choices)
+            kind = "one of " + ", ".join(self.choices) + (f"; or {self.also_words}" if self.also else "")
         elif self.minimum is not None and self.maximum is not None:
             kind += f" from {self.minimum:g} to {self.maximum:g}"
         elif self.minimum is not None:
@@ -132,7 +136,7 @@ class ParameterInfo:
         if not is_right_type or (isinstance(value, float) and not math.isfinite(value)):
             raise self._refusal(value, given)
         assert isinstance(value, bool | int | float | str)
-        if self.choices and value not in self.choices:
+        if self.choices and value not in self.choices and not (self.also and re.fullmatch(self.also, str(value))):
             raise self._refusal(value, given)
         if isinstance(value, int | float) and not self._in_range(value):
             raise self._refusal(value, given)
@@ -159,6 +163,8 @@ def parameter(
     choices: tuple[str, ...] = (),
     length: int | None = None,
     is_live: bool = False,
+    also: str = "",
+    also_words: str = "",
 ) -> Any:
     """Return a dataclass field that is one node parameter.
 
@@ -171,6 +177,7 @@ def parameter(
     choices : the strings that are allowed; () allows any
     length : number of elements of a list; None allows any
     is_live : may be changed while the node runs: by ROS's own service
+    also, also_words : regular expression of strings that are allowed beside the choices, and what they are; "": none
     """
     metadata = {
         "unit": unit,
@@ -180,6 +187,8 @@ def parameter(
         "choices": choices,
         "length": length,
         "is_live": is_live,
+        "also": also,
+        "also_words": also_words,
     }
     return dataclasses.field(default=default, metadata={"parameter": metadata})
 

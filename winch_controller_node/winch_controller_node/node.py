@@ -56,7 +56,7 @@ from winch_controller_node.interface.readings import Lateness, Measurements, Out
 from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.move_action import MoveAction
-from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.node_parameters import WinchControllerParameters, load_chosen_law
 from winch_controller_node.redesign import Redesign as DesignBeside
 
 ADVISER = "adviser"
@@ -84,6 +84,7 @@ class WinchControllerNode(ParticipantNode):
 
     def on_build(self) -> None:
         """Make the controller, its outputs and inputs; a few ticks of a throw-away one warm everything up."""
+        load_chosen_law(self.parameters)
         warm_up = self._make_controller()
         for tick in range(1, 4):
             warm_up.step(tick, Measurements())

@@ -11,7 +11,7 @@ from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import ParameterError, group, parameter
 
 from winch_controller_node.interface.sensors import KNOWN_SENSORS, SensorsModelParameters
-from winch_controller_node.laws.registry import LAWS
+from winch_controller_node.laws.registry import LAWS, PLACE, load_law, parameters_of_place
 from winch_controller_node.parameters.crane import CraneModelParameters
 from winch_controller_node.parameters.envelope import EnvelopeParameters
 from winch_controller_node.parameters.laws import (
@@ -62,7 +62,12 @@ class WinchControllerParameters(LawGroups):
         "mpc",
         unit="",
         choices=tuple(LAWS),
+        also=PLACE,
+        also_words="MODULE:CLASS or FILE.py:CLASS of a law of your own",
         description=f"The control law. {'; '.join(f'{law.name}: {law.summary}' for law in LAWS.values())}.",
+    )
+    law_parameters: tuple[str, ...] = parameter(
+        (), unit="", description="Parameters of a law of your own, named by its place: each NAME=VALUE."
     )
     factor: float = parameter(
         1.0,
@@ -116,6 +121,8 @@ class WinchControllerParameters(LawGroups):
     )
 
     def __post_init__(self) -> None:
+        if self.law_parameters and ":" not in self.law:
+            raise ParameterError(f"law_parameters: law {self.law} has its own group of parameters, {self.law}.*")
         if self.sea.filter_states % 2:
             raise ParameterError(f"sea.filter_states must be even, got {self.sea.filter_states}")
         unknown = set(self.sensors.use) - set(KNOWN_SENSORS)
@@ -123,6 +130,16 @@ class WinchControllerParameters(LawGroups):
             raise ParameterError(
                 f"sensors.use: unknown sensor {', '.join(sorted(unknown))}; known: {', '.join(KNOWN_SENSORS)}"
             )
+
+
+def load_chosen_law(parameters: WinchControllerParameters) -> None:
+    """Load the law that a user has chosen in these `parameters`, and check what was given to it.
+
+    Raises ParameterError, in one line, where there is no such law or it does not take its parameters.
+    """
+    law = load_law(parameters.law)
+    if ":" in parameters.law:
+        parameters_of_place(law, parameters.law_parameters)
 
 
 @dataclass(frozen=True)

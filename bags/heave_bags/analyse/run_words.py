@@ -12,11 +12,14 @@ from typing import Any
 
 from heave_node.interface.alarm import Severity, alarms_in
 from heave_node.interface.codes import without_figures
+from heave_node.loads.payload import mass_words, payload_words
+from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 
 from heave_bags.analyse import events
 from heave_bags.analyse.differences import changes, scheduled_faults
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.kpis.window import Window
+from heave_bags.analyse.reading.stored import cable_weight, number
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.run_warnings import worse_times
 
@@ -33,8 +36,8 @@ def facts(record: RunRecord) -> dict[str, str]:
         "law": _law(record),
         "sea": _sea(_of(record, "wave_vessel")),
         "vessel": _vessel(_of(record, "wave_vessel")),
-        "cable": _cable(_of(record, "cable_sim")),
-        "unit": _unit(_of(record, "cable_sim")),
+        "load": _load(_of(record, "cable_sim")),
+        "rope": _cable(_of(record, "cable_sim")),
         "winch": _winch(_of(record, "virtual_winch")),
         "run": _run(record),
         **changes(record),
@@ -55,7 +58,8 @@ def _number(parameters: Mapping[str, Any], name: str, scale: float = 1.0) -> str
 
 def _law(record: RunRecord) -> str:
     controller = _of(record, "winch_controller")
-    law = str(controller.get("law", ""))
+    place, _, own = str(controller.get("law", "")).rpartition(":")  # of a law of one's own, which may be a file
+    law = f"{Path(place).name}:{own}" if place else own
     factor = controller.get("factor", 1.0)
     return f"{law}, factor {factor:g}" if law and isinstance(factor, int | float) and factor != 1.0 else law
 
@@ -92,8 +96,18 @@ def _cable(plant: Mapping[str, Any]) -> str:
     return f"{_number(plant, 'length')} m, {diameter} mm, {mass} kg/m, EA {stiffness} MN"
 
 
-def _unit(plant: Mapping[str, Any]) -> str:
-    return f"{_number(plant, 'unit.mass', 1e-3)} t" if "unit.mass" in plant else ""
+def _load(plant: Mapping[str, Any]) -> str:
+    """Return the load in air and in water, and at the hook with the rope that is paid out, at rest."""
+    mass, volume = (number(plant, f"unit.{name}", math.nan) for name in ("mass", "volume"))
+    density, gravity = (
+        number(plant, name, usual)
+        for name, usual in (("water_density", SEAWATER_DENSITY), ("gravity", STANDARD_GRAVITY))
+    )
+    if not math.isfinite(mass + volume):
+        return ""
+    words = payload_words(mass, volume, density)
+    rope = number(plant, "length", math.nan) * cable_weight(plant) / gravity
+    return f"{words}, hook load {mass_words(mass - density * volume + rope)}" if math.isfinite(rope) else words
 
 
 def _winch(winch: Mapping[str, Any]) -> str:

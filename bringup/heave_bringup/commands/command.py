@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Protocol
 
-DEFAULT_MODEL = "b3_deep_900"
+DEFAULT_MODEL = "unit_1500"
 
 
 class CommandModule(Protocol):

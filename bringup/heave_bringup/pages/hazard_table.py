@@ -48,7 +48,7 @@ class Hazard:
 
 _C = "winch_controller_node/test/"
 _W = "cable_sim_node/test/test_virtual_winch.py::test_"
-_STOP = f"stops at {WINCH.stop_deceleration:g} m/s² (`stop_deceleration`)"
+_STOP = f"stops at {WINCH.deceleration:g} m/s² (`stop_deceleration`)"
 
 HAZARDS: tuple[Hazard, ...] = (
     Hazard(

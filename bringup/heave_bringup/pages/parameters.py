@@ -129,7 +129,7 @@ def _scalar(value: object) -> str:
 def range_words(info: ParameterInfo) -> str:
     """Say in few words what a parameter (`info`) may be."""
     if info.choices:
-        words = ", ".join(info.choices)
+        words = ", ".join([*info.choices, *([info.also_words] if info.also else [])])
     elif info.type in (bool, str):
         words = {bool: "true, false", str: "text"}[info.type]
     elif info.minimum is not None and info.maximum is not None:

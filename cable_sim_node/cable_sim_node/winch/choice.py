@@ -59,7 +59,7 @@ def _motion(p: WinchParameters) -> MotionParameters:
         speed_limit=p.speed_limit,
         payout_minimum=p.payout_minimum,
         payout_maximum=p.payout_maximum,
-        stop_deceleration=p.stop_deceleration,
+        stop_deceleration=p.deceleration,
         position_gain=p.position_gain if p.drive == "electric" else 0.0,
     )
 

@@ -141,7 +141,7 @@ def settings_of(parameters: WinchParameters) -> DriveSettings:
     return DriveSettings(
         speed_limit=p.speed_limit,
         acceleration_limit=p.acceleration_limit,
-        stop_deceleration=p.stop_deceleration,
+        stop_deceleration=p.deceleration,
         time_constant=p.time_constant,
         position_gain=p.position_gain,
         position_rate=p.position_rate,

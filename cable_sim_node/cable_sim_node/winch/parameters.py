@@ -106,7 +106,7 @@ class WinchParameters(WinchFigures):
         unit="m/s^2",
         minimum=1e-3,
         maximum=1e6,
-        description="Deceleration of a stop (brake request, watchdog, fault); not above acceleration_limit.",
+        description="Deceleration of a stop (brake request, watchdog, fault); acceleration_limit where that is less.",
     )
     hauling_speed_share: float = parameter(
         1.0,
@@ -183,11 +183,6 @@ class WinchParameters(WinchFigures):
                 f"payout 0, where the run starts, must be from payout_minimum = {self.payout_minimum:g} m "
                 f"to payout_maximum = {self.payout_maximum:g} m"
             )
-        if self.stop_deceleration > self.acceleration_limit:
-            raise ValueError(
-                f"stop_deceleration = {self.stop_deceleration:g} m/s^2 must not be above "
-                f"acceleration_limit = {self.acceleration_limit:g} m/s^2"
-            )
         self._check_position_loop()
         if self.drive != "speed_servo" and self.law != "speed_servo":
             raise ValueError(f"law = {self.law} is one of drive = speed_servo; drive = {self.drive} follows a speed")
@@ -196,6 +191,11 @@ class WinchParameters(WinchFigures):
         if self.drive == "electric":
             self.electric.spool.check_rope(self.payout_maximum)
         self.faults.check("faults", "winch")
+
+    @property
+    def deceleration(self) -> float:
+        """Deceleration of a stop [m/s^2]: `stop_deceleration`, as far as the winch is able to."""
+        return min(self.stop_deceleration, self.acceleration_limit)
 
     def _check_position_loop(self) -> None:
         """Refuse a gain with which the drum would swing about its set-point at its limits."""

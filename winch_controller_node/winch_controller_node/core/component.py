@@ -424,7 +424,7 @@ class WinchController:
             order=order,
             design=self.design,
             measurements=tuple(self.estimator.measurements),
-            law=self.parameters.law,
+            law=self._in_force.law.name,
             gain=self._in_force.law.gain,
             covariance=self.estimator.covariance,
             depth_set_point=self._estimation.set_point,

@@ -26,7 +26,7 @@ from winch_controller_node.interface.sensors import (
 from winch_controller_node.laws.law import ControlLaw, LawDesign
 from winch_controller_node.laws.parts.governor import CommandGovernor
 from winch_controller_node.laws.parts.winch_limits import WinchLimits, winch_limits
-from winch_controller_node.laws.registry import LAWS
+from winch_controller_node.laws.registry import law_class, parameters_of_place
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.drag_kernel import Drag
 from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
@@ -164,19 +164,19 @@ class ControllerDesign:
         Raises DesignError where winch or sensors do not serve that law.
         """
         p = self.parameters
-        missing = [sensor for sensor in LAWS[p.law].required_sensors if sensor not in p.sensors.use]
+        missing = [sensor for sensor in law_class(p.law).required_sensors if sensor not in p.sensors.use]
         if missing:
             raise DesignError(
                 f"law {p.law} needs the sensor {missing[0]}: add it to sensors.use, or choose another law"
             )
-        return LAWS[p.law](self._for_law, self._of_law)
+        return law_class(p.law)(self._for_law, self._of_law)
 
     def with_own_gains(self) -> ControllerDesign:
         """Return it with the law's own gains: of such a design a law is made within a tick.
 
         Raises DesignError where there are none.
         """
-        return replace(self, own_gains=LAWS[self.parameters.law].own_gains(self._for_law, self._of_law))
+        return replace(self, own_gains=law_class(self.parameters.law).own_gains(self._for_law, self._of_law))
 
     @property
     def _for_law(self) -> LawDesign:
@@ -185,8 +185,9 @@ class ControllerDesign:
 
     @property
     def _of_law(self) -> object:
-        """The law's own parameters, the group of its name; None: it has none."""
-        return getattr(self.parameters, self.parameters.law, None)
+        """The law's own parameters, the group of its name or those given with its place; None: it has none."""
+        p = self.parameters
+        return parameters_of_place(law_class(p.law), p.law_parameters) if ":" in p.law else getattr(p, p.law, None)
 
     def make_governor(self) -> CommandGovernor:
         """Return the governor that keeps the active limits."""

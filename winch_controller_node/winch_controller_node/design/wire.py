@@ -17,7 +17,7 @@ from heave_node.numerics.linear_model import LinearModel
 from heave_node.parameters import build_parameters, flatten
 
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.laws.registry import LAWS
+from winch_controller_node.laws.registry import law_class
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.estimator import MeasurementModel
 from winch_controller_node.model.lqr import QuadraticCost
@@ -112,7 +112,7 @@ def design_of(parts: DesignParts) -> ControllerDesign:
     if len(texts["parameters"]) != 1:
         raise WireError(f"design: parameters must be one text; got {len(texts['parameters'])}")
     parameters = parameters_of(texts["parameters"][0])
-    if texts["own_gains"] not in ((), LAWS[parameters.law].gain_names):
+    if texts["own_gains"] not in ((), law_class(parameters.law).gain_names):
         raise WireError(f"design: own_gains are not those of law {parameters.law}: {', '.join(texts['own_gains'])}")
     try:
         A, B, C, D, G = (arrays[f"model.{name}"] for name in MATRICES)

@@ -136,6 +136,7 @@ def execute(options: argparse.Namespace) -> None:
     scenario = without(load_scenario(options.scenario, settings=settings), options.without)
     replaced = substitutes(options)
     _check(options, scenario, replaced)
+    _announce(options, scenario, required)
     with node_forks(1 if options.composed else len(nodes_to_start(scenario.run, options.foreign))) as forks:
         from heave_bringup.run.run import new_run_folder, run_scenario
 
@@ -195,6 +196,18 @@ def _check(options: argparse.Namespace, scenario: Scenario, substituted: Collect
         check_rest(scenario)
     if not {"wave_vessel", "cable_sim"} & set(replaced):
         warn(check_waves(scenario))
+
+
+def _announce(options: argparse.Namespace, scenario: Scenario, required: Sequence[Criterion]) -> None:
+    """Write in the first line of a run what it will be judged by, or that it cannot be judged."""
+    from heave_bringup.output import warn
+    from heave_bringup.run.announcement import announce
+
+    words = announce(scenario, required)
+    if not words.is_judged:
+        warn([words.text])
+    elif not options.quiet:
+        sys.stderr.write(f"{words.text}\n")
 
 
 def _write(

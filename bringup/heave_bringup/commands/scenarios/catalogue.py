@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from heave_node.catalogue import KINDS, Entry, entries, find
+from heave_node.loads.payload import payload_words
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -46,7 +47,7 @@ def _particulars(entry: Entry) -> str:
         force = f", breaks at {1e-3 * entry.breaking_force:.0f} kN" if entry.breaking_force else ""
         return f"{values['mass_per_length']:.2f} kg/m, EA {1e-6 * float(str(values['axial_stiffness'])):.1f} MN{force}"
     if entry.kind == "unit":
-        return f"{1e-3 * float(str(values['mass'])):g} t, {values['volume']:g} m3"
+        return payload_words(float(str(values["mass"])), float(str(values["volume"])))
     return ", ".join(
         f"{name} {value}" for name, value in values.items() if name.endswith(("constant", "limit", "rate"))
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-SUMMARY = "List the shipped scenarios."
+SUMMARY = "List the shipped scenarios: load in air and in water, rope, and what each is for."
 EXAMPLES = ("heave list",)
 
 
@@ -13,9 +13,23 @@ def add_arguments(_: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Print name and description of each scenario, as `options` say."""
-    from heave_bringup.output import make_table, write_result
-    from heave_bringup.scenarios import description_of, shipped_scenarios
+    """Print load, rope and description of each scenario, as `options` say."""
+    from heave_node.loads.payload import mass_words
 
-    scenarios = {name: description_of(path) for name, path in shipped_scenarios().items()}
-    write_result(options, make_table(["scenario", "description"], scenarios.items(), texts=["description"]), scenarios)
+    from heave_bringup.output import make_table, write_result
+    from heave_bringup.scenarios import description_of, load_scenario, shipped_scenarios
+
+    rows, found = [], {}
+    for name, path in shipped_scenarios().items():
+        plant = load_scenario(name, needs_files=False).parameters["cable_sim"]
+        submerged = plant.unit.mass - plant.water_density * plant.unit.volume
+        words = description_of(path)
+        rows.append((name, mass_words(plant.unit.mass), mass_words(submerged), f"{plant.length:g} m", words))
+        found[name] = {
+            "description": words,
+            "mass_kg": plant.unit.mass,
+            "mass_in_water_kg": submerged,
+            "length_m": plant.length,
+        }
+    columns = ["scenario", "load in air", "in water", "rope", "description"]
+    write_result(options, make_table(columns, rows, texts=["description"]), found)

@@ -23,6 +23,7 @@ SUMMARY = "Write a scenario file of your own, with unit and meaning beside each 
 EXAMPLES = (
     "heave new my_lift",
     "heave new my_lift --mass 6000 --volume 1.2 --depth 2000 --hs 2.2 --tp 9",
+    "heave new my_lift --mass 40000 --density 3500 --cable wire_48mm_6x36 --depth 800",
     "heave new my_lift --like unit_1500 --cable wire_28mm_6x36 --length 1500",
 )
 
@@ -39,12 +40,13 @@ class Quantity(NamedTuple):
 
 
 LIFT = {
-    "mass": Quantity("mass", "kg", "of the unit in air; without --volume its volume keeps the density"),
-    "volume": Quantity("volume", "m^3", "that the unit displaces; added mass and drag area keep its shape"),
+    "mass": Quantity("mass", "kg", "of the load in air; state --volume or --density with it"),
+    "volume": Quantity("volume", "m^3", "of displaced water; added mass and drag area keep their proportions"),
+    "density": Quantity("density", "kg/m^3", "mean density of the load, in place of its volume; solid steel has 7850"),
     "hs": Quantity("Hs", "m", "significant wave height"),
     "tp": Quantity("Tp", "s", "peak period"),
     "length": Quantity("length", "m", "deployed length of the cable"),
-    "depth": Quantity("depth", "m", "of the unit before the cable stretches: its length less the boom tip's height"),
+    "depth": Quantity("depth", "m", "of the load; the rope is longer by the height of the boom tip"),
 }
 SEA = {"hs": "system.sea.significant_wave_height", "tp": "system.sea.peak_period"}
 
@@ -63,6 +65,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Write the file that `options` name, and check it."""
+    from heave_node.loads.payload import payload_words
+
     from heave_bringup.output import write_result
     from heave_bringup.pages.commented_scenario import commented_scenario
     from heave_bringup.scenarios import description_of, find_scenario, load_scenario, sections_for, write_scenario
@@ -81,12 +85,8 @@ def execute(options: argparse.Namespace) -> None:
     write_scenario(path, text, needs_files=False)
     how = f"run it: heave run {shlex.quote(str(path))}"
     plant = load_scenario(str(path), needs_files=False).parameters["cable_sim"]
-    submerged = plant.unit.mass - plant.water_density * plant.unit.volume
-    unit = f"unit: {plant.unit.mass:g} kg in air, {submerged:.4g} kg submerged; cable: {plant.length:g} m"
-    if options.mass is not None and options.volume is None:
-        density = plant.unit.mass / plant.unit.volume
-        volume = f"{plant.unit.volume:.3g} m^3, by the density of {model.stem} ({density:.0f} kg/m^3)"
-        unit += f"\nnote: the unit displaces {volume}; --volume states it"
+    load = payload_words(plant.unit.mass, plant.unit.volume, plant.water_density)
+    unit = f"load: {load}, displaces {plant.unit.volume:.3g} m^3; rope: {plant.length:g} m"
     if known.wanted:
         unit += f"\nnote: the criteria (wanted) are those of {model.stem}: check them"
     words = f"{path}: {sum(map(len, sections.values()))} values, each with its meaning\n{unit}\n{how}"
@@ -152,22 +152,23 @@ def _unit(options: argparse.Namespace, model: Scenario) -> dict[str, object]:
     """
     from heave_node.catalogue import find
 
-    if options.mass is None and options.volume is None:
+    if (options.mass, options.volume, options.density) == (None, None, None):
         return {}
+    _refuse_unknown_weight(options)
     unit = model.parameters["cable_sim"].unit
     own: Mapping[str, Any] = find("unit", options.unit, "--unit").values if options.unit else {}
     mass, volume = own.get("mass", unit.mass), own.get("volume", unit.volume)
-    for name in ("mass", "volume"):
+    for name in ("mass", "volume", "density"):
         stated = getattr(options, name)
         if stated is not None and not 0.0 < stated < math.inf:
             raise ParameterError(f"--{name} {stated:g}: must be above 0")
-    new = options.volume if options.volume is not None else volume * options.mass / mass
     heavy = options.mass if options.mass is not None else mass
+    new = heavy / options.density if options.density is not None else options.volume
     ratio, density = new / volume if volume > 0.0 else 1.0, model.parameters["cable_sim"].water_density
     if not density * new < heavy:
         raise ParameterError(
-            f"--mass {heavy:g} --volume {new:g}: the unit must be heavier than the "
-            f"{density * new:.4g} kg of water that it displaces"
+            f"--mass {heavy:g} --volume {new:.4g}: the load floats, it displaces {density * new:.4g} kg of water; "
+            "check both values"
         )
     added, areas = own.get("added_mass", unit.added_mass), own.get("drag_area", unit.drag_area)
     return {
@@ -176,6 +177,17 @@ def _unit(options: argparse.Namespace, model: Scenario) -> dict[str, object]:
         "system.unit.added_mass": [float(f"{value * ratio:.6g}") for value in added],
         "system.unit.drag_area": [float(f"{value * ratio ** (2.0 / 3.0):.6g}") for value in areas],
     }
+
+
+def _refuse_unknown_weight(options: argparse.Namespace) -> None:
+    """Refuse a mass whose weight in water would be a guess, and a volume stated twice."""
+    if options.volume is not None and options.density is not None:
+        raise ParameterError("--density: give either the --volume or the --density of the load")
+    if options.volume is None and options.density is None:
+        raise ParameterError(
+            f"--mass {options.mass:g}: its weight in water is not known; add --volume (m^3 of water that it displaces) "
+            "or --density (kg/m^3, its mean density; solid steel has 7850)"
+        )
 
 
 def _length(options: argparse.Namespace, model: Scenario) -> float | None:

@@ -1,0 +1,58 @@
+"""The first line of a run says what it will be judged by, and figures count from when compensation is settled."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from heave_bags.analyse.events import COMPENSATES
+from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_bags.analyse.read_run import SHORTEST_WINDOW
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.run.announcement import announce
+from heave_bringup.run.criteria import parse_requirement
+from heave_bringup.scenarios import load_scenario, shipped_scenarios
+
+LAST_PART = 10.0
+"""Time before the figures count in which compensation must have been at full authority [s]."""
+
+SHIPPED = sorted(name for name, path in shipped_scenarios().items() if path.parent.name == "scenarios")
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_run_says_what_counts_before_it_starts(name: str) -> None:
+    scenario = load_scenario(name)
+    said = announce(scenario)
+    assert said.is_judged
+    assert f"{scenario.run.transient:g} s to {scenario.run.duration:g} s" in said.text
+    for criterion in scenario.wanted:
+        assert DEFINITION_OF[criterion.kpi].title in said.text
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_run_that_ends_before_its_figures_count_says_so_before_it_starts_and_how_long_it_must_be(name: str) -> None:
+    transient = load_scenario(name).run.transient
+    short = load_scenario(name, settings=[f"all.duration={transient + 0.5 * SHORTEST_WINDOW}"])
+    said = announce(short)
+    assert not said.is_judged
+    assert f"--duration {transient + 60.0:g}" in said.text
+    assert announce(load_scenario(name, settings=[f"all.duration={transient + 60.0}"])).is_judged
+
+
+def test_a_criterion_of_the_command_line_is_said_once() -> None:
+    scenario = load_scenario("b3_deep_900")
+    same = parse_requirement("unit_sigma_m<=0.005")
+    assert announce(scenario, [same]).text == announce(scenario).text
+    assert "at most 2 cm" in announce(scenario, [parse_requirement("max_abs_heave<=2cm")]).text
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_figures_count_from_when_compensation_is_settled(name: str) -> None:
+    """Compensation is active, and authority is no longer fading in."""
+    scenario = load_scenario(name)
+    if not scenario.moves_winch:
+        return
+    short = load_scenario(name, settings=[f"all.duration={scenario.run.transient}"])
+    record = ClosedLoop(loop_parameters(short)).run()
+    last = record.column("time") >= scenario.run.transient - LAST_PART
+    assert np.isin(np.array(record.modes)[last], COMPENSATES).all()
+    assert record.column("authority")[last].min() > 0.99
