@@ -32,7 +32,10 @@ def unpack(compression: str, data: bytes | memoryview, size: int) -> bytes:
     if compression == "zstd":
         records = _unpack_zstd(data, size)
     elif compression == "lz4":
-        records = lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size + 1)
+        frame = lz4.frame.LZ4FrameDecompressor()
+        records = frame.decompress(data, max_length=size + 1)
+        if frame.unused_data:
+            raise BoundError("bytes follow what it says it holds")
     elif compression:
         raise ValueError(f"unknown compression {compression!r}")
     else:
@@ -46,7 +49,7 @@ def _unpack_zstd(data: bytes | memoryview, size: int) -> bytes:
     stated = zstandard.frame_content_size(data)
     if stated not in (-1, size):  # -1: the frame does not say
         raise BoundError("its size differs from that in its header")
-    return zstandard.ZstdDecompressor().decompress(data, max_output_size=size) if size else b""
+    return zstandard.ZstdDecompressor().decompress(data, max_output_size=size, allow_extra_data=False) if size else b""
 
 
 def unpack_part(compression: str, data: bytes | memoryview) -> bytes:

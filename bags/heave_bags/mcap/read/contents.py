@@ -1,4 +1,4 @@
-"""What a scan finds in an MCAP file: messages in blocks, each with its place, and all else that a file holds."""
+"""What a scan finds in an MCAP file: messages, and all else that a file holds."""
 
 from __future__ import annotations
 
@@ -9,56 +9,23 @@ from mcap.records import Attachment, Channel, Metadata, Schema
 
 from heave_bags.mcap.loss import Loss
 
-IN_JOURNAL = -1
-"""Position of messages that lie in the journal beside a file."""
-
 
 class RawMessage(NamedTuple):
-    """One message of `topic` as recorded: `data`, serialised, with `log_time` and `publish_time` [ns]."""
+    """One message of `topic` as recorded: `data`, serialised, with `log_time` [ns]."""
+
+    topic: str
+    log_time: int
+    data: bytes
+
+
+class FoundMessage(NamedTuple):
+    """One message as it lies in a file: times [ns], and the `sequence` number its publisher gave it; 0 for none."""
 
     topic: str
     log_time: int
     publish_time: int
+    sequence: int
     data: bytes
-
-
-class Place(NamedTuple):
-    """Where messages lie in a file, to be read again.
-
-    Attributes
-    ----------
-    position : of the chunk, or of the first of messages outside of chunks [bytes]; IN_JOURNAL
-    first, until : of the records there [bytes]
-    """
-
-    position: int
-    first: int
-    until: int
-
-
-class Block(NamedTuple):
-    """Messages that lie together in a file, in its order.
-
-    Attributes
-    ----------
-    place : in the file
-    messages : at least one
-    sequences : the number that its publisher gave each; 0 where there is none
-    is_ascending : no log time is before the one of its predecessor
-    """
-
-    place: Place
-    messages: list[RawMessage]
-    sequences: list[int]
-    is_ascending: bool
-
-    @property
-    def span(self) -> tuple[int, int]:
-        """The first and the last log time [ns]."""
-        if self.is_ascending:
-            return self.messages[0].log_time, self.messages[-1].log_time
-        times = [message.log_time for message in self.messages]
-        return min(times), max(times)
 
 
 @dataclass
@@ -72,6 +39,7 @@ class FileContents:
     losses : what could not be read
     is_own : this project has written the file
     is_packed : its messages are compressed one by one
+    complete : the end of the data section was reached
     """
 
     schemas: dict[int, Schema] = field(default_factory=dict)
@@ -82,4 +50,3 @@ class FileContents:
     is_own: bool = False
     is_packed: bool = False
     complete: bool = False
-    """The end of the data section was reached."""
