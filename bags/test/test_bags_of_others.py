@@ -337,14 +337,16 @@ module std_msgs {
 """
 
 
-def test_a_standard_type_that_is_defined_in_idl_is_read(tmp_path):
+def test_a_type_that_is_defined_in_idl_is_read_by_that_definition(tmp_path):
     check_sea(write_mcap(tmp_path / "a.mcap", samples(), encoding="ros2idl", definition=IDL), 599.9)
+    other = write_mcap(tmp_path / "b.mcap", samples(), encoding="ros2idl", definition=IDL.replace(" data", " value"))
+    assert Bag(other).frame(TOPIC)["value"].iloc[1] == samples()[1][1]
 
 
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"encoding": "ros2idl", "definition": IDL.replace("double data", "double value")}, "in IDL, which differs"),
+        ({"encoding": "ros2idl", "definition": IDL.replace("double data", "double")}, "in IDL that cannot be read"),
         ({"encoding": "protobuf", "definition": "x"}, "Protobuf"),
         ({"encoding": "", "definition": ""}, "without its definition"),
     ],

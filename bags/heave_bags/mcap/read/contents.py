@@ -19,7 +19,9 @@ class RawMessage(NamedTuple):
 
 
 class FoundMessage(NamedTuple):
-    """One message as it lies in a file: times [ns], and the `sequence` number its publisher gave it; 0 for none."""
+    """One message of `topic` as it lies in a file: `data`, with `log_time` and `publish_time` [ns], and the `sequence`
+    number that its publisher gave it; 0 for none.
+    """
 
     topic: str
     log_time: int

@@ -1,22 +1,22 @@
 """What a bag says of the type of a topic, as the `ros2msg` text by which its messages are decoded.
 
-Other recorders write definitions in IDL, or none. There the definition of the installed package is taken, where the bag
-shows that it is the same: by the hash of the type, or by the names of all fields.
+Other recorders write definitions in IDL, which rosbags translates, or none. There the definition of the installed
+package is taken, where the bag shows by the hash of the type that it is the same.
 """
 
 from __future__ import annotations
 
-import re
 from contextlib import suppress
 
-from heave_node.cdr.definitions import DefinitionError, field_names, schema_text, type_hash
+from heave_node.cdr.definitions import DefinitionError, schema_text, type_hash
 from mcap.records import Channel, Schema
+from rosbags.typesys import Stores, get_types_from_idl, get_typestore
 
-_IDL_SECTION = re.compile(r"^IDL: (?P<type>\S+)$", re.MULTILINE)
-_IDL_COMMENT = re.compile(r'"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
-_IDL_ANNOTATION = re.compile(r"@\w+(?:\s*\([^)]*\))?")
-_IDL_MEMBER = re.compile(r"(\w+)\s*(?:\[[^\]]*\]\s*)*$")
 _OTHER_KINDS = {"ros1": "ROS 1", "ros1msg": "ROS 1", "protobuf": "Protobuf", "json": "JSON", "jsonschema": "JSON"}
+_SECTION = "=" * 80 + "\n"
+"""Begins the definition of each type in a text of several, with a line that names it."""
+_LONGEST_IDL = 1 << 20
+"""Characters of a definition in IDL that is translated."""
 
 
 def definition(channel: Channel, schema: Schema | None) -> tuple[str, str]:
@@ -29,7 +29,7 @@ def definition(channel: Channel, schema: Schema | None) -> tuple[str, str]:
     if schema is None or not schema.data:
         return _installed(channel, schema.name if schema else "")
     if schema.encoding == "ros2idl":
-        return _by_idl(channel, schema)
+        return _by_idl(schema)
     kind = _OTHER_KINDS.get(schema.encoding, schema.encoding or "unknown")
     return "", f"was recorded with a definition of another kind ({kind}), not of ROS 2"
 
@@ -43,36 +43,14 @@ def _installed(channel: Channel, name: str) -> tuple[str, str]:
     return "", "was recorded without its definition"
 
 
-def _by_idl(channel: Channel, schema: Schema) -> tuple[str, str]:
-    """Return the definition of the installed package, if that in IDL has the same fields."""
-    problem = "was recorded with its definition in IDL"
+def _by_idl(schema: Schema) -> tuple[str, str]:
+    """Return the translation of a definition in IDL."""
+    text = schema.data[:_LONGEST_IDL].decode("utf-8", "replace")
+    parts = [part.partition("\n")[2] for part in text.split(_SECTION)[1:]] if text.startswith(_SECTION) else [text]
+    store = get_typestore(Stores.EMPTY)
     try:
-        text = schema_text(schema.name)
-        if not _has_same_fields(schema.data.decode("utf-8", "replace"), schema.name):
-            return "", f"{problem}, which differs from that of the installed package"
-    except DefinitionError:
-        package = schema.name.split("/", 1)[0]
-        return "", f"{problem}: it can be decoded where {package} is installed (AMENT_PREFIX_PATH)"
-    stated = channel.metadata.get("topic_type_hash", "")
-    if stated and type_hash(schema.name) not in ("", stated):
-        return "", f"{problem}, and the installed package has another version of it"
-    return text, ""
-
-
-def _has_same_fields(text: str, name: str) -> bool:
-    """Return whether each type that an IDL text defines, `name` among them, has the fields of the installed one."""
-    marks = list(_IDL_SECTION.finditer(text))
-    ends = [mark.start() for mark in marks[1:]] + [len(text)]
-    sections = {mark["type"]: text[mark.end() : end] for mark, end in zip(marks, ends, strict=True)}
-    return name in (sections or {name: ""}) and all(
-        _idl_fields(section, kind) == field_names(schema_text(kind).split("\n=====", 1)[0])
-        for kind, section in (sections or {name: text}).items()
-    )
-
-
-def _idl_fields(section: str, kind: str) -> list[str]:
-    plain = _IDL_ANNOTATION.sub("", _IDL_COMMENT.sub("", section))
-    struct = re.search(rf"\bstruct\s+{re.escape(kind.rsplit('/', 1)[-1])}\s*\{{(.*?)\}}", plain, re.DOTALL)
-    members = [member.strip() for member in struct[1].split(";")] if struct else []
-    names = [match[1] for member in members if (match := _IDL_MEMBER.search(member))]
-    return [] if names == ["structure_needs_at_least_one_member"] else names
+        for part in parts:
+            store.register(get_types_from_idl(part))
+        return store.generate_msgdef(schema.name, ros_version=2)[0], ""
+    except Exception:  # whatever a parser of others makes of a damaged definition
+        return "", "was recorded with a definition in IDL that cannot be read"

@@ -100,7 +100,7 @@ class ClockWatch:
 
 @dataclass
 class Recovered:
-    """What was recovered of a bag: `files` that are sound, in order, what was lost, and a `note` on the order."""
+    """What was recovered of a bag: `files` that are sound, in order, the `losses`, and a `note` on the order."""
 
     files: list[Path] = field(default_factory=list)
     losses: list[Loss] = field(default_factory=list)
