@@ -288,7 +288,7 @@ def test_a_compressed_file_that_is_cut_gives_what_came_before(tmp_path):
 
 
 def test_a_compressed_file_that_unpacks_to_a_thousand_times_its_size_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("heave_bags.mcap.packed._ALWAYS_ALLOWED", 1 << 20)
+    monkeypatch.setattr("heave_bags.mcap.bounds._ALWAYS_ALLOWED", 1 << 20)
     path = tmp_path / "bomb.mcap.zstd"
     path.write_bytes(zstandard.compress(b"\x89MCAP0\r\n" + bytes(300 << 20)))
     with pytest.raises(BagError, match="1000 times its size"):

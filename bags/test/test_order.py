@@ -11,8 +11,8 @@ import pytest
 from foreign_bags import copy_messages
 from heave_bags.analyse import analysis
 from heave_bags.mcap.read import recovery
-from heave_bags.mcap.read.contents import FoundMessage
 from heave_bags.mcap.read.recovery import NOT_IN_ORDER, RESET, ClockWatch
+from heave_bags.mcap.read.scan import FoundMessage
 from heave_bags.mcap.reader import Bag, RawMessage
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

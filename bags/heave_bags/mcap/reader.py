@@ -38,15 +38,13 @@ from heave_bags.mcap.files import (
     listed_files,
     read_information,
 )
-from heave_bags.mcap.loss import MISSING_FILE, Loss
-from heave_bags.mcap.read.contents import FileContents, RawMessage
-from heave_bags.mcap.read.decode import LOG_TIME, TIME, BagTopic, ColumnReader, MessageDecoder
-from heave_bags.mcap.read.definitions import definition
+from heave_bags.mcap.loss import MISSING_FILE, Loss, recorded_loss
+from heave_bags.mcap.read.decode import LOG_TIME, TIME, BagTopic, ColumnReader, MessageDecoder, definition
 from heave_bags.mcap.read.folder import bag_of, find_files
 from heave_bags.mcap.read.recovery import Progress, Recovered, no_progress, recover
+from heave_bags.mcap.read.scan import FileContents, RawMessage
 from heave_bags.mcap.read.sound import is_sound
 from heave_bags.mcap.read.survey import Survey, copies, in_order_of_files, match_listed, survey_file
-from heave_bags.mcap.recorded_loss import recorded_loss
 from heave_bags.mcap.ros.qos import UNREADABLE, from_yaml
 
 if TYPE_CHECKING:

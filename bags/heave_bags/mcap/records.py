@@ -31,8 +31,7 @@ from mcap.records import (
 )
 
 from heave_bags.errors import BagError
-from heave_bags.mcap.bounds import LARGEST_RECORD
-from heave_bags.mcap.packed import open_unpacked
+from heave_bags.mcap.bounds import LARGEST_RECORD, open_unpacked
 
 HEAD = struct.Struct("<BQ")
 MESSAGE_HEAD = struct.Struct("<HIQQ")

@@ -12,6 +12,7 @@ from mcap.reader import make_reader
 
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
+from heave_bags.mcap.bounds import is_packed
 from heave_bags.mcap.files import (
     METADATA_KEY,
     METADATA_RECORD,
@@ -21,7 +22,6 @@ from heave_bags.mcap.files import (
     write_metadata,
 )
 from heave_bags.mcap.loss import Loss
-from heave_bags.mcap.packed import is_packed
 from heave_bags.mcap.read.scan import McapScan
 from heave_bags.mcap.reader import Bag, Progress, no_progress, summary_of
 

@@ -19,9 +19,8 @@ from typing import IO
 
 from heave_bags.errors import BagError
 from heave_bags.mcap.loss import Loss
-from heave_bags.mcap.read.contents import FoundMessage
 from heave_bags.mcap.read.decode import BagTopic
-from heave_bags.mcap.read.scan import McapScan
+from heave_bags.mcap.read.scan import FoundMessage, McapScan
 from heave_bags.mcap.read.survey import Survey
 from heave_bags.mcap.writer import McapWriter
 

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterator, MutableMapping, Sequence
+from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import zstandard
 from mcap.opcode import Opcode
@@ -17,12 +19,9 @@ from mcap.records import Attachment, Channel, Metadata, Schema
 from mcap.summary import Summary
 
 from heave_bags.errors import NoBagError
-from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, unpack, unpack_part
+from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, ZSTD_MAGIC, unpack, unpack_message, unpack_part
 from heave_bags.mcap.files import count_in_record
-from heave_bags.mcap.loss import NO_FOOTER, LossAccount
-from heave_bags.mcap.packed import ZSTD_MAGIC, unpack_message
-from heave_bags.mcap.read.contents import FileContents, FoundMessage
-from heave_bags.mcap.read.numbering import Numbering
+from heave_bags.mcap.loss import NO_FOOTER, Loss, LossAccount
 from heave_bags.mcap.records import CHUNK_HEAD, HEAD, MESSAGE_HEAD, UNPARSEABLE, Record, RecordFile, parse, split_chunk
 from heave_bags.mcap.storage import read_journal
 from heave_bags.mcap.summary import MAGIC, ends_properly, has_interim_ending, read_summary
@@ -35,6 +34,93 @@ MOST_IN_BLOCK = 1 << 17
 """Messages of a block: more of a chunk are several blocks."""
 _IN_JOURNAL = -1
 """Position of messages that lie in the journal beside a file."""
+
+
+class RawMessage(NamedTuple):
+    """One message of `topic` as recorded: `data`, serialised, with `log_time` [ns]."""
+
+    topic: str
+    log_time: int
+    data: bytes
+
+
+class FoundMessage(NamedTuple):
+    """One message of `topic` as it lies in a file: `data`, with `log_time` and `publish_time` [ns], and the `sequence`
+    number that its publisher gave it; 0 for none.
+    """
+
+    topic: str
+    log_time: int
+    publish_time: int
+    sequence: int
+    data: bytes
+
+
+@dataclass
+class FileContents:
+    """What a scan has found in a file beside its messages.
+
+    Attributes
+    ----------
+    schemas, channels : by id
+    metadata, attachments : in the order of the file
+    losses : what could not be read
+    is_own : this project has written the file
+    is_packed : its messages are compressed one by one
+    complete : the end of the data section was reached
+    """
+
+    schemas: dict[int, Schema] = field(default_factory=dict)
+    channels: dict[int, Channel] = field(default_factory=dict)
+    metadata: list[Metadata] = field(default_factory=list)
+    attachments: list[Attachment] = field(default_factory=list)
+    losses: list[Loss] = field(default_factory=list)
+    is_own: bool = False
+    is_packed: bool = False
+    complete: bool = False
+
+
+class Numbering:
+    """Follows the numbers of the messages of one file.
+
+    Parameters
+    ----------
+    channels : of the file, by id
+    carried : the next number of each topic's messages, carried from one file of a bag to the next; a topic that is not
+        in it begins with 1. None where the files before this one are not known.
+
+    Attributes
+    ----------
+    is_on : the messages are numbered, as far as they were read
+    missing : messages that gaps in the numbers say are not there
+    """
+
+    def __init__(self, channels: Mapping[int, Channel], carried: MutableMapping[str, int] | None) -> None:
+        self.is_on = False
+        self.missing = 0
+        self._channels = channels
+        self._carried = carried
+        self._next: dict[int, int] = {}
+
+    def is_repeated(self, channel: int, sequence: int) -> bool:
+        """Return whether message number `sequence` of a `channel` was read before; count those missing before it."""
+        if not sequence:  # numbers begin with 1: these messages have none
+            self.is_on = False
+            return False
+        expected = self._next.get(channel)
+        if expected is None:
+            topic = self._channels[channel].topic
+            expected = sequence if self._carried is None else self._carried.get(topic, 1)
+        if sequence < expected:
+            return True
+        self.missing += sequence - expected
+        self._next[channel] = sequence + 1
+        return False
+
+    def carry_on(self) -> None:
+        """Hand the next numbers on to the file that follows."""
+        if self._carried is not None:
+            self._carried.update({self._channels[key].topic: number for key, number in self._next.items()})
 
 
 class McapScan:

@@ -17,8 +17,7 @@ from mcap.summary import Summary
 from numpy.typing import NDArray
 from rosbags.rosbag2 import Reader
 
-from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, unpack
-from heave_bags.mcap.packed import ZSTD_MAGIC, is_packed
+from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, ZSTD_MAGIC, is_packed, unpack
 from heave_bags.mcap.read.scan import DAMAGED_CHUNK, MOST_IN_BLOCK
 from heave_bags.mcap.records import HEAD, UNPARSEABLE, Record, RecordFile, split_chunk
 from heave_bags.mcap.ros.qos import UNREADABLE, from_yaml

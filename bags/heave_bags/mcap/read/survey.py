@@ -15,8 +15,7 @@ from mcap.summary import Summary
 
 from heave_bags.mcap.bounds import LARGEST_RECORD
 from heave_bags.mcap.files import FileSummary, ListedFile, information_in_record, listed_files
-from heave_bags.mcap.read.contents import FileContents
-from heave_bags.mcap.read.scan import McapScan, attachment_problem, is_of_this_project
+from heave_bags.mcap.read.scan import FileContents, McapScan, attachment_problem, is_of_this_project
 from heave_bags.mcap.records import UNPARSEABLE, RecordFile, parse
 from heave_bags.mcap.summary import MAGIC, read_summary
 
