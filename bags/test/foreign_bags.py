@@ -77,7 +77,5 @@ def copy_messages(bag: Bag, files: Mapping[Path, Iterable[tuple[int, RawMessage]
                 schema = writer.register_schema(topic.type, "ros2msg", topic.schema.encode())
                 channels[name] = writer.register_channel(name, "cdr", schema)
             for number, message in messages:
-                writer.add_message(
-                    channels[message.topic], message.log_time, message.data, message.publish_time, number
-                )
+                writer.add_message(channels[message.topic], message.log_time, message.data, message.log_time, number)
             writer.finish()

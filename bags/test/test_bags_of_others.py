@@ -288,7 +288,7 @@ def test_a_compressed_file_that_is_cut_gives_what_came_before(tmp_path):
 
 
 def test_a_compressed_file_that_unpacks_to_a_thousand_times_its_size_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("heave_bags.mcap.packed._ALWAYS_ALLOWED", 1 << 20)
+    monkeypatch.setattr("heave_bags.mcap.bounds._ALWAYS_ALLOWED", 1 << 20)
     path = tmp_path / "bomb.mcap.zstd"
     path.write_bytes(zstandard.compress(b"\x89MCAP0\r\n" + bytes(300 << 20)))
     with pytest.raises(BagError, match="1000 times its size"):
@@ -337,14 +337,16 @@ module std_msgs {
 """
 
 
-def test_a_standard_type_that_is_defined_in_idl_is_read(tmp_path):
+def test_a_type_that_is_defined_in_idl_is_read_by_that_definition(tmp_path):
     check_sea(write_mcap(tmp_path / "a.mcap", samples(), encoding="ros2idl", definition=IDL), 599.9)
+    other = write_mcap(tmp_path / "b.mcap", samples(), encoding="ros2idl", definition=IDL.replace(" data", " value"))
+    assert Bag(other).frame(TOPIC)["value"].iloc[1] == samples()[1][1]
 
 
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"encoding": "ros2idl", "definition": IDL.replace("double data", "double value")}, "in IDL, which differs"),
+        ({"encoding": "ros2idl", "definition": IDL.replace("double data", "double")}, "in IDL that cannot be read"),
         ({"encoding": "protobuf", "definition": "x"}, "Protobuf"),
         ({"encoding": "", "definition": ""}, "without its definition"),
     ],

@@ -10,78 +10,58 @@ from pathlib import Path
 import pytest
 from foreign_bags import copy_messages
 from heave_bags.analyse import analysis
-from heave_bags.mcap.read.contents import Block, Place
-from heave_bags.mcap.read.order import ClockWatch, Merge, Span, are_ascending
+from heave_bags.mcap.read import recovery
+from heave_bags.mcap.read.recovery import NOT_IN_ORDER, RESET, ClockWatch
+from heave_bags.mcap.read.scan import FoundMessage
 from heave_bags.mcap.reader import Bag, RawMessage
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from made_up_run import MadeUpRun, write_run
 from mcap.writer import CompressionType, Writer
 
-MESSAGE = RawMessage("/a", 0, 0, b"data")
-PLACE = Place(0, 0, 0)
+
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    st.lists(st.integers(1, 40), min_size=1, max_size=60),
+    st.sampled_from([0, 1500, 10_000, 1 << 30]),
+    st.sampled_from([30, 200, 10_000]),
+)
+def test_messages_are_read_in_a_stable_sort_by_log_time_however_little_may_be_held(
+    tmp_path, monkeypatch, times, most_held, chunk_size
+):
+    monkeypatch.setattr(recovery, "MOST_HELD", most_held)
+    with (tmp_path / "a.mcap").open("wb") as stream:
+        writer = Writer(stream, chunk_size=chunk_size)
+        writer.start(profile="ros2")
+        channel = writer.register_channel("/a", "cdr", 0)
+        for number, time in enumerate(times):
+            writer.add_message(channel, time, bytes([number]), time)
+        writer.finish()
+    read = [(message.log_time, message.data[0]) for message in Bag(tmp_path / "a.mcap").messages()]
+    assert read == sorted(((time, number) for number, time in enumerate(times)), key=lambda pair: pair[0])
 
 
-class Blocks:
-    """Blocks in memory, which count how often they are read."""
-
-    def __init__(self, blocks: list[list[RawMessage]]) -> None:
-        self.blocks = [block for block in blocks if block]
-        times = [[message.log_time for message in block] for block in self.blocks]
-        self.spans = [Span(number, PLACE, min(part), max(part)) for number, part in enumerate(times)]
-        self.reads = 0
-
-    def read(self, span: Span) -> Iterator[Block]:
-        self.reads += 1
-        block = self.blocks[span.file]
-        yield Block(PLACE, block, [0] * len(block), is_ascending=False)
-
-
-@given(st.lists(st.lists(st.integers(0, 40), max_size=12), max_size=12), st.sampled_from([0, 1500, 10_000, 1 << 30]))
-def test_a_merge_is_a_stable_sort_by_log_time_however_little_it_may_hold(times, most_held):
-    number = iter(range(1000))
-    blocks = Blocks([[MESSAGE._replace(log_time=time, publish_time=next(number)) for time in part] for part in times])
-    merged = list(Merge(blocks.spans, blocks.read, most_held).messages())
-    assert merged == sorted((m for block in blocks.blocks for m in block), key=lambda m: m.log_time)
-
-
-def test_a_merge_reads_each_block_once_where_neighbours_overlap_and_holds_no_more_than_two():
-    times = [[10 * block + step for step in range(11)] for block in range(100)]
-    blocks = Blocks([[MESSAGE._replace(log_time=time) for time in part] for part in times])
-    merge = Merge(blocks.spans, blocks.read)
-    held = 0
-    for _ in merge.messages():
-        held = max(held, len(merge._held))
-    assert blocks.reads == 100
-    assert held <= 22
-
-
-def test_blocks_that_only_touch_are_in_order():
-    assert are_ascending([(0, 5), (5, 9), (9, 9)])
-    assert not are_ascending([(0, 5), (4, 9)])
-
-
-def watch(*stretches: range, topics: int = 1) -> bool:
-    """Return whether messages each second, in these stretches, look like a clock that was reset."""
+def watch(*stretches: range, topics: int = 1) -> str:
+    """Return what is noted of the order of messages each second, in these stretches."""
     clock = ClockWatch()
     for stretch in stretches:
-        clock.observe([RawMessage(f"/{n}", t * 10**8, 0, b"") for t in stretch for n in range(topics)])
-    return clock.was_reset
+        clock.observe([FoundMessage(f"/{n}", t * 10**8, 0, 0, b"") for t in stretch for n in range(topics)])
+    return clock.note
 
 
 def test_a_reset_is_told_from_late_and_shuffled_messages():
     shuffled = list(range(1000))
     random.Random(1).shuffle(shuffled)
-    assert watch(range(1000), range(800), topics=3)
-    assert watch(range(1000), range(500), range(900))
-    assert watch(range(30, 1000), range(500)), "a recorder that had joined late"
-    assert not watch(range(1000))
-    assert not watch(range(300), range(600, 900), range(300, 600))
-    assert not watch(range(0, 1000, 2), range(1, 1000, 2)), "two recorders"
-    assert not watch(shuffled)
+    assert watch(range(1000), range(800), topics=3) == RESET
+    assert watch(range(1000), range(500), range(900)) == RESET
+    assert watch(range(30, 1000), range(500)) == RESET, "a recorder that had joined late"
+    assert watch(range(1000)) == ""
+    assert watch(range(300), range(600, 900), range(300, 600)) == NOT_IN_ORDER
+    assert watch(range(0, 1000, 2), range(1, 1000, 2)) == NOT_IN_ORDER, "two recorders"
+    assert watch(shuffled) == NOT_IN_ORDER
     pieces = [range(start, start + 50) for start in range(0, 2000, 50)]
     random.Random(2).shuffle(pieces)
-    assert not watch(*pieces)
+    assert watch(*pieces) == NOT_IN_ORDER
 
 
 READ_SHUFFLED = """

@@ -15,8 +15,8 @@ from heave_bags.analyse.read_run import read_run
 from heave_bags.errors import StorageError
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.files import METADATA_ROOT, RECORDING_MARK
+from heave_bags.mcap.loss import RecordedLoss, recorded_loss
 from heave_bags.mcap.reader import Bag
-from heave_bags.mcap.recorded_loss import RecordedLoss, recorded_loss
 from heave_bags.mcap.repair import repair
 from heave_bags.mcap.storage import BackgroundStorage, DirectStorage
 from heave_bags.record import sequence_gaps

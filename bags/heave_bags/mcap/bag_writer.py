@@ -26,8 +26,8 @@ from heave_bags.mcap.files import (
     force_metadata,
     write_metadata,
 )
+from heave_bags.mcap.loss import RecordedLoss
 from heave_bags.mcap.reader import Bag, summary_of
-from heave_bags.mcap.recorded_loss import RecordedLoss
 from heave_bags.mcap.ros.qos import OfferedQos, to_yaml
 from heave_bags.mcap.storage import DirectStorage, Storage
 from heave_bags.mcap.writer import ChunkPolicy, McapWriter

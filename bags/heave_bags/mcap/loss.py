@@ -1,21 +1,28 @@
-"""What of a file could not be read: where, why, and how many messages, by the best evidence there is.
+"""What of a file could not be read, or was not recorded: where, why, how many messages, by the best evidence there is.
 
 Evidence on the number of lost messages, from the strongest on: the count of the whole file (its summary, or what was
 written beside it) less what was read; gaps in the numbers that this project's recorders give the messages of each
-topic; the message indexes behind a chunk that cannot be unpacked.
+topic; the message indexes behind a chunk that cannot be unpacked. What a recorder knows that its bag lacks, it writes
+into `metadata.yaml` as data of its own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from heave_bags.errors import one_line
+from heave_bags.mcap.bounds import LATEST_TIME
 
 NO_FOOTER = "the file has no index (its writer did not finish)"
 MISSING = "messages are missing"
 MISSING_FILE = "the file is missing, which the bag lists"
+_REASON, _MESSAGES, _FROM, _TO = (f"heave_lost_{name}" for name in ("reason", "messages", "from_ns", "to_ns"))
+LONGEST_REASON = 500
+"""Characters of a reason that are read."""
 
 
 @dataclass(frozen=True)
@@ -145,3 +152,52 @@ def _joined(losses: list[Loss], messages: int) -> Loss:
         reason += f", and {len(losses) - 1} more places up to byte {losses[-1].position}; the first"
     start, end = (min(starts), max(ends)) if is_known else (None, None)
     return Loss(first.file, first.position, reason, start, end, max(messages, 0))
+
+
+@dataclass(frozen=True)
+class RecordedLoss:
+    """Messages that a recorder should have written and did not.
+
+    Attributes
+    ----------
+    reason : in words
+    messages : how many
+    start, end : log times between which they lie [ns]
+    """
+
+    reason: str
+    messages: int
+    start: int
+    end: int
+
+    def joined(self, other: RecordedLoss | None) -> RecordedLoss:
+        """Return this loss and the `other` one as one."""
+        if other is None:
+            return self
+        reasons = dict.fromkeys((*self.reason.split("; "), *other.reason.split("; ")))
+        start, end = min(self.start, other.start), max(self.end, other.end)
+        return RecordedLoss("; ".join(reasons), self.messages + other.messages, start, end)
+
+    def to_custom_data(self) -> dict[str, str]:
+        """Return the loss as custom data of a bag."""
+        numbers = {_MESSAGES: self.messages, _FROM: self.start, _TO: self.end}
+        return {_REASON: one_line(self.reason), **{name: str(number) for name, number in numbers.items()}}
+
+    def to_loss(self, path: Path) -> Loss:
+        """Return the loss as one of the bag at `path`."""
+        return Loss(path, None, f"not recorded: {self.reason}", self.start, self.end, self.messages)
+
+
+def recorded_loss(information: Mapping[str, Any]) -> RecordedLoss | None:
+    """Return the loss that the `information` of a bag states; None where it states none that makes sense."""
+    custom = information.get("custom_data")
+    if not isinstance(custom, Mapping) or _REASON not in custom:
+        return None
+    numbers = []
+    for name in (_MESSAGES, _FROM, _TO):
+        with suppress(ValueError, TypeError, OverflowError):
+            numbers.append(min(max(int(custom.get(name, 0)), 0), LATEST_TIME))
+    if len(numbers) < 3:
+        return None
+    messages, start, end = numbers
+    return RecordedLoss(one_line(str(custom[_REASON])[:LONGEST_REASON]), messages, start, max(start, end))

@@ -1,5 +1,7 @@
 """Read a bag: messages in order, columns, pandas frames. Streaming, without ROS, whatever state the bag is in.
 
+Sound files are read by `rosbags`. What is not sound is repaired first, in a temporary folder, then read.
+
 >>> bag = Bag("runs/b2_calm_300")                           # doctest: +SKIP
 >>> bag.frame("unit/odometry")["pose.pose.position.z"].std()  # doctest: +SKIP
 """
@@ -7,14 +9,19 @@
 from __future__ import annotations
 
 import math
+import shutil
+import weakref
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
+from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Any
 
 from mcap.records import Attachment, Channel, Schema
 from numpy.typing import NDArray
+from rosbags.rosbag2 import Reader
 
 from heave_bags.cdr.columns import Columns
 from heave_bags.errors import BagError
@@ -31,18 +38,19 @@ from heave_bags.mcap.files import (
     listed_files,
     read_information,
 )
-from heave_bags.mcap.loss import MISSING_FILE, Loss
-from heave_bags.mcap.read.contents import FileContents, RawMessage
-from heave_bags.mcap.read.decode import LOG_TIME, TIME, BagTopic, ColumnReader, MessageDecoder
-from heave_bags.mcap.read.definitions import definition
+from heave_bags.mcap.loss import MISSING_FILE, Loss, recorded_loss
+from heave_bags.mcap.read.decode import LOG_TIME, TIME, BagTopic, ColumnReader, MessageDecoder, definition
 from heave_bags.mcap.read.folder import bag_of, find_files
-from heave_bags.mcap.read.passes import BagPasses, Progress, no_progress
+from heave_bags.mcap.read.recovery import Progress, Recovered, no_progress, recover
+from heave_bags.mcap.read.scan import FileContents, RawMessage
+from heave_bags.mcap.read.sound import is_sound
 from heave_bags.mcap.read.survey import Survey, copies, in_order_of_files, match_listed, survey_file
-from heave_bags.mcap.recorded_loss import recorded_loss
-from heave_bags.mcap.ros.qos import from_yaml
+from heave_bags.mcap.ros.qos import UNREADABLE, from_yaml
 
 if TYPE_CHECKING:
     import pandas
+
+_PROGRESS_EVERY = 1000
 
 __all__ = ["LOG_TIME", "TIME", "Bag", "BagTopic", "Progress", "RawMessage", "no_progress", "summary_of"]
 
@@ -69,6 +77,7 @@ class Bag:
         stated = recorded_loss(self._described)
         self._not_recorded = [] if stated is None else [stated.to_loss(self.path)]
         self._topics: dict[str, BagTopic] | None = None
+        self._readable: Recovered | None = None
 
     @cached_property
     def stated(self) -> Mapping[str, Any]:
@@ -200,12 +209,31 @@ class Bag:
         matched, missing = match_listed(self._surveys, [part for part in listed if part.name not in named])
         return matched, missing if self.path.is_dir() else []
 
-    @cached_property
-    def _passes(self) -> BagPasses:
+    def sound_files(self, progress: Progress = no_progress) -> list[Path]:
+        """Return sound files that hold its messages, in order: its own, or those of a copy that lives as long as it.
+
+        `progress` is called with the share of a repair that is done. `losses` then holds what could not be read, and
+        `notes` what else a reader must know.
+        """
+        if self._readable is None:
+            self._readable = self._made_readable(progress)
+        self.losses = [*self._unread(), *self._readable.losses, *self._not_recorded]
+        self.notes = [*self._found.notes, *(f"{self.path.name}: {note}" for note in (self._readable.note,) if note)]
+        return self._readable.files
+
+    def _made_readable(self, progress: Progress) -> Recovered:
+        surveys = self._surveys
+        spans = [survey.span for survey in surveys if survey.span is not None]
+        is_own = all(survey.contents.is_own for survey in surveys)
+        is_ascending = all(before[1] <= after[0] for before, after in pairwise(spans))
+        if (is_own or is_ascending) and all(is_sound(survey.path) for survey in surveys):
+            return Recovered([survey.path for survey in surveys])
         matched, _ = self._listing
         is_agreed = bool(file_counts(self._described))
         expected = {path: part.messages for path, part in matched.items() if part.messages is not None and is_agreed}
-        return BagPasses(self._surveys, expected)
+        folder = mkdtemp(prefix="heave_bag_")
+        weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+        return recover(surveys, expected, self.topics, Path(folder), progress)
 
     def _unread(self) -> list[Loss]:
         """Return the files that are not there, or hold nothing."""
@@ -258,11 +286,14 @@ class Bag:
         After the pass, `losses` holds what could not be read, and `notes` what else a reader must know.
         """
         wanted = None if topics is None else {self.resolve(topic) for topic in topics}
-        passes = self._passes
-        self.losses = []
-        yield from passes.messages(wanted, start, end, progress)
-        self.losses = [*self._unread(), *passes.losses, *self._not_recorded]
-        self.notes = [*self._found.notes, *([f"{self.path.name}: {passes.note}"] if passes.note else [])]
+        files = self.sound_files(lambda share: progress(0.5 * share))
+        first, length = self.start_time, max(self.end_time - self.start_time, 1)
+        for path in files:
+            for count, message in enumerate(_messages(path, wanted, start, end)):
+                if not count % _PROGRESS_EVERY:
+                    progress(min(max(0.5 + 0.5 * (message.log_time - first) / length, 0.5), 1.0))
+                yield message
+        progress(1.0)
 
     def decoded(self, topics: Collection[str] | None = None, **selection: Any) -> Iterator[tuple[RawMessage, Any]]:
         """Yield messages of `topics` with their content as objects, by mcap-ros2-support; `selection` as in `messages`.
@@ -372,12 +403,22 @@ class Bag:
         return pandas.DataFrame(flat, index=pandas.Index(time, name=TIME))
 
 
+def _messages(path: Path, wanted: Collection[str] | None, start: int, end: int) -> Iterator[RawMessage]:
+    """Yield the messages of a sound file in the order of their log times."""
+    with Reader(path) as reader:
+        connections = [one for one in reader.connections if wanted is None or one.topic in wanted]
+        if not connections:
+            return
+        for connection, log_time, data in reader.messages(connections, start, end + 1):
+            yield RawMessage(connection.topic, log_time, data)
+
+
 def _topic(channel: Channel, schemas: Mapping[int, Schema]) -> BagTopic:
     schema = schemas.get(channel.schema_id)
     text, problem = definition(channel, schema)
     try:
         qos = from_yaml(channel.metadata.get("offered_qos_profiles", ""))
-    except (TypeError, LookupError, ValueError, ArithmeticError, AttributeError):
+    except UNREADABLE:
         qos = ()
     return BagTopic(
         name=channel.topic,

@@ -10,6 +10,7 @@ import os
 import re
 import struct
 import zlib
+from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
@@ -17,11 +18,20 @@ from typing import NamedTuple
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, Metadata, Schema
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    ChunkIndex,
+    McapRecord,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+)
 
 from heave_bags.errors import BagError
-from heave_bags.mcap.bounds import LARGEST_RECORD
-from heave_bags.mcap.packed import open_unpacked
+from heave_bags.mcap.bounds import LARGEST_RECORD, open_unpacked
 
 HEAD = struct.Struct("<BQ")
 MESSAGE_HEAD = struct.Struct("<HIQQ")
@@ -41,14 +51,16 @@ _PRIVATE = 0x80
 UNPARSEABLE = (McapError, struct.error, UnicodeDecodeError)
 """Errors that reading the parts of a damaged record raises."""
 
-ParsedRecord = Schema | Channel | Metadata | Attachment
-_TYPES: dict[int, type[ParsedRecord]] = {
-    Opcode.SCHEMA: Schema,
-    Opcode.CHANNEL: Channel,
-    Opcode.METADATA: Metadata,
-    Opcode.ATTACHMENT: Attachment,
+_READERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
+    Opcode.SCHEMA: Schema.read,
+    Opcode.CHANNEL: Channel.read,
+    Opcode.METADATA: Metadata.read,
+    Opcode.ATTACHMENT: Attachment.read,
+    Opcode.STATISTICS: Statistics.read,
+    Opcode.CHUNK_INDEX: ChunkIndex.read,
+    Opcode.ATTACHMENT_INDEX: AttachmentIndex.read,
+    Opcode.METADATA_INDEX: MetadataIndex.read,
 }
-
 
 _PARTS: dict[int, tuple[int, str] | tuple[int, str, int]] = {
     Opcode.HEADER: (0, "ss"),
@@ -65,13 +77,13 @@ then a number of bytes again.
 """
 
 
-def parse(opcode: int, body: bytes) -> ParsedRecord | None:
+def parse(opcode: int, body: bytes) -> McapRecord | None:
     """Return the record of kind `opcode` with a `body`; None for kinds that are not parsed here.
 
     Raises one of UNPARSEABLE.
     """
-    kind = _TYPES.get(opcode)
-    return None if kind is None else kind.read(ReadDataStream(BytesIO(body)))
+    read = _READERS.get(opcode)
+    return None if read is None else read(ReadDataStream(BytesIO(body)))
 
 
 class Record(NamedTuple):

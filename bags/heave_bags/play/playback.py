@@ -117,11 +117,6 @@ def in_order_of(keyed: Iterable[tuple[int, RawMessage]]) -> Iterator[tuple[int, 
         yield first, earliest
 
 
-def in_order_of_time(messages: Iterable[RawMessage]) -> Iterator[RawMessage]:
-    """Yield messages by log time; as `in_order_of`."""
-    return (message for _, message in in_order_of((message.log_time, message) for message in messages))
-
-
 class Playback:
     """Hands out the messages of `bag` that `options` select when they are due.
 
@@ -173,8 +168,7 @@ class Playback:
         return [last[name] for name in sorted(last)]
 
     def _begin(self) -> None:
-        messages = self._bag.messages(self.topics, start=self._first, end=self._last)
-        self._messages = in_order_of_time(messages)
+        self._messages = self._bag.messages(self.topics, start=self._first, end=self._last)
         self._next = next(self._messages, None)
         self._bag_time = self._first
         if self._next is None:

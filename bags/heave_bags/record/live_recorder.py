@@ -17,7 +17,7 @@ import rclpy
 from heave_node.interface import topics
 from heave_node.interface.messages import message_type
 from heave_node.parameters import ParameterError
-from heave_node.ros.diagnostics import Health, Level, alarm_health, diagnostic_array
+from heave_node.ros.diagnostics import diagnostic_array
 from heave_node.ros.node import steady_clock
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.process import leave_ros
@@ -32,12 +32,11 @@ from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.files import COMPLETE
 from heave_bags.mcap.storage import open_in_background
-from heave_bags.record.alarms import ALARMS
 from heave_bags.record.parameters import RecorderParameters
-from heave_bags.record.provenance import describe_run, scenario_attachment
-from heave_bags.record.recorder_services import RecorderServices
+from heave_bags.record.provenance import describe_run, scenario_attachments
+from heave_bags.record.recorder_services import RecorderServices, recording_health
 from heave_bags.record.sequence_gaps import SequenceGaps
-from heave_bags.record.session import RecordingSession, SnapshotRing
+from heave_bags.record.session import RecordingSession
 from heave_bags.record.topic_watch import TopicWatch
 
 LOOK_PERIOD = 0.2
@@ -55,7 +54,7 @@ class LiveRecorder(Node):
         _, self.parameters = read_parameters(self, RecorderParameters)
         self.finished: Future[None] = Future()
         self._sees_faults = self.parameters.snapshot_duration > 0.0
-        self.session = RecordingSession(self._make_writer, self._make_ring(), survive=True)
+        self.session = RecordingSession(self._make_writer, self.parameters.ring(), survive=True)
         self.watch = TopicWatch(self, self.parameters.exclude)
         self._missed: dict[str, int] = {}
         self._gaps = SequenceGaps(self._note_gap)
@@ -67,9 +66,6 @@ class LiveRecorder(Node):
         steady = steady_clock()
         self.create_timer(LOOK_PERIOD, self._look, clock=steady)
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=steady)
-
-    def _make_ring(self) -> SnapshotRing:
-        return SnapshotRing(round(self.parameters.snapshot_duration * 1e9), self.parameters.snapshot_size)
 
     def _make_writer(self, folder: Path) -> BagWriter:
         parameters = self.parameters
@@ -83,7 +79,7 @@ class LiveRecorder(Node):
             folder,
             policy=parameters.policy(),
             run={**description, "host_time_minus_log_time_ns": str(time.time_ns() - now)},
-            attachments=[scenario_attachment(Path(parameters.scenario_file))] if parameters.scenario_file else [],
+            attachments=scenario_attachments(parameters.scenario_file),
             ros_distro=os.environ.get("ROS_DISTRO", "kilted"),
             opener=open_in_background,
         )
@@ -116,20 +112,10 @@ class LiveRecorder(Node):
 
         return self._gaps.noting(topic, take)
 
-    def health(self) -> Health:
-        """Report what is recorded and what is not."""
-        state = self.session.state
-        values = {"written": str(state.written), "not_written": str(state.unwritten)}
-        wrong = self.problems()
-        problems = [*wrong, *self.watch.unreadable.values()]
-        if problems:
-            code = "RECORDING_FAILED" if wrong else "TOPIC_UNREADABLE"
-            return alarm_health("recording", ALARMS.alarm(code, problem="; ".join(problems)), values)
-        return Health("recording", Level.OK, str(self.session.folder or "stopped"), values)
-
     def _publish_diagnostics(self) -> None:
         stamp = self.get_clock().now().to_msg()
-        self._diagnostics.publish(diagnostic_array(self.get_name(), stamp, [self.health()]))
+        health = recording_health(self.session, self.watch, self.problems())
+        self._diagnostics.publish(diagnostic_array(self.get_name(), stamp, [health]))
 
     def problems(self) -> list[str]:
         """Return what went wrong, each in a line."""

@@ -8,6 +8,7 @@ from heave_node.parameters import parameter
 
 from heave_bags.mcap.bag_writer import BagPolicy
 from heave_bags.mcap.writer import COMPRESSIONS, ChunkPolicy
+from heave_bags.record.session import SnapshotRing
 
 NO_COMPRESSION = "none"
 
@@ -52,6 +53,10 @@ class RecorderParameters:
     split_duration: float = parameter(
         0.0, unit="s", minimum=0.0, maximum=1e9, description="Time after which a new file is started; 0: never."
     )
+
+    def ring(self) -> SnapshotRing:
+        """Return what is kept in memory for snapshots."""
+        return SnapshotRing(round(self.snapshot_duration * 1e9), self.snapshot_size)
 
     def policy(self) -> BagPolicy:
         """Return how bags are written."""

@@ -89,10 +89,9 @@ def describe_run(
     }
 
 
-def scenario_attachment(path: Path) -> Attachment:
-    """Return the parameter file `path` of a run as an attachment. Raises BagError if it cannot be read."""
+def scenario_attachments(path: str) -> list[Attachment]:
+    """Return the parameter file `path` of a run as an attachment; none for "". Raises BagError if it cannot be read."""
     try:
-        data = path.read_bytes()
+        return [Attachment(SCENARIO_ATTACHMENT, "application/yaml", Path(path).read_bytes())] if path else []
     except OSError as error:
         raise BagError(f"scenario_file {path}: cannot be read: {error.strerror}") from error
-    return Attachment(SCENARIO_ATTACHMENT, "application/yaml", data)

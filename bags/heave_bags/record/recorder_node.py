@@ -20,7 +20,7 @@ from heave_node.cdr.definitions import schema_text
 from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.topic import Role, Topic
-from heave_node.ros.diagnostics import Health, Level, alarm_health
+from heave_node.ros.diagnostics import Health
 from heave_node.ros.node import expect_no, expect_sender, steady_clock
 from heave_node.ros.participant import HELD_MESSAGES, ParticipantNode
 from heave_node.ros.process import run_node
@@ -34,13 +34,12 @@ from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
 from heave_bags.mcap.files import COMPLETE
 from heave_bags.mcap.storage import DirectStorage, open_in_background
-from heave_bags.record.alarms import ALARMS
 from heave_bags.record.parameter_survey import ParameterSurvey
 from heave_bags.record.parameters import RecorderParameters
-from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, describe_run, scenario_attachment
-from heave_bags.record.recorder_services import RecorderServices
+from heave_bags.record.provenance import PARAMETERS_ATTACHMENT, describe_run, scenario_attachments
+from heave_bags.record.recorder_services import RecorderServices, recording_health
 from heave_bags.record.recording import TickOrder
-from heave_bags.record.session import RecordingSession, SnapshotRing, missing_messages, missing_words
+from heave_bags.record.session import RecordingSession, missing_messages, missing_words
 from heave_bags.record.topic_watch import TopicWatch
 
 LOOK_PERIOD = 0.1
@@ -92,9 +91,7 @@ class RecorderNode(ParticipantNode):
 
     def _make_session(self) -> RecordingSession:
         run, parameters = self.run, self.parameters
-        attachments: list[Attachment] = []
-        if parameters.scenario_file:
-            attachments.append(scenario_attachment(Path(parameters.scenario_file)))
+        attachments = scenario_attachments(parameters.scenario_file)
         description = describe_run(
             scenario=parameters.scenario,
             seed=run.seed,
@@ -116,8 +113,7 @@ class RecorderNode(ParticipantNode):
                 closing_attachments=self._parameter_attachment,
             )
 
-        ring = SnapshotRing(round(parameters.snapshot_duration * 1e9), parameters.snapshot_size)
-        return RecordingSession(make_writer, ring, survive=not run.is_lockstep)
+        return RecordingSession(make_writer, parameters.ring(), survive=not run.is_lockstep)
 
     def _parameter_attachment(self) -> list[Attachment]:
         if self.survey.is_empty:
@@ -338,14 +334,7 @@ class RecorderNode(ParticipantNode):
 
     def diagnose(self) -> list[Health]:
         """Report what is recorded and what cannot be."""
-        state = self.session.state
-        values = {"written": str(state.written), "not_written": str(state.unwritten)}
-        if state.problems:
-            return [alarm_health("recording", ALARMS.alarm("RECORDING_FAILED", problem=state.problems[-1]), values)]
-        unreadable = "; ".join(self.watch.unreadable.values())
-        if unreadable:
-            return [alarm_health("recording", ALARMS.alarm("TOPIC_UNREADABLE", problem=unreadable), values)]
-        return [Health("recording", Level.OK, str(self.session.folder or "stopped"), values)]
+        return [recording_health(self.session, self.watch, self.session.state.problems)]
 
     # End -----------------------------------------------------------------------------------------------------------
 

@@ -2,18 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_msgs.srv import SaveSnapshot, StartRecording
+from heave_node.ros.diagnostics import Health, Level, alarm_health
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 from std_srvs.srv import Trigger
 
 from heave_bags.errors import BagError
+from heave_bags.record.alarms import ALARMS
 from heave_bags.record.session import RecordingSession
+from heave_bags.record.topic_watch import TopicWatch
+
+
+def recording_health(session: RecordingSession, watch: TopicWatch, problems: Sequence[str]) -> Health:
+    """Return what is recorded and what cannot be.
+
+    Parameters
+    ----------
+    session, watch : of the recorder
+    problems : what went wrong, each in a line
+    """
+    values = {"written": str(session.state.written), "not_written": str(session.state.unwritten)}
+    for code, found in (("RECORDING_FAILED", problems), ("TOPIC_UNREADABLE", watch.unreadable.values())):
+        if found:
+            return alarm_health("recording", ALARMS.alarm(code, problem="; ".join(found)), values)
+    return Health("recording", Level.OK, str(session.folder or "stopped"), values)
 
 
 def next_free(folder: Path) -> Path:

@@ -13,7 +13,7 @@ from pathlib import Path
 from heave_bags.errors import BagError, StorageError
 from heave_bags.mcap.bag_writer import DESCRIPTION_PERIOD, BagWriter
 from heave_bags.mcap.files import SNAPSHOT
-from heave_bags.mcap.recorded_loss import RecordedLoss
+from heave_bags.mcap.loss import RecordedLoss
 from heave_bags.mcap.ros.qos import OfferedQos
 
 STOPPED = "after that nothing was written"

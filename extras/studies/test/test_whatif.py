@@ -74,7 +74,7 @@ def without_truth(bag, folder, *, topics=tuple(SELECTION), logged=lambda topic, 
             data = serialize_message(state)
         time = logged(message.topic, message.log_time)
         if time is not None:
-            writer.write(message.topic, time, data, publish_time=message.publish_time)
+            writer.write(message.topic, time, data)
     writer.close({})
     return Bag(folder)
 

@@ -27,11 +27,6 @@ def prefixes() -> list[Path]:
     return [*named, Path(sys.prefix)]
 
 
-def field_names(text: str) -> list[str]:
-    """Return the name of each field of a .msg text; constants are left out."""
-    return [match["name"] for match in field_lines(text.splitlines())]
-
-
 def _split(message_type: str) -> tuple[str, str]:
     parts = message_type.split("/")
     if len(parts) not in (2, 3) or not all(parts):

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from heave_bags.errors import NoBagError
+from heave_bags.mcap.bounds import SUFFIX, first_bytes
 from heave_bags.mcap.files import METADATA_NAME, ListedFile
 from heave_bags.mcap.loss import Loss
-from heave_bags.mcap.packed import SUFFIX, first_bytes
 from heave_bags.mcap.read.scan import is_like_magic
 from heave_bags.mcap.summary import MAGIC
 

@@ -8,25 +8,23 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Collection, Iterable, Iterator, MutableMapping, Sequence
-from itertools import islice
-from operator import le
+from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import zstandard
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Metadata, Schema
+from mcap.summary import Summary
 
 from heave_bags.errors import NoBagError
-from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, unpack, unpack_part
+from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, ZSTD_MAGIC, unpack, unpack_message, unpack_part
 from heave_bags.mcap.files import count_in_record
-from heave_bags.mcap.loss import NO_FOOTER, LossAccount
-from heave_bags.mcap.packed import ZSTD_MAGIC, unpack_message
-from heave_bags.mcap.read.contents import IN_JOURNAL, Block, FileContents, Place, RawMessage
-from heave_bags.mcap.read.numbering import Numbering
+from heave_bags.mcap.loss import NO_FOOTER, Loss, LossAccount
 from heave_bags.mcap.records import CHUNK_HEAD, HEAD, MESSAGE_HEAD, UNPARSEABLE, Record, RecordFile, parse, split_chunk
 from heave_bags.mcap.storage import read_journal
-from heave_bags.mcap.summary import MAGIC, Summary, ends_properly, has_interim_ending, read_summary
+from heave_bags.mcap.summary import MAGIC, ends_properly, has_interim_ending, read_summary
 from heave_bags.mcap.writer import LIBRARY
 
 DAMAGED_CHUNK = (struct.error, zstandard.ZstdError, RuntimeError, ValueError, MemoryError)
@@ -34,12 +32,95 @@ DAMAGED_CHUNK = (struct.error, zstandard.ZstdError, RuntimeError, ValueError, Me
 
 MOST_IN_BLOCK = 1 << 17
 """Messages of a block: more of a chunk are several blocks."""
-SMALLEST_MESSAGE = HEAD.size + MESSAGE_HEAD.size
-"""Bytes of a message without data."""
+_IN_JOURNAL = -1
+"""Position of messages that lie in the journal beside a file."""
 
 
-def _no_progress(_position: int) -> None:
-    """Ignore progress."""
+class RawMessage(NamedTuple):
+    """One message of `topic` as recorded: `data`, serialised, with `log_time` [ns]."""
+
+    topic: str
+    log_time: int
+    data: bytes
+
+
+class FoundMessage(NamedTuple):
+    """One message of `topic` as it lies in a file: `data`, with `log_time` and `publish_time` [ns], and the `sequence`
+    number that its publisher gave it; 0 for none.
+    """
+
+    topic: str
+    log_time: int
+    publish_time: int
+    sequence: int
+    data: bytes
+
+
+@dataclass
+class FileContents:
+    """What a scan has found in a file beside its messages.
+
+    Attributes
+    ----------
+    schemas, channels : by id
+    metadata, attachments : in the order of the file
+    losses : what could not be read
+    is_own : this project has written the file
+    is_packed : its messages are compressed one by one
+    complete : the end of the data section was reached
+    """
+
+    schemas: dict[int, Schema] = field(default_factory=dict)
+    channels: dict[int, Channel] = field(default_factory=dict)
+    metadata: list[Metadata] = field(default_factory=list)
+    attachments: list[Attachment] = field(default_factory=list)
+    losses: list[Loss] = field(default_factory=list)
+    is_own: bool = False
+    is_packed: bool = False
+    complete: bool = False
+
+
+class Numbering:
+    """Follows the numbers of the messages of one file.
+
+    Parameters
+    ----------
+    channels : of the file, by id
+    carried : the next number of each topic's messages, carried from one file of a bag to the next; a topic that is not
+        in it begins with 1. None where the files before this one are not known.
+
+    Attributes
+    ----------
+    is_on : the messages are numbered, as far as they were read
+    missing : messages that gaps in the numbers say are not there
+    """
+
+    def __init__(self, channels: Mapping[int, Channel], carried: MutableMapping[str, int] | None) -> None:
+        self.is_on = False
+        self.missing = 0
+        self._channels = channels
+        self._carried = carried
+        self._next: dict[int, int] = {}
+
+    def is_repeated(self, channel: int, sequence: int) -> bool:
+        """Return whether message number `sequence` of a `channel` was read before; count those missing before it."""
+        if not sequence:  # numbers begin with 1: these messages have none
+            self.is_on = False
+            return False
+        expected = self._next.get(channel)
+        if expected is None:
+            topic = self._channels[channel].topic
+            expected = sequence if self._carried is None else self._carried.get(topic, 1)
+        if sequence < expected:
+            return True
+        self.missing += sequence - expected
+        self._next[channel] = sequence + 1
+        return False
+
+    def carry_on(self) -> None:
+        """Hand the next numbers on to the file that follows."""
+        if self._carried is not None:
+            self._carried.update({self._channels[key].topic: number for key, number in self._next.items()})
 
 
 class McapScan:
@@ -48,103 +129,60 @@ class McapScan:
     Parameters
     ----------
     path : of the file
-    start, end : log times [ns]; chunks that lie outside are skipped without being unpacked
-    wanted : topics whose messages are wanted; all if None
     expected : how many messages the file has, as is written beside it; None where nothing is
     numbering : the next number of each topic's messages, carried from one file of a bag to the next; a topic that is
         not in it begins with 1. None where the files before this one are not known.
-    progress : called with the position in the file [bytes]
     """
 
     def __init__(
         self,
         path: Path,
         *,
-        start: int = 0,
-        end: int = LATEST_TIME,
-        wanted: Collection[str] | None = None,
         expected: int | None = None,
         numbering: MutableMapping[str, int] | None = None,
-        progress: Callable[[int], None] = _no_progress,
     ) -> None:
         self.path = path
         self.contents = FileContents()
         self.counts: dict[int, int] = {}
-        """Messages read, by channel, wanted or not."""
-        self._start = start
-        self._end = end
-        self._is_whole = start <= 0 and end >= LATEST_TIME
-        self._wanted = wanted
-        self._topics: dict[int, str] = {}
-        """Topic of each wanted channel."""
+        """Messages read, by channel."""
         self._damaged = 0
         """Messages that were read but could not be unpacked."""
         self._expected = expected
         self._numbering = Numbering(self.contents.channels, numbering)
-        self._progress = progress
+        self.position = 0
+        """Where reading is in the file [bytes]."""
         self._account = LossAccount(path)
         self._last_time: int | None = None
         self._lost_in_chunk: int | None = None
         self._has_lost_chunk = False
         self._summary: Summary | None = None
 
-    def blocks(self) -> Iterator[Block]:
-        """Yield the messages in the order of the file. Raises BagError if the file is not MCAP or cannot be opened."""
+    def blocks(self) -> Iterator[list[FoundMessage]]:
+        """Yield the messages in the order of the file, some at a time.
+
+        Raises BagError if the file is not MCAP or cannot be opened.
+        """
         with RecordFile(self.path) as file:
             begins = file.read(0, len(MAGIC))
             if not is_like_magic(begins):
                 raise NoBagError(f"{self.path}: not an MCAP file")
             if begins != MAGIC:
                 self._lose(0, "the bytes that every MCAP file begins with are damaged", 0)
-            self._take_summary(read_summary(file))
+            self._summary = read_summary(file)
+            if self._summary is not None:  # channels and schemas there outlive damage to their own chunk
+                if self._summary.statistics is not None:
+                    self._expected = self._summary.statistics.message_count
+                self.contents.schemas |= self._summary.schemas
+                self.contents.channels |= self._summary.channels
             yield from self._records(file)
         self._settle()
 
-    def _take_summary(self, summary: Summary | None) -> None:
-        """Take channels and schemas from the summary, if there is one: they outlive damage to their own chunk."""
-        self._summary = summary
-        if summary is None:
-            return
-        if summary.message_count is not None:
-            self._expected = summary.message_count
-        self.contents.schemas |= summary.schemas
-        for channel in summary.channels.values():
-            self._take_channel(channel)
-
-    def _take_channel(self, channel: Channel) -> None:
-        self.contents.channels[channel.id] = channel
-        if self._wanted is None or channel.topic in self._wanted:
-            self._topics[channel.id] = channel.topic
-        else:
-            self._topics.pop(channel.id, None)
-
-    def again(self, places: Iterable[Place], contents: FileContents) -> Iterator[Block]:
-        """Yield the messages at `places` of a file that was read before, whose `contents` are known."""
-        for channel in contents.channels.values():
-            self._take_channel(channel)
-        with RecordFile(self.path) as file:
-            for place in places:
-                records = self._records_at(file, place)
-                yield from self._walk(records, place.position, place.first, may_be_cut=True)
-
-    def _records_at(self, file: RecordFile, place: Place) -> bytes:
-        if place.position == IN_JOURNAL:
-            journal = read_journal(self.path)
-            return b"" if journal is None else journal.records[: place.until]
-        record = file.record_at(place.position)
-        if record is None or record.opcode != Opcode.CHUNK:
-            return file.read(place.position, place.until)
-        _, _, size, _, compression, packed = split_chunk(file.read(record.body, min(record.length, LARGEST_RECORD)))
-        is_whole = record.end <= file.size
-        records = unpack(compression, packed, size) if is_whole else unpack_part(compression, packed)
-        return records[: place.until]
-
     # Records -------------------------------------------------------------------------------------------------------
 
-    def _records(self, file: RecordFile) -> Iterator[Block]:
+    def _records(self, file: RecordFile) -> Iterator[list[FoundMessage]]:
         position = len(MAGIC)
         while position < file.size:
-            self._progress(position)
+            self.position = position
             record = file.record_at(position)
             if record is None:
                 following = self._skip_damage(file, position)
@@ -176,7 +214,7 @@ class McapScan:
         self._lose(position, "corrupt records", None)
         return following
 
-    def _record(self, file: RecordFile, record: Record) -> Iterator[Block]:
+    def _record(self, file: RecordFile, record: Record) -> Iterator[list[FoundMessage]]:
         if record.opcode == Opcode.MESSAGE_INDEX:
             self._count_lost(record)
             return
@@ -196,9 +234,9 @@ class McapScan:
     def _take_header(self, body: bytes) -> None:
         """Note whose file it is: this project's recorders number the messages of each topic without gaps."""
         self.contents.is_own = is_of_this_project(body)
-        self._numbering.is_on = self._is_whole and self.contents.is_own
+        self._numbering.is_on = self.contents.is_own
 
-    def _data_end(self, file: RecordFile, record: Record) -> Iterator[Block]:
+    def _data_end(self, file: RecordFile, record: Record) -> Iterator[list[FoundMessage]]:
         """Read the journal of a file whose writer was stopped: it ends properly, but has no summary yet."""
         self.contents.complete = True
         (checksum,) = struct.unpack("<I", file.body(record))
@@ -210,21 +248,21 @@ class McapScan:
             self._lose(record.position, "the file ends within its summary", 0)
         elif self._summary is None and not has_interim_ending(file, record.end):
             self._lose(record.position, "a damaged summary", 0)
-        elif self._is_whole and self._account.is_empty and checksum not in (0, file.checksum(record.position)):
+        elif self._account.is_empty and checksum not in (0, file.checksum(record.position)):
             self._lose(0, "data other than messages has changed (the file's checksum does not match)", 0)
 
-    def _journalled(self, file: RecordFile, position: int) -> Iterator[Block]:
+    def _journalled(self, file: RecordFile, position: int) -> Iterator[list[FoundMessage]]:
         """Read the journal of what was to follow at `position`, or at the end of a damaged file."""
         self._settle_lost_chunk()
         journal = read_journal(self.path)
         if journal is not None and journal.position in (position, file.size):
-            yield from self._walk(journal.records, IN_JOURNAL, may_be_cut=True)
+            yield from self._walk(journal.records, _IN_JOURNAL, may_be_cut=True)
         elif journal is not None and journal.position > file.size:
             self._lose(position, "the file ends before its journal begins", None)
         if not self._account.is_open:
             self._lose(position, NO_FOOTER, 0)
 
-    def _cut_off(self, file: RecordFile, record: Record) -> Iterator[Block]:
+    def _cut_off(self, file: RecordFile, record: Record) -> Iterator[list[FoundMessage]]:
         """Read what exists of the last record; a compressed chunk gives the blocks that are whole."""
         self._settle_lost_chunk()
         journal = read_journal(self.path)
@@ -247,9 +285,7 @@ class McapScan:
 
     # Chunks --------------------------------------------------------------------------------------------------------
 
-    def _chunk(self, body: bytes, position: int) -> Iterator[Block]:
-        if self._lies_outside(body, position):
-            return
+    def _chunk(self, body: bytes, position: int) -> Iterator[list[FoundMessage]]:
         try:
             _, _, size, checksum, compression, packed = split_chunk(body)
             records = unpack(compression, packed, size)
@@ -260,23 +296,13 @@ class McapScan:
             return
         yield from self._walk(records, position)
 
-    def _lies_outside(self, body: bytes, position: int) -> bool:
-        """Return whether a chunk lies outside of the wanted times, by its own head and by the summary."""
-        if self._is_whole or self._summary is None:
-            return False
-        first, last = struct.unpack_from("<QQ", body)
-        outside = (last < self._start or first > self._end) and first <= last
-        entry = self._summary.chunks.get(position)
-        return outside and entry is not None and (entry.first, entry.last) == (first, last)
-
-    def _walk(self, records: bytes, position: int, offset: int = 0, *, may_be_cut: bool = False) -> Iterator[Block]:
+    def _walk(self, records: bytes, position: int, *, may_be_cut: bool = False) -> Iterator[list[FoundMessage]]:
         """Yield the messages of plain records, which may be cut off in the midst of one if they are a journal's."""
-        size, block_at = len(records), offset
-        topics, known, counts, numbering = self._topics, self.contents.channels, self.counts, self._numbering
+        size, offset = len(records), 0
+        channels, counts, numbering = self.contents.channels, self.counts, self._numbering
         unpack_head, unpack_message = HEAD.unpack_from, MESSAGE_HEAD.unpack_from
-        start, end, is_after_loss = self._start, self._end, self._account.is_open
-        messages: list[RawMessage] = []
-        sequences: list[int] = []
+        is_after_loss = self._account.is_open
+        messages: list[FoundMessage] = []
         undefined = repeated = 0
         while offset + HEAD.size <= size:
             opcode, length = unpack_head(records, offset)
@@ -291,27 +317,25 @@ class McapScan:
                 undefined += 1
                 continue
             channel, sequence, log_time, publish_time = unpack_message(records, body)
-            if channel not in known or log_time > LATEST_TIME:
+            if channel not in channels or log_time > LATEST_TIME:
                 undefined += 1
                 continue
             if numbering.is_on and numbering.is_repeated(channel, sequence):
                 repeated += 1
                 continue
-            data_at = body + MESSAGE_HEAD.size
-            if channel not in counts and records.startswith(ZSTD_MAGIC, data_at):
+            data = records[body + MESSAGE_HEAD.size : offset]
+            if channel not in counts and data.startswith(ZSTD_MAGIC):
                 self.contents.is_packed = True
             counts[channel] = counts.get(channel, 0) + 1
             if is_after_loss:
                 self._account.end_at(log_time)
                 is_after_loss = False
             self._last_time = log_time
-            if channel in topics and start <= log_time <= end:
-                messages.append(RawMessage(topics[channel], log_time, publish_time, records[data_at:offset]))
-                sequences.append(sequence)
-                if len(messages) == MOST_IN_BLOCK:
-                    yield from self._block(Place(position, block_at, offset), messages, sequences)
-                    block_at, messages, sequences = offset, [], []
-        yield from self._block(Place(position, block_at, offset), messages, sequences)
+            messages.append(FoundMessage(channels[channel].topic, log_time, publish_time, sequence, data))
+            if len(messages) == MOST_IN_BLOCK:
+                yield from self._block(messages, position)
+                messages = []
+        yield from self._block(messages, position)
         if offset != size and not may_be_cut:
             self._lose(position, "corrupt records in a chunk", None)
         self._lose_some(position, repeated, undefined)
@@ -322,27 +346,20 @@ class McapScan:
         if undefined:
             self._lose(position, "messages with an undefined channel or an impossible time", undefined)
 
-    def _block(self, place: Place, messages: list[RawMessage], sequences: list[int]) -> Iterator[Block]:
-        """Yield messages as a block, if there are any; those that are compressed one by one are unpacked."""
+    def _block(self, messages: list[FoundMessage], position: int) -> Iterator[list[FoundMessage]]:
+        """Yield messages, if there are any; those that are compressed one by one are unpacked."""
         if self.contents.is_packed:
-            found = [(self._unpacked(message), number) for message, number in zip(messages, sequences, strict=True)]
-            sequences = [number for message, number in found if message is not None]
-            kept = [message for message, _ in found if message is not None]
-            if len(kept) < len(messages):
-                self._damaged += len(messages) - len(kept)
-                self._lose(place.position, "messages that cannot be unpacked (zstd)", len(messages) - len(kept))
-            messages = kept
+            unpacked = [
+                (message, unpack_message(message.data) if message.data.startswith(ZSTD_MAGIC) else message.data)
+                for message in messages
+            ]
+            damaged = sum(data is None for _, data in unpacked)
+            if damaged:
+                self._damaged += damaged
+                self._lose(position, "messages that cannot be unpacked (zstd)", damaged)
+            messages = [message._replace(data=data) for message, data in unpacked if data is not None]
         if messages:
-            times = [message.log_time for message in messages]
-            is_ascending = all(map(le, times, islice(times, 1, None)))
-            yield Block(place, messages, sequences, is_ascending)
-
-    def _unpacked(self, message: RawMessage) -> RawMessage | None:
-        """Return a message, unpacked if it is compressed by itself; None if it is damaged."""
-        if not message.data.startswith(ZSTD_MAGIC):
-            return message
-        data = unpack_message(message.data)
-        return None if data is None else message._replace(data=data)
+            yield messages
 
     def _take(self, opcode: int, body: bytes, position: int) -> None:
         """Take a record that is not a message."""
@@ -354,18 +371,15 @@ class McapScan:
         if isinstance(record, Schema):
             self.contents.schemas[record.id] = record
         elif isinstance(record, Channel):
-            self._take_channel(record)
+            self.contents.channels[record.id] = record
         elif isinstance(record, Metadata):
             self.contents.metadata.append(record)
         elif isinstance(record, Attachment):
-            self._take_attachment(record, body, position)
-
-    def _take_attachment(self, attachment: Attachment, body: bytes, position: int) -> None:
-        problem = attachment_problem(attachment, body, self.contents.attachments)
-        if problem:
-            self._lose(position, problem, 0)
-        else:
-            self.contents.attachments.append(attachment)
+            problem = attachment_problem(record, body, self.contents.attachments)
+            if problem:
+                self._lose(position, problem, 0)
+            else:
+                self.contents.attachments.append(record)
 
     # Losses --------------------------------------------------------------------------------------------------------
 
@@ -399,9 +413,8 @@ class McapScan:
         self._settle_lost_chunk()
         read = sum(self.counts.values()) - self._damaged
         expected = self._expected if self._expected is not None else count_in_record(self.contents.metadata)
-        is_reported = self._is_whole and expected is not None and expected >= read
-        lacking = expected - read if is_reported and expected is not None else None
-        if self._is_whole and expected is not None and self.contents.complete and read > expected:
+        lacking = expected - read if expected is not None and expected >= read else None
+        if expected is not None and self.contents.complete and read > expected:
             self._lose(0, f"{read - expected} messages more than the file says it has: some are repeated", 0)
         self._account.in_gaps = self._numbering.missing
         self.contents.losses = self._account.settle(lacking, is_cut=not self.contents.complete)

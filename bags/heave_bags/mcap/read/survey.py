@@ -6,18 +6,18 @@ import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from operator import attrgetter
 from pathlib import Path
 
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Metadata
+from mcap.summary import Summary
 
 from heave_bags.mcap.bounds import LARGEST_RECORD
 from heave_bags.mcap.files import FileSummary, ListedFile, information_in_record, listed_files
-from heave_bags.mcap.read.contents import FileContents
-from heave_bags.mcap.read.order import Times
-from heave_bags.mcap.read.scan import MOST_IN_BLOCK, SMALLEST_MESSAGE, McapScan, attachment_problem, is_of_this_project
+from heave_bags.mcap.read.scan import FileContents, McapScan, attachment_problem, is_of_this_project
 from heave_bags.mcap.records import UNPARSEABLE, RecordFile, parse
-from heave_bags.mcap.summary import MAGIC, ChunkEntry, Summary, read_summary
+from heave_bags.mcap.summary import MAGIC, read_summary
 
 
 @dataclass
@@ -30,14 +30,12 @@ class Survey:
     contents : beside messages
     counts : messages by channel
     span : first and last log time [ns]; None without messages
-    blocks : log times of its blocks, in the order of the file; None where its summary does not vouch for them
     """
 
     path: Path
     contents: FileContents
     counts: dict[int, int]
-    span: Times | None
-    blocks: list[Times] | None
+    span: tuple[int, int] | None
 
     def summary(self) -> FileSummary:
         """Return the line of `metadata.yaml` on the file."""
@@ -64,13 +62,25 @@ def survey_file(path: Path, expected: int | None) -> Survey:
     """Learn what the file at `path` holds, which has `expected` messages; None: that is not known."""
     with RecordFile(path) as file:
         summary = read_summary(file)
-        if summary is not None and summary.counts is not None and summary.channels:
+        if summary is not None and summary.channels and (stated := _stated(summary)):
             contents = FileContents(summary.schemas, summary.channels, complete=True)
             contents.is_own = _is_own(file)
-            if _take_records(file, [*summary.metadata, *summary.attachments], contents):
-                return Survey(path, contents, summary.counts, summary.span, _blocks(summary))
+            positions = [one.offset for one in summary.metadata_indexes]
+            positions += [one.offset for one in summary.attachment_indexes]
+            if _take_records(file, positions, contents):
+                return Survey(path, contents, *stated)
         is_first = _is_first(file)
     return _read_through(path, expected, is_first=is_first)
+
+
+def _stated(summary: Summary) -> tuple[dict[int, int], tuple[int, int] | None] | None:
+    """Return the messages by channel, first and last log time [ns]; None where the numbers do not agree."""
+    found = summary.statistics
+    if found is None or sum(found.channel_message_counts.values()) != found.message_count:
+        return None
+    return found.channel_message_counts, (
+        (found.message_start_time, found.message_end_time) if found.message_count else None
+    )
 
 
 def _is_own(file: RecordFile) -> bool:
@@ -84,32 +94,12 @@ def _is_first(file: RecordFile) -> bool:
     opening = None if header is None else file.record_at(header.end)
     contents = FileContents()
     if opening is not None and opening.opcode == Opcode.METADATA and _take_records(file, [opening.position], contents):
-        return Survey(file.path, contents, {}, None, None).is_first
+        return Survey(file.path, contents, {}, None).is_first
     return _is_named_first(file.path)
 
 
 def _is_named_first(path: Path) -> bool:
     return path.name.split(".", 1)[0].endswith("_0")
-
-
-def _blocks(summary: Summary) -> list[Times] | None:
-    """Return the log times of the chunks of a file, in its order; None where messages may lie elsewhere, or be too many
-    in a chunk.
-    """
-    chunks = [summary.chunks[position] for position in sorted(summary.chunks)]
-    known = [chunk.messages for chunk in chunks if chunk.messages is not None]
-    if len(chunks) != summary.chunk_count or (known and sum(known) != summary.message_count):
-        return None
-    if not chunks and summary.message_count:
-        return None
-    if any(_most_messages(chunk) > MOST_IN_BLOCK for chunk in chunks):
-        return None
-    with_messages = [chunk for chunk in chunks if (chunk.messages if known else chunk.last)]
-    return [(chunk.first, chunk.last) for chunk in with_messages]
-
-
-def _most_messages(chunk: ChunkEntry) -> int:
-    return chunk.size // SMALLEST_MESSAGE if chunk.messages is None else chunk.messages
 
 
 def _take_records(file: RecordFile, positions: Sequence[int], contents: FileContents) -> bool:
@@ -134,9 +124,12 @@ def _take_records(file: RecordFile, positions: Sequence[int], contents: FileCont
 
 def _read_through(path: Path, expected: int | None, *, is_first: bool) -> Survey:
     scan = McapScan(path, expected=expected, numbering={} if is_first else None)
-    blocks = [block.span for block in scan.blocks()]
-    span = (min(first for first, _ in blocks), max(last for _, last in blocks)) if blocks else None
-    return Survey(path, scan.contents, scan.counts, span, blocks)
+    times = [message.log_time for block in scan.blocks() for message in (min(block, key=_time), max(block, key=_time))]
+    span = (min(times), max(times)) if times else None
+    return Survey(path, scan.contents, scan.counts, span)
+
+
+_time = attrgetter("log_time")
 
 
 def in_order_of_files(surveys: Sequence[Survey], listed: Sequence[ListedFile]) -> list[Survey]:

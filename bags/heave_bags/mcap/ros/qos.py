@@ -83,6 +83,10 @@ def to_yaml(profiles: list[OfferedQos] | tuple[OfferedQos, ...]) -> str:
     return str(yaml.dump([profile.to_mapping() for profile in profiles], Dumper=DUMPER, sort_keys=False))
 
 
+UNREADABLE = (TypeError, LookupError, ValueError, ArithmeticError, AttributeError)
+"""Errors that reading the YAML text of anyone raises."""
+
+
 def from_yaml(text: str) -> tuple[OfferedQos, ...]:
-    """Read the YAML text of a channel's metadata; an empty one gives no profiles."""
+    """Read the YAML text of a channel's metadata; an empty one gives no profiles. Raises one of UNREADABLE."""
     return tuple(from_mapping(values) for values in parse_yaml(text) or [])
