@@ -9,9 +9,8 @@ BUILD_INPUTS := pyproject.toml $(wildcard cmake/* core/*.cmake core/src/* core/h
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 # An installed ROS 2 that this shell has sourced must not mix with the wheels.
 unexport PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH LD_LIBRARY_PATH
-# Six processes start at once: none of them should have to compile a library's Python first.
+# What is imported while the models are compiled leaves its bytecode; that of libraries' tests is never needed.
 unexport PYTHONDONTWRITEBYTECODE
-export UV_COMPILE_BYTECODE ?= 1
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK ?= 1
 # Trust the certificates that the machine trusts, as pip and git do.
@@ -99,8 +98,9 @@ $(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
 	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(TELLING) "ROS 2 and the messages" $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
 		$(PINNED) $(TELLING) "ROS 2 and the messages, by pip" $(BIN)/python -m pip install --quiet --editable .
 	@echo "setup: compiling the models, once"
-	@rm -rf $(VENV)/first-run && $(TELLING) "compiling the models" sh -c '$(BIN)/heave run b2_calm_300 --duration 1 --no-report --namespace set_up --bag $(VENV)/first-run > $(VENV)/first-run.log 2>&1' || \
-		echo "setup: left to the first run, which will start slowly; $(VENV)/first-run.log says why"
+	@$(TELLING) "compiling the models" $(BIN)/python -m heave_bringup.compiled > $(VENV)/models.log 2>&1 || \
+		echo "setup: left to the first run, which will start slowly; $(VENV)/models.log says why"
+	@cd $(VENV)/lib && for copy in libfastdds.so libfastdds.so.3.2; do ! cmp -s $$copy libfastdds.so.3.2.2 || ln -sf libfastdds.so.3.2.2 $$copy; done
 	@touch $@
 
 $(VENV)/.test-installed: $(VENV)/.installed

@@ -71,6 +71,10 @@ def _execute(options: argparse.Namespace) -> None:
         options.execute(options)
     except (CommandError, ParameterError, BagError):
         raise
+    except ModuleNotFoundError as error:
+        from heave_bringup.commands.extras import missing  # noqa: PLC0415 - seldom needed
+
+        raise missing(options.command, error) from error
     except Exception:  # libraries name a lack of memory in many ways
         check_memory()
         raise

@@ -22,6 +22,8 @@ from heave_bags.report import headline
 from heave_bags.report.figure import RUN_COLOURS, Figure, without_nan
 from heave_bags.report.report_figures import comparison_figures, run_figures
 
+PLOTLY = "plotly-cartesian.min.js"
+"""The script that draws the figures: plotly.js 4.1.1, its charts in two dimensions (MIT, plotly.LICENSE.txt)."""
 MOST_HAPPENINGS = 60
 """Lines of what happened in a run; the bag has them all."""
 
@@ -48,9 +50,7 @@ def render(records: Sequence[RunRecord], verdicts: Sequence[Verdict] = ()) -> st
 
 def _page(name: str, figures: Sequence[Figure], **content: Any) -> str:
     """Return a page with the script that draws its figures, as HTML."""
-    from plotly.offline import get_plotlyjs  # noqa: PLC0415 - slow to import, needed for its script only
-
-    scripts = [get_plotlyjs(), f"\n{_asset('report.js')}"]
+    scripts = [_asset(PLOTLY), f"\n{_asset('report.js')}"]
     return _template(name).render(
         **content,
         policy=security_policy(scripts),

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from typing import cast
 
 from heave_node.extras import how_to_install
 
@@ -27,58 +27,51 @@ EXTRA_OF = {
 """The extra that brings each subcommand, so that one that is not installed can be named."""
 
 
-class ExtraCommand:
-    """A subcommand of an extra, or what stands for it where the extra is missing.
+EXTRA_OF_MODULE = {
+    **dict.fromkeys(("control", "matplotlib"), "design"),
+    **dict.fromkeys(("pandas", "pyarrow"), "frames"),
+    "xlsxwriter": "xlsx",
+}
+"""The extra that brings a library which some of the suite's own commands need."""
+
+
+class AbsentCommand:
+    """Stands for a subcommand whose extra is not installed, and says so.
 
     Parameters
     ----------
     name : of the subcommand
-    summary, examples, add_arguments : as of `CommandModule`
-    execute : its function
+    error : why it cannot be loaded; None where it was not found at all
     """
 
-    def __init__(
-        self,
-        name: str,
-        summary: str,
-        examples: tuple[str, ...],
-        add_arguments: Callable[[argparse.ArgumentParser], None],
-        execute: Callable[[argparse.Namespace], None],
-    ) -> None:
+    EXAMPLES = ()
+
+    def __init__(self, name: str, error: ModuleNotFoundError | None) -> None:
         self.__name__ = name
-        self.SUMMARY = summary
-        self.EXAMPLES = examples
-        self._add_arguments = add_arguments
-        self._execute = execute
+        self.SUMMARY = f"Needs heave[{EXTRA_OF[name]}], which is not installed."
+        self._error = error
 
     def add_arguments(self, parser: argparse.ArgumentParser, /) -> None:
-        """Add its own arguments to its `parser`."""
-        self._add_arguments(parser)
+        """Let `parser` take any arguments: what is missing is the answer to all."""
+        parser.add_argument("arguments", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
 
-    def execute(self, options: argparse.Namespace, /) -> None:
-        """Do it, as `options` say; raises CommandError where a package of the extra is missing."""
-        try:
-            self._execute(options)
-        except ModuleNotFoundError as error:
-            raise _missing(self.__name__, error) from error
+    def execute(self, _: argparse.Namespace, /) -> None:
+        """Refuse, whatever the options say; raises CommandError."""
+        raise missing(self.__name__, self._error)
 
 
 def extra_commands() -> tuple[CommandModule, ...]:
-    """Return the subcommands that extras bring, those of missing extras too: these say what they need."""
+    """Return the subcommands that extras bring; one of a missing extra says what it needs."""
     return tuple(extra_command(name) for name in EXTRA_OF)
 
 
 def extra_command(name: str) -> CommandModule:
     """Return the subcommand `name` of an extra; where the extra is missing, what says so."""
     entry = _found().get(name)
-    error: ModuleNotFoundError | None = None
     try:
-        module = None if entry is None else entry.load()
-    except ModuleNotFoundError as missing:
-        module, error = None, missing
-    if module is None:
-        return _absent(name, error)
-    return ExtraCommand(name, module.SUMMARY, module.EXAMPLES, module.add_arguments, module.execute)
+        return AbsentCommand(name, None) if entry is None else cast(CommandModule, entry.load())
+    except ModuleNotFoundError as error:
+        return AbsentCommand(name, error)
 
 
 @cache
@@ -86,17 +79,11 @@ def _found() -> dict[str, EntryPoint]:
     return {entry.name: entry for entry in entry_points(group=COMMANDS)}
 
 
-def _absent(name: str, error: ModuleNotFoundError | None) -> CommandModule:
-    def add_arguments(parser: argparse.ArgumentParser, /) -> None:
-        parser.add_argument("arguments", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
-
-    def refuse(_: argparse.Namespace, /) -> None:
-        raise _missing(name, error)
-
-    return ExtraCommand(name, f"Needs heave[{EXTRA_OF[name]}], which is not installed.", (), add_arguments, refuse)
-
-
-def _missing(name: str, error: ModuleNotFoundError | None) -> CommandError:
-    extra = EXTRA_OF[name]
-    found = f" (no module {error.name})" if error is not None else ""
-    return CommandError(f"heave {name} needs heave[{extra}]{found}; {how_to_install(extra)}")
+def missing(command: str, error: ModuleNotFoundError | None) -> CommandError:
+    """Return what to say where a `command` needs a module that is not there; raise `error` where no extra has it."""
+    module = "" if error is None else str(error.name).partition(".")[0]
+    extra = EXTRA_OF.get(command) or EXTRA_OF_MODULE.get(module)
+    if extra is None:
+        raise error or KeyError(command)
+    found = f" (there is no {module})" if module else ""
+    return CommandError(f"heave {command} needs heave[{extra}]{found}; {how_to_install(extra)}")
