@@ -22,7 +22,7 @@ PINNED = $(if $(PINS),UV_CONSTRAINT=$(CURDIR)/$(PINS) UV_BUILD_CONSTRAINT=$(CURD
 # What takes a minute says every 15 s that it goes on.
 TELLING := sh tools/patiently.sh
 
-.PHONY: help run test validate mutants bench style lint docs gallery coverage install constraints clean
+.PHONY: help run extras test validate mutants bench style lint docs gallery coverage install constraints clean
 .DELETE_ON_ERROR:
 
 help:  ## what can be made
@@ -107,6 +107,9 @@ $(VENV)/.test-installed: $(VENV)/.installed
 	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(TELLING) "what the tests need" $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra test || \
 		$(PINNED) $(TELLING) "what the tests need, by pip" $(BIN)/python -m pip install --quiet --editable '.[test]'
 	@touch $@
+
+extras: $(VENV)/.installed  ## set up, then every extra: studies, devices, statics, panel, FMUs
+	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra all
 
 clean:  ## remove the environment and what was built; runs/ stays
 	rm -rf $(VENV) build install log dist

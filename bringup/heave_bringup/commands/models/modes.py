@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from heave_node.extras import how_to_install
 from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_scenario
 from heave_bringup.errors import CommandError
+
+if TYPE_CHECKING:
+    from cable_sim_node.reports.modes import ModesReport
 
 SUMMARY = "Print and draw natural periods and mode shapes of cable and unit, and the lengths at which they resonate."
 EXAMPLES = ("heave modes b3_deep_900", "heave modes b6_resonance_payout --period 10 --longest 900")
@@ -34,7 +40,7 @@ def execute(options: argparse.Namespace) -> None:
     from cable_sim_node.errors import PlantError
     from cable_sim_node.line.observation import snapshot
     from cable_sim_node.reports.modes import modes_report
-    from cable_sim_node.reports.report import PICTURE_ENDINGS, save_picture
+    from cable_sim_node.reports.report import PICTURE_ENDINGS
     from heave_node.numerics.compiled import is_compiled
 
     from heave_bringup.output import check_output, write_result
@@ -64,9 +70,20 @@ def execute(options: argparse.Namespace) -> None:
         )
     except PlantError as error:
         raise CommandError(f"{scenario.path}: {error}") from error
-    picture = options.picture or Path(f"{scenario.name}_modes.svg")
-    save_picture(report, picture)
-    write_result(options, f"{report.table()}\n\npicture   {picture.resolve()}", report.values())
+    write_result(
+        options, f"{report.table()}\n\npicture   {_drawn(report, options.picture, scenario.name)}", report.values()
+    )
+
+
+def _drawn(report: ModesReport, picture: Path | None, name: str) -> str:
+    """Draw a `report` on the scenario `name` to the `picture` asked for, or to one of its own; say where it is."""
+    from cable_sim_node.reports.report import save_picture
+
+    if picture is None and find_spec("matplotlib") is None:
+        return f"none: needs heave[design]; {how_to_install('design')}"
+    path = picture or Path(f"{name}_modes.svg")
+    save_picture(report, path)
+    return str(path.resolve())
 
 
 def _check_options(options: argparse.Namespace) -> None:

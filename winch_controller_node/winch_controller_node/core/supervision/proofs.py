@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from typing import NamedTuple
 
@@ -30,14 +30,14 @@ from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.newest import Newest
 
+from winch_controller_node.core.supervision.modes import Mode
+from winch_controller_node.core.supervision.watch.brake_watch import BrakeWatch
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.simulated_unit import SimulatedUnit
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import WinchModelParameters
-from winch_controller_node.core.supervision.modes import Mode
-from winch_controller_node.core.supervision.watch.brake_watch import BrakeWatch
 
 WINDOW = 20.0
 """Record by which a proof is made [s]: two waves of a long sea."""
@@ -342,9 +342,7 @@ class MotionProof:
         self._filters = LowPass(), LowPass()
         self._next_look = SHORTEST
 
-    def add(
-        self, load: NominalLoad, tensions: tuple[ScalarReading, ...], depths: tuple[ScalarReading, ...]
-    ) -> None:
+    def add(self, load: NominalLoad, tensions: tuple[ScalarReading, ...], depths: tuple[ScalarReading, ...]) -> None:
         """Take in a tick under a locked drum.
 
         Parameters
@@ -558,9 +556,7 @@ class LoadHarm:
         self.ratio = read / (locked + LEAST_SPREAD * load.cable.static_tension)
         if self.ratio <= HARMFUL:
             return None
-        return ALARMS.alarm(
-            "LOAD_CELL_HARM", spread=1e-3 * read, locked=1e-3 * locked, ratio=self.ratio, limit=HARMFUL
-        )
+        return ALARMS.alarm("LOAD_CELL_HARM", spread=1e-3 * read, locked=1e-3 * locked, ratio=self.ratio, limit=HARMFUL)
 
     def _spread(self, values: Array) -> float:
         """Return the standard deviation of `values` (n,) about their trend."""
