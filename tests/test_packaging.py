@@ -31,6 +31,8 @@ BY_CMAKE = ("core", "msgs")
 """Folders of packages that colcon builds by CMake."""
 
 PYTHON_MANIFESTS = [path for path in MANIFESTS if path.parent.name not in BY_CMAKE]
+OF_DEVELOPERS = {"test", "coverage", "colcon", "docs", "all"}
+"""Extras of pyproject.toml that are for no command."""
 LAUNCHING = {"launch", "launch_ros"}
 """Packages of ROS that have no wheel: launch files alone need them, and who launches has them."""
 
@@ -161,8 +163,7 @@ def test_a_manifest_names_each_package_of_the_suite_that_is_imported_and_no_othe
 @pytest.mark.parametrize("path", PYTHON_MANIFESTS, ids=folder_id)
 def test_every_distribution_that_is_imported_is_declared(path):
     extras = PYPROJECT["project"]["optional-dependencies"]
-    of_users = ("bench", "capytaine", "dask", "fmu", "foxglove", "opcua", "wavespectra")
-    of_extras = [name for extra in of_users for name in extras[extra]]
+    of_extras = [name for extra in set(extras) - OF_DEVELOPERS for name in extras[extra]]
     wanted = [*PYPROJECT["project"]["dependencies"], *of_extras]
     declared = {canonical(re.split(r"[\[<>=~!; ]", requirement)[0]) for requirement in wanted}
     suite = {name_of(other) for other in MANIFESTS}
@@ -223,7 +224,12 @@ def test_the_tested_versions_are_names_and_versions_that_pyproject_allows(path):
     assert all(re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.!+_-]+", line) for line in lines)
     pinned = {canonical(name): version for name, _, version in (line.partition("==") for line in lines)}
     project = PYPROJECT["project"]
-    wanted = [*project["dependencies"], *project["optional-dependencies"]["test"]]
+    extras = project["optional-dependencies"]
+    (tested,) = [one.extras for one in map(Requirement, extras["test"]) if one.name == "heave"]
+    (with_all,) = [one.extras for one in map(Requirement, extras["all"])]
+    wanted = [*project["dependencies"], *extras["test"]]
+    wanted += [one for extra in {*tested, *with_all} - {"all"} for one in extras[extra]]
+    wanted = [one for one in wanted if Requirement(one).name != "heave"]
     wanted += PYPROJECT["build-system"]["requires"]
     python = {"python_version": path.stem.removeprefix("python")}
     for requirement in map(Requirement, wanted):
