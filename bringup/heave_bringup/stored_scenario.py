@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from heave_bags.analyse.reading.stored import ALL_NODES, NodeParameters
 from heave_node.criteria import WANTED
 from heave_node.parameters import ParameterError, Value, describe, flatten
 from heave_node.scenario import CHANGED, WILDCARD, Sections
@@ -37,6 +38,12 @@ def stored_sections(scenario: Scenario) -> Sections:
         of_node = {**values, **scenario.quality_of_service.get(node, {})}
         sections |= {f"{WILDCARD}/{node}": of_node} if of_node else {}
     return sections
+
+
+def parameters_of(scenario: Scenario) -> NodeParameters:
+    """Return the parameters of a scenario as a bag would carry them."""
+    nodes = {node: flatten(parameters) for node, parameters in scenario.parameters.items()}
+    return {**nodes, ALL_NODES: flatten(scenario.run)}
 
 
 def stored_title(scenario: Scenario) -> str:
