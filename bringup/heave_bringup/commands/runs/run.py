@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import shlex
+import sys
 import threading
 from collections.abc import Sequence
 from pathlib import Path

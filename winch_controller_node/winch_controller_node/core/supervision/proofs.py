@@ -342,7 +342,9 @@ class MotionProof:
         self._filters = LowPass(), LowPass()
         self._next_look = SHORTEST
 
-    def add(self, load: NominalLoad, tensions: tuple[ScalarReading, ...], depths: tuple[ScalarReading, ...]) -> None:
+    def add(
+        self, load: NominalLoad, tensions: tuple[ScalarReading, ...], depths: tuple[ScalarReading, ...]
+    ) -> None:
         """Take in a tick under a locked drum.
 
         Parameters
@@ -556,7 +558,9 @@ class LoadHarm:
         self.ratio = read / (locked + LEAST_SPREAD * load.cable.static_tension)
         if self.ratio <= HARMFUL:
             return None
-        return ALARMS.alarm("LOAD_CELL_HARM", spread=1e-3 * read, locked=1e-3 * locked, ratio=self.ratio, limit=HARMFUL)
+        return ALARMS.alarm(
+            "LOAD_CELL_HARM", spread=1e-3 * read, locked=1e-3 * locked, ratio=self.ratio, limit=HARMFUL
+        )
 
     def _spread(self, values: Array) -> float:
         """Return the standard deviation of `values` (n,) about their trend."""
