@@ -28,6 +28,7 @@ EXTRAS = {
     "heave_devices": (),
     "heave_studies": ("heave_devices",),
     "heave_statics": (),
+    "heave_drives": (),
     "heave_panel": (),
     "heave_fmu": (),
 }
@@ -55,6 +56,7 @@ BUDGETS = {
     "extras/devices": (6_462, 4_900),
     "extras/studies": (16_056, 6_000),
     "extras/statics": (3_070, 1_800),
+    "extras/drives": (2_092, 1_800),
     "extras/panel": (1_509, 900),
     "extras/fmu": (1_810, 900),
 }

@@ -1,6 +1,7 @@
 """An extra that is not installed: what the suite does without it, and what it says where it is asked for."""
 
 import pytest
+from cable_sim_node.winch.drives import registry
 from heave_bringup.cli import main
 from heave_bringup.commands.extras import EXTRA_OF
 from heave_bringup.errors import CommandError
@@ -12,9 +13,12 @@ from heave_node import extras
 def alone(monkeypatch):
     """Let no extra be installed."""
     monkeypatch.setattr(extras, "entry_points", lambda group: [])
-    extras.extra_parts.cache_clear()
+    caches = (extras.extra_parts.cache_clear, registry.installed_drives.cache_clear)
+    for clear in caches:
+        clear()
     yield
-    extras.extra_parts.cache_clear()
+    for clear in caches:
+        clear()
 
 
 @pytest.mark.parametrize("name", EXTRA_OF)
@@ -29,6 +33,7 @@ def test_a_command_of_a_missing_extra_names_it_in_one_line(alone, name, capsys):
     [
         (["kpi", "BAG", "--baseline"], "--baseline needs heave[studies]"),
         (["report", "BAG", "--whatif"], "--whatif needs heave[studies]"),
+        (["run", "b2_calm_300", "--set", "virtual_winch.drive=electric"], "drive = electric needs heave[drives]"),
         (["run", "b2_calm_300", "--replace", "virtual_winch=fmu:x.fmu"], "virtual_winch=fmu:x.fmu needs heave[fmu]"),
     ],
 )

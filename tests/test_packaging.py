@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 
 import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_path
+from cable_sim_node.winch.drives import registry
 from heave_bringup import replacements
 from heave_bringup.commands import extras
 from heave_bringup.nodes import PROCESS_BY_NAME
@@ -91,7 +92,7 @@ def test_every_package_of_the_house_has_a_manifest():
         "bringup",
         "cable_sim_node",
         "core",
-        *("devices", "fmu", "panel", "statics", "studies"),
+        *("devices", "drives", "fmu", "panel", "statics", "studies"),
         "msgs",
         "node_base",
         "wave_vessel_node",
@@ -139,6 +140,7 @@ def test_pip_and_colcon_install_the_same_parts_of_extras():
     assert by_colcon == PYPROJECT["project"]["entry-points"]
     assert set(by_colcon[extras.COMMANDS]) == set(extras.EXTRA_OF)
     assert set(by_colcon[records.RECORD_EXTRAS]) == set(records.EXTRA_OF)
+    assert set(by_colcon[registry.GROUP]) == set(registry.EXTRA_OF)
     assert set(by_colcon[replacements.GROUP]) == set(replacements.EXTRA_OF)
 
 

@@ -7,12 +7,13 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from importlib import resources
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from heave_node.catalogue import with_entries
 from heave_node.criteria import WANTED, Criterion
+from heave_node.extras import extra_parts
 from heave_node.files.whole_file import whole_file
 from heave_node.parameters import Given, ParameterError, describe, flatten, unknown_parameter
 from heave_node.run_parameters import NodeParameters, RunParameters, build_node_parameters
@@ -25,6 +26,8 @@ from heave_bringup.nodes import MASTER, NODE_BY_NAME, NODES
 from heave_bringup.settings import Setting, meant, near_places, parse_setting
 
 SCENARIO_FOLDER = "scenarios"
+SCENARIOS_OF_EXTRAS = "heave.scenarios"
+"""Group of entry points: packages with a folder of scenarios of their own."""
 NAMES_OF_FILES = ("rao_file", "spectrum_file", "recording_file")
 """Endings of the names of parameters that name a file which a run reads."""
 LAW = "law"
@@ -70,9 +73,11 @@ class Scenario:
 
 
 def shipped_scenarios() -> dict[str, Path]:
-    """Return the scenarios that come with the suite, by name."""
-    folder = Path(str(resources.files("heave_bringup"))) / SCENARIO_FOLDER
-    return {path.stem: path for path in sorted(folder.rglob("*.yaml"))}
+    """Return the scenarios that come with the suite and with the extras that are installed, by name."""
+    packages = ["heave_bringup", *(entry.value for entry in extra_parts(SCENARIOS_OF_EXTRAS).values())]
+    homes = [home for package in packages if (home := find_spec(package)) and home.submodule_search_locations]
+    folders = [Path(home.submodule_search_locations[0]) / SCENARIO_FOLDER for home in homes]
+    return dict(sorted((path.stem, path) for folder in folders for path in folder.rglob("*.yaml")))
 
 
 def description_of(path: Path) -> str:

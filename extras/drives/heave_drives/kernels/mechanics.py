@@ -17,12 +17,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from cable_sim_node.winch import drive
 from heave_node.interface.codes import WinchLimit
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
 
-from cable_sim_node.winch import drive
-from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
+from heave_drives.parameters.motion import FrictionParameters, MotionParameters
 
 PAYOUT, RATE, SUPPLIED, FROM_LOAD, LOST = 0, 1, 2, 3, 4
 OWN = 5

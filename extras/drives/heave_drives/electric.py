@@ -22,11 +22,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cable_sim_node.winch.drive_parameters.electric import ElectricDriveParameters
-from cable_sim_node.winch.drives.compiled_drive import CompiledDrive
-from cable_sim_node.winch.drives.kernels import electric as kernel
-from cable_sim_node.winch.drives.kernels.mechanics import RATE, Order, bounds_of, friction_of
-from cable_sim_node.winch.drives.kernels.spool import make_spool
+from heave_drives.compiled_drive import CompiledDrive
+from heave_drives.kernels import electric as kernel
+from heave_drives.kernels.mechanics import RATE, Order, bounds_of, friction_of
+from heave_drives.kernels.spool import make_spool
+from heave_drives.parameters.electric import ElectricDriveParameters
 
 SUBSTEP = 0.2
 """Substep over the shortest time constant."""

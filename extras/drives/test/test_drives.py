@@ -9,20 +9,19 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from cable_sim_node.winch import drives
-from cable_sim_node.winch.drive_parameters.electric import ElectricDriveParameters
-from cable_sim_node.winch.drive_parameters.motion import MotionParameters
-from cable_sim_node.winch.drive_parameters.pump import PumpDriveParameters
-from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
-from cable_sim_node.winch.drive_parameters.valve import SupplyParameters, ValveDriveParameters
-from cable_sim_node.winch.drives.electric import ElectricDrive
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand
-from cable_sim_node.winch.drives.published import zinage_drive
-from cable_sim_node.winch.drives.pump_controlled import PumpDrive
-from cable_sim_node.winch.drives.ramp import RampedDrive
 from cable_sim_node.winch.drives.speed_servo import SpeedServo
-from cable_sim_node.winch.drives.valve_controlled import ValveDrive
 from cable_sim_node.winch.parameters import WinchParameters
+from heave_drives.electric import ElectricDrive
+from heave_drives.parameters.electric import ElectricDriveParameters
+from heave_drives.parameters.motion import MotionParameters
+from heave_drives.parameters.pump import PumpDriveParameters
+from heave_drives.parameters.spool import SpoolParameters
+from heave_drives.parameters.valve import SupplyParameters, ValveDriveParameters
+from heave_drives.published import zinage_drive
+from heave_drives.pump_controlled import PumpDrive
+from heave_drives.ramp import RampedDrive
+from heave_drives.valve_controlled import ValveDrive
 from heave_node.interface.codes import WinchLimit
 from heave_node.parameters import ParameterError, build_parameters, describe, flatten
 from hypothesis import example, given, settings
@@ -175,7 +174,7 @@ def test_parameters_are_described_checked_and_built_from_names(kind: type) -> No
 
 
 def test_example_of_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    text = (Path(drives.__file__).parent / "README.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
     (example,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
     exec(example, {})
     assert capsys.readouterr().out.startswith("-0.49999")

@@ -14,7 +14,7 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
 
-from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
+from heave_drives.parameters.spool import SpoolParameters
 
 
 class Spool(NamedTuple):

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from heave_node.parameters import Checked, check_ranges, group, parameter
 
-from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
-from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
+from heave_drives.parameters.motion import FrictionParameters, MotionParameters
+from heave_drives.parameters.spool import SpoolParameters
 
 
 @dataclass(frozen=True)

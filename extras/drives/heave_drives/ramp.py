@@ -8,9 +8,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from heave_node.interface.codes import WinchLimit
-
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand, DriveEnergy, DriveState, check_step
+from heave_node.interface.codes import WinchLimit
 
 PART = 0.01
 """The reference moves in steps of at most this [s]."""

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from cable_sim_node.winch import drive
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel, kernel
 
-from cable_sim_node.winch import drive
-from cable_sim_node.winch.drives.kernels.integration import add_slopes, shift
-from cable_sim_node.winch.drives.kernels.mechanics import (
+from heave_drives.kernels.integration import add_slopes, shift
+from heave_drives.kernels.mechanics import (
     LIMIT_TORQUE,
     LOST,
     OWN,
@@ -28,7 +28,7 @@ from cable_sim_node.winch.drives.kernels.mechanics import (
     rate_demand,
     set_motion,
 )
-from cable_sim_node.winch.drives.kernels.spool import Spool, arm_at
+from heave_drives.kernels.spool import Spool, arm_at
 
 REFERENCE, INTEGRAL, TORQUE = OWN, OWN + 1, OWN + 2
 """Speed that the loop follows [m/s], integral part of its force [N], motor torque [N m]."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from heave_node.parameters import Checked, check_ranges, group, parameter
 
-from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
+from heave_drives.parameters.motion import FrictionParameters, MotionParameters
 
 
 @dataclass(frozen=True)

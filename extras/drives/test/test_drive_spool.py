@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.winch.drive_parameters.electric import ElectricDriveParameters
-from cable_sim_node.winch.drive_parameters.motion import MotionParameters
-from cable_sim_node.winch.drive_parameters.spool import SpoolParameters
-from cable_sim_node.winch.drives.electric import ElectricDrive
 from cable_sim_node.winch.drives.interface import DriveCommand
-from cable_sim_node.winch.drives.kernels.spool import make_spool
+from heave_drives.electric import ElectricDrive
+from heave_drives.kernels.spool import make_spool
+from heave_drives.parameters.electric import ElectricDriveParameters
+from heave_drives.parameters.motion import MotionParameters
+from heave_drives.parameters.spool import SpoolParameters
 
 LAYERED = SpoolParameters(drum_radius=0.4, rope_diameter=0.04, turns_per_layer=10, rope_at_zero=100.0, falls=2)
 

@@ -6,10 +6,10 @@ import dataclasses
 
 import numpy as np
 import pytest
-from cable_sim_node.winch.drive_parameters.electric import ElectricDriveParameters
-from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
-from cable_sim_node.winch.drives.electric import ElectricDrive
 from cable_sim_node.winch.drives.interface import DriveCommand
+from heave_drives.electric import ElectricDrive
+from heave_drives.parameters.electric import ElectricDriveParameters
+from heave_drives.parameters.motion import FrictionParameters, MotionParameters
 from heave_node.interface.codes import WinchLimit
 from scipy.linalg import expm
 
@@ -63,7 +63,7 @@ def test_loop_without_limits_is_its_linear_system() -> None:
 
 def test_error_of_the_integration_falls_with_the_fourth_power_of_the_substep(monkeypatch: pytest.MonkeyPatch) -> None:
     def payout(substep: float) -> float:
-        monkeypatch.setattr("cable_sim_node.winch.drives.electric.SUBSTEP", substep)
+        monkeypatch.setattr("heave_drives.electric.SUBSTEP", substep)
         return float(run(ElectricDrive(SMOOTH, tension=50e3), 0.8, 0.3, 50e3)[-1, 0])
 
     exact = payout(0.01)

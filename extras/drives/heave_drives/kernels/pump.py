@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from cable_sim_node.winch import drive
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel, kernel
 
-from cable_sim_node.winch import drive
-from cable_sim_node.winch.drives.kernels.integration import add_slopes, shift
-from cable_sim_node.winch.drives.kernels.mechanics import (
+from heave_drives.kernels.integration import add_slopes, shift
+from heave_drives.kernels.mechanics import (
     BOOST_TIME,
     LIMIT_FLOW,
     LIMIT_PRESSURE,

@@ -7,11 +7,11 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+from cable_sim_node.winch.drives.interface import DriveCommand, DriveEnergy, DriveState, check_step
 from heave_node.interface.codes import WinchLimit
 
-from cable_sim_node.winch.drives.interface import DriveCommand, DriveEnergy, DriveState, check_step
-from cable_sim_node.winch.drives.kernels.integration import STAGES
-from cable_sim_node.winch.drives.kernels.mechanics import FROM_LOAD, LOST, PAYOUT, RATE, SUPPLIED, Order
+from heave_drives.kernels.integration import STAGES
+from heave_drives.kernels.mechanics import FROM_LOAD, LOST, PAYOUT, RATE, SUPPLIED, Order
 
 
 class CompiledDrive(abc.ABC):

@@ -21,10 +21,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from cable_sim_node.winch.drive_parameters.valve import SupplyParameters, ValveDriveParameters
-from cable_sim_node.winch.drives.compiled_drive import CompiledDrive
-from cable_sim_node.winch.drives.kernels import valve as kernel
-from cable_sim_node.winch.drives.kernels.mechanics import RATE, Order, bounds_of, friction_of
+from heave_drives.compiled_drive import CompiledDrive
+from heave_drives.kernels import valve as kernel
+from heave_drives.kernels.mechanics import RATE, Order, bounds_of, friction_of
+from heave_drives.parameters.valve import SupplyParameters, ValveDriveParameters
 
 SUBSTEP = 0.1
 """Substep over the shortest time constant."""

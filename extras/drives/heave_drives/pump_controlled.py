@@ -24,10 +24,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from cable_sim_node.winch.drive_parameters.pump import PumpDriveParameters
-from cable_sim_node.winch.drives.compiled_drive import CompiledDrive
-from cable_sim_node.winch.drives.kernels import pump as kernel
-from cable_sim_node.winch.drives.kernels.mechanics import NO_LIMIT, RATE, Order, bounds_of, friction_of
+from heave_drives.compiled_drive import CompiledDrive
+from heave_drives.kernels import pump as kernel
+from heave_drives.kernels.mechanics import NO_LIMIT, RATE, Order, bounds_of, friction_of
+from heave_drives.parameters.pump import PumpDriveParameters
 
 SUBSTEP = 0.01
 """Substep over the shortest time constant."""

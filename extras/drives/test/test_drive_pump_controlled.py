@@ -6,11 +6,11 @@ import dataclasses
 
 import numpy as np
 import pytest
-from cable_sim_node.winch.drive_parameters.motion import MotionParameters
-from cable_sim_node.winch.drive_parameters.pump import PumpDriveParameters
 from cable_sim_node.winch.drives.interface import DriveCommand
-from cable_sim_node.winch.drives.published import zinage_drive
-from cable_sim_node.winch.drives.pump_controlled import PumpDrive
+from heave_drives.parameters.motion import MotionParameters
+from heave_drives.parameters.pump import PumpDriveParameters
+from heave_drives.published import zinage_drive
+from heave_drives.pump_controlled import PumpDrive
 from heave_node.interface.codes import WinchLimit
 from scipy.linalg import expm
 

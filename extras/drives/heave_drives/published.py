@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from cable_sim_node.winch.drive_parameters.motion import FrictionParameters, MotionParameters
-from cable_sim_node.winch.drive_parameters.pump import PumpDriveParameters
-from cable_sim_node.winch.drive_parameters.valve import (
+from heave_drives.parameters.motion import FrictionParameters, MotionParameters
+from heave_drives.parameters.pump import PumpDriveParameters
+from heave_drives.parameters.valve import (
     FluidParameters,
     ServoValveParameters,
     SupplyParameters,

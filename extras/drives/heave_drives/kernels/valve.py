@@ -13,8 +13,8 @@ from typing import NamedTuple
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel, kernel
 
-from cable_sim_node.winch.drives.kernels.integration import add_slopes, shift
-from cable_sim_node.winch.drives.kernels.mechanics import (
+from heave_drives.kernels.integration import add_slopes, shift
+from heave_drives.kernels.mechanics import (
     BOOST_TIME,
     LIMIT_FLOW,
     LOST,
