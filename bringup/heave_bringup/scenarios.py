@@ -75,8 +75,10 @@ class Scenario:
 def shipped_scenarios() -> dict[str, Path]:
     """Return the scenarios that come with the suite and with the extras that are installed, by name."""
     packages = ["heave_bringup", *(entry.value for entry in extra_parts(SCENARIOS_OF_EXTRAS).values())]
-    homes = [home for package in packages if (home := find_spec(package)) and home.submodule_search_locations]
-    folders = [Path(home.submodule_search_locations[0]) / SCENARIO_FOLDER for home in homes]
+    homes = [
+        home for package in packages if (found := find_spec(package)) for home in found.submodule_search_locations or ()
+    ]
+    folders = [Path(home) / SCENARIO_FOLDER for home in homes]
     return dict(sorted((path.stem, path) for folder in folders for path in folder.rglob("*.yaml")))
 
 

@@ -94,7 +94,7 @@ from heave_bringup.cli import main
         (["operate", "fault", "inject", "mru", "clear"], "heave operate fault inject: argument kind: invalid choice"),
         (["panel", "--port", "0"], "heave panel: argument --port: 0: must be a whole number from 1 to 65535"),
         (["view", "--port", "high"], "heave view: argument --port: high: must be a whole number from 1 to 65535"),
-        (["operate", "--json", "-"], "heave: --json: needs a verb"),
+        (["operate", "--json", "-"], "heave operate: the following arguments are required: VERB"),
         (["campaign", "b9_model_error", "--processes", "0"], "heave: --processes 0: must be at least 1"),
         (["static", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg"),
         (["identify", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg or"),
