@@ -47,6 +47,9 @@ BOUND = Bit.AT_RATE | Bit.AT_TRAVEL | Bit.AT_STOP
 """Bits of an order that was bounded."""
 
 
+PLAUSIBLE_LOAD = 10.0
+"""Largest reading of the load cell that is used, over the static tension."""
+
 _NOTHING_READ = (math.nan, math.nan, math.nan, 0.0, math.nan)
 """Readings of a tick in which nothing came."""
 
@@ -82,6 +85,7 @@ def nominal_design(parameters: WinchControllerParameters, cable: CableModel, tic
     others = {
         "stop_deceleration": parameters.modes.stop_deceleration,
         "tension_travel": parameters.tension.travel,
+        "largest_load": PLAUSIBLE_LOAD * tension,
         "highest_tension": ratio * tension,
         "jerk_time": parameters.move.jerk_time,
     }
