@@ -16,7 +16,7 @@ from heave_node.parameters import ParameterInfo, Value, describe
 from heave_node.run_parameters import RunParameters
 from heave_node.system_parameters import system_names
 
-from heave_bringup.nodes import NODES
+from heave_bringup.nodes import ENVELOPE, NODES
 
 RUN = "all"
 """Stands for the parameters of the run, which every node has; as in `--set all.PARAM=VALUE`."""
@@ -27,6 +27,7 @@ TITLES = {
     "wave_vessel": "`wave_vessel`: sea, vessel, motion reference unit",
     "virtual_winch": "`virtual_winch`: drum, drive, encoder",
     "winch_controller": "`winch_controller`: what it assumes, and how it works",
+    "winch_envelope": "`winch_envelope`: the envelope as a node of its own; all else as of `winch_controller`",
     "winch_adviser": "`winch_adviser`: identification, which takes its nominal from the controller",
     "recorder": "`recorder`: the bag",
 }
@@ -161,7 +162,7 @@ def cells(row: Row) -> tuple[str, ...]:
 
 def page(rows: Sequence[Row] | None = None) -> str:
     """Return the page of the given `rows` (None: of all), a table for each node, as Markdown."""
-    rows = all_rows() if rows is None else rows
+    rows = _said_once(all_rows()) if rows is None else rows
     parts = [HEAD]
     for node in dict.fromkeys(row.node for row in rows):
         parts.append(f"## {TITLES.get(node, f'`{node}`')}\n")
@@ -169,6 +170,12 @@ def page(rows: Sequence[Row] | None = None) -> str:
         lines += [_marked(cells(row)) for row in rows if row.node == node]
         parts.append("\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n")
     return "\n".join(parts)
+
+
+def _said_once(rows: Sequence[Row]) -> list[Row]:
+    """Return the `rows` without those that stand for the envelope alone as they stand for the controller."""
+    same = {row.info for row in rows if row.node == "winch_controller"}
+    return [row for row in rows if row.node != ENVELOPE or row.info not in same]
 
 
 def _marked(texts: tuple[str, ...]) -> tuple[str, ...]:
