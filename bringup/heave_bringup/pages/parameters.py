@@ -89,7 +89,9 @@ def all_rows() -> list[Row]:
         infos = describe(node.parameters_type())
         shared = {own: name for name, own in system_names(node.name, [info.name for info in infos]).items()}
         rows += [Row(node.name, info, shared.get(info.name, "")) for info in infos]
-    return rows
+    # the envelope alone has groups of the controller
+    same = {row.info for row in rows if row.node == "winch_controller"}
+    return [row for row in rows if row.node != ENVELOPE or row.info not in same]
 
 
 def matching(rows: Iterable[Row], pattern: str) -> list[Row]:
@@ -162,7 +164,7 @@ def cells(row: Row) -> tuple[str, ...]:
 
 def page(rows: Sequence[Row] | None = None) -> str:
     """Return the page of the given `rows` (None: of all), a table for each node, as Markdown."""
-    rows = _said_once(all_rows()) if rows is None else rows
+    rows = all_rows() if rows is None else rows
     parts = [HEAD]
     for node in dict.fromkeys(row.node for row in rows):
         parts.append(f"## {TITLES.get(node, f'`{node}`')}\n")
@@ -170,12 +172,6 @@ def page(rows: Sequence[Row] | None = None) -> str:
         lines += [_marked(cells(row)) for row in rows if row.node == node]
         parts.append("\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n")
     return "\n".join(parts)
-
-
-def _said_once(rows: Sequence[Row]) -> list[Row]:
-    """Return the `rows` without those that stand for the envelope alone as they stand for the controller."""
-    same = {row.info for row in rows if row.node == "winch_controller"}
-    return [row for row in rows if row.node != ENVELOPE or row.info not in same]
 
 
 def _marked(texts: tuple[str, ...]) -> tuple[str, ...]:
