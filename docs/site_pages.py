@@ -35,6 +35,7 @@ PAGES = {
     "docs/alarms.md": "reference/alarms.md",
     "docs/hazards.md": "reference/hazards.md",
     "docs/contract.md": "reference/contract.md",
+    "docs/core.md": "reference/core.md",
     "bags/README.md": "reference/bags.md",
     "bringup/README.md": "packages/bringup.md",
     "bringup/heave_bringup/scenarios/README.md": "reference/scenarios.md",

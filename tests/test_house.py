@@ -72,7 +72,7 @@ UPWARDS = {
 }
 """Imports that run up and are to go: each is a part of an extra that the suite knows by name."""
 
-SHELLS = ("node", "winch_node", "adviser_node")
+SHELLS = ("node", "winch_node", "adviser_node", "envelope_node")
 """Modules of nodes."""
 
 KNOWS_ROS = (

@@ -461,13 +461,9 @@ class WinchController:
         self._alarms += news
         if sent is not leaving:
             self._command.take_sent(leaving, sent)
-            own = sent if not math.isfinite(order.payout + order.payout_rate) else order
             more, faster = sent.payout - leaving.payout, sent.payout_rate - leaving.payout_rate
-            order = (
-                sent
-                if own is sent
-                else WinchOrder(order.sequence, order.payout + more, order.payout_rate + faster, sent.brake)
-            )
+            changed = WinchOrder(order.sequence, order.payout + more, order.payout_rate + faster, sent.brake)
+            order = changed if math.isfinite(more + faster) else sent
         self._winch.give(order)
         return sent
 
@@ -645,6 +641,7 @@ class WinchController:
         """Go on with a design that was `prepared` from other `nominal` parameters; called between two ticks."""
         matrix, added = self._in_force.take(prepared)
         self._beliefs.renew(nominal)
+        self.envelope.take_nominal(nominal)
         self.proofs.take_nominal(nominal, assumed_cable(nominal, nominal.length))
         self._estimation.carry(self.design, matrix, added)
         self._estimation.reset_readings()

@@ -138,6 +138,20 @@ class EnvelopeParameters:
         maximum=600.0,
         description="Time over which the envelope's own order, the MRU's raw rate about the requested move, fades.",
     )
+    damping_time: float = parameter(
+        20.0,
+        unit="s",
+        minimum=0.0,
+        maximum=600.0,
+        description="Time for which it goes on to damp the load by the load cell, before the brake.",
+    )
+    damping_rate: float = parameter(
+        0.2,
+        unit="1/s",
+        minimum=0.0,
+        maximum=1.0,
+        description="Speed, per metre of stretch of the nominal cable beyond its mean, with which it pays out to damp.",
+    )
     fade_out_time: float = parameter(
         45.0, unit="s", minimum=1.0, maximum=3600.0, description="Longest fade-out while the MRU is good."
     )

@@ -28,7 +28,7 @@ from heave_bringup.commands.arguments import (
 from heave_bringup.commands.runs.substitutes import add_substitutes, substitutes
 from heave_bringup.errors import CommandError, VerdictError
 from heave_bringup.interrupts import raise_if_interrupted
-from heave_bringup.nodes import ADVISER, MASTER, RECORDER, node_forks, nodes_to_start
+from heave_bringup.nodes import ADVISER, ENVELOPE, MASTER, RECORDER, node_forks, nodes_to_start
 from heave_bringup.settings import Setting, external_settings
 
 if TYPE_CHECKING:
@@ -106,6 +106,11 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
         metavar="NODE",
         help=f"leave NODE out; only {ADVISER} can be: the controller then keeps its nominal",
     )
+    parser.add_argument(
+        "--envelope",
+        action="store_true",
+        help=f"let {ENVELOPE} stand between the controller and the winch: it bounds what a controller of yours orders",
+    )
     add_substitutes(parser)
     parser.add_argument(
         "--composed",
@@ -134,6 +139,7 @@ def execute(options: argparse.Namespace) -> None:
     set_up_transport(network=options.network)
     settings = [*options.set, *_own_settings(options)]
     scenario = without(load_scenario(options.scenario, settings=settings), options.without)
+    scenario = with_envelope(scenario, is_asked=options.envelope)
     replaced = substitutes(options)
     _check(options, scenario, replaced)
     _announce(options, scenario, required)
@@ -143,6 +149,7 @@ def execute(options: argparse.Namespace) -> None:
         folder = new_run_folder(scenario.name, options.bag)
         if scenario.remade:  # the run keeps them, for who runs its scenario again
             scenario = without(load_scenario(options.scenario, settings=settings, folder=folder.files), options.without)
+            scenario = with_envelope(scenario, is_asked=options.envelope)
             sys.stderr.write("".join(f"heave: {line}\n" for line in scenario.remade))
         # What judges the run takes seconds to load: time that the nodes need to find each other.
         judging = [EVALUATION] if options.no_report else [EVALUATION, SPECTRA]
@@ -255,6 +262,13 @@ def _own_settings(options: argparse.Namespace) -> list[Setting]:
     ]
     settings += external_settings(options.external)
     return settings
+
+
+def with_envelope(scenario: Scenario, *, is_asked: bool) -> Scenario:
+    """Return the scenario with the envelope as a node of its own, where it `is_asked` for."""
+    if not is_asked or ENVELOPE in scenario.run.participants:
+        return scenario
+    return replace(scenario, run=replace(scenario.run, participants=(*scenario.run.participants, ENVELOPE)))
 
 
 def without(scenario: Scenario, nodes: Sequence[str]) -> Scenario:
