@@ -204,8 +204,8 @@ class WinchController:
         self.modes.request(name)
         return self.mode.value
 
-    def ask_for_mode(self, name: str, tension: float = 0.0) -> str:
-        """Request a mode by `name`, with a `tension`, as `set_mode` does, but only where it is taken now.
+    def ask_for_mode(self, name: str, tension: float = 0.0, *, consent: bool = False) -> str:
+        """Request a mode by `name`, with a `tension` and `consent`, as `set_mode` does, but only where it is taken now.
 
         What was refused does not begin later by itself.
 
@@ -213,16 +213,17 @@ class WinchController:
         """
         request = Request(MODE, (name, stated(tension)) if tension else (name,))
         try:
-            words = self._asked_mode(name, stated(tension))
+            words = self._asked_mode(name, stated(tension), consent=consent)
         except ModeError:
             self._requests.append(f"{request.words}: refused")
             raise
         self._requests.append(request.words)
         return words
 
-    def _asked_mode(self, name: str, tension: float) -> str:
+    def _asked_mode(self, name: str, tension: float, *, consent: bool) -> str:
         """Take a mode as `ask_for_mode` does."""
-        obstacle = self.modes.obstacle
+        self.proofs.ask(consent=consent)
+        obstacle = self.proofs.left_of(self.modes.obstacle)
         if name == Mode.COMPENSATING.value and self.mode not in (Mode.OFF, Mode.COMPENSATING) and obstacle:
             raise ModeError(f"mode {name} cannot begin now: {obstacle}")
         taken = self.set_mode(name, tension)

@@ -192,8 +192,8 @@ class NominalLoad:
         self._unit = SimulatedUnit(cable, tick_period)
         self._at = length
         self.time, self.heave, self.unit = -math.inf, math.nan, 0.0
-        self._rate = self._last = 0.0
-        self._read_time = 0.0
+        self._base = (-math.inf, math.nan)
+        self._rate = self._read_time = 0.0
 
     @property
     def is_known(self) -> bool:
@@ -237,32 +237,34 @@ class NominalLoad:
         read = [one for one in readings if one.status == MruStatus.OK and math.isfinite(one.heave + one.time)]
         if read:
             self._take(read[-1], lift)
-        elif now - self.time > UNREAD:
-            self._read_time = 0.0
-            self._rate = 0.0
         else:
             self.time += self._dt
-            self.heave += self._dt * self._rate
-        self._read_time += self._dt
+            self.heave = self._base[1] + self._rate * (self.time - self._base[0])
+        if not self.time - self._base[0] < UNREAD:
+            self._read_time = self._rate = 0.0
+            self._base = (self.time, self.heave)
+        self._read_time += self._dt if read or self._read_time else 0.0
         if math.isfinite(self.heave):
             self.unit = float(self._unit.state[0])
             self._unit.step(np.array([self.heave, self._rate]))
 
     def _take(self, reading: MruReading, lift: tuple[float, float]) -> None:
         """Blend heave and rate of a `reading` with what its rate has made of the ones before."""
-        heave, since = reading.heave + lift[0], reading.time - self.time
+        time, before = self._base
+        heave, since = reading.heave + lift[0], reading.time - time
         has_rate = math.isfinite(reading.heave_rate)
-        if abs(since) > UNREAD or math.isnan(self.heave):
-            rate = reading.heave_rate + lift[1] if has_rate else 0.0
-            self.heave, self._read_time = heave, 0.0
+        rate = reading.heave_rate + lift[1] if has_rate else 0.0
+        if not 0.0 <= since < UNREAD:
+            self._read_time = 0.0
+            if math.isnan(before):
+                self._unit.continue_at(np.array([heave, 0.0]))
         elif has_rate:
-            rate = reading.heave_rate + lift[1]
-            self.heave += 0.5 * since * (rate + self._rate)
-            self.heave += min(max(since, self._dt) / BLEND, 1.0) * (heave - self.heave)
-        else:
-            rate = (heave - self._last) / since if since > 0.0 else self._rate
-            self.heave = heave
-        self.time, self._rate, self._last = reading.time, rate, heave
+            integral = before + 0.5 * since * (rate + self._rate)
+            heave = integral + min(since / BLEND, 1.0) * (heave - integral)
+        elif since > 0.0:
+            rate = (heave - before) / since
+        self.time, self.heave, self._rate = reading.time, heave, rate
+        self._base = (self.time, self.heave)
 
 
 class Standing(Enum):
@@ -621,6 +623,7 @@ class Proofs:
         self._sent: WinchOrder | None = None
         self._braked_time, self._compensating_time = AT_REST, 0.0
         self._told = Standing.OPEN
+        self._said = ""
 
     def take_nominal(self, parameters: WinchControllerParameters, cable: CableModel) -> None:
         """Prove by other nominal `parameters` and `cable` from now on."""
@@ -636,6 +639,11 @@ class Proofs:
         self.consent |= consent
         self.brake.acknowledge()
         self._told = Standing.OPEN
+
+    def left_of(self, obstacle: str) -> str:
+        """Return what is left of an `obstacle` of the last tick, now that an operator asks: a proof is waited for."""
+        is_mine = obstacle and obstacle == self._said
+        return ("" if self.motion.standing is Standing.OPEN else self._gate()) if is_mine else obstacle
 
     def note(self, sent: WinchOrder) -> None:
         """Note the order that was `sent` in this tick."""
@@ -670,7 +678,7 @@ class Proofs:
         else:
             self.motion.restart()
         harm = self._harm(tensions, driven)
-        gate = self.brake.gate or self._gate()
+        gate = self._said = self.brake.gate or self._gate()
         if driven.mode is Mode.STANDBY and driven.is_wanted and self.motion.standing is not self._told:
             self._told = self.motion.standing
             alarms += (self._alarm,) if self._is_closed else ()
