@@ -9,30 +9,14 @@ from heave_node.interface.sensors import MruReading
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal, stats
-from winch_controller_node.core.supervision.modes import Mode
-from winch_controller_node.core.supervision.proofs import (
-    AT_REST,
-    CERTAIN,
-    DRUM_SCALE,
-    FIRST_AUTHORITY,
-    HARMFUL,
-    SHORTEST,
-    CountCheck,
-    Driven,
-    DrumProof,
-    LoadHarm,
-    MotionProof,
-    NominalLoad,
-    Proofs,
-    Standing,
-    fitted,
-)
+from winch_controller_node.core.supervision.proofs import SHORTEST, CountCheck, Driven, MotionProof, Proofs, Standing
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
 from winch_controller_node.model.blocks import CableModel
+from winch_controller_node.model.comparison import CERTAIN, fitted
+from winch_controller_node.model.nominal_load import NominalLoad
 from winch_controller_node.model.simulated_unit import SimulatedUnit
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import EntryParameters
-from winch_controller_node.parameters.model import WinchModelParameters
 
 TICK = 0.05
 CABLE = CableModel(a=7.2, b=0.05, stiffness=17.5e3, static_tension=98.6e3, unit_weight=70e3)
@@ -67,7 +51,7 @@ def braked(proof, seconds, scale=1.0, *, tension=1.0, depth=1.0, seed=1, cable=C
     rng = np.random.default_rng(seed)
     load = NominalLoad(CABLE, 900.0, TICK)
     for k, (time, tip, unit) in enumerate(zip(*truth(seconds, cable), strict=True)):
-        load.step(time, mru(time, scale), (0.0, 0.0))
+        load.step(mru(time, scale), (0.0, 0.0))
         force = (
             ()
             if tension is None
@@ -132,7 +116,7 @@ def test_the_nominal_unit_is_that_of_scipy():
     load = NominalLoad(CABLE, 900.0, TICK)
     found = []
     for t in time:
-        load.step(t, mru(t), (0.0, 0.0))
+        load.step(mru(t), (0.0, 0.0))
         found.append(load.unit)
     # the rate of the first tick is that of the wave, which SciPy's unit at rest does not know
     assert np.max(np.abs(np.array(found) - unit)[200:]) < 0.02
@@ -144,7 +128,7 @@ def test_noise_of_the_heave_shakes_a_short_cable_by_less_than_half_of_what_it_wo
     blended, unblended = [], []
     for k in range(1200):
         z, rate = 0.01 * rng.normal(), 0.005 * rng.normal()
-        load.step(k * TICK, (MruReading(k * TICK, z, rate),), (0.0, 0.0))
+        load.step((MruReading(k * TICK, z, rate),), (0.0, 0.0))
         blended.append(load.stretch)
         unblended.append(z - plain.state[0])
         plain.step(np.array([z, rate]))
@@ -159,7 +143,7 @@ def test_a_motion_without_rate_a_slower_one_and_one_that_is_late_are_followed():
             if k % every == 0 and k * TICK >= late:
                 z, rate = heave(k * TICK - late)
                 readings = (MruReading(k * TICK - late, z, rate if with_rate else math.nan),)
-            load.step(k * TICK, readings, (0.0, 0.0))
+            load.step(readings, (0.0, 0.0))
             if k > 100:
                 off.append(load.heave - heave(load.time)[0])
         assert np.max(np.abs(off)) < 0.02
@@ -169,10 +153,10 @@ def test_a_motion_without_rate_a_slower_one_and_one_that_is_late_are_followed():
 def test_an_mru_that_is_lost_or_says_that_it_is_invalid_is_not_known():
     load = NominalLoad(CABLE, 900.0, TICK)
     for k in range(100):
-        load.step(k * TICK, mru(k * TICK), (0.0, 0.0))
+        load.step(mru(k * TICK), (0.0, 0.0))
     assert load.is_known
     for k in range(100, 120):
-        load.step(k * TICK, mru(k * TICK, status=MruStatus.INVALID), (0.0, 0.0))
+        load.step(mru(k * TICK, status=MruStatus.INVALID), (0.0, 0.0))
     assert not load.is_known
 
 
@@ -224,7 +208,7 @@ def test_in_calm_water_there_is_nothing_to_prove():
     proof, load = MotionProof(TICK), NominalLoad(CABLE, 900.0, TICK)
     rng = np.random.default_rng(1)
     for k in range(600):
-        load.step(k * TICK, (MruReading(k * TICK, 0.01 * rng.normal(), 0.005 * rng.normal()),), (0.0, 0.0))
+        load.step((MruReading(k * TICK, 0.01 * rng.normal(), 0.005 * rng.normal()),), (0.0, 0.0))
         if load.is_known:
             proof.add(load, (ScalarReading(k * TICK, 98.6e3 + 100.0 * rng.normal()),), ())
     assert proof.standing is Standing.QUIET
@@ -234,7 +218,7 @@ def test_a_free_swing_that_a_stop_has_left_does_not_hide_the_motion():
     """0.4 m of it, half of the sea's own."""
     proof, load = MotionProof(TICK), NominalLoad(CABLE, 900.0, TICK)
     for time, tip, unit in zip(*truth(25.0), strict=True):
-        load.step(time, mru(time), (0.0, 0.0))
+        load.step(mru(time), (0.0, 0.0))
         swing = 0.4 * math.cos(time / math.sqrt(CABLE.a))
         if load.is_known:
             proof.add(load, (ScalarReading(time, 98.6e3 + 17.5e3 * (tip - unit - swing)),), ())
@@ -253,53 +237,6 @@ def test_what_was_certain_is_not_forgotten_for_a_record_that_says_nothing_and_is
     assert proof.standing is Standing.REVERSED
     proof.reset()
     assert proof.standing is Standing.OPEN
-
-
-# the drum
-
-WINCH = WinchModelParameters()
-
-
-def released(proof, seconds, *, gain=1.0, rate=0.1, noise=5e-4):
-    """Lead a released drum past a proof: a servo by SciPy that turns `gain` times as it was sent."""
-    rng = np.random.default_rng(1)
-    time = np.arange(0.0, seconds, TICK)
-    sent = rate * np.sin(SEA * time)
-    delay = round(WINCH.command_delay / TICK)
-    late = np.concatenate([np.zeros(delay), sent])[: len(sent)]
-    speed = signal.lsim(([1.0], [WINCH.time_constant, 1.0]), late, time)[1]
-    count = 5.0 + gain * np.cumsum(speed) * TICK + noise * rng.normal(size=len(time))
-    proof.restart(5.0)
-    for k, (asked, read) in enumerate(zip(sent, count, strict=True)):
-        proof.step(WinchOrder(k, 0.0, float(asked), False), float(read))
-        if proof.is_proved:
-            return k * TICK
-    return math.inf
-
-
-@pytest.mark.parametrize("gain", [0.5, 0.85, 1.0, 1.3, 1.8])
-def test_a_drum_that_follows_is_proved_within_seconds(gain):
-    proof = DrumProof(WINCH, TICK)
-    assert released(proof, 10.0, gain=gain) < 4.0
-    assert proof.fit.scale == pytest.approx(gain, rel=0.1)
-
-
-@pytest.mark.parametrize("gain", [-1.0, 0.1, 3.0, 100.0])
-def test_a_drum_that_turns_the_other_way_or_far_more_or_less_is_contradicted_and_never_proved(gain):
-    proof = DrumProof(WINCH, TICK)
-    assert released(proof, 10.0, gain=gain) == math.inf
-    assert proof.is_contradicted
-    assert not DRUM_SCALE[0] < proof.fit.scale < DRUM_SCALE[1]
-
-
-def test_a_drum_that_is_not_asked_to_move_is_neither():
-    proof = DrumProof(WINCH, TICK)
-    released(proof, 10.0, rate=0.0)
-    assert not proof.is_proved
-    assert not proof.is_contradicted
-    assert not proof.is_over
-    released(proof, 25.0, rate=0.0)
-    assert proof.is_over
 
 
 # the count
@@ -335,39 +272,6 @@ def test_a_count_that_drifts_from_its_speed_is_told():
     assert counted(-rates * TICK, rates)[1].code == "COUNT_SPEED_DISAGREE"
 
 
-# harm
-
-
-def swung(factor, seconds=40.0, scale=1.0):
-    """Return the harm of a load cell that moves `factor` times as under a locked drum."""
-    harm, load = LoadHarm(TICK), NominalLoad(CABLE, 900.0, TICK)
-    found = None
-    for time, tip, unit in zip(*truth(seconds), strict=True):
-        load.step(time, mru(time, scale), (0.0, 0.0))
-        found = found or harm.step(load, (ScalarReading(time, 98.6e3 + factor * 17.5e3 * (tip - unit)),))
-    return found, harm.ratio
-
-
-def test_a_load_that_moves_more_than_under_a_locked_drum_is_harm_and_one_that_is_compensated_is_not():
-    assert swung(0.2)[0] is None
-    assert swung(1.0)[0] is None
-    found, ratio = swung(2.0)
-    assert found.code == "LOAD_CELL_HARM"
-    assert found.values["limit"] == HARMFUL
-    assert 1.5 < ratio < 2.0
-
-
-def test_the_sign_of_the_mru_does_not_matter_to_harm():
-    assert swung(2.0, scale=-1.0)[1] == pytest.approx(swung(2.0)[1], rel=1e-6)
-
-
-def test_in_calm_water_noise_is_no_harm():
-    harm, load, rng = LoadHarm(TICK), NominalLoad(CABLE, 900.0, TICK), np.random.default_rng(1)
-    for k in range(1000):
-        load.step(k * TICK, (MruReading(k * TICK, 0.0, 0.0),), (0.0, 0.0))
-        assert harm.step(load, (ScalarReading(k * TICK, 98.6e3 + 500.0 * rng.normal()),)) is None
-
-
 # together
 
 
@@ -375,7 +279,7 @@ def controlled(parameters=None, *, seconds=40.0, scale=1.0, tension=1.0, asks=No
     """Lead a load under the brake past all proofs, and return what came of it last, and all alarms."""
     proofs = Proofs(parameters or WinchControllerParameters(length=900.0), CABLE, TICK)
     alarms, proven = [], None
-    driven = Driven(Mode.STANDBY, is_wanted=True, hangs=True, is_moving=False)
+    driven = Driven(waits=True, hangs=True)
     for k, (time, tip, unit) in enumerate(zip(*truth(seconds), strict=True)):
         if asks is not None and time >= asks:
             proofs.ask(consent=True)
@@ -384,7 +288,7 @@ def controlled(parameters=None, *, seconds=40.0, scale=1.0, tension=1.0, asks=No
             {} if tension is None else {"load_cell": (ScalarReading(time, 98.6e3 + tension * 17.5e3 * (tip - unit)),)}
         )
         raw = Measurements(mru(time, scale), scalar, WinchReading(time, 0.0, 0.0, brake=True))
-        proven = proofs.step(time, raw, raw, (0.0, 0.0), driven)
+        proven = proofs.step(raw, raw, (0.0, 0.0), driven)
         alarms += proven.alarms
         proofs.note(WinchOrder(k, 0.0, 0.0, brake=True))
     return proven, [alarm.code for alarm in alarms]
@@ -416,16 +320,10 @@ def test_without_a_witness_an_operators_consent_is_asked_for():
     assert controlled(stated, tension=None)[1] == []
 
 
-def test_until_the_drum_is_proved_authority_is_small():
+def test_what_the_envelope_ended_for_harm_is_proved_again_without_the_old_consent():
     proofs = Proofs(WinchControllerParameters(length=900.0), CABLE, TICK)
-    driven = Driven(Mode.COMPENSATING, is_wanted=True, hangs=True, is_moving=False)
-    count, limits = 0.0, []
-    for k in range(200):
-        raw = Measurements(mru(k * TICK), {}, WinchReading(k * TICK, count, 0.0, brake=False))
-        limits.append(proofs.step(k * TICK, raw, raw, (0.0, 0.0), driven).authority_limit)
-        rate = 0.1 * math.sin(k * TICK)
-        proofs.note(WinchOrder(k, 0.0, rate, brake=False))
-        count += rate * TICK
-    assert limits[0] == FIRST_AUTHORITY
-    assert limits[-1] == 1.0
-    assert AT_REST < 10.0
+    proofs.ask(consent=True)
+    harm = Driven(waits=False, hangs=True, taken_over="LOAD_SWUNG_HIGHER")
+    proofs.step(Measurements(mru(0.0)), Measurements(mru(0.0)), (0.0, 0.0), harm)
+    assert not proofs.consent
+    assert "proving the MRU" in proofs.step(Measurements(), Measurements(), (0.0, 0.0), harm).gate

@@ -65,9 +65,6 @@ LEAST_MEAN_TIME = 10.0
 LOST_TIME = 1.0
 """An encoder that is lost for so long is lost indeed [s]; one with play is still for a moment when the drum turns."""
 
-MOVING = 0.01
-"""Speed from which on the mean payout is on its way [m/s]."""
-
 LIFTING_SURPLUS = 0.06
 """Tension above the static one that lifts a unit off, in weights of the unit: more than the load cell may err."""
 
@@ -505,11 +502,10 @@ class WinchController:
 
     def _prove(self, tick: int, raw: Measurements, at_tip: Measurements) -> Proven:
         """Return what nominal values and readings that are `raw`, or carried to the boom tip, prove before a `tick`."""
-        now, modes = tick * self._dt, self.modes
-        driven = Driven(
-            modes.mode, modes.wants_compensation, self._supervisor.landing.hangs, abs(self.mean.point.rate) > MOVING
-        )
-        proven = self.proofs.step(now, raw, at_tip, self.crane.left(now), driven)
+        modes, reason = self.modes, self.envelope.reason
+        waits = modes.mode is Mode.STANDBY and modes.wants_compensation
+        driven = Driven(waits, self._supervisor.landing.hangs, "" if reason is None else reason.code)
+        proven = self.proofs.step(raw, at_tip, self.crane.left(tick * self._dt), driven)
         self._alarms += proven.alarms
         return proven
 
