@@ -125,6 +125,16 @@ class EnvelopeParameters:
         maximum=60.0,
         description="Time constant with which that distance is forgotten; under the brake it is not.",
     )
+    brake_margin: float = parameter(
+        0.03,
+        unit="m",
+        minimum=0.002,
+        maximum=10.0,
+        description="Motion of the count under the brake that is a slip; a single step of half of it is a jump.",
+    )
+    rest_speed: float = parameter(
+        0.02, unit="m/s", minimum=1e-4, maximum=1.0, description="Speed below which a braked drum counts as at rest."
+    )
     bound_time: float = parameter(
         0.5, unit="s", minimum=0.05, maximum=60.0, description="Time at a bound after which the envelope takes over."
     )
