@@ -165,7 +165,7 @@ BOUNDS = _structure(
     Row("frozen_time", "s", "time that this takes at least"),
     Row("drum_margin", "m", "distance of the count from the nominal drum that is allowed"),
     Row("drum_share", "", "and the share of the travel of the last `drum_time`"),
-    Row("drum_time", "s", "time in which that distance is forgotten; never under the brake"),
+    Row("drum_time", "s", "time in which that distance is forgotten"),
     Row("brake_margin", "m", "motion of the count under the brake that is allowed; a step of half of it may be a jump"),
     Row("rest_speed", "m/s", "speed below which a braked drum stands"),
     Row("bound_time", "s", "time at a bound after which the envelope takes over"),

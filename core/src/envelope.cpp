@@ -78,6 +78,7 @@ void watch_drum(const Design &design, State &state, bool is_braked) {
 void watch_held_drum(const Design &design, State &state, const Readings &readings, bool acts) {
     const bool is_braked = state.tick == 0 || state.sent[(state.tick - 1) % KEPT].brake != 0.0;
     watch_brake(design, state, readings, is_braked && (acts || readings.is_held != 0.0));
+    if (state.held.rests != 0.0) state.residual = 0.0;
     const double moved = state.held.moved, limit = design.envelope.brake_margin;
     if (std::abs(moved) > limit && state.cause != BRAKE_SLIPS) enter(state, HELD, BRAKE_SLIPS, moved, limit);
 }

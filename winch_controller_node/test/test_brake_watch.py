@@ -7,9 +7,15 @@ import numpy as np
 import pytest
 from heave_node.interface.alarm import Severity
 from heave_node.interface.codes import WinchFault
+from hypothesis import given
+from hypothesis import strategies as st
+from winch_controller_node.core.envelope import Asked, OrderEnvelope
+from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.watch.brake_watch import FALL_WINDOW, BrakeWatch
-from winch_controller_node.interface.readings import ScalarReading, WinchReading
+from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
 from winch_controller_node.model.blocks import CableModel
+from winch_controller_node.motion.trajectory import MeanPayout
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 TICK = 0.05
 RESOLUTION = 0.001
@@ -122,3 +128,101 @@ def test_a_released_drum_may_move():
     drum = Drum()
     drum.rest(20.0, brake=False, rate=0.5)
     assert drum.codes == []
+
+
+# by the count: the envelope
+
+
+class Braked:
+    """An envelope before a drum of its own; `tick` moves the drum by a tick."""
+
+    def __init__(self):
+        cable = CABLE
+        self.envelope = OrderEnvelope(WinchControllerParameters(length=900.0), cable, TICK)
+        self.time = self.way = 0.0
+        self.number = 0
+        self.alarms = []
+        self.move = MeanPayout(WinchControllerParameters().move, tick_period=TICK).request
+
+    def tick(self, rate=0.0, *, jump=0.0, order=None, fault=0):
+        """Move the drum at a `rate` [m/s]; `order` [m/s]; None: the brake is ordered."""
+        self.time += TICK
+        self.number += 1
+        self.way += rate * TICK + jump
+        read = round(self.way / RESOLUTION) * RESOLUTION
+        raw = Measurements(
+            winch=WinchReading(self.time, read, 0.0, order is None and fault == 0 and not self.stops, fault)
+        )
+        asked = Asked(Mode.MANUAL if order is not None else Mode.STANDBY, self.move)
+        _, news = self.envelope.step(raw, raw, asked, WinchOrder(self.number, 0.0, order or 0.0, order is None))
+        self.alarms += [(self.time, self.way, alarm) for alarm in news]
+
+    stops = False
+
+    def rest(self, seconds, **given):
+        for _ in range(round(seconds / TICK)):
+            self.tick(**given)
+
+    @property
+    def codes(self):
+        return [alarm.code for _, _, alarm in self.alarms]
+
+
+@pytest.mark.parametrize("rate", [0.001, 0.02, 0.1, 0.3, 0.5, -0.2, 1.0, 2.0])
+def test_a_drum_that_slips_is_told_at_the_highest_severity_within_a_third_of_a_second_and_five_centimetres(rate):
+    """Both, up to the speed at which 0.05 m are two readings; above it within two of them."""
+    drum = Braked()
+    drum.rest(10.0)
+    begin = drum.time
+    drum.rest(60.0 if abs(rate) < 0.01 else 3.0, rate=rate)
+    time, way, alarm = drum.alarms[0]
+    assert alarm.code == "DRUM_RUNS_BRAKED"
+    assert alarm.severity is Severity.CRITICAL
+    assert abs(way) < max(0.05, 2.0 * abs(rate) * TICK) + 1e-9
+    assert time - begin < max(0.3, 0.032 / abs(rate)) + 1e-9
+    assert len(drum.alarms) == 1
+
+
+@given(st.floats(-5.0, 5.0).filter(lambda jump: abs(jump) > 0.02))
+def test_a_jump_of_the_count_is_no_motion(jump):
+    drum = Braked()
+    drum.rest(5.0)
+    drum.tick(jump=jump)
+    drum.rest(5.0)
+    assert drum.codes == []
+
+
+@pytest.mark.parametrize("speed", [0.5, -0.4, 0.1])
+@pytest.mark.parametrize(("deceleration", "fault"), [(0.5, 0), (1.5, 0), (1.5, 3), (0.25, 0)])
+def test_a_drum_that_comes_to_rest_after_the_brake_was_ordered_is_told_of_nothing(speed, deceleration, fault):
+    drum = Braked()
+    drum.rest(2.0)
+    for k in range(200):
+        drum.tick(min(k * 0.02, 1.0) * speed, order=min(k * 0.02 + 0.1, 1.0) * speed)
+    drum.alarms.clear()
+    drum.stops, rate, late = True, speed, 0.0 if fault else 0.2
+    while rate or late > 0.0:
+        late -= TICK
+        rate = rate if late > 0.0 else math.copysign(max(abs(rate) - deceleration * TICK, 0.0), rate)
+        drum.tick(rate, fault=fault)
+    drum.stops = False
+    drum.rest(5.0, fault=fault)
+    assert "DRUM_RUNS_BRAKED" not in drum.codes
+
+
+def test_a_brake_that_stays_open_after_a_stop_is_told_within_a_third_of_a_second():
+    """The drum never stands: it is slowed down to nothing by its drive and runs on with its load at once."""
+    drum = Braked()
+    drum.rest(5.0)
+    drum.stops, rate = True, 0.3
+    while rate > 0.0:
+        rate = max(rate - 1.5 * TICK, 0.0)
+        drum.tick(rate, fault=WinchFault.EMERGENCY_STOP)
+    begin, way = drum.time, drum.way
+    drum.alarms.clear()
+    drum.envelope.acknowledge()
+    drum.rest(2.0, rate=0.5, fault=WinchFault.EMERGENCY_STOP)
+    time, at, alarm = drum.alarms[0]
+    assert alarm.code == "DRUM_RUNS_BRAKED"
+    assert time - begin < 0.3
+    assert at - way < 0.1

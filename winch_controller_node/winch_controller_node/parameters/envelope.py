@@ -109,7 +109,7 @@ class EnvelopeParameters:
         unit="m",
         minimum=0.01,
         maximum=10.0,
-        description="Distance of the count from the nominal drum at which the brake goes on; also under the brake.",
+        description="Distance of the count from the nominal drum at which the brake goes on.",
     )
     drum_share: float = parameter(
         0.4,
@@ -123,10 +123,10 @@ class EnvelopeParameters:
         unit="s",
         minimum=0.1,
         maximum=60.0,
-        description="Time constant with which that distance is forgotten; under the brake it is not.",
+        description="Time constant with which that distance is forgotten.",
     )
     brake_margin: float = parameter(
-        0.03,
+        0.025,
         unit="m",
         minimum=0.002,
         maximum=10.0,
