@@ -165,7 +165,9 @@ BOUNDS = _structure(
     Row("frozen_time", "s", "time that this takes at least"),
     Row("drum_margin", "m", "distance of the count from the nominal drum that is allowed"),
     Row("drum_share", "", "and the share of the travel of the last `drum_time`"),
-    Row("drum_time", "s", "time in which that distance is forgotten; never under the brake"),
+    Row("drum_time", "s", "time in which that distance is forgotten"),
+    Row("brake_margin", "m", "motion of the count under the brake that is allowed; a step of half of it may be a jump"),
+    Row("rest_speed", "m/s", "speed below which a braked drum stands"),
     Row("bound_time", "s", "time at a bound after which the envelope takes over"),
     Row("bound_window", "s", "within which that time counts"),
     Row("takeover_time", "s", "time in which the envelope's own order fades"),
@@ -222,6 +224,18 @@ MOVE = _structure(
     Row("slope", "m/s^2", "its acceleration"),
     Row("speed", "m/s", "largest, or that is asked for"),
     Row("acceleration", "m/s^2", "largest"),
+)
+
+HELD_DRUM = _structure(
+    "HeldDrum",
+    "A drum under its brake, by count.",
+    Row("time", "s", "for which the brake has acted; 0: it does not"),
+    Row("count", "m", "last reading"),
+    Row("slowest", "m/s", "least speed so far"),
+    Row("rests", "", "1: it has come to rest, or runs on without"),
+    Row("step", "m", "large step that may have been a jump"),
+    Row("runs", "", "1: the last large step was motion"),
+    Row("moved", "m", "since it came to rest"),
 )
 
 BIN = _structure(
@@ -292,6 +306,7 @@ STATE = _structure(
     Row("measured", "", "spread of the load cell", SPREAD),
     Row("locked", "", "spread of the nominal cable's tension with the winch locked", SPREAD),
     Row("drum", "", "nominal drum driven by what was sent", DRUM),
+    Row("held", "", "drum under its brake", HELD_DRUM),
     Row("move", "", "asked move", MOVE),
     Row("bins", "", "what the boom tip did", BIN, (BINS,)),
     Row("sent", "", "orders of late, by tick", SENT, (KEPT,)),
@@ -343,7 +358,7 @@ ORDER = _structure(
     Row("speed", "m/s", "speed that was sent"),
 )
 
-STRUCTURES = (WINCH, CABLE, BOUNDS, DESIGN, SENT, DRUM, MOVE, BIN, SPREAD, STATE, READINGS, ORDER)
+STRUCTURES = (WINCH, CABLE, BOUNDS, DESIGN, SENT, DRUM, HELD_DRUM, MOVE, BIN, SPREAD, STATE, READINGS, ORDER)
 """In the order in which C++ needs them."""
 
 _C_TYPES = {NUMBER: "double", COUNTER: "int"}

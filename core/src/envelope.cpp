@@ -74,6 +74,15 @@ void watch_drum(const Design &design, State &state, bool is_braked) {
     enter(state, HELD, is_braked ? BRAKE_SLIPS : DRUM, state.residual, limit);
 }
 
+// A braked drum that moves: nothing that was ordered explains it.
+void watch_held_drum(const Design &design, State &state, const Readings &readings, bool acts) {
+    const bool is_braked = state.tick == 0 || state.sent[(state.tick - 1) % KEPT].brake != 0.0;
+    watch_brake(design, state, readings, is_braked && (acts || readings.is_held != 0.0));
+    if (state.held.rests != 0.0) state.residual = 0.0;
+    const double moved = state.held.moved, limit = design.envelope.brake_margin;
+    if (std::abs(moved) > limit && state.cause != BRAKE_SLIPS) enter(state, HELD, BRAKE_SLIPS, moved, limit);
+}
+
 // Fade-out and compensation without the motion reference unit end in time; harm that the load cell shows ends too.
 void watch_duty(const Design &design, State &state, const Readings &readings, double harm) {
     const Bounds &bounds = design.envelope;
@@ -156,8 +165,9 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     order.harm = observe_load(design, state, readings);
     if (readings.acknowledged != 0.0 && state.phase == HELD && state.drum.rate == 0.0) {
         state.phase = FREE, state.cause = NOTHING;
-        state.residual = state.bound = state.harm_time = state.follow_time = 0.0;
+        state.residual = state.bound = state.harm_time = state.follow_time = state.held.moved = 0.0;
     }
+    watch_held_drum(design, state, readings, travelled.is_braked);
     watch_drum(design, state, travelled.is_braked || readings.is_held != 0.0);
     watch_duty(design, state, readings, order.harm);
 

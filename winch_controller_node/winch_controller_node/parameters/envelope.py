@@ -109,7 +109,7 @@ class EnvelopeParameters:
         unit="m",
         minimum=0.01,
         maximum=10.0,
-        description="Distance of the count from the nominal drum at which the brake goes on; also under the brake.",
+        description="Distance of the count from the nominal drum at which the brake goes on.",
     )
     drum_share: float = parameter(
         0.4,
@@ -123,7 +123,17 @@ class EnvelopeParameters:
         unit="s",
         minimum=0.1,
         maximum=60.0,
-        description="Time constant with which that distance is forgotten; under the brake it is not.",
+        description="Time constant with which that distance is forgotten.",
+    )
+    brake_margin: float = parameter(
+        0.025,
+        unit="m",
+        minimum=0.002,
+        maximum=10.0,
+        description="Motion of the count under the brake that is a slip; a single step of half of it is a jump.",
+    )
+    rest_speed: float = parameter(
+        0.02, unit="m/s", minimum=1e-4, maximum=1.0, description="Speed below which a braked drum counts as at rest."
     )
     bound_time: float = parameter(
         0.5, unit="s", minimum=0.05, maximum=60.0, description="Time at a bound after which the envelope takes over."
