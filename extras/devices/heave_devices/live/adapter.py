@@ -182,7 +182,7 @@ class Adapter:
 
     def _note_heave(self, now: float, heave: float) -> None:
         if math.isfinite(heave):
-            self.heave.add(now, heave)
+            self.heave.add(now - self.device.latency, heave)
 
     def _reading(self, topic: str, taken: Taken, stamp: int) -> WireReading | WinchReading | None:
         if topic == sensors.MRU.topic.name:
