@@ -156,9 +156,8 @@ def test_a_latency_of_the_map_is_taken_off_the_stamps(clock, stamps):
     assert not node.sent["winch/load_cell"], "no run has a time yet"
     for _ in range(40):
         clock.now += 0.05
-        node.callbacks["clock"](
-            Clock(clock=Time(sec=int(clock.now - 92.0), nanosec=round(clock.now % 1.0 * 1e9) % 10**9))
-        )
+        seconds, nanoseconds = divmod(round((clock.now - 92.0) * 1e9), 10**9)
+        node.callbacks["clock"](Clock(clock=Time(sec=seconds, nanosec=nanoseconds)))
         node.callbacks["/force"](joints(1.0, second=1_700_000_000.0 + clock.now))
     cell = deserialize_message(node.sent["winch/load_cell"][-1], LoadCell)
     assert cell.header.stamp.sec + 1e-9 * cell.header.stamp.nanosec == pytest.approx(clock.now - 92.0 - 0.04, abs=1e-3)
