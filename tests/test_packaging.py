@@ -16,6 +16,7 @@ from heave_bringup.commands.extras import EXTRA_OF
 from heave_bringup.nodes import PROCESS_BY_NAME
 from heave_node.ros.transport.environment import prepare_environment
 from packaging.requirements import Requirement
+from packaging.version import Version
 
 from tests.test_house import UPWARDS
 
@@ -235,6 +236,17 @@ def test_the_tested_versions_are_names_and_versions_that_pyproject_allows(path):
     for requirement in map(Requirement, wanted):
         if requirement.marker is None or requirement.marker.evaluate(python):
             assert requirement.specifier.contains(pinned[canonical(requirement.name)]), str(requirement)
+
+
+SOUND = {"pip": "25.3", "setuptools": "78.1.1"}
+"""First versions without the path traversals of CVE-2025-8869 and CVE-2025-47273."""
+
+
+@pytest.mark.parametrize("path", CONSTRAINTS, ids=lambda path: path.stem)
+def test_what_installs_is_of_a_version_without_known_holes(path):
+    """A new environment brings those of its Python's release, which the setup replaces."""
+    pinned = dict(line.split("==") for line in path.read_text().splitlines() if not line.startswith("#"))
+    assert all(Version(pinned[name]) >= Version(least) for name, least in SOUND.items())
 
 
 def test_setting_up_takes_the_tested_versions():
