@@ -199,7 +199,11 @@ def test_the_message_files_name_only_types_of_packages_that_the_manifest_depends
     assert used <= declared
 
 
-@pytest.mark.parametrize("path", sorted(REPOSITORY.glob("*/launch/*.launch.py")), ids=lambda path: path.name)
+@pytest.mark.parametrize(
+    "path",
+    [*sorted(REPOSITORY.glob("*/launch/*.launch.py")), *sorted(REPOSITORY.glob("extras/*/launch/*.launch.py"))],
+    ids=lambda path: path.name,
+)
 def test_a_launch_file_starts_what_its_package_installs(path):
     folder = path.parents[1]
     calls = [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)]
@@ -208,6 +212,8 @@ def test_a_launch_file_starts_what_its_package_installs(path):
             package, executable = map(ast.literal_eval, call.args)
             assert package == name_of(folder / "package.xml")
             assert executable in console_scripts_of_setup(folder / "setup.py")
+        elif isinstance(call.func, ast.Name) and call.func.id == "ExecuteProcess":
+            assert '"heave", "adapt"' in path.read_text(), "a command of the suite"
 
 
 def test_every_node_of_the_loop_has_the_launch_file_that_the_loop_includes():

@@ -137,7 +137,7 @@ class Taker:
             if field_name in sample.invalid or not self._is_valid_sample(sample, channel, prefix):
                 taken.invalid.add(name)
             elif field_name in sample.values:
-                value = sample.values[field_name]
+                value = channel.signed(sample.values[field_name], sample.words)
                 if bit is not None:
                     value = float(int(value) >> bit & 1) if math.isfinite(value) else math.nan
                 self._put(taken, name, value)

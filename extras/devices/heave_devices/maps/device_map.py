@@ -301,7 +301,9 @@ def _check_fields(device: DeviceMap) -> None:
             raise MapError(
                 f"{quantity}: has a {'topic' if channel.topic else 'column'}, but the map has a format of lines"
             )
-        for name in filter(None, (channel.field, channel.valid)):
+        if channel.sign_field and device.format != LINE:
+            raise MapError(f"{quantity}: sign belongs to format: {LINE}")
+        for name in filter(None, (channel.field, channel.valid, channel.sign_field)):
             refuse_unknown(quantity, {device.bit_of(name)[0]: None}, known)
         why = UNSIGNED.get(channel.field)
         if why and not channel.positive:
