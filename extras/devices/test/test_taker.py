@@ -80,7 +80,7 @@ def test_what_stands_for_not_available_is_no_value_and_no_zero(kind, sent, is_ze
 
 
 PHTRO = "(?P<covered>PHTRO,(?P<pitch>[0-9.]+),(?P<ps>[MP]),(?P<roll>[0-9.]+),(?P<rs>[BT]))"
-"""Pitch with M for bow up and P for bow down, roll with B for port down and T for port up, as iXblue's manual has it."""
+"""Pitch with M for bow up and P for bow down, roll with B for port down and T for port up, by iXblue's manual."""
 
 
 @pytest.mark.parametrize(
