@@ -85,7 +85,7 @@ def external_settings(texts: Sequence[str], source: str = "") -> list[Setting]:
 
     Parameters
     ----------
-    texts : NODE[=CLOCK] each, or a sensor's topic in the place of NODE
+    texts : NODE[=CLOCK[:LATENCY]] each, or a sensor's topic in the place of NODE
     source : what the user wrote, to open error messages; "": the option of a command line
 
     Raises ParameterError, in one line, for what is neither a node nor the topic of a sensor.

@@ -85,9 +85,9 @@ def add_external(parser: argparse.ArgumentParser, what: str) -> None:
         "--external",
         action="append",
         default=[],
-        metavar="NODE[=CLOCK]",
+        metavar="NODE[=CLOCK[:S]]",
         help=f"{what} (real time); a sensor's topic, as winch/load_cell, replaces that sensor alone. CLOCK says how it "
-        "stamps: simulated (use_sim_time), own (a clock of its own), none; detected if not given",
+        "stamps: simulated (use_sim_time), own (a clock of its own), none; detected if not given. S is its latency [s]",
     )
 
 

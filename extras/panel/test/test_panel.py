@@ -18,6 +18,7 @@ from heave_panel.efficiency import Efficiency
 from heave_panel.guard import COOKIE, Guard, is_loopback
 from heave_panel.history import LENGTH, LINES, History
 from heave_panel.run_worker import RunWorker
+from heave_panel.server import LARGEST_WAITING, leave_oldest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcl_interfaces.msg import ParameterType, ParameterValue
@@ -235,11 +236,20 @@ async def application(scope, receive, send):
 @pytest.mark.parametrize("host", ["localhost:8080", "127.0.0.1:8080", "[::1]:8080"])
 def test_on_this_machine_a_page_of_its_own_passes(host):
     assert ask(Guard(application), host=host, origin=f"http://{host}") == [{"type": "passed"}]
+    for site in ("none", "same-origin"):
+        assert ask(Guard(application), **{"host": host, "sec-fetch-site": site}) == [{"type": "passed"}]
 
 
 @pytest.mark.parametrize("kind", ["http", "websocket"])
 @pytest.mark.parametrize(
-    "headers", [{"host": "evil.example"}, {"host": "localhost:8080", "origin": "http://evil.example"}, {}]
+    "headers",
+    [
+        {"host": "evil.example"},
+        {"host": "localhost:8080", "origin": "http://evil.example"},
+        {"host": "localhost:8080", "sec-fetch-site": "cross-site"},
+        {"host": "localhost:8080", "sec-fetch-site": "same-site"},
+        {},
+    ],
 )
 def test_no_other_site_speaks_through_the_browser_of_this_machine(kind, headers):
     (first, *_) = ask(Guard(application), kind=kind, **headers)
@@ -372,3 +382,23 @@ def test_tension_is_that_of_the_load_cell_where_the_winch_does_not_tell_it():
     assert line.value(situation) == 35.0
     situation.winch = WinchStatus(1.0, tension=30e3)
     assert line.value(situation) == 30.0
+
+
+class Fetched:
+    """A page that no browser has connected to."""
+
+    def __init__(self):
+        self.is_deleted = False
+
+    def delete(self):
+        self.is_deleted = True
+
+
+def test_of_pages_that_are_fetched_and_never_connected_to_only_the_newest_are_kept():
+    """Each keeps 0.5 MB: a program that fetches a thousand a minute would take all the memory."""
+    waiting, pages = {}, [Fetched() for _ in range(100)]
+    for number, page in enumerate(pages):
+        leave_oldest(waiting)
+        waiting[str(number)] = page
+    assert [page.is_deleted for page in pages] == [True] * (100 - LARGEST_WAITING) + [False] * LARGEST_WAITING
+    assert list(waiting.values()) == pages[-LARGEST_WAITING:]

@@ -40,11 +40,11 @@ def execute(options: argparse.Namespace) -> None:
 
     if not (math.isfinite(options.seconds) and options.seconds >= 2.0):
         raise ParameterError(f"--seconds {options.seconds:g}: must be at least 2")
-    node, rule = parse_clock(options.external if "=" in options.external else f"{options.external}=detect")
+    node, stamping = parse_clock(options.external if "=" in options.external else f"{options.external}=detect")
     if node not in REPLACEABLE:
         raise ParameterError(f"--external {node}: must be one of {', '.join(REPLACEABLE)}")
     set_up_transport(network=options.network)
-    findings = check_node(CONTRACT_OF[node], options.seconds, rule, options.namespace or "")
+    findings = check_node(CONTRACT_OF[node], options.seconds, stamping.rule, options.namespace or "")
     wrong = [finding for finding in findings if not finding.is_good]
     rows = [[f.topic, f.what, "ok" if f.is_good else "WRONG", f.words] for f in findings]
     verdict = (
