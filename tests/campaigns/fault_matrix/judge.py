@@ -35,13 +35,22 @@ SHOWN = 0.1
 HELD = 3.0
 """Time under the brake that shows one of the brake [s]."""
 
+_DRUM = ("winch", "encoder")
 NAMES = {
     "DEPTH_MRU_DISAGREE": ("depth", "mru"),
     "PAYOUT_DEPTH_DISAGREE": ("encoder", "depth"),
-    "WINCH_OR_ENCODER_REVERSED": ("winch", "encoder"),
-    "WINCH_OR_ENCODER_SCALE": ("winch", "encoder"),
-    "DRUM_SPEED_OFF": ("winch", "encoder"),
+    "WINCH_OR_ENCODER_REVERSED": _DRUM,
+    "WINCH_OR_ENCODER_SCALE": _DRUM,
+    "DRUM_SPEED_OFF": _DRUM,
+    "DRUM_OFF_ORDER": _DRUM,
+    "DRUM_RUNS_BRAKED": _DRUM,
+    "DRUM_CONTRADICTED": _DRUM,
+    "COUNT_SPEED_DISAGREE": _DRUM,
+    "MRU_REVERSED": ("mru", "depth", "load_cell"),
+    "MRU_SCALE_UNPROVED": ("mru", "depth", "load_cell"),
+    "MRU_UNPROVED": (),
     "WINCH_INVALID_COMMAND": ("orders",),
+    "ORDER_NOT_FINITE": ("orders",),
     "AUTHORITY_LIMITED_BY_WINCH": (),
     "WINCH_SATURATED": (),
 }
