@@ -32,7 +32,7 @@ def either(low: float, high: float) -> Drawing:
 
 
 def factor(chance: Chance) -> float:
-    """Draw a wrong scale: reversed in a third of the draws, else 0.3 to 3, at least a quarter off."""
+    """Draw a scale error: reversed in a third of the draws, else 0.3 to 3, at least a quarter off."""
     if chance.happens(0.3):
         return -chance.spread(0.5, 2.0)
     while True:

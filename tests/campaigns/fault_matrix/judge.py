@@ -192,7 +192,7 @@ def envelope_ratio(time: Array, payout: Array, planned: Array, tip: Array, asked
 
 
 def leaky(rate: Array, period: float, tau: float = MINUTE) -> Array:
-    """Return the integral of a `rate` [m/s] sampled each `period` [s], that forgets with a time constant `tau` [s]."""
+    """Return the integral of a `rate` [m/s] sampled each `period` [s], that leaks with a time constant `tau` [s]."""
     decay = math.exp(-period / tau)
     total, found = 0.0, np.empty_like(rate)
     for place, one in enumerate(rate):
