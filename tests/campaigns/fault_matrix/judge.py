@@ -209,8 +209,8 @@ def unit_ratio(time: Array, unit: Array, off: Array, begin: float) -> float:
     time, unit, off : of each tick [s], heave of the unit and of the locked one [m], shapes (n,)
     begin : of the fault [s]
 
-    The unit is taken over minutes that end each second, or over what there is since; the locked one over the whole
-    minute. NaN: there are less than 5 s.
+    The unit is taken over minutes that end each second, or over what there is since; the locked one over the same time
+    or the whole minute, where it moves more. NaN: there are less than 5 s.
     """
     period = _period(time)
     first = int(np.searchsorted(time, begin + SETTLED))
@@ -221,7 +221,8 @@ def unit_ratio(time: Array, unit: Array, off: Array, begin: float) -> float:
     ratios = []
     for end in ends:
         start = max(first, end - count)
-        ratios.append(np.std(unit[start:end]) / max(float(np.std(off[max(0, end - count) : end])), WORSE_FLOOR))
+        locked = max(float(np.std(off[first:end])) for first in (start, max(0, end - count)))
+        ratios.append(np.std(unit[start:end]) / max(locked, WORSE_FLOOR))
     return float(max(ratios))
 
 
@@ -229,6 +230,12 @@ def path_of(time: Array, rate: Array, ordered: Array, begin: float, end: float) 
     """Return the way that the drum made, or was to make, from `begin` to `end` [s], the larger one [m]."""
     during = (time >= begin) & (time <= end)
     return float(max(np.sum(np.abs(rate[during])), np.sum(np.abs(ordered[during])))) * _period(time)
+
+
+def asked_more(ordered: Array, rate: float, time: Array, begin: float, end: float) -> bool:
+    """Return whether the drive was sent more than a `rate` [m/s] between `begin` and `end` [s]."""
+    during = (time >= begin) & (time <= end)
+    return bool(np.any(np.abs(ordered[during]) > rate))
 
 
 def held_for(time: Array, brake: Array, begin: float, end: float) -> float:
