@@ -77,10 +77,10 @@ def _measured(one: Hazard) -> str:
     if not shown:
         return ""
     named, rest = ([float(case[name]) for case in shown] for name in ("named", "rest"))
-    never = sum(map(math.isinf, named))
+    never, moving = (sum(map(math.isinf, values)) for values in (named, rest))
     return (
-        f"{len(shown)} cases: alarm that names the part after {_times(named)}{f', none in {never}' if never else ''}; "
-        f"drum at rest after {_times(rest)}, it goes on in {sum(map(math.isinf, rest))}"
+        f"{len(shown)} cases; named after {_times(named)}{f', in {never} not' if never else ''}; drum at rest after "
+        f"{_times(rest)}{f', in {moving} it moves on' if moving else ''}"
     )
 
 
