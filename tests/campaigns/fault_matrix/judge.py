@@ -46,6 +46,7 @@ NAMES = {
     "DRUM_RUNS_BRAKED": _DRUM,
     "DRUM_CONTRADICTED": _DRUM,
     "COUNT_SPEED_DISAGREE": _DRUM,
+    "LOAD_FALLS_BRAKED": ("winch", "load_cell"),
     "MRU_REVERSED": ("mru", "depth", "load_cell"),
     "MRU_SCALE_UNPROVED": ("mru", "depth", "load_cell"),
     "MRU_UNPROVED": (),
