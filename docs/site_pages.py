@@ -34,6 +34,7 @@ PAGES = {
     "docs/modes.md": "reference/modes.md",
     "docs/alarms.md": "reference/alarms.md",
     "docs/hazards.md": "reference/hazards.md",
+    "docs/fault_matrix.md": "reference/fault_matrix.md",
     "docs/contract.md": "reference/contract.md",
     "docs/core.md": "reference/core.md",
     "bags/README.md": "reference/bags.md",

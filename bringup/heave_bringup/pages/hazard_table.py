@@ -54,7 +54,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The drum runs against its orders: the load is driven into the bottom or up to the boom",
         {"winch": ("reverse",)},
-        ("DRUM_OFF_ORDER", "WINCH_DRIVE_FAULT", "WINCH_OR_ENCODER_*", "DRUM_SPEED_OFF"),
+        ("DRUM_*", "COUNT_SPEED_DISAGREE", "WINCH_DRIVE_FAULT", "WINCH_OR_ENCODER_*"),
         "the envelope brakes; the drive's supervision trips where it is fitted; the guard ends compensation",
         "`supervision_time`, 1 s where it is set, counted while the order is above 0.05 m/s; guard: seconds",
         "the drum moves for the time of the supervision; without it until the guard has seen it",
@@ -66,7 +66,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The load drops past the brake",
         {"winch": ("brake_slip", "brake_open")},
-        ("DRUM_RUNS_BRAKED", "WINCH_DRIVE_FAULT"),
+        ("*BRAKE*", "DRUM_*HELD*", "WINCH_DRIVE_FAULT"),
         "the drive trips, and the virtual winch's holds the drum where it is; the controller stops and reports it. "
         "No second brake is commanded",
         "0.05 m of motion from the standstill (test)",
@@ -189,8 +189,8 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The ship's motion is reported falsely: compensation adds motion to the unit",
         {"mru": ("scale", "jump", "spike", "delay")},
-        ("MRU_SPIKES", "MRU_JUMPS", "MRU_EXCLUDED", "MRU_SCALE_ERROR", "MRU_DELAYED", "DEPTH_MRU_DISAGREE",
-         "UNIT_HEAVE_HIGH"),
+        ("MRU_SPIKES", "MRU_JUMPS", "MRU_EXCLUDED", "MRU_REVERSED", "MRU_*UNPROVED", "MRU_SCALE_ERROR", "MRU_DELAYED",
+         "DEPTH_MRU_DISAGREE", "UNIT_HEAVE_HIGH"),
         "readings beyond the gate are rejected; scale, delay and drift are identified against depth and tension, or "
         "the sensor is excluded",
         "spikes and jumps: the sample; a reversed MRU: 20 s (test)",
@@ -315,7 +315,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The adviser ends, is late, or answers with what cannot be",
         {},
-        ("ADVISER_ENDED",),
+        ("ADVISER_*",),
         "the controller keeps what is active; answers that are late or make no sense are refused and counted",
         "an answer has a second",
         "nothing new is identified until it is back",
