@@ -95,6 +95,7 @@ $(VENV)/bin/uv:
 $(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
 	@echo "setup: ROS 2 from wheels, then the messages are compiled: two to five minutes"
 	@echo "setup: $(if $(PINS),the versions of $(PINS); the newest: make LATEST=1,the newest versions)"
+	@$(PINNED) $(BIN)/python -m pip install --quiet --upgrade pip 'setuptools<80'
 	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(TELLING) "ROS 2 and the messages" $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
 		$(PINNED) $(TELLING) "ROS 2 and the messages, by pip" $(BIN)/python -m pip install --quiet --editable .
 	@echo "setup: compiling the models, once"

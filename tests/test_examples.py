@@ -149,6 +149,42 @@ def test_each_example_is_as_the_contract_says(node):
     assert check.returncode == 0, check.stdout + check.stderr
 
 
+ON_ITS_OWN_TIMER = """
+import math, time
+import rclpy
+from heave_msgs.msg import MruSample, PointMotion
+rclpy.init()
+node = rclpy.create_node("own_timer")
+mru, tip = node.create_publisher(MruSample, "mru", 10), node.create_publisher(PointMotion, "boom_tip", 10)
+count = 0
+def sample():
+    global count
+    count += 1
+    now = node.get_clock().now()
+    heave, rate = 0.3 * math.sin(now.nanoseconds * 1e-9), 0.3 * math.cos(now.nanoseconds * 1e-9)
+    reading = MruSample(sequence=count, heave=heave, heave_rate=rate, heave_acceleration=-heave)
+    point = PointMotion()
+    point.position.z, point.velocity.z, point.acceleration.z = 5.0 + heave, rate, -heave
+    point.header.frame_id = "world"
+    for publisher, message in ((mru, reading), (tip, point)):
+        message.header.stamp = now.to_msg()
+        publisher.publish(message)
+node.create_timer(0.05, sample)
+rclpy.spin(node)
+"""
+
+
+def test_a_correct_sensor_that_publishes_by_its_own_timer_passes_also_what_it_sent_before_the_clock_began():
+    with domain_id() as domain:
+        program = subprocess.Popen([sys.executable, "-c", ON_ITS_OWN_TIMER], env=environment(domain))
+        try:
+            check = give(domain, "check", "--replace", "wave_vessel=external", "--seconds", "3")
+        finally:
+            program.kill()
+            program.wait()
+    assert check.returncode == 0, check.stdout + check.stderr
+
+
 @pytest.mark.parametrize("node", ["wave_vessel", "cable_sim"])
 def test_a_node_that_is_not_there_is_named(node):
     """Of the plant no topic is required: each sensor may be left off, but not all."""

@@ -34,6 +34,7 @@ from tests.campaigns.fault_matrix.judge import (
     unit_ratio,
 )
 from tests.campaigns.fault_matrix.moments import MOMENTS, Asked
+from tests.campaigns.fault_matrix.page import RESULTS, add, page, shown_of
 from tests.campaigns.fault_matrix.run import Outcome, outcome_of
 from tests.campaigns.fault_matrix.wires import Wires
 
@@ -219,3 +220,25 @@ def test_what_all_cases_came_to_is_held_against_the_bars():
     assert len(broken(ran)) == 4
     assert [found for _, found in worst(ran)] == [bad, failed]
     assert outcome_of(json.loads(json.dumps(asdict(bad)))) == bad
+
+
+def test_results_make_the_page_and_those_of_the_same_commit_and_seed_are_replaced(tmp_path):
+    found = Outcome(math.inf, True, 2.0, 1.25, 0.5, math.nan, 1.0, 0.5, 0.2, alarms=("0.10 MRU_STALE",))
+    path, ran = tmp_path / "results.json", [(cell(1, 0), found)]
+    add(path, {"commit": "a" * 40, "seed": 1}, ran)
+    add(path, {"commit": "b" * 40, "seed": 1}, ran)
+    add(path, {"commit": "b" * 40, "seed": 1}, ran)
+    campaigns = json.loads(path.read_text())
+    assert [one["commit"][0] for one in campaigns] == ["a", "b"]
+    shown, read = shown_of(campaigns[1]["rows"][0])
+    assert shown.words == cell(1, 0).words
+    assert (read.named, read.rest, read.travel, read.is_visible) == (math.inf, 2.0, 1.25, True)
+    text = page(campaigns)
+    assert "| bbbbbbbbbb | 1 | 1 | 1 of 1, 100.0 % | 0 of 1, 0.0 % |" in text
+    assert "**travel 1.25; not named**. 0.10 MRU_STALE" in text
+
+
+def test_the_page_is_made_of_the_results():
+    assert RESULTS.with_suffix(".md").read_text() == page(json.loads(RESULTS.read_text())), (
+        "python -m tests.campaigns.fault_matrix.page > docs/fault_matrix.md"
+    )

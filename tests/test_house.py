@@ -62,7 +62,7 @@ BUDGETS = {
 }
 """Source lines that a wing may have: what it has, and what it is to come to. A wing grows only where another pays."""
 
-SHELLS = ("node", "winch_node", "adviser_node")
+SHELLS = ("node", "winch_node", "adviser_node", "envelope_node")
 """Modules of nodes."""
 
 KNOWS_ROS = (

@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
+
 from tests.campaigns.museum import AS_BUILT, FOLDER, INCIDENTS, judge
 
 PAGE = Path(__file__).parents[1] / "docs" / "guide" / "validation" / "museum.md"

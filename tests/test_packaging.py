@@ -19,6 +19,7 @@ from heave_bringup.nodes import PROCESS_BY_NAME
 from heave_bringup.run import records
 from heave_node.ros.transport.environment import prepare_environment
 from packaging.requirements import Requirement
+from packaging.version import Version
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -204,7 +205,11 @@ def test_the_message_files_name_only_types_of_packages_that_the_manifest_depends
     assert used <= declared
 
 
-@pytest.mark.parametrize("path", sorted(REPOSITORY.glob("*/launch/*.launch.py")), ids=lambda path: path.name)
+@pytest.mark.parametrize(
+    "path",
+    [*sorted(REPOSITORY.glob("*/launch/*.launch.py")), *sorted(REPOSITORY.glob("extras/*/launch/*.launch.py"))],
+    ids=lambda path: path.name,
+)
 def test_a_launch_file_starts_what_its_package_installs(path):
     folder = path.parents[1]
     calls = [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)]
@@ -213,6 +218,8 @@ def test_a_launch_file_starts_what_its_package_installs(path):
             package, executable = map(ast.literal_eval, call.args)
             assert package == name_of(folder / "package.xml")
             assert executable in console_scripts_of_setup(folder / "setup.py")
+        elif isinstance(call.func, ast.Name) and call.func.id == "ExecuteProcess":
+            assert '"heave", "adapt"' in path.read_text(), "a command of the suite"
 
 
 def test_every_node_of_the_loop_has_the_launch_file_that_the_loop_includes():
@@ -241,6 +248,17 @@ def test_the_tested_versions_are_names_and_versions_that_pyproject_allows(path):
     for requirement in map(Requirement, wanted):
         if requirement.marker is None or requirement.marker.evaluate(python):
             assert requirement.specifier.contains(pinned[canonical(requirement.name)]), str(requirement)
+
+
+SOUND = {"pip": "25.3", "setuptools": "78.1.1"}
+"""First versions without the path traversals of CVE-2025-8869 and CVE-2025-47273."""
+
+
+@pytest.mark.parametrize("path", CONSTRAINTS, ids=lambda path: path.stem)
+def test_what_installs_is_of_a_version_without_known_holes(path):
+    """A new environment brings those of its Python's release, which the setup replaces."""
+    pinned = dict(line.split("==") for line in path.read_text().splitlines() if not line.startswith("#"))
+    assert all(Version(pinned[name]) >= Version(least) for name, least in SOUND.items())
 
 
 def test_setting_up_takes_the_tested_versions():

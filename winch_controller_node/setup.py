@@ -10,5 +10,6 @@ set_up(
     scripts=[
         "winch_controller = winch_controller_node.node:main",
         "winch_adviser = winch_controller_node.adviser_node:main",
+        "winch_envelope = winch_controller_node.envelope_node:main",
     ]
 )

@@ -31,9 +31,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ----------
     arguments : of the command line, without the program's name; None: those of this process
     """
-    raise_interrupts()  # nodes are ended in order
     try:
+        raise_interrupts()  # nodes are ended in order
         return _main(arguments)
+    except KeyboardInterrupt:
+        return _exit_with("interrupted", ExitStatus.INTERRUPTED)
     finally:
         forget_interrupts()
 

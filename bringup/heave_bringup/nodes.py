@@ -13,6 +13,8 @@ from heave_node.run_parameters import RunParameters
 
 MASTER = "cable_sim"
 RECORDER = "recorder"
+ENVELOPE = "winch_envelope"
+"""Takes part where it is asked for: it bounds what another controller orders."""
 ADVISER = "winch_adviser"
 """May be left out, and in real time the run goes on where it has ended."""
 
@@ -63,6 +65,11 @@ NODES: tuple[NodeEntry, ...] = (
         "winch_controller",
         "winch_controller_node.node:WinchControllerNode",
         "winch_controller_node.node_parameters:WinchControllerParameters",
+    ),
+    NodeEntry(
+        "winch_envelope",
+        "winch_controller_node.envelope_node:WinchEnvelopeNode",
+        "winch_controller_node.parameters.envelope_node:WinchEnvelopeParameters",
     ),
     NodeEntry(
         "winch_adviser",

@@ -13,7 +13,7 @@ from heave_node.interface import topics
 from heave_node.interface.sensors import SENSORS
 from heave_node.parameters import ParameterError
 from heave_node.scenario import WILDCARD
-from heave_node.tick.clock_rule import ClockRule
+from heave_node.tick.clock_rule import parse_clock
 
 from heave_bringup.errors import CommandError
 from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER
@@ -24,15 +24,13 @@ if TYPE_CHECKING:
 
 OPTION = "--replace"
 EXTERNAL, LOCKSTEP, BAG, NONE = "external", "lockstep", "bag", "none"
-CLOCKS = tuple(rule.value for rule in ClockRule)
-"""How an external node may stamp: as its first message shows, in simulated time, by its own clock, not at all."""
 GROUP = "heave.replacements"
 """Group of entry points that replace a node, by kind: functions of the node and of what follows the kind
 (NODE=KIND:WHAT) that check it and return module and arguments of the program to start.
 """
 EXTRA_OF = {"fmu": "fmu"}
 """The extra that brings each kind."""
-FORMS = f"{EXTERNAL}[:CLOCK]|{LOCKSTEP}|{BAG}:DIR|fmu:FILE|{NONE}"
+FORMS = f"{EXTERNAL}[:CLOCK[:S]]|{LOCKSTEP}|{BAG}:DIR|fmu:FILE|{NONE}"
 FORMER = {
     "--external": f"NODE={EXTERNAL}[:CLOCK]",
     "--foreign": f"NODE={LOCKSTEP}",
@@ -49,7 +47,7 @@ class Replacements:
 
     Attributes
     ----------
-    external : hardware or programs outside the ticks, NODE or NODE=CLOCK each; a sensor's topic may stand for NODE
+    external : outside the ticks, NODE or NODE=CLOCK[:LATENCY] each; a sensor's topic may stand for NODE
     lockstep : nodes in whose place somebody else's program takes part in each tick
     programs : module and arguments that are started in the place of a node, by node
     left_out : nodes in whose place there is nothing
@@ -142,8 +140,11 @@ def _check_external(name: str, clock: str, source: str) -> None:
     known = [*NODE_BY_NAME, *(sensor.topic.name for sensor in SENSORS.values()), topics.CRANE_POSE.name]
     if name not in known:
         raise ParameterError(f"{source}: no such node or sensor topic: {name}; known: {', '.join(known)}")
-    if clock and clock not in CLOCKS:
-        raise ParameterError(f"{source}: CLOCK must be one of {', '.join(CLOCKS)}")
+    if clock:
+        try:
+            parse_clock(f"{name}={clock}")
+        except ValueError as error:
+            raise ParameterError(f"{source}: {error}") from error
 
 
 def _bag(node: str, detail: str, source: str) -> list[str]:
@@ -169,7 +170,7 @@ def external_settings(texts: Sequence[str], source: str = "") -> list[Setting]:
 
     Parameters
     ----------
-    texts : NODE[=CLOCK] each, or a sensor's topic in the place of NODE
+    texts : NODE[=CLOCK[:LATENCY]] each, or a sensor's topic in the place of NODE
     source : what the user wrote, to open error messages; "": the option of a command line
     """
     source = source or " ".join(f"{OPTION} {text.partition('=')[0]}={EXTERNAL}" for text in texts)

@@ -54,7 +54,7 @@ from heave_bringup.cli import main
         (["run", "b2_calm_300", "--set", "all.seed=x"], "heave: --set all.seed=x: seed = 'x' is not allowed: it must"),
         (["run", "b2_calm_300", "--replace", "cable_sim=external"], "heave: "),
         (["run", "b2_calm_300", "--replace", "mrv=external:own"], "heave: --replace mrv=external:own: no such node or"),
-        (["run", "b2_calm_300", "--replace", "mru=external:ship"], "heave: --replace mru=external:ship: CLOCK must be"),
+        (["run", "b2_calm_300", "--replace", "mru=external:ship"], "heave: --replace mru=external:ship: ext"),
         (
             ["run", "b2_calm_300", "--replace", "winch_controller=none"],
             "heave: --replace winch_controller=none: NODE must",

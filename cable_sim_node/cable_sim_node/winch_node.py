@@ -17,17 +17,20 @@ from cable_sim_node.conversions import WINCH_COMMAND, winch_command_of, winch_st
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
 
-CONTROLLER = "winch_controller"
+CONTROLLER, ENVELOPE = "winch_controller", "winch_envelope"
 NOTABLE_DELAY = 0.2
 """Delay that may be the cause of a command timeout [s]."""
 
 
 class VirtualWinchNode(ParticipantNode):
-    """Takes the command of tick k and publishes the state of the winch at t_{k+1}."""
+    """Takes the command of tick k and publishes the state of the winch at t_{k+1}.
+
+    Where a `winch_envelope` takes part in the run, its command counts.
+    """
 
     name = "virtual_winch"
     parameters_type = WinchParameters
-    after = (CONTROLLER,)
+    after = (CONTROLLER, ENVELOPE)
 
     def on_build(self) -> None:
         """Make the winch; one step of a throw-away winch compiles the drive."""
@@ -35,14 +38,15 @@ class VirtualWinchNode(ParticipantNode):
         self.winch = self._make_winch()
         self._cause = ""
         self.state = self.add_output(topics.WINCH_STATE)
+        is_bounded = ENVELOPE in self.run.participants
         self.command = self.add_input(
-            topics.WINCH_COMMAND,
+            topics.WINCH_COMMAND_WITHIN if is_bounded else topics.WINCH_COMMAND,
             WINCH_COMMAND,
             # what is older than the watchdog's time must not feed it: a controller that was stalled answers for old
             # ticks
             lifespan=self.parameters.command_timeout,
             # a winch that was stalled makes up for each tick with its own command; those of hardware hold from now on
-            holds_ahead=CONTROLLER not in self.run.external,
+            holds_ahead=is_bounded or CONTROLLER not in self.run.external,
         )
         self.top_tension = self.add_input(topics.CABLE_STATE, ("top_tension",), holds_ahead=True)
         FaultService(self, lambda: {"winch": self.winch.faults, "encoder": self.winch.encoder.faults})

@@ -165,10 +165,14 @@ BOUNDS = _structure(
     Row("frozen_time", "s", "time that this takes at least"),
     Row("drum_margin", "m", "distance of the count from the nominal drum that is allowed"),
     Row("drum_share", "", "and the share of the travel of the last `drum_time`"),
-    Row("drum_time", "s", "time in which that distance is forgotten; never under the brake"),
+    Row("drum_time", "s", "time in which that distance is forgotten"),
+    Row("brake_margin", "m", "motion of the count under the brake that is allowed; a step of half of it may be a jump"),
+    Row("rest_speed", "m/s", "speed below which a braked drum stands"),
     Row("bound_time", "s", "time at a bound after which the envelope takes over"),
     Row("bound_window", "s", "within which that time counts"),
     Row("takeover_time", "s", "time in which the envelope's own order fades"),
+    Row("damping_time", "s", "time for which it goes on to damp the load by the load cell"),
+    Row("damping_rate", "1/s", "speed over the stretch that the load cell shows beyond its mean"),
     Row("fade_out_time", "s", "longest fade-out with the motion reference unit"),
     Row("blind_time", "s", "longest fade-out without it"),
     Row("unseen_time", "s", "longest compensation without the motion reference unit"),
@@ -180,6 +184,7 @@ BOUNDS = _structure(
     Row("harm_margin", "", "spread beyond that, over the static tension"),
     Row("harm_time", "s", "time over which spreads are formed, and for which harm must last"),
     Row("tension_travel", "m", "travel of constant tension: `tension.travel`"),
+    Row("largest_load", "N", "reading of the load cell beyond which it is implausible; 0: it is not used"),
     Row("highest_tension", "N", "tension above which the winch gives way; 0: none"),
     Row("jerk_time", "s", "time in which the acceleration of a move builds up: `move.jerk_time`"),
 )
@@ -221,6 +226,18 @@ MOVE = _structure(
     Row("acceleration", "m/s^2", "largest"),
 )
 
+HELD_DRUM = _structure(
+    "HeldDrum",
+    "A drum under its brake, by count.",
+    Row("time", "s", "for which the brake has acted; 0: it does not"),
+    Row("count", "m", "last reading"),
+    Row("slowest", "m/s", "least speed so far"),
+    Row("rests", "", "1: it has come to rest, or runs on without"),
+    Row("step", "m", "large step that may have been a jump"),
+    Row("runs", "", "1: the last large step was motion"),
+    Row("moved", "m", "since it came to rest"),
+)
+
 BIN = _structure(
     "Bin",
     "What the boom tip did within a share of the window.",
@@ -253,7 +270,8 @@ STATE = _structure(
     Row("limit", "", "limit of that figure"),
     Row("ramp", "m/s", "largest speed of a stop that is under way; NaN: none is"),
     Row("rest_time", "s", "time at the end of the ramp"),
-    Row("duty_time", "s", "time of the fade-out, or of compensation without motion reference unit"),
+    Row("fade_time", "s", "time of the fade-out with the motion reference unit"),
+    Row("blind_time", "s", "time of fade-out or compensation without it"),
     Row("bound", "s", "time at a bound of late"),
     Row("bound_ticks", "", "ticks at a bound so far"),
     Row("mru_age", "s", "since the last good reading"),
@@ -279,6 +297,8 @@ STATE = _structure(
     Row("drum_travel", "m", "travel of the nominal drum of late"),
     Row("last_speed", "m/s", "speed of the last order sent"),
     Row("load", "N", "last reading of the load cell; NaN: none yet"),
+    Row("load_age", "s", "since that reading"),
+    Row("mean_load", "N", "of the load cell, forgotten as travel is"),
     Row("unit_heave", "m", "of the nominal cable with the winch locked"),
     Row("unit_rate", "m/s", "of the nominal cable with the winch locked"),
     Row("harm_time", "s", "for which the load cell has shown harm"),
@@ -286,6 +306,7 @@ STATE = _structure(
     Row("measured", "", "spread of the load cell", SPREAD),
     Row("locked", "", "spread of the nominal cable's tension with the winch locked", SPREAD),
     Row("drum", "", "nominal drum driven by what was sent", DRUM),
+    Row("held", "", "drum under its brake", HELD_DRUM),
     Row("move", "", "asked move", MOVE),
     Row("bins", "", "what the boom tip did", BIN, (BINS,)),
     Row("sent", "", "orders of late, by tick", SENT, (KEPT,)),
@@ -337,7 +358,7 @@ ORDER = _structure(
     Row("speed", "m/s", "speed that was sent"),
 )
 
-STRUCTURES = (WINCH, CABLE, BOUNDS, DESIGN, SENT, DRUM, MOVE, BIN, SPREAD, STATE, READINGS, ORDER)
+STRUCTURES = (WINCH, CABLE, BOUNDS, DESIGN, SENT, DRUM, HELD_DRUM, MOVE, BIN, SPREAD, STATE, READINGS, ORDER)
 """In the order in which C++ needs them."""
 
 _C_TYPES = {NUMBER: "double", COUNTER: "int"}

@@ -87,4 +87,29 @@ void set_speed(const Winch &winch, double speed, double ahead, double &payout, d
     if (winch.position_gain > 0.0) rate -= winch.position_gain * (payout - ahead);
 }
 
+// A drum under its brake: how far its count has gone since it came to rest, or became quicker again without. One large
+// step alone is a jump of the count; motion has another one beside it.
+void watch_brake(const Design &design, State &state, const Readings &readings, bool is_braked) {
+    const Bounds &bounds = design.envelope;
+    HeldDrum &held = state.held;
+    const double dt = design.tick_period, before = held.count, longest = design.winch.speed / bounds.stop_deceleration;
+    if (std::isfinite(readings.count)) held.count = readings.count;
+    if (!is_braked) {
+        held.time = held.rests = held.runs = held.step = held.moved = 0.0;
+        return;
+    }
+    const double step = readings.count - before, speed = std::abs(step) / dt;
+    if (!std::isfinite(step)) return;
+    if (held.time == 0.0) held.slowest = speed;
+    held.time += dt;
+    const bool is_late = held.time > longest, is_faster = speed > held.slowest + 2.0 * bounds.rest_speed;
+    if (speed < bounds.rest_speed || is_faster || is_late) held.rests = 1.0;
+    held.slowest = std::min(held.slowest, speed);
+    if (held.rests == 0.0) return;
+    const bool is_large = std::abs(step) > 0.5 * bounds.brake_margin, goes_on = held.step * step > 0.0;
+    if (!is_large || held.runs != 0.0 || goes_on) held.moved += step + (is_large && goes_on ? held.step : 0.0);
+    held.runs = is_large && (held.runs != 0.0 || goes_on) ? 1.0 : 0.0;
+    held.step = is_large && held.runs == 0.0 ? step : 0.0;
+}
+
 }  // namespace heave

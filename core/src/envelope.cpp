@@ -23,8 +23,8 @@ Limits limits_of(const Design &design, const State &state, const Readings &readi
     const bool has_count = state.count_age <= bounds.count_time, has_mru = state.mru_age <= bounds.mru_time;
     const double early = 1.0 + (bounds.early_factor - 1.0) * (1.0 - ship.filling);
     const double factor = early * (has_count && has_mru ? 1.0 : bounds.lost_factor);
-    const double rate = share * (bounds.rate_factor * factor * ship.rate + bounds.rate_margin);
-    const double travel = share * (bounds.travel_factor * factor * ship.heave + bounds.travel_margin) + state.allowance;
+    const double rate = share * bounds.rate_factor * factor * ship.rate + bounds.rate_margin;
+    const double travel = bounds.travel_factor * factor * ship.heave + bounds.travel_margin + state.allowance;
     const double lag = design.winch.delay + design.winch.lag;
     double out = (travel - state.travel_sent) / lag, in = (travel + state.travel_sent) / lag;
     if (has_count) {
@@ -74,15 +74,26 @@ void watch_drum(const Design &design, State &state, bool is_braked) {
     enter(state, HELD, is_braked ? BRAKE_SLIPS : DRUM, state.residual, limit);
 }
 
+// A braked drum that moves: nothing that was ordered explains it.
+void watch_held_drum(const Design &design, State &state, const Readings &readings, bool acts) {
+    const bool is_braked = state.tick == 0 || state.sent[(state.tick - 1) % KEPT].brake != 0.0;
+    watch_brake(design, state, readings, is_braked && (acts || readings.is_held != 0.0));
+    if (state.held.rests != 0.0) state.residual = 0.0;
+    const double moved = state.held.moved, limit = design.envelope.brake_margin;
+    if (std::abs(moved) > limit && state.cause != BRAKE_SLIPS) enter(state, HELD, BRAKE_SLIPS, moved, limit);
+}
+
 // Fade-out and compensation without the motion reference unit end in time; harm that the load cell shows ends too.
 void watch_duty(const Design &design, State &state, const Readings &readings, double harm) {
     const Bounds &bounds = design.envelope;
-    const bool is_seen = state.mru_age <= bounds.mru_time, fades = int(readings.duty) == FADE;
-    const bool counts = readings.brake == 0.0 && (fades || (int(readings.duty) == FOLLOW && !is_seen));
-    state.duty_time = counts ? state.duty_time + design.tick_period : 0.0;
-    const double most = !fades ? bounds.unseen_time : is_seen ? bounds.fade_out_time : bounds.blind_time;
+    const bool is_seen = state.mru_age <= bounds.mru_time, moves = readings.brake == 0.0;
+    const bool fades = moves && int(readings.duty) == FADE, follows = moves && int(readings.duty) == FOLLOW;
+    state.fade_time = !fades ? 0.0 : is_seen ? state.fade_time + design.tick_period : state.fade_time;
+    state.blind_time = is_seen || !(fades || follows) ? 0.0 : state.blind_time + design.tick_period;
+    const double longest = fades ? bounds.blind_time : bounds.unseen_time;
     if (state.phase != FREE) return;
-    if (state.duty_time > most) enter(state, RAMP, fades ? FADE_LONG : UNSEEN, state.duty_time, most);
+    if (state.fade_time > bounds.fade_out_time) enter(state, TAKEN, FADE_LONG, state.fade_time, bounds.fade_out_time);
+    else if (state.blind_time > longest) enter(state, TAKEN, UNSEEN, state.blind_time, longest);
     else if (state.harm_time >= bounds.harm_time) enter(state, TAKEN, HARM, harm, 1.0);
 }
 
@@ -93,6 +104,10 @@ double ramp(const Design &design, State &state) {
     state.ramp = begins ? fastest : std::max(state.ramp - design.envelope.stop_deceleration * dt, 0.0);
     state.rest_time = begins || state.ramp > 0.0 ? 0.0 : state.rest_time + dt;
     return state.ramp;
+}
+
+bool has_load(const Design &design, const State &state) {
+    return state.load_age <= design.envelope.mru_time && design.cable.stiffness > 0.0;
 }
 
 struct Asked {
@@ -121,12 +136,19 @@ double bounded(const Design &design, State &state, const Limits &limits, const A
     return move + kept;
 }
 
-// Own order of a take-over: the asked move and the boom tip's raw rate, fading; where that did harm, the controller's.
+// Own order of a take-over: the asked move and the boom tip's raw rate, fading; where that did harm or must end, the
+// controller's. A load that is let go swings for minutes: the drum pays out with the stretch that the load cell shows
+// beyond its mean, v = c (F - mean F) / k, a dashpot in series with the cable.
 double own_speed(const Design &design, const State &state, const Limits &limits, const Asked &asked, double move) {
-    const double share = 1.0 - state.phase_time / design.envelope.takeover_time;
-    const bool follows = state.cause != HARM && state.mru_age <= design.envelope.mru_time;
-    const double about = follows ? state.rate : asked.is_finite ? asked.speed - move : 0.0;
-    return move + clip(share * about, limits.lower, limits.upper);
+    const Bounds &bounds = design.envelope;
+    const double share = std::max(1.0 - state.phase_time / bounds.takeover_time, 0.0);
+    const bool has_mru = state.mru_age <= bounds.mru_time, is_wild = state.cause <= NOT_FINITE;
+    double about = 0.0;
+    if (is_wild) about = has_mru ? state.rate : 0.0;
+    else if (asked.is_finite && state.cause != UNSEEN) about = asked.speed - move;
+    const double stretch = (state.load - state.mean_load) / design.cable.stiffness;
+    const double damping = has_load(design, state) ? bounds.damping_rate * stretch : 0.0;
+    return move + clip(share * about + clip(damping, -bounds.rate_margin, bounds.rate_margin), limits.lower, limits.upper);
 }
 
 }  // namespace
@@ -143,8 +165,9 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     order.harm = observe_load(design, state, readings);
     if (readings.acknowledged != 0.0 && state.phase == HELD && state.drum.rate == 0.0) {
         state.phase = FREE, state.cause = NOTHING;
-        state.residual = state.bound = state.harm_time = state.follow_time = 0.0;
+        state.residual = state.bound = state.harm_time = state.follow_time = state.held.moved = 0.0;
     }
+    watch_held_drum(design, state, readings, travelled.is_braked);
     watch_drum(design, state, travelled.is_braked || readings.is_held != 0.0);
     watch_duty(design, state, readings, order.harm);
 
@@ -170,9 +193,8 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
         state.ramp = NOT_KNOWN;
         if (!brake) speed = bounded(design, state, limits, asked, move, order);
     }
-    const bool is_over = state.phase_time > bounds.takeover_time;
-    const bool is_blind = state.cause != HARM && state.mru_age > bounds.mru_time;
-    if (state.phase == TAKEN && (is_over || is_blind)) state.phase = RAMP;
+    const double damped = has_load(design, state) ? bounds.damping_time : 0.0;
+    if (state.phase == TAKEN && state.phase_time > bounds.takeover_time + damped) state.phase = RAMP;
     if (state.phase == TAKEN) speed = own_speed(design, state, limits, asked, move);
     if (state.phase == RAMP) {
         speed = std::copysign(ramp(design, state), state.last_speed);

@@ -14,9 +14,9 @@ long long heave_core_size(int structure) {
 void heave_core_begin(heave::State *state) {
     *state = heave::State{};
     for (double *unknown : {&state->ramp, &state->read_heave, &state->read_rate, &state->count, &state->load,
-                            &state->held_tension, &state->measured.mean, &state->locked.mean})
+                            &state->held_tension, &state->mean_load, &state->measured.mean, &state->locked.mean})
         *unknown = heave::NOT_KNOWN;
-    state->mru_age = state->count_age = state->read_age = 1e9;
+    state->mru_age = state->count_age = state->read_age = state->load_age = 1e9;
     state->move.request = -1.0;
 }
 

@@ -17,8 +17,9 @@ void take_request(const Design &design, State &state, const Readings &readings, 
     move.request = readings.request;
     move.kind = readings.kind;
     const bool is_stated = std::isfinite(readings.speed) && std::isfinite(readings.acceleration);
-    move.speed = is_stated ? readings.speed : 0.0;
-    move.acceleration = is_stated ? readings.acceleration : design.envelope.stop_deceleration;
+    const double fastest = design.winch.speed, steepest = design.winch.acceleration;
+    move.speed = is_stated ? clip(readings.speed, int(move.kind) == DRIVE ? -fastest : 0.0, fastest) : 0.0;
+    move.acceleration = is_stated ? clip(readings.acceleration, 0.0, steepest) : design.envelope.stop_deceleration;
     if (int(move.kind) == STAND) move.rate = move.slope = 0.0;
     if (int(move.kind) != GO) return;
     // what the controller states is taken within what count or depth sensor make of the request

@@ -66,7 +66,8 @@ Ship ship_of(const Design &design, const State &state) {
     }
     if (readings == 0.0) return {0.0, 0.0, 0.0};
     const double mean = sum / readings;
-    return {rate, std::max(highest - mean, mean - lowest), std::min(time / design.envelope.window, 1.0)};
+    const double whole = design.envelope.window * (BINS - 1) / BINS;  // a bin is being filled
+    return {rate, std::max(highest - mean, mean - lowest), std::min(time / whole, 1.0)};
 }
 
 // The count beside the nominal drum. Returns bits.
@@ -133,7 +134,14 @@ double observe_load(const Design &design, State &state, const Readings &readings
     const Bounds &bounds = design.envelope;
     const Cable &cable = design.cable;
     const double dt = design.tick_period;
-    if (std::isfinite(readings.load)) state.load = readings.load;
+    state.load_age += dt;
+    const bool has_load = std::abs(readings.load) <= bounds.largest_load;
+    if (has_load) {
+        state.load = readings.load;
+        state.load_age = 0.0;
+        if (std::isnan(state.mean_load)) state.mean_load = state.load;
+        state.mean_load += std::min(dt / bounds.travel_time, 1.0) * (state.load - state.mean_load);
+    }
     if (!(cable.static_tension > 0.0)) return NOT_KNOWN;
     const double stretch = std::max(1.0 + state.position / cable.length, 0.01);
     const double a = cable.inertia * stretch, k = cable.stiffness / stretch;
@@ -143,10 +151,10 @@ double observe_load(const Design &design, State &state, const Readings &readings
     state.unit_heave += 0.5 * dt * (state.unit_rate + rate);
     state.unit_rate = rate;
     const double weight = std::min(dt / bounds.harm_time, 1.0);
-    if (std::isfinite(readings.load)) follow(state.measured, readings.load, weight);
+    if (has_load) follow(state.measured, readings.load, weight);
     follow(state.locked, k * (state.heave - state.unit_heave), weight);
     const bool follows = int(readings.duty) == FOLLOW && readings.brake == 0.0 && state.move.rate == 0.0;
-    const bool is_seen = state.mru_age <= bounds.mru_time && std::isfinite(readings.load);
+    const bool is_seen = state.mru_age <= bounds.mru_time && has_load;
     state.follow_time = follows && is_seen && readings.lift_rate == 0.0 ? state.follow_time + dt : 0.0;
     if (state.follow_time < bounds.harm_time) {
         state.harm_time = 0.0;

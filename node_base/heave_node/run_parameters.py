@@ -14,7 +14,7 @@ from heave_node.criteria import WANTED, Criterion, parse_criterion
 from heave_node.interface.topic import Topic
 from heave_node.parameters import Given, build_given, describe, parameter
 from heave_node.system_parameters import take_system
-from heave_node.tick.clock_rule import ClockRule, parse_clock
+from heave_node.tick.clock_rule import Stamping, parse_clock
 
 LOCKSTEP = "lockstep"
 REALTIME = "realtime"
@@ -61,7 +61,8 @@ class RunParameters:
         (),
         unit="",
         description="How external nodes stamp, each NODE=CLOCK: simulated (use_sim_time), own (a clock of their own), "
-        "none (stamp 0: time of arrival), detect (by the first message; so for all that are not named).",
+        "none (stamp 0: time of arrival), detect (by the first message; so for all that are not named). NODE=CLOCK:S "
+        "takes a latency of S seconds off: what it measures is so much older than its stamp, or its arrival, says.",
     )
     autostart: bool = parameter(True, unit="", description="Configure and activate without a lifecycle manager.")
     start_timeout: float = parameter(
@@ -127,10 +128,10 @@ class RunParameters:
         """Return whether messages of `topic` come from outside: its node, or the topic by itself, is external."""
         return topic.publisher in self.external or topic.name in self.external
 
-    def clock_rule(self, topic: Topic) -> ClockRule:
+    def stamping(self, topic: Topic) -> Stamping:
         """Return how the external publisher of `topic` stamps, as declared for the topic or for its node."""
         declared = dict(map(parse_clock, self.external_clocks))
-        return declared.get(topic.name, declared.get(topic.publisher, ClockRule.DETECT))
+        return declared.get(topic.name, declared.get(topic.publisher, Stamping()))
 
     @property
     def tick_nanoseconds(self) -> int:

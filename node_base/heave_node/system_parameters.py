@@ -59,6 +59,8 @@ class Shared:
 
 
 def _shared(word: str, **own: str) -> Shared:
+    if "winch_controller" in own:  # where its envelope stands alone it has the same groups by the same names
+        own["winch_envelope"] = own["winch_controller"]
     return Shared(word, own)
 
 

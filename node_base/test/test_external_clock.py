@@ -87,6 +87,27 @@ def test_what_does_not_fit_the_declaration_is_said(declared, stamp, words):
 
 
 def test_a_declaration_names_node_and_clock():
-    assert parse_clock("virtual_winch=own") == ("virtual_winch", ClockRule.OWN)
-    with pytest.raises(ValueError, match="must be NODE=CLOCK, CLOCK one of detect, simulated, own, none"):
+    assert parse_clock("virtual_winch=own") == ("virtual_winch", (ClockRule.OWN, 0.0))
+    assert parse_clock("mru=none:0.04") == ("mru", (ClockRule.NONE, 0.04))
+    with pytest.raises(ValueError, match=r"must be NODE=CLOCK\[:LATENCY\], CLOCK one of detect, simulated, own, none"):
         parse_clock("virtual_winch=utc")
+
+
+@pytest.mark.parametrize("rule", [ClockRule.SIMULATED, ClockRule.OWN, ClockRule.NONE])
+def test_a_latency_that_is_declared_is_taken_off_whatever_the_clock(rule):
+    """A sensor that measures 46 ms before it stamps, or before its message comes where it has no stamp."""
+    clock, answers = ExternalClock(rule, 0.046), []
+    for k in range(1, 400):
+        measured = 100.0 + 0.05 * k
+        stamped = measured + 0.046
+        stamp = {ClockRule.SIMULATED: stamped, ClockRule.OWN: stamped + 1.7e9, ClockRule.NONE: 0.0}[rule]
+        answers.append(clock.simulated_time(round(stamp * SECOND), round(stamped * SECOND)) / SECOND - measured)
+    assert answers == pytest.approx(len(answers) * [0.0], abs=1e-6)
+    assert "latency of 46 ms taken off" in clock.describe()
+
+
+def test_a_delay_of_simulated_stamps_is_shown_as_it_is_and_not_as_its_spread():
+    clock = ExternalClock()
+    for k in range(100):
+        clock.simulated_time(100 * SECOND + k, 100 * SECOND + k + round((0.92 + 0.06 * (k % 2)) * SECOND))
+    assert "920.0 to 980.0 ms behind at arrival" in clock.describe()

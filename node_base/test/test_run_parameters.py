@@ -10,12 +10,12 @@ def test_a_topic_is_external_by_its_node_or_by_itself_and_its_clock_is_declared_
     run = RunParameters(
         pacing=REALTIME,
         external=("virtual_winch", "winch/load_cell"),
-        external_clocks=("virtual_winch=own", "winch/load_cell=none"),
+        external_clocks=("virtual_winch=own", "winch/load_cell=none:0.04"),
     )
     external = {topic.name for topic in topics.ALL_TOPICS if run.is_external(topic)}
     assert "winch/load_cell" in external
     assert topics.WINCH_STATE.name in external
     assert external.isdisjoint({"mru", "unit/pressure", "cable/state"}), "of nodes that stay"
-    assert run.clock_rule(topics.WINCH_STATE) is ClockRule.OWN
-    assert run.clock_rule(LOAD_CELL.topic) is ClockRule.NONE
-    assert run.clock_rule(MRU.topic) is ClockRule.DETECT
+    assert run.stamping(topics.WINCH_STATE) == (ClockRule.OWN, 0.0)
+    assert run.stamping(LOAD_CELL.topic) == (ClockRule.NONE, 0.04)
+    assert run.stamping(MRU.topic) == (ClockRule.DETECT, 0.0)

@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("node_base", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "bringup/heave_bringup")
+PACKAGES = ("core", "node_base", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "bringup/heave_bringup")
 """Places of the code that an outcome depends on."""
+SOURCES = (".py", ".cpp", ".h", ".yaml")
+"""What of it: sources and scenarios."""
 
 
 class JournalError(ValueError):
@@ -20,7 +22,7 @@ class JournalError(ValueError):
 def sources_digest(others: Iterable[Path]) -> str:
     """Return a digest of the packages and of `others`, by which two commits with changes are distinguished."""
     digest = hashlib.sha256()
-    paths = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
+    paths = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*")) if path.suffix in SOURCES]
     for path in [*paths, *others]:
         if "test" not in path.parts:
             digest.update(path.read_bytes())

@@ -592,3 +592,17 @@ def test_steps_that_a_unit_can_make_are_never_taken_off(steps):
     jumps = DepthJumps()
     depths = 900.0 + np.cumsum([0.0, *steps])
     assert [jumps.take_off(0.1 * k, depth) for k, depth in enumerate(depths)] == list(depths)
+
+
+def test_readings_that_come_and_are_too_old_are_late_since_when_and_by_how_much_and_not_missing():
+    """Stamps 0.92 s behind the controller's clock, 20 readings a second."""
+    gate = make_gate()
+    for k in range(1, 200):
+        assert gate.judge(k * DT, k * DT - 0.92, (0.1 * k,))
+        gate.tick(k * DT)
+    assert (gate.level, gate.reason) == (LOST, "delayed")
+    limit = HealthParameters().stale_samples * DT
+    values = {"age": pytest.approx(0.92), "limit": pytest.approx(limit), "since": pytest.approx(DT)}
+    assert (gate.alarm.code, gate.alarm.values) == ("DEPTH_LATE", values)
+    feed(gate, [None] * 8, start=200)
+    assert gate.alarm.code == "DEPTH_STALE", "nothing comes now"

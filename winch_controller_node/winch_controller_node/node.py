@@ -303,7 +303,9 @@ class WinchControllerNode(ParticipantNode):
             response.message = INACTIVE
             return response
         try:
-            response.message = self.controller.ask_for_mode(request.mode, request.tension)
+            response.message = self.controller.ask_for_mode(
+                request.mode, request.tension, consent=request.accept_unproved
+            )
             response.success = True
         except ModeError as error:
             response.message = str(error)

@@ -9,14 +9,11 @@ Sound files are read by `rosbags`. What is not sound is repaired first, in a tem
 from __future__ import annotations
 
 import math
-import shutil
-import weakref
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Any
 
 from mcap.records import Attachment, Channel, Schema
@@ -231,9 +228,7 @@ class Bag:
         matched, _ = self._listing
         is_agreed = bool(file_counts(self._described))
         expected = {path: part.messages for path, part in matched.items() if part.messages is not None and is_agreed}
-        folder = mkdtemp(prefix="heave_bag_")
-        weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
-        return recover(surveys, expected, self.topics, Path(folder), progress)
+        return recover(surveys, expected, self.topics, progress)
 
     def _unread(self) -> list[Loss]:
         """Return the files that are not there, or hold nothing."""

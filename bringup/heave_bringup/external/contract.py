@@ -290,7 +290,8 @@ type needs no node of yours: `heave adapt MAP.yaml` is one by a map file.
   at 0, when everybody is there, and starts again with each run. Your stamps are one of three, per node: `simulated`,
   that of the newest `clock` (or `use_sim_time`); `own`, any clock of your own, whose offset and drift are estimated;
   `none`, stamp 0: the time of arrival counts. The first message decides; `--replace NODE=external:CLOCK` says it, and
-  messages that do not fit are an error.
+  messages that do not fit are an error. What you measure that much before you stamp it is a latency that no clock
+  shows: `--replace NODE=external:CLOCK:0.04` takes 40 ms off.
 - **Quality of service**: as the tables say; depth 10 is enough. A command that is published best effort is refused at
   the start. What comes in may be subscribed to as reliable or as best effort.
 - **Names** are relative, `clock` too: a namespace or a remapping works on either side, `heave run --namespace NAME`

@@ -66,7 +66,7 @@ class _Listener:
         self._trial: list[WinchTrial] = []
         self._newest: dict[str, Any] = {}
         self._sequence = 0
-        self._began = time.monotonic()
+        self._began = math.inf  # nothing counts before the clock runs
         self._publishers = {
             port.topic.name: self._node.create_publisher(
                 message_type(port.topic.type), port.topic.name, qos_of(port.topic.role)

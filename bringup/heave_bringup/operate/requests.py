@@ -60,8 +60,15 @@ class Request:
     judge: Callable[[Any], Answer] = plain_answer
 
 
-def request_mode(mode: str, tension: float = 0.0) -> Request:
-    """Request a `mode` of the controller, in constant_tension with the `tension` to hold [N] (0: the present mean)."""
+def request_mode(mode: str, tension: float = 0.0, *, unproved: bool = False) -> Request:
+    """Request a `mode` of the controller.
+
+    Parameters
+    ----------
+    mode : its name
+    tension : to hold in constant_tension [N]; 0: the present mean
+    unproved : compensation may begin although nothing has proved the motion reference unit
+    """
 
     def judge(response: Any) -> Answer:
         if not response.success:
@@ -69,7 +76,8 @@ def request_mode(mode: str, tension: float = 0.0) -> Request:
         taken = response.message
         return Answer(f"mode {taken}" if taken == mode else f"{mode}: {taken}")
 
-    return Request(SetMode, "controller/set_mode", SetMode.Request(mode=mode, tension=tension), CONTROLLER, judge=judge)
+    message = SetMode.Request(mode=mode, tension=tension, accept_unproved=unproved)
+    return Request(SetMode, "controller/set_mode", message, CONTROLLER, judge=judge)
 
 
 def request_factor(factor: float) -> Request:

@@ -29,6 +29,7 @@ SECTION_WORDS = {
     "cable_sim": "cable, unit, seabed, current, sensors",
     "virtual_winch": "the winch",
     "winch_controller": "the controller, and where its assumptions differ",
+    "winch_envelope": "the envelope as a node of its own",
     "winch_adviser": "the adviser",
     "recorder": "the bag",
 }

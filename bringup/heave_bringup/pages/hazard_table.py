@@ -54,7 +54,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The drum runs against its orders: the load is driven into the bottom or up to the boom",
         {"winch": ("reverse",)},
-        ("DRUM_OFF_ORDER", "WINCH_DRIVE_FAULT", "WINCH_OR_ENCODER_*", "DRUM_SPEED_OFF"),
+        ("DRUM_*", "COUNT_SPEED_DISAGREE", "WINCH_DRIVE_FAULT", "WINCH_OR_ENCODER_*"),
         "the envelope brakes; the drive's supervision trips where it is fitted; the guard ends compensation",
         "`supervision_time`, 1 s where it is set, counted while the order is above 0.05 m/s; guard: seconds",
         "the drum moves for the time of the supervision; without it until the guard has seen it",
@@ -66,7 +66,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The load drops past the brake",
         {"winch": ("brake_slip", "brake_open")},
-        ("DRUM_RUNS_BRAKED", "WINCH_DRIVE_FAULT"),
+        ("*BRAKE*", "DRUM_*HELD*", "WINCH_DRIVE_FAULT"),
         "the drive trips, and the virtual winch's holds the drum where it is; the controller stops and reports it. "
         "No second brake is commanded",
         "0.05 m of motion from the standstill (test)",
@@ -172,7 +172,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The ship's motion is not known: the drum follows nothing, or a sea that is over",
         {"mru": ("gap", "nan", "freeze", "restart", "rate")},
-        ("MRU_STALE", "MRU_NOT_A_NUMBER", "MRU_BAD_STAMP", "MRU_OUT_OF_ORDER", "MRU_FROZEN", "MRU_FAULT",
+        ("MRU_STALE", "MRU_LATE", "MRU_NOT_A_NUMBER", "MRU_BAD_STAMP", "MRU_OUT_OF_ORDER", "MRU_FROZEN", "MRU_FAULT",
          "MRU_OUTPUT_STOPPED"),
         f"the last motion is predicted for at most {MODES.coast_time:g} s, then compensation fades out; with a depth "
         f"sensor the unit is damped by it, for at most {BLIND_LIMIT / 60.0:g} minutes; without one, or on a short "
@@ -189,8 +189,8 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The ship's motion is reported falsely: compensation adds motion to the unit",
         {"mru": ("scale", "jump", "spike", "delay")},
-        ("MRU_SPIKES", "MRU_JUMPS", "MRU_EXCLUDED", "MRU_SCALE_ERROR", "MRU_DELAYED", "DEPTH_MRU_DISAGREE",
-         "UNIT_HEAVE_HIGH"),
+        ("MRU_SPIKES", "MRU_JUMPS", "MRU_EXCLUDED", "MRU_REVERSED", "MRU_*UNPROVED", "MRU_SCALE_ERROR", "MRU_DELAYED",
+         "DEPTH_MRU_DISAGREE", "UNIT_HEAVE_HIGH"),
         "readings beyond the gate are rejected; scale, delay and drift are identified against depth and tension, or "
         "the sensor is excluded",
         "spikes and jumps: the sample; a reversed MRU: 20 s (test)",
@@ -219,7 +219,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "Payout is not known, or counted falsely: the unit is lowered too far, or the drum runs to its end",
         {"encoder": ("freeze", "nan", "spike", "jump", "scale")},
-        ("PAYOUT_DEPTH_DISAGREE", "ENCODER_STALE", "ENCODER_NOT_A_NUMBER", "ENCODER_BAD_STAMP",
+        ("PAYOUT_DEPTH_DISAGREE", "ENCODER_STALE", "ENCODER_LATE", "ENCODER_NOT_A_NUMBER", "ENCODER_BAD_STAMP",
          "ENCODER_OUT_OF_ORDER", "ENCODER_FROZEN", "ENCODER_JUMPS", "ENCODER_EXCLUDED", "ENCODER_REVERSED",
          "ENCODER_SCALE_STEP", "ENCODER_SCALE_ERROR"),
         "a jump is taken out of the count, and put into the payout set-point, by which a position loop does not follow "
@@ -315,7 +315,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The adviser ends, is late, or answers with what cannot be",
         {},
-        ("ADVISER_ENDED",),
+        ("ADVISER_*",),
         "the controller keeps what is active; answers that are late or make no sense are refused and counted",
         "an answer has a second",
         "nothing new is identified until it is back",

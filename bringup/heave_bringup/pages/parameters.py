@@ -16,7 +16,7 @@ from heave_node.parameters import ParameterInfo, Value, describe
 from heave_node.run_parameters import RunParameters
 from heave_node.system_parameters import system_names
 
-from heave_bringup.nodes import NODES
+from heave_bringup.nodes import ENVELOPE, NODES
 
 RUN = "all"
 """Stands for the parameters of the run, which every node has; as in `--set all.PARAM=VALUE`."""
@@ -27,6 +27,7 @@ TITLES = {
     "wave_vessel": "`wave_vessel`: sea, vessel, motion reference unit",
     "virtual_winch": "`virtual_winch`: drum, drive, encoder",
     "winch_controller": "`winch_controller`: what it assumes, and how it works",
+    "winch_envelope": "`winch_envelope`: the envelope as a node of its own; all else as of `winch_controller`",
     "winch_adviser": "`winch_adviser`: identification, which takes its nominal from the controller",
     "recorder": "`recorder`: the bag",
 }
@@ -88,7 +89,9 @@ def all_rows() -> list[Row]:
         infos = describe(node.parameters_type())
         shared = {own: name for name, own in system_names(node.name, [info.name for info in infos]).items()}
         rows += [Row(node.name, info, shared.get(info.name, "")) for info in infos]
-    return rows
+    # the envelope alone has groups of the controller
+    same = {row.info for row in rows if row.node == "winch_controller"}
+    return [row for row in rows if row.node != ENVELOPE or row.info not in same]
 
 
 def matching(rows: Iterable[Row], pattern: str) -> list[Row]:

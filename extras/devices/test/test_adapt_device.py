@@ -18,7 +18,7 @@ from heave_devices.adapt.report import figures_of, health_of
 from heave_devices.adapt.shipped import find_map
 from heave_devices.formats.sample import Sample
 from heave_devices.maps.device_map import device_map_of
-from heave_msgs.msg import MruSample, WinchCommand
+from heave_msgs.msg import LoadCell, MruSample, WinchCommand
 from heave_node.interface.codes import WinchFault
 from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Level
@@ -71,7 +71,8 @@ def test_a_position_controller_is_told_where_in_its_own_count_and_stays_there_to
 @pytest.fixture
 def clock(monkeypatch):
     """Return the wall clock of a device, which the test sets [s]."""
-    wall = SimpleNamespace(now=100.0, monotonic=lambda: wall.now, time_ns=lambda: round(wall.now * 1e9))
+    wall = SimpleNamespace(now=100.0, monotonic=lambda: wall.now)
+    wall.time_ns = wall.monotonic_ns = lambda: round(wall.now * 1e9)
     for module in (device_module, orders_module):
         monkeypatch.setattr(module, "time", wall)
     return wall
@@ -143,6 +144,24 @@ def test_a_message_on_the_clock_releases_no_fault_that_is_latched(clock):
         assert node.sent["/c"][-1].data == 0.0
     assert controller.fault == WinchFault.DRIVE
     assert controller.device.problem == "stopped: the drive reports a trip"
+
+
+@pytest.mark.parametrize("stamps", ["receipt", "own"])
+def test_a_latency_of_the_map_is_taken_off_the_stamps(clock, stamps):
+    """A load cell whose filter is 40 ms late; the run is at 8 s when the wall clock shows 100 s."""
+    node = Node()
+    entry = {"topic": "/force", "type": "sensor_msgs/msg/JointState", "field": "position[0]"}
+    device = LiveDevice(device_map_of("m", {"tension": entry, "clock": stamps, "latency": 0.04}), node)
+    node.callbacks["/force"](joints(1.0, second=1_700_000_000.0))
+    assert not node.sent["winch/load_cell"], "no run has a time yet"
+    for _ in range(40):
+        clock.now += 0.05
+        seconds, nanoseconds = divmod(round((clock.now - 92.0) * 1e9), 10**9)
+        node.callbacks["clock"](Clock(clock=Time(sec=seconds, nanosec=nanoseconds)))
+        node.callbacks["/force"](joints(1.0, second=1_700_000_000.0 + clock.now))
+    cell = deserialize_message(node.sent["winch/load_cell"][-1], LoadCell)
+    assert cell.header.stamp.sec + 1e-9 * cell.header.stamp.nanosec == pytest.approx(clock.now - 92.0 - 0.04, abs=1e-3)
+    assert device.problem == ""
 
 
 def test_a_plc_that_was_away_and_counts_from_nought_is_a_fault_of_the_drive_and_stays_it(clock):

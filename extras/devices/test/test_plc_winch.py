@@ -191,6 +191,9 @@ def test_a_map_that_names_what_the_plc_does_not_have_is_told_in_one_line(kind, c
         (("", ""), ""),
         (("scale: 10.0, positive: in", "scale: 10.0, positive: out"), "reversed. Check positive"),
         (("scale: 10.0", "scale: 100.0"), "braked: "),
+        (("word_order: big", "word_order: little"), "with word_order: big it moved by"),
+        (("watchdog: 'input:5'", "watchdog: 'input:7'"), "watchdog has not counted for"),
+        (("fault: 'input:4.1'", "fault: 'input:4.0'"), "the drive reports a trip"),
     ],
 )
 def test_a_move_of_millimetres_shows_a_wrong_sign_and_stops_at_a_wrong_scale(change, words, plc_of, bench_of):
@@ -201,7 +204,7 @@ def test_a_move_of_millimetres_shows_a_wrong_sign_and_stops_at_a_wrong_scale(cha
         found = "; ".join(verdict.words for verdict in verdicts if not verdict.is_good)
     except CommandError as error:
         found = str(error)
-    assert words in found if words else found == ""
+    assert words in found if words else found == "", found
     assert plc.drum()["fastest"] < 0.12, "2 d / T is 0.01 m/s, and ten times as much is stopped at once"
 
 
@@ -212,6 +215,19 @@ def test_a_drum_that_turns_against_the_command_is_held_within_the_time_of_its_su
     bench.command(lambda: bench.device.orders.handshake.fault == WinchFault.DRIVE, rate=0.1)
     assert "stopped: the drum turns against the command" in bench.health.message
     bench.command(bench.says(brake=True, fault=int(WinchFault.DRIVE)), rate=0.1)
+
+
+def test_a_set_point_of_another_unit_is_held_at_once_and_says_scale(plc_of, bench_of):
+    """0.1 mm/s written as 1 um/s: a hundred times the speed."""
+    plc = plc_of("modbus")
+    bench = bench_of(plc.text_of_map().replace("scale: 10.0, positive: in", "scale: 1000.0, positive: in"))
+    bench.release()
+    place = bench.states[-1].encoder_payout
+    bench.command(lambda: bench.device.orders.handshake.fault == WinchFault.DRIVE, rate=0.01)
+    assert "times as far as commanded: check unit and scale" in bench.health.message
+    assert abs(bench.states[-1].encoder_payout - place) < 0.25
+    bench.command(bench.says(brake=True, fault=int(WinchFault.DRIVE)), rate=0.01)
+    assert "times as far" in bench.health.message, "the words stay"
 
 
 @pytest.mark.parametrize("kind", ["modbus", "udp"])

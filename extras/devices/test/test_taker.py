@@ -79,6 +79,45 @@ def test_what_stands_for_not_available_is_no_value_and_no_zero(kind, sent, is_ze
     assert not taker.counters.unavailable
 
 
+PHTRO = "(?P<covered>PHTRO,(?P<pitch>[0-9.]+),(?P<ps>[MP]),(?P<roll>[0-9.]+),(?P<rs>[BT]))"
+"""Pitch with M for bow up and P for bow down, roll with B for port down and T for port up, by iXblue's manual."""
+
+
+@pytest.mark.parametrize(
+    ("line", "pitch", "roll"),
+    [("PHTRO,1.50,M,2.00,B", -1.5, -2.0), ("PHTRO,1.50,P,2.00,T", 1.5, 2.0), ("PHTRO,0.00,P,0.00,B", 0.0, 0.0)],
+)
+def test_a_letter_may_be_the_sign(line, pitch, roll):
+    signs = {
+        "pitch": {"field": "pitch", "unit": "deg", "sign": {"field": "ps", "negative": ["M"]}},
+        "roll": {"field": "roll", "unit": "deg", "sign": {"field": "rs", "negative": "B"}},
+    }
+    device = device_map_of("m", {"format": "line", "pattern": PHTRO + "(?P<heave>)?", "heave": "heave", **signs})
+    (sample,) = device.decoder().feed(f"${line}\r\n".encode())
+    values = Taker(device).of_sample(sample, 0.0).values
+    assert values == {"pitch": pytest.approx(math.radians(pitch)), "roll": pytest.approx(math.radians(roll))}
+
+
+def test_a_value_whose_sign_is_missing_is_none():
+    entry = {"field": "x", "sign": {"field": "s", "negative": ["P"]}}
+    taker = Taker(device_map_of("m", {"format": "line", "pattern": "(?P<s>[A-Z]?)(?P<x>.+)", "tension": entry}))
+    assert not taker.of_sample(Sample("LINE", {"x": 2.0}), 0.0).values
+
+
+@pytest.mark.parametrize(
+    ("sign", "words"),
+    [
+        ("ps", "sign must give a field and its negative words"),
+        ({"field": "ps", "negative": []}, "negative must list the words"),
+        ({"field": "px", "negative": ["P"]}, "unknown entry px; known: pitch, ps"),
+    ],
+)
+def test_a_sign_that_cannot_be_is_refused(sign, words):
+    content = {"format": "line", "pattern": PHTRO, "heave": {"field": "pitch", "sign": sign}}
+    with pytest.raises(MapError, match=words):
+        device_map_of("m", content)
+
+
 def test_a_map_names_what_stands_for_not_available_of_its_drive():
     entry = {"field": "p", "zero_at_start": True, "invalid_values": [-999.9, 88888]}
     content = {"format": "line", "pattern": "(?P<p>[-0-9.]+)", "payout": entry}

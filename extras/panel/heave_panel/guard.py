@@ -24,7 +24,9 @@ PROTECTION = (
     (b"cross-origin-resource-policy", b"same-origin"),
 )
 """Headers of every answer: no other site shows the page in a frame, where clicks on it could be led astray."""
-REFUSED = b"The token is missing or wrong: open the address that heave panel has printed.\n"
+OWN_SITE = ("same-origin", "none")
+"""What a browser says of who asks: this page, or its user, who has typed or opened the address; not another page."""
+REFUSED = b"The token is missing or wrong, or another page asked: open the address that heave panel has printed.\n"
 
 
 def is_loopback(host: str) -> bool:
@@ -68,7 +70,7 @@ class Guard:
         host = headers.get("host", "")
         origin = headers.get("origin", "")
         try:
-            if origin and urlsplit(origin).netloc != host:
+            if headers.get("sec-fetch-site", "none") not in OWN_SITE or (origin and urlsplit(origin).netloc != host):
                 return False
             if not self._token:
                 return is_loopback(urlsplit(f"//{host}").hostname or "")

@@ -20,6 +20,9 @@ from heave_panel.run_worker import RunWorker
 LEAVING_TIME = 20
 """Wall time after which a browser that does not answer is taken for gone, and leaves the command [s]."""
 
+LARGEST_WAITING = 16
+"""Pages that were fetched and that no browser has connected to yet; each keeps 0.5 MB. A browser takes a second."""
+
 
 def serve(link: RunLink, listener: socket.socket, host: str) -> None:
     """Serve the page of the run of a `link` until Ctrl-C.
@@ -34,9 +37,14 @@ def serve(link: RunLink, listener: socket.socket, host: str) -> None:
     token = "" if is_loopback(host) else secrets.token_urlsafe(24)
     worker, post = RunWorker(link), CommandPost()
     application = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+    waiting: dict[str, Client] = {}
 
     @ui.page("/")
     def page(client: Client) -> None:
+        leave_oldest(waiting)
+        waiting[client.id] = client
+        client.on_connect(lambda: waiting.pop(client.id, None))
+        client.on_delete(lambda: waiting.pop(client.id, None))
         shown = Page(worker, post, link.place)
         client.on_connect(lambda: shown.arrive(client.tab_id or ""))
         client.on_delete(shown.leave)
@@ -58,6 +66,12 @@ def serve(link: RunLink, listener: socket.socket, host: str) -> None:
         pass  # the way to end it
     finally:
         worker.close()
+
+
+def leave_oldest(waiting: dict[str, Client]) -> None:
+    """Delete the oldest of the pages `waiting` for their browser's connection where one more would be too many."""
+    while len(waiting) >= LARGEST_WAITING:
+        waiting.pop(next(iter(waiting))).delete()
 
 
 def listen(host: str, port: int) -> socket.socket:

@@ -19,6 +19,7 @@ from heave_panel.guard import COOKIE, Guard, is_loopback
 from heave_panel.history import LENGTH, LINES, History
 from heave_panel.operator_commands import COMMANDS, INJECT
 from heave_panel.run_worker import RunWorker
+from heave_panel.server import LARGEST_WAITING, leave_oldest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcl_interfaces.msg import ParameterType, ParameterValue
@@ -236,11 +237,20 @@ async def application(scope, receive, send):
 @pytest.mark.parametrize("host", ["localhost:8080", "127.0.0.1:8080", "[::1]:8080"])
 def test_on_this_machine_a_page_of_its_own_passes(host):
     assert ask(Guard(application), host=host, origin=f"http://{host}") == [{"type": "passed"}]
+    for site in ("none", "same-origin"):
+        assert ask(Guard(application), **{"host": host, "sec-fetch-site": site}) == [{"type": "passed"}]
 
 
 @pytest.mark.parametrize("kind", ["http", "websocket"])
 @pytest.mark.parametrize(
-    "headers", [{"host": "evil.example"}, {"host": "localhost:8080", "origin": "http://evil.example"}, {}]
+    "headers",
+    [
+        {"host": "evil.example"},
+        {"host": "localhost:8080", "origin": "http://evil.example"},
+        {"host": "localhost:8080", "sec-fetch-site": "cross-site"},
+        {"host": "localhost:8080", "sec-fetch-site": "same-site"},
+        {},
+    ],
 )
 def test_no_other_site_speaks_through_the_browser_of_this_machine(kind, headers):
     (first, *_) = ask(Guard(application), kind=kind, **headers)
@@ -408,3 +418,23 @@ def test_faults_are_injected_into_and_cleared_from_what_is_simulated_alone():
 def test_what_moves_the_winch_asks_first():
     moving = {"compensate", "standby", "tension", "manual", "redesign", "depth", "move by"}
     assert moving <= {command.name for command in COMMANDS if command.is_confirmed}
+
+
+class Fetched:
+    """A page that no browser has connected to."""
+
+    def __init__(self):
+        self.is_deleted = False
+
+    def delete(self):
+        self.is_deleted = True
+
+
+def test_of_pages_that_are_fetched_and_never_connected_to_only_the_newest_are_kept():
+    """Each keeps 0.5 MB: a program that fetches a thousand a minute would take all the memory."""
+    waiting, pages = {}, [Fetched() for _ in range(100)]
+    for number, page in enumerate(pages):
+        leave_oldest(waiting)
+        waiting[str(number)] = page
+    assert [page.is_deleted for page in pages] == [True] * (100 - LARGEST_WAITING) + [False] * LARGEST_WAITING
+    assert list(waiting.values()) == pages[-LARGEST_WAITING:]

@@ -20,6 +20,7 @@ MRU = sensors.MRU.topic
 HEAVE_PREVIEW = Topic("vessel/heave_preview", "heave_msgs/msg/HeavePreview", "wave_vessel")
 CRANE_POSE = Topic("crane/pose", "heave_msgs/msg/CranePose", "wave_vessel")
 WINCH_COMMAND = Topic("winch/command", "heave_msgs/msg/WinchCommand", "winch_controller", Role.COMMAND, is_needed=True)
+WINCH_COMMAND_WITHIN = Topic("winch/command_within", "heave_msgs/msg/WinchCommand", "winch_envelope", Role.COMMAND)
 WINCH_STATE = Topic("winch/state", "heave_msgs/msg/WinchState", "virtual_winch", is_needed=True)
 CABLE_STATE = Topic("cable/state", "heave_msgs/msg/CableState", "cable_sim")
 UNIT_ODOMETRY = Topic("unit/odometry", "nav_msgs/msg/Odometry", "cable_sim")

@@ -237,7 +237,7 @@ class HeaveNode(LifecycleNode):
 
         if is_external:
             self._ports.timings[port.name] = InputTiming(port.name)
-            clock = self.clocks[port.name] = ExternalClock(self.run.clock_rule(topic))
+            clock = self.clocks[port.name] = ExternalClock(*self.run.stamping(topic))
         self.add_raw_input(topic, decode_external if is_external else decode)
         return port
 

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from enum import Enum
+from typing import NamedTuple
+
+LARGEST_LATENCY = 5.0
+"""Largest latency that can be declared [s]: what is older is of no use to a controller."""
 
 
 class ClockRule(Enum):
@@ -15,10 +19,33 @@ class ClockRule(Enum):
     NONE = "none"
 
 
-def parse_clock(text: str) -> tuple[str, ClockRule]:
-    """Return node and rule of a declaration, `text`, like `virtual_winch=own`; raise ValueError for any other."""
-    node, _, rule = text.partition("=")
+class Stamping(NamedTuple):
+    """How an external node stamps.
+
+    Attributes
+    ----------
+    rule : of its clock
+    latency : by which what it measures is older than its stamp, or its arrival, says [s]
+    """
+
+    rule: ClockRule = ClockRule.DETECT
+    latency: float = 0.0
+
+
+def parse_clock(text: str) -> tuple[str, Stamping]:
+    """Return node and stamping of a declaration, `text`, like `virtual_winch=own` or `mru=none:0.04`.
+
+    Raises ValueError for any other.
+    """
+    node, _, clock = text.partition("=")
+    name, _, latency = clock.partition(":")
     rules = [rule.value for rule in ClockRule]
-    if not node or rule not in rules:
-        raise ValueError(f"external_clocks: {text} must be NODE=CLOCK, CLOCK one of {', '.join(rules)}")
-    return node, ClockRule(rule)
+    if not node or name not in rules:
+        raise ValueError(f"external_clocks: {text} must be NODE=CLOCK[:LATENCY], CLOCK one of {', '.join(rules)}")
+    try:
+        seconds = float(latency or 0.0)
+    except ValueError:
+        seconds = -1.0
+    if not 0.0 <= seconds <= LARGEST_LATENCY:
+        raise ValueError(f"external_clocks: {text}: the latency must be from 0 to {LARGEST_LATENCY:g} s")
+    return node, Stamping(ClockRule(name), seconds)

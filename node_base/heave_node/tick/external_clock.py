@@ -42,16 +42,19 @@ class ExternalClock:
     Parameters
     ----------
     declared : rule for it
+    latency : by which what was measured is older than the stamp, or the arrival, says [s]
 
     Attributes
     ----------
     rule : active; DETECT until the first message
+    latency : as declared [s]
     violation : why what comes does not fit the rule, in words; "" while it fits
     violations : messages that did not fit
     """
 
-    def __init__(self, declared: ClockRule = ClockRule.DETECT) -> None:
+    def __init__(self, declared: ClockRule = ClockRule.DETECT, latency: float = 0.0) -> None:
         self.rule = declared
+        self.latency = latency
         self.violation = ""
         self.violations = 0
         self._second = -1
@@ -72,6 +75,9 @@ class ExternalClock:
         arrival : simulated time at which it came [ns]
         wall : monotonic wall time at which it came [ns]; None: runs as simulated time does
         """
+        return self._stamped(stamp, arrival, wall) - round(self.latency * _SECOND)
+
+    def _stamped(self, stamp: int, arrival: int, wall: int | None) -> int:
         if self.rule is ClockRule.DETECT:
             self.rule = detect(stamp, arrival)
         self._check(stamp, arrival)
@@ -167,12 +173,15 @@ class ExternalClock:
         """Return the active rule, and what was estimated, in words."""
         if self.rule is ClockRule.DETECT:
             return "nothing received yet"
+        taken_off = f"; latency of {1e3 * self.latency:g} ms taken off" if self.latency else ""
         if self.rule is ClockRule.NONE:
-            return "no stamp: time of arrival"
-        spread = f"jitter {1e3 * self.jitter:.1f} ms, at most {1e3 * self.largest_delay:.1f} ms late"
+            return f"no stamp: time of arrival{taken_off}"
+        jitter = f"jitter {1e3 * self.jitter:.1f} ms"
         if self.rule is ClockRule.SIMULATED:
-            return f"simulated time; {spread}"
-        return f"own clock: offset {self.offset:.3f} s, drift {1e6 * self.drift:.1f} ppm; {spread}"
+            least, most = (min(self._delays), max(self._delays)) if self._delays else (0.0, 0.0)
+            return f"simulated time; {jitter}, {1e3 * least:.1f} to {1e3 * most:.1f} ms behind at arrival{taken_off}"
+        spread = f"{jitter}, up to {1e3 * self.largest_delay:.1f} ms more than the least delay"
+        return f"own clock: offset {self.offset:.3f} s, drift {1e6 * self.drift:.1f} ppm; {spread}{taken_off}"
 
 
 def detect(stamp: int, arrival: int) -> ClockRule:

@@ -91,10 +91,10 @@ def base(seed: int, number: int) -> Base:
     return Base(number, moment.name, replace(case, settings=settings))
 
 
-def cell(seed: int, index: int) -> Cell:
-    """Return case `index` of a `seed`; as many in a row as there are kinds of fault have all of them."""
+def cell(seed: int, index: int, branches: int = BRANCHES) -> Cell:
+    """Return case `index` of a `seed`, so many `branches` a loop; as many in a row as there are kinds have them all."""
     order = np.random.default_rng([seed, 1, index // len(KINDS)]).permutation(len(KINDS))
     kind = KINDS[int(order[index % len(KINDS)])]
-    loop = base(seed, index // BRANCHES)
+    loop = base(seed, index // branches)
     chance = Chance("fault", seed, index)
     return Cell(index, loop, drawn(kind, chance), chance.between(0.0, loop.of.window))

@@ -10,8 +10,9 @@ from heave_node.interface.fault_kinds import faults_of
 
 from tests.campaigns.draws.chance import Chance
 
-ALWAYS, MOVING, RESTING, NEVER = "always", "moving", "resting", "never"
-"""When a fault shows: at once; once the drum has moved, or was to move; once the brake holds; not from inside."""
+ALWAYS, MOVING, FASTER, RESTING, NEVER = "always", "moving", "faster", "resting", "never"
+"""When a fault shows: at once; once the drum has moved, or was to move; once it was to move faster than it still can;
+once the brake holds; not from inside."""
 
 Drawing = Callable[[Chance], float]
 
@@ -32,7 +33,7 @@ def either(low: float, high: float) -> Drawing:
 
 
 def factor(chance: Chance) -> float:
-    """Draw a wrong scale: reversed in a third of the draws, else 0.3 to 3, at least a quarter off."""
+    """Draw a scale error: reversed in a third of the draws, else 0.3 to 3, at least a quarter off."""
     if chance.happens(0.3):
         return -chance.spread(0.5, 2.0)
     while True:
@@ -94,7 +95,7 @@ _WINCH: dict[str, tuple[str, Drawing]] = {
     "brake_open": (RESTING, spread(0.02, 0.2)),
     "brake_shut": (MOVING, nothing),
     "creep": (MOVING, spread(0.02, 0.1)),
-    "low_pressure": (MOVING, spread(0.02, 0.2)),
+    "low_pressure": (FASTER, spread(0.02, 0.2)),
 }
 
 KINDS: tuple[Kind, ...] = (

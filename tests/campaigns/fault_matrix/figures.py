@@ -15,6 +15,9 @@ from tests.campaigns.fault_matrix.run import Outcome
 Ran = tuple[Cell, Outcome]
 Case = TypeVar("Case")
 
+NEAR = 1.02
+"""Times the bounds of the envelope that count as within: the MRU by which it goes has noise, the boom tip here none."""
+
 LARGEST_UNIT = 1.3
 """Largest motion of the unit over that of the locked one."""
 
@@ -38,7 +41,7 @@ class Bar:
 
 
 BARS = (
-    Bar("drum within the envelope", lambda _: True, lambda one: one.envelope <= 1.0, 1.0),
+    Bar("drum within the envelope", lambda _: True, lambda one: one.envelope <= NEAR, 1.0),
     Bar("travel within the heave of the minute + 0.3 m", lambda _: True, lambda one: one.travel <= 1.0, 0.999),
     Bar(
         f"unit at most {LARGEST_UNIT:g} times the locked one",

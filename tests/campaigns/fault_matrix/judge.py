@@ -35,13 +35,23 @@ SHOWN = 0.1
 HELD = 3.0
 """Time under the brake that shows one of the brake [s]."""
 
+_DRUM = ("winch", "encoder")
 NAMES = {
     "DEPTH_MRU_DISAGREE": ("depth", "mru"),
     "PAYOUT_DEPTH_DISAGREE": ("encoder", "depth"),
-    "WINCH_OR_ENCODER_REVERSED": ("winch", "encoder"),
-    "WINCH_OR_ENCODER_SCALE": ("winch", "encoder"),
-    "DRUM_SPEED_OFF": ("winch", "encoder"),
+    "WINCH_OR_ENCODER_REVERSED": _DRUM,
+    "WINCH_OR_ENCODER_SCALE": _DRUM,
+    "DRUM_SPEED_OFF": _DRUM,
+    "DRUM_OFF_ORDER": _DRUM,
+    "DRUM_RUNS_BRAKED": _DRUM,
+    "DRUM_CONTRADICTED": _DRUM,
+    "COUNT_SPEED_DISAGREE": _DRUM,
+    "LOAD_FALLS_BRAKED": ("winch", "load_cell"),
+    "MRU_REVERSED": ("mru", "depth", "load_cell"),
+    "MRU_SCALE_UNPROVED": ("mru", "depth", "load_cell"),
+    "MRU_UNPROVED": (),
     "WINCH_INVALID_COMMAND": ("orders",),
+    "ORDER_NOT_FINITE": ("orders",),
     "AUTHORITY_LIMITED_BY_WINCH": (),
     "WINCH_SATURATED": (),
 }
@@ -183,7 +193,7 @@ def envelope_ratio(time: Array, payout: Array, planned: Array, tip: Array, asked
 
 
 def leaky(rate: Array, period: float, tau: float = MINUTE) -> Array:
-    """Return the integral of a `rate` [m/s] sampled each `period` [s], that forgets with a time constant `tau` [s]."""
+    """Return the integral of a `rate` [m/s] sampled each `period` [s], that leaks with a time constant `tau` [s]."""
     decay = math.exp(-period / tau)
     total, found = 0.0, np.empty_like(rate)
     for place, one in enumerate(rate):
@@ -200,8 +210,8 @@ def unit_ratio(time: Array, unit: Array, off: Array, begin: float) -> float:
     time, unit, off : of each tick [s], heave of the unit and of the locked one [m], shapes (n,)
     begin : of the fault [s]
 
-    The unit is taken over minutes that end each second, or over what there is since; the locked one over the whole
-    minute. NaN: there are less than 5 s.
+    The unit is taken over minutes that end each second, or over what there is since; the locked one over the same time
+    or the whole minute, where it moves more. NaN: there are less than 5 s.
     """
     period = _period(time)
     first = int(np.searchsorted(time, begin + SETTLED))
@@ -212,7 +222,8 @@ def unit_ratio(time: Array, unit: Array, off: Array, begin: float) -> float:
     ratios = []
     for end in ends:
         start = max(first, end - count)
-        ratios.append(np.std(unit[start:end]) / max(float(np.std(off[max(0, end - count) : end])), WORSE_FLOOR))
+        locked = max(float(np.std(off[first:end])) for first in (start, max(0, end - count)))
+        ratios.append(np.std(unit[start:end]) / max(locked, WORSE_FLOOR))
     return float(max(ratios))
 
 
@@ -220,6 +231,12 @@ def path_of(time: Array, rate: Array, ordered: Array, begin: float, end: float) 
     """Return the way that the drum made, or was to make, from `begin` to `end` [s], the larger one [m]."""
     during = (time >= begin) & (time <= end)
     return float(max(np.sum(np.abs(rate[during])), np.sum(np.abs(ordered[during])))) * _period(time)
+
+
+def asked_more(ordered: Array, rate: float, time: Array, begin: float, end: float) -> bool:
+    """Return whether the drive was sent more than a `rate` [m/s] between `begin` and `end` [s]."""
+    during = (time >= begin) & (time <= end)
+    return bool(np.any(np.abs(ordered[during]) > rate))
 
 
 def held_for(time: Array, brake: Array, begin: float, end: float) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -137,13 +137,6 @@ def _bars(campaign: Mapping[str, Any]) -> list[str]:
 
 def _table(head: Sequence[str], rows: Any) -> list[str]:
     return [f"| {' | '.join(row)} |" for row in [head, ["---"] * len(head), *rows]]
-
-
-def times(campaigns: Sequence[Mapping[str, Any]], holds: Callable[[str], bool]) -> list[tuple[float, float]]:
-    """Return time to the alarm and to rest [s] of the cases of the newest commit whose fault `holds`."""
-    newest = [one for one in campaigns if one["commit"] == campaigns[-1]["commit"]]
-    shown = [shown_of(row) for one in newest for row in one["rows"]]
-    return [(found.named, found.rest) for one, found in shown if holds(one.groups["fault"]) and found.is_visible]
 
 
 if __name__ == "__main__":

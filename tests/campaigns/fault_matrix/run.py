@@ -19,11 +19,12 @@ from tests.campaigns.draws.chance import Chance
 from tests.campaigns.draws.findings import DRUM, ENCODER
 from tests.campaigns.draws.run import heave_of
 from tests.campaigns.fault_matrix.cases import Cell
-from tests.campaigns.fault_matrix.faults import ALWAYS, MOVING, RESTING
+from tests.campaigns.fault_matrix.faults import ALWAYS, FASTER, MOVING, RESTING
 from tests.campaigns.fault_matrix.judge import (
     HELD,
     SHOWN,
     Raised,
+    asked_more,
     blamed,
     envelope_ratio,
     held_for,
@@ -145,6 +146,7 @@ def _branch(one: Cell, session: Session, after: float) -> Outcome:
         session.asked,
         begin,
         cable.axial_stiffness,
+        session.scenario.parameters["virtual_winch"].speed_limit,
     )
     return replace(found, seconds=clock.process_time() - began)
 
@@ -161,6 +163,7 @@ def judged(
     asked: Asked,
     begin: float,
     stiffness: float = math.inf,
+    speed_limit: float = math.inf,
 ) -> Outcome:
     """Return what the `record` of a case came to.
 
@@ -171,6 +174,7 @@ def judged(
     asked : motion of the drum that was asked for
     begin : of the fault [s]
     stiffness : EA of the cable [N]
+    speed_limit : of the drive [m/s]
     """
     kind, time = one.fault.kind, record.column("time")
     payout, rate, tip = record.column("payout"), record.column("payout_rate"), record.column("boom_tip")
@@ -187,6 +191,7 @@ def judged(
         is_visible={
             ALWAYS: True,
             MOVING: path_of(time, rate, np.nan_to_num(ordered), begin, end) > SHOWN,
+            FASTER: asked_more(ordered, one.fault.magnitude * speed_limit, time, begin, end),
             RESTING: held_for(time, np.isnan(ordered), begin, end) > HELD,
         }.get(kind.shows),
         rest=rest,

@@ -65,9 +65,6 @@ LEAST_MEAN_TIME = 10.0
 LOST_TIME = 1.0
 """An encoder that is lost for so long is lost indeed [s]; one with play is still for a moment when the drum turns."""
 
-MOVING = 0.01
-"""Speed from which on the mean payout is on its way [m/s]."""
-
 LIFTING_SURPLUS = 0.06
 """Tension above the static one that lifts a unit off, in weights of the unit: more than the load cell may err."""
 
@@ -204,8 +201,8 @@ class WinchController:
         self.modes.request(name)
         return self.mode.value
 
-    def ask_for_mode(self, name: str, tension: float = 0.0) -> str:
-        """Request a mode by `name`, with a `tension`, as `set_mode` does, but only where it is taken now.
+    def ask_for_mode(self, name: str, tension: float = 0.0, *, consent: bool = False) -> str:
+        """Request a mode by `name`, with a `tension` and `consent`, as `set_mode` does, but only where it is taken now.
 
         What was refused does not begin later by itself.
 
@@ -213,16 +210,17 @@ class WinchController:
         """
         request = Request(MODE, (name, stated(tension)) if tension else (name,))
         try:
-            words = self._asked_mode(name, stated(tension))
+            words = self._asked_mode(name, stated(tension), consent=consent)
         except ModeError:
             self._requests.append(f"{request.words}: refused")
             raise
         self._requests.append(request.words)
         return words
 
-    def _asked_mode(self, name: str, tension: float) -> str:
+    def _asked_mode(self, name: str, tension: float, *, consent: bool) -> str:
         """Take a mode as `ask_for_mode` does."""
-        obstacle = self.modes.obstacle
+        self.proofs.ask(consent=consent)
+        obstacle = self.proofs.left_of(self.modes.obstacle)
         if name == Mode.COMPENSATING.value and self.mode not in (Mode.OFF, Mode.COMPENSATING) and obstacle:
             raise ModeError(f"mode {name} cannot begin now: {obstacle}")
         taken = self.set_mode(name, tension)
@@ -461,13 +459,9 @@ class WinchController:
         self._alarms += news
         if sent is not leaving:
             self._command.take_sent(leaving, sent)
-            own = sent if not math.isfinite(order.payout + order.payout_rate) else order
             more, faster = sent.payout - leaving.payout, sent.payout_rate - leaving.payout_rate
-            order = (
-                sent
-                if own is sent
-                else WinchOrder(order.sequence, order.payout + more, order.payout_rate + faster, sent.brake)
-            )
+            changed = WinchOrder(order.sequence, order.payout + more, order.payout_rate + faster, sent.brake)
+            order = changed if math.isfinite(more + faster) else sent
         self._winch.give(order)
         return sent
 
@@ -504,11 +498,10 @@ class WinchController:
 
     def _prove(self, tick: int, raw: Measurements, at_tip: Measurements) -> Proven:
         """Return what nominal values and readings that are `raw`, or carried to the boom tip, prove before a `tick`."""
-        now, modes = tick * self._dt, self.modes
-        driven = Driven(
-            modes.mode, modes.wants_compensation, self._supervisor.landing.hangs, abs(self.mean.point.rate) > MOVING
-        )
-        proven = self.proofs.step(now, raw, at_tip, self.crane.left(now), driven)
+        modes, reason = self.modes, self.envelope.reason
+        waits = modes.mode is Mode.STANDBY and modes.wants_compensation
+        driven = Driven(waits, self._supervisor.landing.hangs, "" if reason is None else reason.code)
+        proven = self.proofs.step(raw, at_tip, self.crane.left(tick * self._dt), driven)
         self._alarms += proven.alarms
         return proven
 
@@ -645,6 +638,7 @@ class WinchController:
         """Go on with a design that was `prepared` from other `nominal` parameters; called between two ticks."""
         matrix, added = self._in_force.take(prepared)
         self._beliefs.renew(nominal)
+        self.envelope.take_nominal(nominal)
         self.proofs.take_nominal(nominal, assumed_cable(nominal, nominal.length))
         self._estimation.carry(self.design, matrix, added)
         self._estimation.reset_readings()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
 from heave_core.layout import Bit, Cause, Duty, MoveKind, Phase
@@ -47,6 +47,9 @@ BOUND = Bit.AT_RATE | Bit.AT_TRAVEL | Bit.AT_STOP
 """Bits of an order that was bounded."""
 
 
+PLAUSIBLE_LOAD = 10.0
+"""Largest reading of the load cell that is used, over the static tension."""
+
 _NOTHING_READ = (math.nan, math.nan, math.nan, 0.0, math.nan)
 """Readings of a tick in which nothing came."""
 
@@ -82,6 +85,7 @@ def nominal_design(parameters: WinchControllerParameters, cable: CableModel, tic
     others = {
         "stop_deceleration": parameters.modes.stop_deceleration,
         "tension_travel": parameters.tension.travel,
+        "largest_load": PLAUSIBLE_LOAD * tension,
         "highest_tension": ratio * tension,
         "jerk_time": parameters.move.jerk_time,
     }
@@ -139,6 +143,7 @@ class OrderEnvelope:
 
     def __init__(self, parameters: WinchControllerParameters, cable: CableModel, tick_period: float) -> None:
         self._dt = tick_period
+        self._cable, self._length = cable, parameters.length
         self._core = Envelope(nominal_design(parameters, cable, tick_period))
         self._is_active = parameters.envelope.active
         self._is_acknowledged = False
@@ -147,8 +152,10 @@ class OrderEnvelope:
         self.last = EnvelopeOrder._make([0.0] * len(EnvelopeOrder._fields))
         self.reason: Alarm | None = None
 
-    def take_nominal(self, parameters: WinchControllerParameters, cable: CableModel) -> None:
-        """Go by other nominal `parameters` and `cable` from now on: an operator has stated them."""
+    def take_nominal(self, parameters: WinchControllerParameters) -> None:
+        """Go by other nominal `parameters` from now on, as an operator states them; of the cable, another length."""
+        cable, longer = self._cable, parameters.length / self._length
+        cable = replace(cable, a=longer * cable.a, stiffness=cable.stiffness / longer)
         self._core.take_design(nominal_design(parameters, cable, self._dt))
 
     @property

@@ -170,13 +170,12 @@ COMMANDS = (
 
 BRAKE = (
     AlarmRow(
-        "BRAKE_DOES_NOT_HOLD",
+        "LOAD_FALLS_BRAKED",
         CRITICAL,
         "winch",
-        "the drum has moved by {moved:+.2f} m under its brake, by the {witness}",
-        "{follows}. Compensation does not begin",
-        "Keep everybody clear of load and wire. Do not press the emergency stop while the drive holds; have a second "
-        "brake applied",
+        "the load cell has fallen by {fall:.1f} kN in {time:g} s under the brake, as where {way:.2f} m are paid out",
+        "The load falls, or has touched something. Compensation does not begin until a mode is requested",
+        "Keep everybody clear of load and wire. Look at the drum; have a second brake applied",
     ),
     AlarmRow(
         "DRUM_HELD_BY_DRIVE",
@@ -184,14 +183,14 @@ BRAKE = (
         "winch",
         "the drum stands again, {moved:+.2f} m from where its brake was to hold it",
         "The drive holds the load, not the brake: it falls with the drive's power",
-        "Do not press the emergency stop. Set the load down under mode manual, or have a second brake applied",
+        "Do not press the emergency stop. Have a second brake applied, or set the load down under mode manual",
     ),
     AlarmRow(
         "DRUM_NOT_HELD",
         CRITICAL,
         "winch",
-        "the drum runs at {rate:+.2f} m/s under its brake, {moved:+.2f} m so far",
-        "Neither brake nor drive holds the load: it goes on",
+        "the drum runs at {rate:+.2f} m/s under its brake, {moved:+.2f} m so far: {cause}",
+        "Nothing holds the load",
         "Keep everybody clear of load and wire; have a second brake applied. A drive that has power holds the drum "
         "under mode manual: clear its fault and request that",
     ),
@@ -223,18 +222,18 @@ PROOFS = (
         "MRU_UNPROVED",
         HIGH,
         "mru",
-        "nothing has proved the MRU in {time:.0f} s: {why}",
+        "nothing has proved the MRU: {why}",
         "Compensation does not begin",
         "Fit a load cell or a depth sensor, or wait for a higher sea. To begin all the same, with somebody at the "
         "stop: `heave operate mode compensating --unproved`, or entry.accept_unproved in the scenario",
     ),
     AlarmRow(
         "COUNT_SPEED_DISAGREE",
-        HIGH,
+        MEDIUM,
         "winch",
         "the count is off by {error:+.2f} m from the speed that the drive states, over a way of {way:.2f} m in "
         "{time:g} s",
-        "One of them is false; compensation goes by the count",
+        "One of them is false; compensation goes by the count, within the envelope",
         "Check registers, units and scales of position and speed in the winch's map (`state: position`, `speed`)",
     ),
 )
@@ -271,24 +270,6 @@ HARM = (
         TRIED_AGAIN,
         "If the next attempt fails too, request standby, and check the drive (pressure, speed control, brake) and its "
         "parameters",
-    ),
-    AlarmRow(
-        "LOAD_CELL_HARM",
-        HIGH,
-        "loop",
-        "the load cell moves by {spread:.1f} kN, and under a locked drum it would by {locked:.1f} kN: {ratio:.1f} times, "
-        "limit {limit:g}",
-        "Compensation fades out, and begins again only once the MRU has been proved",
-        "Check signs and scales of MRU, drive and encoder, then system.unit.mass and system.cable.axial_stiffness",
-    ),
-    AlarmRow(
-        "DRUM_CONTRADICTED",
-        HIGH,
-        "winch",
-        "the count goes {scale:.2f} times the way that was ordered (correlation {correlation:.2f}), 0.4 to 2 is proved",
-        TRIED_AGAIN,
-        "Check sign, unit and scale of the orders and of the count in the winch's map (`command: set`, `state: "
-        "position`), then winch.speed_gain",
     ),
     AlarmRow(
         "WORSE_THAN_OFF",

@@ -63,6 +63,12 @@ def winch_reading_of(reading: WireReading) -> WinchReading:
     return WinchReading(reading.time, payout, rate, bool(brake), int(fault), int(sequence), int(limits))
 
 
+def winch_order_of(reading: WireReading) -> WinchOrder:
+    """Return the command in a `reading` of the fields of a WinchOrder."""
+    sequence, payout, rate, brake = reading.numbers
+    return WinchOrder(int(sequence), payout, rate, bool(brake))
+
+
 def heave_preview(message: Any) -> HeavePreview:
     """Return the preview in a heave_msgs/HeavePreview, the `message`; whether it can be used is decided later."""
     return HeavePreview(

@@ -65,6 +65,12 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
         )
     found = [
         lost("STALE", "no data for {age:.2f} s, limit {limit:.2f} s", "Check power, cable, driver, clock"),
+        lost(
+            "LATE",
+            "readings come, but {age:.2f} s late since t = {since:.1f} s, limit {limit:.2f} s",
+            "Set the clock that stamps them. A delay that stays: latency in the device's map, or --replace "
+            "NODE=external:CLOCK:SECONDS",
+        ),
         lost("NOT_A_NUMBER", "readings are not numbers", "Restart the sensor or its driver"),
         lost("BAD_STAMP", "time stamps are missing or ahead of the controller's clock", "Set the clock of the sensor"),
         lost("OUT_OF_ORDER", "readings come out of order, or twice", "Check the driver and the network"),

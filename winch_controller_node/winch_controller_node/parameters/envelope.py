@@ -109,7 +109,7 @@ class EnvelopeParameters:
         unit="m",
         minimum=0.01,
         maximum=10.0,
-        description="Distance of the count from the nominal drum at which the brake goes on; also under the brake.",
+        description="Distance of the count from the nominal drum at which the brake goes on.",
     )
     drum_share: float = parameter(
         0.4,
@@ -123,7 +123,17 @@ class EnvelopeParameters:
         unit="s",
         minimum=0.1,
         maximum=60.0,
-        description="Time constant with which that distance is forgotten; under the brake it is not.",
+        description="Time constant with which that distance is forgotten.",
+    )
+    brake_margin: float = parameter(
+        0.025,
+        unit="m",
+        minimum=0.002,
+        maximum=10.0,
+        description="Motion of the count under the brake that is a slip; a single step of half of it is a jump.",
+    )
+    rest_speed: float = parameter(
+        0.02, unit="m/s", minimum=1e-4, maximum=1.0, description="Speed below which a braked drum counts as at rest."
     )
     bound_time: float = parameter(
         0.5, unit="s", minimum=0.05, maximum=60.0, description="Time at a bound after which the envelope takes over."
@@ -137,6 +147,20 @@ class EnvelopeParameters:
         minimum=0.5,
         maximum=600.0,
         description="Time over which the envelope's own order, the MRU's raw rate about the requested move, fades.",
+    )
+    damping_time: float = parameter(
+        20.0,
+        unit="s",
+        minimum=0.0,
+        maximum=600.0,
+        description="Time for which it goes on to damp the load by the load cell, before the brake.",
+    )
+    damping_rate: float = parameter(
+        0.2,
+        unit="1/s",
+        minimum=0.0,
+        maximum=1.0,
+        description="Speed, per metre of stretch of the nominal cable beyond its mean, with which it pays out to damp.",
     )
     fade_out_time: float = parameter(
         45.0, unit="s", minimum=1.0, maximum=3600.0, description="Longest fade-out while the MRU is good."

@@ -11,10 +11,12 @@ reset begins another file.
 from __future__ import annotations
 
 import shutil
+import weakref
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
+from tempfile import gettempdir, mkdtemp
 from typing import IO
 
 from heave_bags.errors import BagError
@@ -110,28 +112,28 @@ def recover(
     surveys: Sequence[Survey],
     expected: Mapping[Path, int],
     topics: Mapping[str, BagTopic],
-    folder: Path,
     progress: Progress = no_progress,
 ) -> Recovered:
-    """Copy the messages of a bag to sound files.
+    """Copy the messages of a bag to sound files in a temporary folder, which goes with what is returned.
 
     Parameters
     ----------
     surveys : of its files, in their order
     expected : how many messages a file has, as is written beside it; a file that is not in it has an unknown number
     topics : by name
-    folder : of the copy, which exists
     progress : called with the share done
 
     Raises BagError where there is no room for the copy.
     """
     is_own = all(survey.contents.is_own for survey in surveys)
     result = Recovered(note="" if is_own else _note(surveys))
-    copy = _Copy(folder, topics, sorts=result.note == NOT_IN_ORDER)
     numbering: dict[str, int] | None = {} if surveys[0].is_first else None
     sizes = [survey.path.stat().st_size for survey in surveys]
     total, before = max(sum(sizes), 1), 0
     try:
+        folder = Path(mkdtemp(prefix="heave_bag_"))
+        weakref.finalize(result, shutil.rmtree, folder, ignore_errors=True)
+        copy = _Copy(folder, topics, sorts=result.note == NOT_IN_ORDER)
         for survey, previous, size in zip(surveys, (None, *surveys), sizes, strict=False):
             if previous is not None and survey.follows_gap(previous):
                 numbering = None
@@ -143,8 +145,8 @@ def recover(
             before += size
         result.files = copy.close()
     except OSError as error:
-        free = shutil.disk_usage(folder).free
-        reason = f"no room for a sound copy in {folder.parent} ({free / 1e9:.1f} GB free): {error.strerror}"
+        free = shutil.disk_usage(gettempdir()).free
+        reason = f"no room for a sound copy in {gettempdir()} ({free / 1e9:.1f} GB free): {error.strerror}"
         raise BagError(f"{surveys[0].path.parent}: {reason}; set TMPDIR to a folder with more room") from error
     return result
 

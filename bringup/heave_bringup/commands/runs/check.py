@@ -42,11 +42,11 @@ def execute(options: argparse.Namespace) -> None:
     if not (math.isfinite(options.seconds) and options.seconds >= 2.0):
         raise ParameterError(f"--seconds {options.seconds:g}: must be at least 2")
     external = parse_replacements(options.replace, kinds=[EXTERNAL]).external
-    node, rule = parse_clock(external[0] if "=" in external[0] else f"{external[0]}=detect")
+    node, stamping = parse_clock(external[0] if "=" in external[0] else f"{external[0]}=detect")
     if node not in REPLACEABLE or len(external) > 1:
         raise ParameterError(f"{OPTION} {options.replace[-1]}: NODE must be one of {', '.join(REPLACEABLE)}")
     set_up_transport(network=options.network)
-    findings = check_node(CONTRACT_OF[node], options.seconds, rule, options.namespace or "")
+    findings = check_node(CONTRACT_OF[node], options.seconds, stamping.rule, options.namespace or "")
     wrong = [finding for finding in findings if not finding.is_good]
     rows = [[f.topic, f.what, "ok" if f.is_good else "WRONG", f.words] for f in findings]
     verdict = (

@@ -56,6 +56,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     mode = verb("mode", "request a mode of the controller", "mode compensating")
     mode.add_argument("mode", choices=MODES)
     mode.add_argument("--tension", type=_number(0.0), default=0.0, metavar="N", help="to hold in constant_tension [N]")
+    mode.add_argument(
+        "--unproved",
+        action="store_true",
+        help="compensate although neither load cell nor depth sensor has proved the motion reference unit",
+    )
     depth = verb(
         "depth", "move the unit to a mean depth, and wait until it is there; Ctrl-C ends the move smoothly", "depth 295"
     )
@@ -227,7 +232,7 @@ def _task(options: argparse.Namespace, link: RunLink) -> Task:
     from heave_bringup.operate import moves, requests, tasks
 
     begin: dict[str, Callable[[], Task]] = {
-        "mode": lambda: link.start(requests.request_mode(options.mode, options.tension)),
+        "mode": lambda: link.start(requests.request_mode(options.mode, options.tension, unproved=options.unproved)),
         "depth": lambda: link.start_move(options.depth, options.speed),
         "move": lambda: moves.MoveBy(link, options.by, options.speed),
         "hold": link.cancel_moves,

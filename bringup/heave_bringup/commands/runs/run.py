@@ -8,6 +8,7 @@ import shlex
 import sys
 import threading
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,7 +27,7 @@ from heave_bringup.commands.arguments import (
 )
 from heave_bringup.errors import CommandError, VerdictError
 from heave_bringup.interrupts import raise_if_interrupted
-from heave_bringup.nodes import ADVISER, node_forks, nodes_to_start
+from heave_bringup.nodes import ADVISER, ENVELOPE, node_forks, nodes_to_start
 from heave_bringup.replacements import (
     BAG,
     EXTERNAL,
@@ -102,11 +103,16 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
         parser,
         f"do not start NODE, repeatable. {EXTERNAL}: hardware or another program takes its place, in real time (a "
         "sensor's topic, as winch/load_cell, replaces that sensor alone; CLOCK says how it stamps: simulated, own, "
-        f"none; detected if not given). {LOCKSTEP}: a program of yours takes part in each tick under its name "
-        f"(docs/contract.md); in the place of cable_sim ship_clock then leads the ticks. {BAG}: what NODE published in "
-        "that bag is played back, the other nodes run live. fmu: a drive in the place of virtual_winch, an FMU or a "
-        "map that names one (.yaml), whose code runs as yours: name only one that you trust. "
+        f"none; detected if not given; S is its latency [s]). {LOCKSTEP}: a program of yours takes part in each tick "
+        f"under its name (docs/contract.md); in the place of cable_sim ship_clock then leads the ticks. {BAG}: "
+        "what NODE published in that bag is played back, the other nodes run live. fmu: a drive in the "
+        "place of virtual_winch, an FMU or a map that names one (.yaml), whose code runs as yours: name only one that you trust. "
         f"{NONE}: only {ADVISER} can be left out; the controller then keeps its nominal",
+    )
+    parser.add_argument(
+        "--envelope",
+        action="store_true",
+        help=f"let {ENVELOPE} stand between the controller and the winch: it bounds what a controller of yours orders",
     )
     parser.add_argument(
         "--composed",
@@ -135,7 +141,8 @@ def execute(options: argparse.Namespace) -> None:
     set_up_transport(network=options.network)
     replaced = parse_replacements(options.replace)
     settings = [*options.set, *_own_settings(options), *external_settings(replaced.external)]
-    scenario = replaced.apply(load_scenario(options.scenario, settings=settings))
+    scenario = with_envelope(load_scenario(options.scenario, settings=settings), is_asked=options.envelope)
+    scenario = replaced.apply(scenario)
     _check(options, scenario, replaced)
     _announce(options, scenario, required)
     with node_forks(1 if options.composed else len(nodes_to_start(scenario.run, replaced.lockstep))) as forks:
@@ -249,6 +256,13 @@ def _own_settings(options: argparse.Namespace) -> list[Setting]:
         for name in ("pacing", "realtime_priority", "duration", "seed")
         if (value := getattr(options, name)) is not None
     ]
+
+
+def with_envelope(scenario: Scenario, *, is_asked: bool) -> Scenario:
+    """Return the scenario with the envelope as a node of its own, where it `is_asked` for."""
+    if not is_asked or ENVELOPE in scenario.run.participants:
+        return scenario
+    return replace(scenario, run=replace(scenario.run, participants=(*scenario.run.participants, ENVELOPE)))
 
 
 def _check_composed(options: argparse.Namespace, elsewhere: Sequence[str]) -> None:

@@ -13,6 +13,8 @@ from heave_node.interface.messages import SensorMessages, message_type
 from heave_node.interface.sensors import SENSORS
 from heave_node.parameters import ParameterError
 from heave_node.ros.transport.qos import qos_of
+from heave_node.tick.external_clock import ExternalClock
+from heave_node.tick.simulated_clock import SimulatedClock
 from heave_node.tick.tick import nanoseconds_of
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -56,6 +58,8 @@ class LiveDevice:
         self._lock = threading.Lock()
         self._decoder: Decoder | None = None
         self._publishers: dict[str, Publisher[Any]] = {}
+        self._run_clock = SimulatedClock()
+        self._stamps: dict[str, ExternalClock] = {}
         self._encode = {name: SensorMessages(_SENSOR_OF[name]) for name in device.outputs if name in _SENSOR_OF}
         self._open()
         for name in device.outputs:
@@ -90,6 +94,7 @@ class LiveDevice:
         if topics.MRU.name in self.device.outputs and self.device.boom_tip:
             kind = message_type(topics.BOOM_TIP.type)
             self._tip = self._node.create_publisher(kind, topics.BOOM_TIP.name, qos_of(topics.BOOM_TIP.role))
+        if self._tip is not None or self.device.latency:
             self._node.create_subscription(message_type(topics.CLOCK.type), topics.CLOCK.name, self._on_clock, 10)
 
     def start(self) -> None:
@@ -154,7 +159,10 @@ class LiveDevice:
         return take
 
     def _publish(self, made: list[tuple[str, Any]]) -> None:
-        for name, reading in made:
+        for name, made_reading in made:
+            reading = self._without_latency(name, made_reading)
+            if reading is None:
+                continue
             if isinstance(reading, WinchReading):
                 self.orders.rate = reading.payout_rate
                 order = self.orders.handshake.order(time.monotonic())
@@ -164,8 +172,23 @@ class LiveDevice:
             else:
                 self._publishers[name].publish(self._encode[name].message(reading))
 
+    def _without_latency(self, name: str, reading: Any) -> Any:
+        """Return a `reading` of the topic `name` with the latency of the map taken off its stamp.
+
+        Its stamp is then simulated time, for an offset of clocks would hide it. None: no run has a time yet.
+        """
+        if not self.device.latency:
+            return reading
+        wall = time.monotonic_ns()
+        arrival = self._run_clock.now(wall)
+        if not arrival:
+            return None
+        clock = self._stamps.setdefault(name, ExternalClock(latency=self.device.latency))
+        return reading._replace(stamp=max(1, clock.simulated_time(reading.stamp, arrival, wall)))
+
     def _on_clock(self, message: Any) -> None:
         with self._lock:
+            self._run_clock.tick_began(nanoseconds_of(message.clock), time.monotonic_ns())
             motion = self.adapter.heave.at(time.monotonic())
         if motion is not None and self._tip is not None:
             self._tip.publish(boom_tip(message.clock, self.device.boom_tip_height, motion))

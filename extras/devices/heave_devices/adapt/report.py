@@ -116,19 +116,23 @@ def stale_words(device: LiveDevice, now: float) -> str:
 
 
 def _cause_of_silence(device: LiveDevice) -> str:
-    counters, unavailable = device.counters, device.adapter.taker.counters.unavailable
-    if unavailable:
-        what = ", ".join(f"{name} reads {value:.10g}" for name, value in unavailable.items())
-        return f"{what}, which stands for not available. Check the drive or sensor: is it referenced?"
-    if isinstance(device.link, PolledLink) and device.link.reads:
-        return "what it answers is invalid. Check the PLC"
-    if counters is None or not counters.bytes:
-        return "nothing received. Check power, cable, address and baud rate"
-    if counters.samples == 0 and counters.unknown:
-        return f"only unknown lines: {', '.join(list(counters.unknown)[:5])}. Check the map's format"
-    if counters.samples == 0:
-        return f"{counters.bytes} bytes, none as the format has it. Check format and baud rate"
-    return "what comes lacks the map's fields, or is invalid"
+    counters, taker = device.counters, device.adapter.taker.counters
+    unavailable = ", ".join(f"{name} reads {value:.10g}" for name, value in taker.unavailable.items())
+    is_empty = counters is None or not counters.bytes
+    causes = {
+        f"{unavailable}, which stands for not available. Check the drive or sensor: is it referenced?": bool(
+            unavailable
+        ),
+        taker.worst: bool(taker.worst),
+        "what it answers is invalid. Check the PLC": isinstance(device.link, PolledLink) and bool(device.link.reads),
+        "nothing received. Check power, cable, address and baud rate": is_empty,
+    }
+    if counters is not None and not counters.samples:
+        unknown = ", ".join(list(counters.unknown)[:5])
+        causes[f"only unknown lines: {unknown}. Check the map's format"] = bool(unknown)
+        causes[f"{counters.bytes} bytes, none as the format has it. Check format and baud rate"] = True
+    causes["what comes lacks the map's fields, or is invalid"] = True
+    return next(words for words, is_so in causes.items() if is_so)
 
 
 def _plain(name: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import sys
 import time
@@ -47,9 +46,9 @@ class Session:
 
     def __init__(self, maps: Sequence[DeviceMap], namespace: str = "") -> None:
         prepare_environment()
-        name = re.sub(r"\W", "_", maps[0].name)
+        name = re.sub(r"\W", "_", "_".join(device.name for device in maps))
         simulated_time = Parameter("use_sim_time", value=True)
-        self._node = node_beside(f"adapter_{name}_{os.getpid()}", namespace, parameter_overrides=[simulated_time])
+        self._node = node_beside(f"adapter_{name}", namespace, parameter_overrides=[simulated_time])
         self.devices: list[LiveDevice] = []
         try:
             for device in maps:

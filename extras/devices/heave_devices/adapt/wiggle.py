@@ -75,8 +75,9 @@ class Wiggle:
         began = time.monotonic()
         while not is_reached() or (is_release and time.monotonic() - began < 1.0):
             if time.monotonic() > end:
-                words = "its brake stays on, or a fault is latched" if is_release else ""
-                raise CommandError(f"{self._device.device.name}: {words or self._device_words()}")
+                is_heard = not self._device.problem and not self._device.adapter.watch.is_stale(time.monotonic())
+                words = "its brake stays on" if is_release and is_heard else self._device_words()
+                raise CommandError(f"{self._device.device.name}: {words}")
             is_off = is_release and time.monotonic() - began >= 1.0
             self._command(0.0, 0.0, brake=brake and not is_off)
             self._serve()

@@ -182,7 +182,7 @@ class Adapter:
 
     def _note_heave(self, now: float, heave: float) -> None:
         if math.isfinite(heave):
-            self.heave.add(now, heave)
+            self.heave.add(now - self.device.latency, heave)
 
     def _reading(self, topic: str, taken: Taken, stamp: int) -> WireReading | WinchReading | None:
         if topic == sensors.MRU.topic.name:
@@ -226,6 +226,8 @@ class Adapter:
         """Return a `payout` of a `time` [s], counted on where the drum's count was lost; its `rate` as measured."""
         jump = self.drum_count.jump(time, payout, rate, has_restarted=self._clock.has_stepped)
         if jump:
+            hint = self.taker.jump_in_other_order("payout", jump)
+            self.drum_count.words += f"; {hint}" if hint else ""
             zeros = self.taker.zeros
             zeros["payout"] = zeros.get("payout", 0.0) + jump
             self.newest["payout"] = payout - jump

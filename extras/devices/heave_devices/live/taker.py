@@ -116,6 +116,7 @@ class Taker:
             if channel.high_pass or channel.velocity
         }
         self.zeros: dict[str, float] = {}
+        self._sent: dict[str, tuple[float, float]] = {}
         self._paths = {
             text: FieldPath(text)
             for channel in self._channels.values()
@@ -136,7 +137,7 @@ class Taker:
             if field_name in sample.invalid or not self._is_valid_sample(sample, channel, prefix):
                 taken.invalid.add(name)
             elif field_name in sample.values:
-                value = sample.values[field_name]
+                value = channel.signed(sample.values[field_name], sample.words)
                 if bit is not None:
                     value = float(int(value) >> bit & 1) if math.isfinite(value) else math.nan
                 self._put(taken, name, value)
@@ -195,6 +196,7 @@ class Taker:
 
     def _put(self, taken: Taken, name: str, raw: float) -> None:
         channel = self._channels[name]
+        self._sent[name] = (self._sent.get(name, (raw, raw))[1], raw)
         if QUANTITIES[name].is_measured and (is_fill(raw, self._kinds[name]) or raw in channel.invalid_values):
             self.counters.unavailable[name] = raw
             taken.invalid.add(name)
@@ -230,19 +232,33 @@ class Taker:
 
     def _other_order(self, name: str, raw: float) -> str:
         """Return in words what a register of several words, sent as `raw`, reads in the other order; "": nothing."""
-        kind, channel = self._kinds[name], self._channels[name]
-        if not self._word_order or not kind or size_of(kind) < 4 or not math.isfinite(raw):
+        order, other = self._swapped(name, raw)
+        value = self._factors[name] * other + self._channels[name].offset
+        if not abs(value) <= QUANTITIES[name].largest or 0.0 < abs(other) < _LEAST_FLOAT:
             return ""
-        own = channel.field.rpartition(":")[2]
+        return f"with word_order: {order} it reads {value:.2f}"
+
+    def jump_in_other_order(self, name: str, jump: float) -> str:
+        """Return in words that the last `jump` of a quantity is a small step in the other order of words, or ""."""
+        order, before = self._swapped(name, self._sent[name][0])
+        moved = self._factors[name] * (self._swapped(name, self._sent[name][1])[1] - before)
+        return f"with word_order: {order} it moved by {moved:+.4f} m" if abs(moved) < 0.1 * abs(jump) else ""
+
+    def _swapped(self, name: str, raw: float) -> tuple[str, float]:
+        """Return the other order of words, and what a number of several of them that was sent as `raw` reads in it.
+
+        NaN: it has one word, none that is known, or stands for none.
+        """
+        kind = self._kinds[name]
+        if not self._word_order or not kind or size_of(kind) < 4 or not math.isfinite(raw):
+            return "", math.nan
+        own = self._channels[name].field.rpartition(":")[2]
         order = own if own in ("big", "little") else self._word_order
         try:
             other = with_words_swapped(kind, raw)
-        except ValueError:  # a bit, or a number that its kind does not hold
-            return ""
-        value = self._factors[name] * other + channel.offset
-        if is_fill(other, kind) or 0.0 < abs(other) < _LEAST_FLOAT or abs(value) > QUANTITIES[name].largest:
-            return ""
-        return f"with word_order: {'big' if order == 'little' else 'little'} it reads {value:.2f}"
+        except ValueError:  # a number that its kind does not hold
+            return "", math.nan
+        return ("big" if order == "little" else "little"), (math.nan if is_fill(other, kind) else other)
 
 
 def _status(value: Any) -> float | str:

@@ -47,6 +47,8 @@ class Channel:
         standard of its type says otherwise (`with_standard_turn`)
     unit : of the value, such as "deg" or "kN"; "": SI
     positive : which way is, such as "down" or "bow up"; "": as the suite has it
+    sign_field, negative : field of the same line that holds the sign as a letter, such as "side", and the words of it
+        that make the value negative, such as ("P",); of a map `sign: {field: side, negative: [P]}`
     scale, offset : quantity = scale * value + offset, in SI units after `unit` and `positive`
     velocity : the value is a velocity [m/s]; it is integrated
     acceleration : the value is an acceleration [m/s^2]; of a record it is integrated twice
@@ -70,6 +72,8 @@ class Channel:
     turned_by: str = ""
     unit: str = ""
     positive: str = ""
+    sign_field: str = ""
+    negative: tuple[str, ...] = ()
     scale: float = 1.0
     offset: float = 0.0
     velocity: bool = False
@@ -87,6 +91,13 @@ class Channel:
     def is_component(self) -> bool:
         """Whether its field is a component of a vector."""
         return self.field[-2:] in (".x", ".y", ".z")
+
+    def signed(self, value: float, words: Mapping[str, str]) -> float:
+        """Return a `value` with the sign that the `words` of its line, by field, give it; NaN without one."""
+        if not self.sign_field:
+            return value
+        word = words.get(self.sign_field)
+        return math.nan if word is None else -value if word in self.negative else value
 
     def factor(self, quantity: str) -> float:
         """Return what turns a number of this channel into a `quantity` in SI units and the suite's sign."""
@@ -126,8 +137,11 @@ def read_channel(quantity: str, entry: Any, positive: str = "") -> Channel:
         entry = {"field": entry}
     if not isinstance(entry, dict):
         raise MapError(f"{quantity} must give topic and field, the field of a sentence, or column")
-    refuse_unknown(quantity, entry, [known.name for known in fields(Channel)])
+    known_names = [known.name for known in fields(Channel) if known.name not in ("sign_field", "negative")]
+    refuse_unknown(quantity, entry, [*known_names, "sign"])
     values = {"positive": positive, **entry}
+    if "sign" in values:
+        values |= _sign_of(quantity, values.pop("sign"))
     if "valid_values" in values:
         given = values["valid_values"]
         listed = given if isinstance(given, list) else [given]
@@ -153,6 +167,20 @@ def with_standard_turn(channel: Channel, kind: str) -> Channel:
     if channel.turned_by or kind != "nav_msgs/msg/Odometry" or not channel.field.startswith("twist.twist.linear."):
         return channel
     return replace(channel, turned_by="pose.pose.orientation")
+
+
+def _sign_of(quantity: str, entry: Any) -> dict[str, Any]:
+    """Return the entries of a Channel that `sign` of a map makes."""
+    where = f"{quantity}: sign"
+    if not isinstance(entry, dict):
+        raise MapError(f"{where} must give a field and its negative words: {{field: side, negative: [P]}}")
+    refuse_unknown(where, entry, ("field", "negative"))
+    given = entry.get("negative", [])
+    listed = given if isinstance(given, list) else [given]
+    if not listed:
+        raise MapError(f"{where}: negative must list the words that make the value negative, such as [P]")
+    words = tuple(as_kind(str, f"{where}: negative", word) for word in listed)
+    return {"sign_field": as_kind(str, f"{where}: field", entry.get("field", "")), "negative": words}
 
 
 def as_kind(kind: type, name: str, value: Any) -> Any:

@@ -15,6 +15,7 @@ from typing import Any
 
 from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.files.given_files import read_given
+from heave_node.tick.clock_rule import LARGEST_LATENCY
 
 from heave_devices.formats.datagram import DATAGRAM, DatagramDecoder, Layout
 from heave_devices.formats.nmea import NmeaDecoder
@@ -69,6 +70,7 @@ class DeviceMap:
     layout : of its datagrams; None: it sends something else
     clock : "receipt", or "own": the device's own time is the stamp
     timeout : silence after which the device is stale [s]
+    latency : by which what it measures is older than its stamp, or its arrival, says [s]
     boom_tip : the map's MRU also moves the simulated boom tip
     boom_tip_height : of the boom tip at rest above still water [m]
     command : what is sent to a winch; None: nothing
@@ -86,6 +88,7 @@ class DeviceMap:
     layout: Layout | None = None
     clock: str = "receipt"
     timeout: float = 1.0
+    latency: float = 0.0
     boom_tip: bool = True
     boom_tip_height: float = 0.0
     command: CommandMap | None = None
@@ -183,7 +186,7 @@ def device_map_of(name: str, content: Any) -> DeviceMap:
     values["command"] = read_command(values.get("command"))
     values["lever_arm"] = _arm(values.get("lever_arm", (0.0, 0.0, 0.0)))
     plain = {"format": str, "pattern": str, "checksum": str, "clock": str, "boom_tip": bool, "needs_checksum": bool}
-    for entry, kind in {**plain, "timeout": float, "boom_tip_height": float}.items():
+    for entry, kind in {**plain, "timeout": float, "latency": float, "boom_tip_height": float}.items():
         if entry in values:
             values[entry] = as_kind(kind, entry, values[entry])
     record = _record({entry: content[entry] for entry in of_record if entry in content})
@@ -220,8 +223,6 @@ def _check(device: DeviceMap) -> None:
     """Raise MapError where the entries of a map contradict each other."""
     if device.clock not in CLOCKS:
         raise MapError(f"clock = {device.clock!r} must be one of {', '.join(CLOCKS)}")
-    if not 0.05 <= device.timeout <= 60.0:
-        raise MapError(f"timeout = {device.timeout:g} must be from 0.05 to 60 s")
     if not device.outputs:
         raise MapError(
             "heave is missing: give its topic and field, or its column; or another of pressure, tension, payout"
@@ -253,6 +254,9 @@ def _check(device: DeviceMap) -> None:
 
 
 def _check_live(device: DeviceMap) -> None:
+    for name, least, most in (("timeout", 0.05, 60.0), ("latency", 0.0, LARGEST_LATENCY)):
+        if not least <= getattr(device, name) <= most:
+            raise MapError(f"{name} = {getattr(device, name):g} must be from {least:g} to {most:g} s")
     wrong = next((name for name, channel in device.channels.items() if channel.acceleration and channel.type), None)
     if wrong is not None:
         raise MapError(f"{wrong}: of an acceleration alone no live {wrong} can be made: give it, or its velocity")
@@ -297,7 +301,9 @@ def _check_fields(device: DeviceMap) -> None:
             raise MapError(
                 f"{quantity}: has a {'topic' if channel.topic else 'column'}, but the map has a format of lines"
             )
-        for name in filter(None, (channel.field, channel.valid)):
+        if channel.sign_field and device.format != LINE:
+            raise MapError(f"{quantity}: sign belongs to format: {LINE}")
+        for name in filter(None, (channel.field, channel.valid, channel.sign_field)):
             refuse_unknown(quantity, {device.bit_of(name)[0]: None}, known)
         why = UNSIGNED.get(channel.field)
         if why and not channel.positive:

@@ -106,7 +106,7 @@ def _signal(
         if field_name in sample.invalid or not _is_valid(device, channel, sample):
             invalid += 1
         else:
-            value[row] = sample.values.get(field_name, np.nan)
+            value[row] = channel.signed(sample.values.get(field_name, np.nan), sample.words)
     if invalid:
         findings.notes.append(f"{name}: {invalid} samples that the device calls invalid left out")
     good = np.isfinite(value)

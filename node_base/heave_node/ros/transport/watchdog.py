@@ -93,6 +93,7 @@ class Watchdog:
             stdin=subprocess.PIPE,  # it ends when this is closed, by us or by the end of this process
             stdout=subprocess.DEVNULL,
             bufsize=0,
+            start_new_session=True,  # a Ctrl-C in the terminal, before it can ignore it, is none for it
         )
 
     def beat(self) -> None:

@@ -55,18 +55,21 @@ REJECTED_WORDS = {
 """Why a reading was rejected, in the words of its alarm."""
 
 
-def lost_alarm(sensor: str, reason: str, *, age: float, limit: float) -> Alarm:
+def lost_alarm(sensor: str, reason: str, *, age: float, limit: float, since: float = math.nan) -> Alarm:
     """Return the alarm of a `sensor` that is lost.
 
     Parameters
     ----------
     sensor : name
     reason : for which its readings are rejected
-    age, limit : age of the newest accepted reading, and the largest that is allowed [s]; of a stale sensor
+    age, limit : age of the newest accepted reading, and the largest that is allowed [s]; of a stale or delayed sensor
+    since : time from which on its readings are too old when they come [s]; of a delayed sensor
     """
     prefix = sensor.upper()
     if reason == "stale":
         return ALARMS.alarm(f"{prefix}_STALE", age=age, limit=limit)
+    if reason == "delayed":
+        return ALARMS.alarm(f"{prefix}_LATE", age=age, limit=limit, since=since)
     if reason in LOST_STATES:
         return ALARMS.alarm(f"{prefix}_{LOST_STATES[reason]}")
     return ALARMS.alarm(f"{prefix}_FAULT", status=reason)
@@ -108,7 +111,9 @@ class SensorGate:
         self._newest_stamp = -math.inf
         self._newest_accepted: float | None = None
         self._started: float | None = None
-        self._silence = 0.0  # age of the newest accepted reading when it was last found stale [s]
+        self._silence = 0.0  # age of the newest accepted reading when it was last found stale or delayed [s]
+        self._newest_arrival = -math.inf
+        self._delayed_since = math.nan
         self.interval = OwnInterval(timing.period)
 
     @property
@@ -122,7 +127,8 @@ class SensorGate:
         if not self.is_lost:
             reason = REJECTED_WORDS.get(self.reason, self.reason)
             return ALARMS.alarm(f"{self.sensor.upper()}_READING_REJECTED", reason=reason)
-        return lost_alarm(self.sensor, self.reason, age=self._silence, limit=self._largest_age)
+        age, limit, since = self._silence, self._largest_age, self._delayed_since
+        return lost_alarm(self.sensor, self.reason, age=age, limit=limit, since=since)
 
     @property
     def _largest_age(self) -> float:
@@ -159,6 +165,7 @@ class SensorGate:
             self._refuse(reason)
             return False
         self._accepted += 1
+        self._newest_arrival = now
         self._newest_accepted = max(time, self._newest_accepted or time)
         self._accept()
         return True
@@ -193,7 +200,10 @@ class SensorGate:
         newest = self._started if self._newest_accepted is None else self._newest_accepted
         age = now - newest
         if age > self._largest_age + 1e-6 and self._bad_in_a_row == 0:
-            self.level, self.reason, self._silence = SensorLevel.LOST, "stale", age
+            comes = now - self._newest_arrival <= self._parameters.stale_samples * self.interval.value + 1e-6
+            reason = "delayed" if comes else "stale"
+            self._delayed_since = self._delayed_since if self.reason == reason else now
+            self.level, self.reason, self._silence = SensorLevel.LOST, reason, age
             self._good_in_a_row = 0
 
     def _fault(self, now: float, time: float, values: Sequence[float], status: str) -> str:

@@ -14,6 +14,7 @@ Arguments: `view` is what events, guards and actions may look at. An action retu
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
@@ -110,7 +111,7 @@ class Situation(NamedTuple):
     winch_fault : number of the winch's own fault, see WinchFault
     harm : the guard's reason to fade out, empty when there is none
     prospect : when compensation is tried again after harm, in words
-    speed : speed of the winch as commanded [m/s], absolute
+    speed : speed of the winch as commanded [m/s], absolute; infinite while the envelope brings it to rest
     authority_limit : largest authority that the winch can follow under this law
     is_settled : the unit moves as it would with the winch locked, or cannot be damped: the winch may stop
     is_damped_blind : the unit is damped by the depth sensor, and how it would move with the winch locked is not known
@@ -215,7 +216,9 @@ TICK_EVENTS: dict[Event, Callable[[View], bool]] = {
     Event.SENSORS_BACK: lambda view: view.well_time > BACK_TIME,
     Event.SETTLED: lambda view: view.well_time >= max(view.parameters.settling_time, RELEASE_TIME),
     Event.FADED: _has_faded,
-    Event.AT_REST: lambda view: view.situation.speed < STANDSTILL or view.time > STOPPING_LIMIT,
+    Event.AT_REST: lambda view: (
+        view.situation.speed < STANDSTILL or (view.time > STOPPING_LIMIT and math.isfinite(view.situation.speed))
+    ),
 }
 """Conditions checked each tick, in this order."""
 

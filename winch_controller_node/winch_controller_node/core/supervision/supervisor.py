@@ -175,8 +175,6 @@ class Supervisor:
         self.landing.observe(time, tick.sensed, float(tick.rows.payout @ tick.mean_state), hanging)
         if winch.inhibition:
             self.guard.inhibit(winch.inhibition, KNOWN_HOLD)
-        if winch.proven.harm:
-            self.guard.inhibit(winch.proven.harm)
         modes = self.modes
         alarms = self._standing.update(
             tick, winch.mean_payout, self._load, brake=modes.brake, is_wanted=modes.wants_compensation
@@ -189,7 +187,6 @@ class Supervisor:
         authority_limit = min(
             _known_share(tick),
             winch.share,
-            winch.proven.authority_limit,
             self.guard.authority_limit(keeps_limits=self._keeps_limits),
         )
         is_damped_blind = self._watch_blind_damping(tick, winch.settled_swing)

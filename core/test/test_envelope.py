@@ -1,0 +1,475 @@
+"""Each part of the envelope beside another formulation, and what holds for any input.
+
+The nominal drum stands beside scipy's integration of its equation, leaky integrals beside `scipy.signal.lfilter`, the
+locked cable beside `scipy.signal.cont2discrete`, the window beside numpy on the readings themselves.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from heave_core import layout
+from heave_core.layout import Bit, Cause, Duty, MoveKind, Phase
+from heave_core.library import READING_NAMES, Envelope
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.signal import cont2discrete, lfilter
+
+DT = 0.05
+WINCH = {
+    "is_first_order": 0,
+    "lag": 0.15,
+    "delay": 0.2,
+    "position_gain": 0.0,
+    "gain": 1.0,
+    "hauling_gain": 1.0,
+    "creep": 0.0,
+    "reach": 2.0,
+    "speed": 2.0,
+    "acceleration": 1.5,
+    "power": 0.0,
+}
+CABLE = {
+    "inertia": 0.12,
+    "damping": 0.02,
+    "drag": 0.0,
+    "stiffness": 52e3,
+    "length": 300.0,
+    "static_tension": 37e3,
+}
+BOUNDS = {
+    "window": 60.0,
+    "rate_factor": 1.5,
+    "rate_margin": 0.25,
+    "travel_factor": 1.5,
+    "travel_margin": 0.3,
+    "travel_time": 60.0,
+    "early_factor": 2.0,
+    "lost_factor": 0.8,
+    "largest_heave": 15.0,
+    "largest_rate": 6.0,
+    "largest_acceleration": 20.0,
+    "heave_step": 0.2,
+    "mru_time": 2.0,
+    "frozen_readings": 10,
+    "count_time": 0.5,
+    "count_step": 0.05,
+    "frozen_travel": 0.1,
+    "frozen_time": 0.4,
+    "drum_margin": 0.1,
+    "drum_share": 0.4,
+    "drum_time": 1.0,
+    "bound_time": 0.5,
+    "bound_window": 12.0,
+    "takeover_time": 10.0,
+    "damping_time": 20.0,
+    "damping_rate": 0.2,
+    "fade_out_time": 45.0,
+    "blind_time": 960.0,
+    "unseen_time": 12.0,
+    "stop_deceleration": 0.5,
+    "stop_margin": 0.05,
+    "stop_time": 1.0,
+    "move_tolerance": 1.0,
+    "harm_ratio": 1.3,
+    "harm_margin": 0.01,
+    "harm_time": 10.0,
+    "tension_travel": 3.0,
+    "largest_load": 370e3,
+    "highest_tension": 0.0,
+    "jerk_time": 2.0,
+}
+AMPLITUDE, PERIOD = 0.5, 6.0
+"""Of the boom tip [m], [s]."""
+OMEGA = 2.0 * math.pi / PERIOD
+QUIET = {
+    "mru_heave": math.nan,
+    "mru_rate": math.nan,
+    "count": math.nan,
+    "load": math.nan,
+    "held_tension": math.nan,
+    "target": math.nan,
+    "reference": math.nan,
+    "duty": float(Duty.FOLLOW),
+}
+
+
+def envelope(winch=(), cable=(), bounds=()):
+    return Envelope(
+        {
+            "tick_period": DT,
+            "winch": WINCH | dict(winch),
+            "cable": CABLE | dict(cable),
+            "envelope": BOUNDS | dict(bounds),
+        }
+    )
+
+
+def readings(**values):
+    given = dict.fromkeys(READING_NAMES, 0.0) | QUIET | values
+    return tuple(float(given[name]) for name in READING_NAMES)
+
+
+class Rig:
+    """An envelope in front of a winch that does what its nominal equation says, under a boom tip that heaves."""
+
+    def __init__(self, *, amplitude=AMPLITUDE, winch=(), cable=(), bounds=()):
+        self.envelope = envelope(winch, cable, bounds)
+        self.winch = WINCH | dict(winch)
+        self.amplitude, self.tick = amplitude, 0
+        self.payout = self.rate = 0.0
+        self.line = [(0.0, True)] * (round(self.winch["delay"] / DT) + 1)
+        self.orders = []
+
+    @property
+    def tip(self):
+        phase = OMEGA * self.tick * DT
+        return self.amplitude * math.sin(phase), self.amplitude * OMEGA * math.cos(phase)
+
+    def step(self, rate=None, *, brake=False, **values):
+        """Do a tick in which the controller orders a `rate`; None: that of the boom tip."""
+        heave, tip_rate = self.tip
+        ordered = tip_rate if rate is None else rate
+        seen = {"mru_heave": heave, "mru_rate": tip_rate, "count": self.payout, "load": 37e3} | values
+        order = self.envelope.step(readings(rate=ordered, brake=brake, is_held=self.line[0][1], **seen))
+        self.orders.append(order)
+        self.line.append((order.rate, bool(order.brake)))
+        sent, braked = self.line.pop(0)
+        self._move(sent, braked=braked)
+        self.tick += 1
+        return order
+
+    def _move(self, sent, *, braked):
+        before, step = self.rate, self.winch["acceleration"] * DT
+        if braked:
+            self.rate = math.copysign(max(abs(before) - 0.5 * DT, 0.0), before)
+        else:
+            reached = -math.expm1(-DT / self.winch["lag"])
+            wanted = min(max(sent, -self.winch["speed"]), self.winch["speed"])
+            self.rate = before + min(max((wanted - before) * reached, -step), step)
+        self.payout += 0.5 * (before + self.rate) * DT
+
+    def run(self, time, rate=None, **values):
+        for _ in range(round(time / DT)):
+            order = self.step(rate, **values)
+        return order
+
+    def settled(self):
+        """Stand braked for a window, then follow the boom tip; return the rig."""
+        self.run(62.0, 0.0, brake=True, duty=float(Duty.OPERATE))
+        self.run(20.0)
+        assert self.orders[-1].cause == Cause.NOTHING
+        return self
+
+
+def test_an_order_inside_the_bounds_leaves_with_the_bits_it_came_with():
+    rig = Rig().settled()
+    for order in rig.orders:
+        assert order.bits in (0, int(Bit.COUNT_LOST))
+    for _ in range(200):
+        rate = rig.tip[1] * 0.97 + 0.013
+        order = rig.step(rate)
+        assert (order.rate, order.payout, order.brake) == (rate, 0.0, 0.0)
+
+
+def test_the_nominal_drum_is_that_of_its_equation():
+    """Orders inside the acceleration limit, and a delay that ends within a tick: v' = (v_set - v)/T by scipy."""
+    delay = 0.17
+    box = envelope({"delay": delay, "acceleration": 50.0}, bounds={"rate_margin": 10.0, "travel_margin": 100.0})
+    random = np.random.default_rng(3)
+    orders = np.repeat(random.uniform(-0.5, 0.5, 30), 4)
+    payouts = []
+    for rate in orders:
+        box.step(readings(rate=rate, mru_heave=0.0, mru_rate=0.0, duty=Duty.OPERATE))
+        payouts.append(float(box.state["drum"]["payout"][0]))
+
+    def sent(time):
+        tick = math.floor((time - delay) / DT + 1e-9)
+        return orders[min(max(tick, 0), len(orders) - 1)] if time >= delay else 0.0
+
+    payout, rate, found = 0.0, 0.0, [0.0]
+    for tick in range(1, len(orders)):
+        for begin, end in (((tick - 1) * DT, (tick - 1) * DT + 0.02), ((tick - 1) * DT + 0.02, tick * DT)):
+            held = sent(0.5 * (begin + end))
+            part = solve_ivp(lambda _, x, v=held: (x[1], (v - x[1]) / 0.15), (begin, end), (payout, rate), rtol=1e-10)
+            payout, rate = part.y[:, -1]
+        found.append(payout)
+    # the drum's way over a part of a tick is by the trapezoidal rule
+    assert np.max(np.abs(np.array(payouts) - found)) < 2e-3
+
+
+def test_travel_is_a_leaky_integral_of_the_drum_about_the_move():
+    rig = Rig(amplitude=0.3).settled()
+    rig.envelope.state["travel_sent"] = rig.envelope.state["travel_count"] = 0.0
+    drum, travel = [float(rig.envelope.state["drum"]["payout"][0])], []
+    for _ in range(400):
+        rig.step()
+        drum.append(float(rig.envelope.state["drum"]["payout"][0]))
+        travel.append(float(rig.envelope.state["travel_sent"][0]))
+    expected = lfilter([1.0], [1.0, -(1.0 - DT / 60.0)], np.diff(drum))
+    assert np.allclose(travel, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_window_is_that_of_the_last_minute(seed):
+    random = np.random.default_rng(seed)
+    box, heaves, rates = envelope(), [], []
+    for tick in range(3000):
+        swell = 1.0 + math.sin(0.01 * tick)
+        heave = swell * math.sin(1.1 * tick * DT) + 0.01 * random.standard_normal()
+        rate = swell * 1.1 * math.cos(1.1 * tick * DT)
+        heaves.append(heave)
+        rates.append(abs(rate))
+        order = box.step(readings(mru_heave=heave, mru_rate=rate, brake=1.0, count=0.0))
+        if tick < 1300:
+            continue
+        bound = (order.rate_bound - 0.25) / 1.5
+        # the oldest second goes as a whole
+        assert max(rates[-1175:]) - 1e-9 <= bound <= max(rates[-1222:]) + 1e-9
+        travel = (order.travel_bound - 0.3) / 1.5
+        least, most = (
+            max(np.max(last - mean), np.max(mean - last))
+            for last, mean in ((np.array(heaves[-n:]), np.mean(heaves[-n:])) for n in (1175, 1222))
+        )
+        # about its own mean, which a second changes by some centimetres
+        assert travel == pytest.approx(0.5 * (least + most), abs=0.06)
+
+
+def test_the_load_under_a_locked_winch_is_that_of_the_two_state_cable():
+    """By the trapezoidal rule, as `cont2discrete` samples a x'' + b x' + x = x_0 with the input held."""
+    a, b = CABLE["inertia"], CABLE["damping"]
+    A, B, *_ = cont2discrete(
+        (np.array([[0.0, 1.0], [-1.0 / a, -b / a]]), np.array([[0.0], [1.0 / a]]), np.eye(2), np.zeros((2, 1))),
+        DT,
+        method="bilinear",
+    )
+    box, x = envelope(), np.zeros(2)
+    # cont2discrete's bilinear state is x - (dt/2) B' u: here the input is held over the tick, and the state is whole
+    M = np.linalg.inv(np.eye(2) - 0.5 * DT * np.array([[0.0, 1.0], [-1.0 / a, -b / a]]))
+    for tick in range(400):
+        heave = 0.4 * math.sin(1.3 * tick * DT) * min(tick * DT / 5.0, 1.0)
+        rate = 0.4 * 1.3 * math.cos(1.3 * tick * DT)
+        box.step(readings(mru_heave=heave, mru_rate=rate, brake=1.0, count=0.0))
+        x = A @ x + M @ np.array([0.0, DT / a]) * heave
+        assert box.state["unit_heave"][0] == pytest.approx(x[0], abs=1e-9)
+    assert B.shape == (2, 1)
+
+
+def test_an_order_far_outside_is_bounded_at_once_and_replaced_within_a_quarter_of_a_second():
+    rig = Rig().settled()
+    bounded = rig.step(5.0)
+    assert Bit.AT_RATE in Bit(int(bounded.bits))
+    assert abs(bounded.rate) <= bounded.rate_bound + 1e-12
+    taken = rig.run(0.25, 5.0)
+    assert (taken.phase, taken.cause) == (Phase.TAKEN, Cause.RATE)
+    start = rig.payout
+    ended = rig.run(34.0, 5.0)
+    assert (ended.phase, ended.brake) == (Phase.HELD, 1.0)
+    assert abs(rig.payout - start) < 2.0 * AMPLITUDE
+
+
+def test_what_was_taken_over_stays_until_an_operator_acknowledges():
+    rig = Rig().settled()
+    rig.run(35.0, math.nan)
+    assert rig.orders[-1].cause == Cause.NOT_FINITE
+    assert rig.run(30.0).phase == Phase.HELD
+    assert rig.step(0.0, brake=True, acknowledged=1.0).phase == Phase.FREE
+    rate = rig.tip[1]
+    assert rig.run(5.0).cause == Cause.NOTHING
+    assert rate != 0.0
+
+
+def test_an_acknowledgement_while_the_drum_moves_is_not_heard():
+    rig = Rig().settled()
+    rig.run(2.0, math.nan)
+    assert rig.step(acknowledged=1.0).phase == Phase.TAKEN
+
+
+@pytest.mark.parametrize(("factor", "furthest"), [(-1.0, 0.15), (3.0, 0.15), (100.0, 0.25)])
+def test_a_drum_that_does_not_do_what_was_sent_trips_at_once(factor, furthest):
+    """Trips by the distance between count and nominal drum, some 0.1 m: before the bounds are reached."""
+    rig = Rig(winch={"acceleration": 1.5}).settled()
+    move, began, off = rig._move, rig.payout, []
+    rig._move = lambda sent, *, braked: move(factor * sent, braked=braked)
+    for _ in range(100):
+        order = rig.step()
+        off.append(rig.payout - float(rig.envelope.state["drum"]["payout"][0]))
+        if order.cause:
+            break
+    assert (order.cause, order.brake) == (Cause.DRUM, 1.0)
+    assert began is not None
+    assert abs(off[-1]) < furthest + 0.4 * AMPLITUDE
+
+
+def test_a_drum_that_moves_under_the_brake_trips_however_slowly():
+    rig = Rig()
+    rig.run(62.0, 0.0, brake=True, duty=float(Duty.OPERATE))
+    for _ in range(300):  # 1 cm/s
+        rig.payout += 0.01 * DT
+        order = rig.step(0.0, brake=True, duty=float(Duty.OPERATE))
+    assert order.cause == Cause.BRAKE_SLIPS
+    assert order.value == pytest.approx(BOUNDS["drum_margin"], abs=0.01)
+
+
+@pytest.mark.parametrize("lost", [{"count": math.nan}, {"mru_heave": math.nan, "mru_rate": math.nan}])
+def test_a_lost_reading_tightens_the_bounds_and_takes_nothing_over(lost):
+    rig = Rig().settled()
+    before = rig.orders[-1]
+    after = rig.run(3.0, 0.0, **lost)
+    assert after.phase == Phase.FREE
+    assert after.rate_bound - 0.25 == pytest.approx(0.8 * (before.rate_bound - 0.25), rel=0.05)
+
+
+def test_a_count_that_does_not_step_while_the_drum_turns_is_lost():
+    rig = Rig().settled()
+    stuck = rig.payout
+    seen = [Bit.COUNT_LOST in Bit(int(rig.step(count=stuck).bits)) for _ in range(40)]
+    assert seen[-1]
+    assert rig.orders[-1].phase == Phase.FREE
+
+
+def test_a_jump_of_the_count_or_of_the_heave_is_taken_off():
+    rig = Rig().settled()
+    bounds = rig.orders[-1]
+    order = rig.step(count=rig.payout + 7.0)
+    assert Bit.COUNT_JUMPED in Bit(int(order.bits))
+    for _ in range(100):
+        heave, rate = rig.tip
+        order = rig.step(count=rig.payout + 7.0, mru_heave=heave + 4.0, mru_rate=rate)
+    assert order.phase == Phase.FREE
+    assert order.travel_bound == pytest.approx(bounds.travel_bound, abs=0.05)
+
+
+@pytest.mark.parametrize(("time", "ends"), [(44.0, False), (47.0, True)])
+def test_a_fade_out_ends_in_time_whatever_is_ordered(time, ends):
+    rig = Rig().settled()
+    order = rig.run(time, duty=float(Duty.FADE))
+    assert (order.cause == Cause.FADE_LONG) is ends
+    if ends:
+        assert rig.run(34.0, duty=float(Duty.FADE)).brake == 1.0
+
+
+def test_compensation_that_does_not_see_the_ship_ends_in_time():
+    rig = Rig().settled()
+    blind = {"mru_heave": math.nan, "mru_rate": math.nan}
+    rig.run(50.0, 0.1, **blind)
+    assert rig.orders[-1].cause in (Cause.UNSEEN, Cause.TRAVEL)
+    assert rig.orders[-1].brake == 1.0
+
+
+def test_a_stop_is_a_ramp_from_what_was_sent_last_and_the_law_is_not_asked():
+    rig = Rig().settled()
+    fastest = max(abs(rig.orders[-1].speed), abs(rig.rate))
+    for tick in range(100):
+        order = rig.step(2.0, duty=float(Duty.STOP))
+        assert order.brake or abs(order.speed) <= max(fastest - tick * 0.5 * DT, 0.0) + 0.05 + 1e-9
+    assert order.brake == 1.0
+
+
+def test_a_load_cell_that_varies_more_than_under_a_locked_winch_ends_compensation():
+    """Reversed motion reference unit: the tension varies by twice what the locked cable's does."""
+    rig = Rig().settled()
+    locked = 2.0 * CABLE["stiffness"] * CABLE["inertia"] * AMPLITUDE * OMEGA**2
+    for _ in range(1200):
+        phase = OMEGA * rig.tick * DT
+        order = rig.step(load=37e3 + locked * math.sin(phase))
+        if order.cause:
+            break
+    assert order.cause == Cause.HARM
+    assert rig.run(34.0).brake == 1.0
+
+
+@pytest.mark.parametrize("crest", [0.3, 2.0])
+def test_constant_tension_has_its_own_travel_and_loses_it_afterwards(crest):
+    rig = Rig(amplitude=crest).settled()
+    plain = rig.orders[-1].travel_bound
+    held = rig.step(duty=float(Duty.TENSION), held_tension=37e3)
+    assert held.travel_bound >= plain + BOUNDS["tension_travel"] - 0.01
+    later = rig.run(120.0)
+    assert later.travel_bound - plain == pytest.approx(BOUNDS["tension_travel"] * math.exp(-2.0), rel=0.05)
+
+
+def test_a_winch_of_first_order_is_bounded_by_its_payout_set_point():
+    box = envelope({"is_first_order": 1, "lag": 1.0})
+    for tick in range(40):
+        box.step(readings(mru_heave=0.0, mru_rate=0.0, count=0.0, payout=0.0, brake=tick < 20))
+    order = box.step(readings(mru_heave=0.0, mru_rate=0.0, count=0.0, payout=0.4))
+    assert order.payout == pytest.approx(order.rate_bound * 1.0)
+    assert order.rate == 0.0
+
+
+WILD = st.sampled_from([math.nan, math.inf, -math.inf, 1e300, -1e300, 0.0])
+NUMBERS = st.one_of(st.floats(-3.0, 3.0), WILD, st.floats(allow_nan=True))
+PIECE = st.fixed_dictionaries(
+    {
+        "ticks": st.integers(1, 60),
+        "mru_heave": NUMBERS,
+        "mru_rate": NUMBERS,
+        "count": NUMBERS,
+        "load": NUMBERS,
+        "lift_rate": NUMBERS,
+        "payout": NUMBERS,
+        "rate": NUMBERS,
+        "held_tension": NUMBERS,
+        "target": NUMBERS,
+        "reference": NUMBERS,
+        "distance": NUMBERS,
+        "speed": NUMBERS,
+        "acceleration": NUMBERS,
+        "is_held": st.sampled_from([0.0, 1.0]),
+        "brake": st.sampled_from([0.0, 0.0, 0.0, 1.0]),
+        "duty": st.sampled_from([float(duty) for duty in Duty]),
+        "kind": st.sampled_from([float(kind) for kind in MoveKind]),
+        "acknowledged": st.sampled_from([0.0, 0.0, 1.0]),
+    }
+)
+
+
+@given(st.lists(PIECE, min_size=1, max_size=12), st.sampled_from([0.0, 2.0]), st.sampled_from([0, 1]))
+def test_whatever_comes_in_a_finite_bounded_order_leaves(pieces, position_gain, is_first_order):
+    box = envelope({"position_gain": position_gain, "is_first_order": is_first_order})
+    for request, piece in enumerate(pieces):
+        values = {name: value for name, value in piece.items() if name != "ticks"}
+        for _ in range(piece["ticks"]):
+            order = box.step(readings(request=float(request), **values))
+            assert math.isfinite(order.speed)
+            assert math.isfinite(order.rate_bound)
+            if order.brake:
+                continue
+            assert math.isfinite(order.payout)
+            assert math.isfinite(order.rate)
+            if order.phase == Phase.FREE and piece["duty"] == Duty.STOP:
+                continue
+            if order.phase in (Phase.FREE, Phase.TAKEN):
+                assert abs(order.speed - order.move_rate) <= order.rate_bound + 1e-9
+
+
+@given(st.lists(PIECE, min_size=1, max_size=6), st.integers(0, 2))
+def test_whatever_comes_in_what_was_taken_over_ends_at_rest(pieces, which):
+    box = envelope()
+    order = None
+    for piece in pieces:
+        values = {name: value for name, value in piece.items() if name not in ("ticks", "acknowledged", "request")}
+        for _ in range(piece["ticks"]):
+            order = box.step(readings(**values))
+    for tick in range(10_000):
+        heave = (0.0, 3.0 * math.sin(tick), math.nan)[which]
+        order = box.step(readings(mru_heave=heave, mru_rate=0.1, count=0.0, rate=50.0, lift_rate=0.0, load=37e3))
+        if order.phase == Phase.HELD and box.state["drum"]["rate"][0] == 0.0:
+            break
+    assert (order.phase, order.brake) == (Phase.HELD, 1.0)
+    assert tick < 1000
+
+
+def test_a_copy_of_the_state_is_the_envelope_at_that_tick():
+    rig = Rig().settled()
+    kept = rig.envelope.state.copy()
+    seen = readings(mru_heave=0.1, mru_rate=0.2, count=rig.payout, rate=0.7)
+    first = rig.envelope.step(seen)
+    rig.envelope.state[:] = kept
+    assert np.array_equal(rig.envelope.step(seen), first, equal_nan=True)
+
+
+def test_the_sizes_of_the_layout_are_those_of_its_rows():
+    assert set(BOUNDS) == {row.name for row in layout.BOUNDS.rows}

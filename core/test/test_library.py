@@ -1,0 +1,79 @@
+"""The table of the layout beside the library that was compiled from it, and beside its page."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from heave_core import layout, library
+from heave_core.library import LibraryError, dtype_of
+from heave_core.page import page
+
+REPOSITORY = Path(__file__).parents[2]
+
+
+def test_the_library_has_the_layout_and_the_sizes_of_this_python():
+    loaded = library.library()
+    assert loaded.heave_core_layout() == layout.layout_number()
+    sizes = [loaded.heave_core_size(place) for place in range(5)]
+    kinds = (layout.DESIGN, layout.STATE, layout.READINGS, layout.ORDER)
+    assert sizes == [*(dtype_of(kind).itemsize for kind in kinds), 0]
+
+
+@pytest.mark.parametrize("number", [0, layout.layout_number()])
+def test_a_library_of_another_layout_or_size_is_refused_in_one_line(number):
+    class Function:
+        restype = None
+
+        def __init__(self, value):
+            self.value = value
+
+        def __call__(self, *_):
+            return self.value
+
+    other = type("Other", (), {"heave_core_layout": Function(number), "heave_core_size": Function(8)})()
+    with pytest.raises(LibraryError, match=r"^/x/libheave_core.so has layout .* build it again") as error:
+        library._check(other, Path("/x/libheave_core.so"))
+    assert "\n" not in str(error.value)
+
+
+def test_a_library_that_is_missing_is_named_with_where_it_was_looked_for(monkeypatch, tmp_path):
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
+    monkeypatch.setattr(library.sys, "prefix", str(tmp_path / "python"))
+    with pytest.raises(LibraryError, match=r"libheave_core.so is not below .* install heave again"):
+        library.library.__wrapped__()
+
+
+def test_another_field_or_kind_makes_another_layout_and_another_meaning_does_not(monkeypatch):
+    before = layout.layout_number()
+    *others, last = layout.STRUCTURES
+    row = last.rows[0]
+    for changed, is_same in (
+        (layout.Row(row.name, row.unit, "other words", row.kind), True),
+        (layout.Row("other", row.unit, row.meaning, row.kind), False),
+        (layout.Row(row.name, row.unit, row.meaning, layout.COUNTER), False),
+    ):
+        altered = layout.Structure(last.name, last.meaning, (changed, *last.rows[1:]))
+        monkeypatch.setattr(layout, "STRUCTURES", (*others, altered))
+        assert (layout.layout_number() == before) is is_same
+
+
+def test_every_field_is_where_cpp_has_it():
+    """Doubles first seen at multiples of eight: nothing is padded but what the table names."""
+    for structure in layout.STRUCTURES:
+        dtype = dtype_of(structure)
+        assert dtype.itemsize == sum(dtype[name].itemsize for name in dtype.names)
+
+
+def test_a_design_without_a_value_or_with_an_unknown_one_is_refused():
+    record = np.zeros(1, dtype_of(layout.DRUM))
+    with pytest.raises(ValueError, match=r"missing \['rate'\], unknown \['speed'\]"):
+        library.fill(record[0], {"payout": 1.0, "speed": 2.0})
+
+
+def test_a_delay_longer_than_what_is_kept_is_refused():
+    with pytest.raises(ValueError, match=r"at most 25\.5 s are kept"):
+        library.Envelope({"tick_period": 0.05, "winch": {"delay": 30.0}})
+
+
+def test_the_page_of_the_documentation_is_the_table():
+    assert (REPOSITORY / "docs/core.md").read_text(encoding="utf-8") == page()

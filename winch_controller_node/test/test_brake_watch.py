@@ -1,0 +1,228 @@
+"""Motion under the brake is told in time by the load cell, and what follows of it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from heave_node.interface.alarm import Severity
+from heave_node.interface.codes import WinchFault
+from hypothesis import given
+from hypothesis import strategies as st
+from winch_controller_node.core.envelope import Asked, OrderEnvelope
+from winch_controller_node.core.supervision.modes import Mode
+from winch_controller_node.core.supervision.watch.brake_watch import FALL_WINDOW, BrakeWatch
+from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
+from winch_controller_node.model.blocks import CableModel
+from winch_controller_node.motion.trajectory import MeanPayout
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+TICK = 0.05
+RESOLUTION = 0.001
+"""Of the encoder [m]."""
+STATIC, STIFFNESS = 98.6e3, 17.5e3
+CABLE = CableModel(a=7.2, b=0.05, stiffness=STIFFNESS, static_tension=STATIC)
+
+
+@dataclass
+class Load:
+    """A nominal load whose stretch is given."""
+
+    stretch: float = 0.0
+    is_known: bool = True
+    cable: CableModel = CABLE
+
+
+class Drum:
+    """A drum under the brake, with a watch; `tick` moves it and the load by a tick."""
+
+    def __init__(self, *, noise=100.0):
+        self.watch, self.load = BrakeWatch(TICK), Load()
+        self.time = self.way = self.tension = 0.0
+        self.alarms = []
+        self._noise, self._rng = noise, np.random.default_rng(1)
+
+    def tick(self, rate=0.0, *, count=True, brake=True, fault=0, falls=0.0, runs=False):
+        self.time += TICK
+        self.way += rate * TICK
+        self.tension += falls * TICK
+        read = round(self.way / RESOLUTION) * RESOLUTION if count else math.nan
+        winch = WinchReading(self.time, read, 0.0, brake, fault)
+        noise = self._noise * self._rng.normal()
+        force = STATIC + STIFFNESS * self.load.stretch + self.tension + noise
+        given = {"is_braked": brake, "runs": runs, "winch": winch}
+        found = self.watch.step(self.load, tensions=(ScalarReading(self.time, force),), **given)
+        self.alarms += [(self.time, self.way, alarm) for alarm in found]
+        return [alarm.code for alarm in found]
+
+    def rest(self, seconds, **given):
+        for _ in range(round(seconds / TICK)):
+            self.tick(**given)
+
+    @property
+    def codes(self):
+        return [alarm.code for _, _, alarm in self.alarms]
+
+
+@pytest.mark.parametrize(
+    ("holds", "fault", "code", "severity"),
+    [
+        (True, WinchFault.DRIVE, "DRUM_HELD_BY_DRIVE", Severity.HIGH),
+        (False, WinchFault.NONE, "DRUM_NOT_HELD", Severity.CRITICAL),
+        (False, WinchFault.EMERGENCY_STOP, "DRUM_NOT_HELD", Severity.CRITICAL),
+    ],
+)
+def test_what_follows_is_told_of_a_drive_that_holds_and_of_one_that_does_not(holds, fault, code, severity):
+    """The envelope has found the motion by the count, and tells it."""
+    drum = Drum()
+    drum.rest(5.0)
+    drum.rest(0.2, rate=0.5)
+    drum.rest(5.0, rate=0.0 if holds else 0.5, runs=True, fault=fault)
+    assert drum.codes == [code]
+    assert drum.alarms[0][2].severity is severity
+    assert drum.alarms[0][2].values["moved"] == pytest.approx(0.1 if holds else 0.6, abs=0.03)
+    assert ("emergency stop has taken" in str(drum.alarms[0][2])) is (fault is WinchFault.EMERGENCY_STOP)
+
+
+@pytest.mark.parametrize("rate", [0.3, 0.5, 1.0])
+def test_a_slip_that_the_count_does_not_show_is_told_by_the_load_cell(rate):
+    """Wire takes tension off by its stiffness, before a unit of 2.7 rad/s or less has followed."""
+    drum = Drum()
+    drum.rest(FALL_WINDOW)
+    begin = drum.time
+    for _ in range(20):
+        drum.tick(count=False, falls=-rate * STIFFNESS)
+    time, _, alarm = drum.alarms[0]
+    assert alarm.code == "LOAD_FALLS_BRAKED"
+    assert alarm.severity is Severity.CRITICAL
+    assert time - begin < 0.3 + 0.05 / rate
+
+
+def test_waves_that_the_mru_shows_and_those_that_it_does_not_are_no_slip():
+    """The first are taken off; to the others the load cell is used: it has seen how it falls without a cause."""
+    for is_known in (True, False):
+        drum = Drum()
+        for _ in range(4000):
+            drum.load.stretch = 0.3 * math.sin(0.7 * drum.time)
+            if not is_known:
+                drum.tension, drum.load.stretch = STIFFNESS * drum.load.stretch, 0.0
+            drum.tick()
+        assert drum.codes == []
+
+
+def test_a_cable_that_goes_slack_in_waves_and_snaps_taut_is_no_slip():
+    """It falls to nothing as the MRU has it, or half a second before or after, and is struck by half of the static."""
+    for late in (-0.5, 0.0, 0.5):
+        drum = Drum()
+        for _ in range(4000):
+            lowest = -1.05 * STATIC / STIFFNESS
+            drum.load.stretch = max(1.2 * lowest * math.sin(0.7 * drum.time), -STATIC / STIFFNESS)
+            real = max(1.2 * lowest * math.sin(0.7 * (drum.time - late)), -STATIC / STIFFNESS)
+            snap = 0.5 * STATIC * (real > -STATIC / STIFFNESS) * (math.sin(0.7 * (drum.time - late - 0.2)) > 0.79)
+            drum.tension = STIFFNESS * (real - drum.load.stretch) + snap
+            drum.tick()
+        assert drum.codes == []
+
+
+def test_a_released_drum_may_move():
+    drum = Drum()
+    drum.rest(20.0, brake=False, rate=0.5)
+    assert drum.codes == []
+
+
+# by the count: the envelope
+
+
+class Braked:
+    """An envelope before a drum of its own; `tick` moves the drum by a tick."""
+
+    def __init__(self):
+        cable = CABLE
+        self.envelope = OrderEnvelope(WinchControllerParameters(length=900.0), cable, TICK)
+        self.time = self.way = 0.0
+        self.number = 0
+        self.alarms = []
+        self.move = MeanPayout(WinchControllerParameters().move, tick_period=TICK).request
+
+    def tick(self, rate=0.0, *, jump=0.0, order=None, fault=0):
+        """Move the drum at a `rate` [m/s]; `order` [m/s]; None: the brake is ordered."""
+        self.time += TICK
+        self.number += 1
+        self.way += rate * TICK + jump
+        read = round(self.way / RESOLUTION) * RESOLUTION
+        raw = Measurements(
+            winch=WinchReading(self.time, read, 0.0, order is None and fault == 0 and not self.stops, fault)
+        )
+        asked = Asked(Mode.MANUAL if order is not None else Mode.STANDBY, self.move)
+        _, news = self.envelope.step(raw, raw, asked, WinchOrder(self.number, 0.0, order or 0.0, order is None))
+        self.alarms += [(self.time, self.way, alarm) for alarm in news]
+
+    stops = False
+
+    def rest(self, seconds, **given):
+        for _ in range(round(seconds / TICK)):
+            self.tick(**given)
+
+    @property
+    def codes(self):
+        return [alarm.code for _, _, alarm in self.alarms]
+
+
+@pytest.mark.parametrize("rate", [0.001, 0.02, 0.1, 0.3, 0.5, -0.2, 1.0, 2.0])
+def test_a_drum_that_slips_is_told_at_the_highest_severity_within_a_third_of_a_second_and_five_centimetres(rate):
+    """Both, up to the speed at which 0.05 m are two readings; above it within two of them."""
+    drum = Braked()
+    drum.rest(10.0)
+    begin = drum.time
+    drum.rest(60.0 if abs(rate) < 0.01 else 3.0, rate=rate)
+    time, way, alarm = drum.alarms[0]
+    assert alarm.code == "DRUM_RUNS_BRAKED"
+    assert alarm.severity is Severity.CRITICAL
+    assert abs(way) < max(0.05, 2.0 * abs(rate) * TICK) + 1e-9
+    assert time - begin < max(0.3, 0.032 / abs(rate)) + 1e-9
+    assert len(drum.alarms) == 1
+
+
+@given(st.floats(-5.0, 5.0).filter(lambda jump: abs(jump) > 0.02))
+def test_a_jump_of_the_count_is_no_motion(jump):
+    drum = Braked()
+    drum.rest(5.0)
+    drum.tick(jump=jump)
+    drum.rest(5.0)
+    assert drum.codes == []
+
+
+@pytest.mark.parametrize("speed", [0.5, -0.4, 0.1])
+@pytest.mark.parametrize(("deceleration", "fault"), [(0.5, 0), (1.5, 0), (1.5, 3), (0.25, 0)])
+def test_a_drum_that_comes_to_rest_after_the_brake_was_ordered_is_told_of_nothing(speed, deceleration, fault):
+    drum = Braked()
+    drum.rest(2.0)
+    for k in range(200):
+        drum.tick(min(k * 0.02, 1.0) * speed, order=min(k * 0.02 + 0.1, 1.0) * speed)
+    drum.alarms.clear()
+    drum.stops, rate, late = True, speed, 0.0 if fault else 0.2
+    while rate or late > 0.0:
+        late -= TICK
+        rate = rate if late > 0.0 else math.copysign(max(abs(rate) - deceleration * TICK, 0.0), rate)
+        drum.tick(rate, fault=fault)
+    drum.stops = False
+    drum.rest(5.0, fault=fault)
+    assert "DRUM_RUNS_BRAKED" not in drum.codes
+
+
+def test_a_brake_that_stays_open_after_a_stop_is_told_within_a_third_of_a_second():
+    """The drum never stands: it is slowed down to nothing by its drive and runs on with its load at once."""
+    drum = Braked()
+    drum.rest(5.0)
+    drum.stops, rate = True, 0.3
+    while rate > 0.0:
+        rate = max(rate - 1.5 * TICK, 0.0)
+        drum.tick(rate, fault=WinchFault.EMERGENCY_STOP)
+    begin, way = drum.time, drum.way
+    drum.alarms.clear()
+    drum.envelope.acknowledge()
+    drum.rest(2.0, rate=0.5, fault=WinchFault.EMERGENCY_STOP)
+    time, at, alarm = drum.alarms[0]
+    assert alarm.code == "DRUM_RUNS_BRAKED"
+    assert time - begin < 0.3
+    assert at - way < 0.1

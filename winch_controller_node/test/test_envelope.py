@@ -1,0 +1,179 @@
+"""The envelope as the controller has it: its move beside the mean payout's, what it is given, what is sent for it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
+from heave_core.layout import Cause, Phase
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from winch_controller_node.core.envelope import Asked, OrderEnvelope, nominal_design
+from winch_controller_node.core.envelope_alone import EnvelopeAlone
+from winch_controller_node.core.supervision.modes import Mode
+from winch_controller_node.interface.alarms import ALARMS, ENVELOPE
+from winch_controller_node.interface.readings import Measurements, WinchOrder, WinchReading
+from winch_controller_node.model.blocks import CableModel
+from winch_controller_node.motion.trajectory import MeanPayout
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.envelope_node import WinchEnvelopeParameters
+
+TICK = 0.05
+NOMINAL = WinchControllerParameters()
+CABLE = CableModel(0.12, 0.02, stiffness=52e3, static_tension=37e3)
+
+REQUEST = st.one_of(
+    st.tuples(st.just("go"), st.floats(-30.0, 30.0), st.floats(0.0, 1.0)),
+    st.tuples(st.just("drive"), st.floats(-0.5, 0.5), st.floats(0.01, 0.2)),
+    st.tuples(st.just("halt"), st.floats(0.1, 1.0), st.just(0.0)),
+    st.tuples(st.just("stop"), st.just(0.0), st.just(0.0)),
+    st.tuples(st.just("stand"), st.just(0.0), st.just(0.0)),
+)
+
+
+def ask(mean, request):
+    kind, first, second = request
+    if kind == "go":
+        mean.move_to(mean.point.payout + first, second)
+    elif kind == "drive":
+        mean.drive(first, second)
+    elif kind == "halt":
+        mean.halt(first)
+    elif kind == "stop":
+        mean.stop()
+    else:
+        mean.jump_to(mean.point.payout)
+
+
+@settings(max_examples=40)
+@given(st.lists(st.tuples(REQUEST, st.integers(1, 400)), min_size=1, max_size=5))
+def test_the_move_of_the_envelope_is_that_of_the_mean_payout_by_the_requests_alone(requests):
+    """The mean payout's generator in Python is another formulation of the same move."""
+    mean = MeanPayout(NOMINAL.move, tick_period=TICK)
+    envelope = OrderEnvelope(NOMINAL, CABLE, TICK)
+    order = WinchOrder(1, 0.0, 0.0, False)
+    for request, ticks in requests:
+        ask(mean, request)
+        for _ in range(ticks):
+            asked = Asked(Mode.MANUAL, mean.request)
+            envelope.step(Measurements(), Measurements(), asked, order)
+            assert envelope.last.move_rate == pytest.approx(mean.point.rate, abs=1e-9)
+            mean.advance()
+
+
+def test_a_distance_far_from_that_of_count_or_depth_sensor_is_not_taken():
+    mean = MeanPayout(NOMINAL.move, tick_period=TICK)
+    envelope = OrderEnvelope(NOMINAL, CABLE, TICK)
+    order, still = WinchOrder(1, 0.0, 0.0, True), WinchReading(0.0, 2.0, 0.0, True)
+    at_rest = Measurements(winch=still)
+    envelope.step(at_rest, at_rest, Asked(Mode.STANDBY, mean.request), order)
+    mean.move_to(40.0, reference=5.0)  # an estimate takes a depth that is 5 m off for 40 m of wire
+    envelope.step(at_rest, at_rest, Asked(Mode.STANDBY, mean.request), order)
+    assert envelope._core.state["move"]["distance"][0] == pytest.approx(5.0 + NOMINAL.envelope.move_tolerance)
+    mean.move_to(3.0)  # a payout: the count says 2 m
+    envelope.step(at_rest, at_rest, Asked(Mode.STANDBY, mean.request), order)
+    assert envelope._core.state["move"]["distance"][0] == pytest.approx(1.0 + NOMINAL.envelope.move_tolerance)
+
+
+def test_every_margin_is_a_parameter_and_nothing_else_fills_the_design():
+    design = nominal_design(NOMINAL, CABLE, TICK)["envelope"]
+    changed = replace(NOMINAL, envelope=replace(NOMINAL.envelope, rate_factor=2.0, damping_rate=0.1))
+    other = nominal_design(changed, CABLE, TICK)["envelope"]
+    assert {name for name in design if design[name] != other[name]} == {"rate_factor", "damping_rate"}
+
+
+def test_every_cause_has_its_alarm_and_every_alarm_of_the_envelope_is_high():
+    assert {row.code for row in ENVELOPE} <= ALARMS.keys()
+    assert all(row.severity.word in ("high", "critical") for row in ENVELOPE)
+
+
+@pytest.fixture(scope="module")
+def loop():
+    """Return a loop of B2 that compensates; its controller's orders become those of `wild`."""
+    given = loop_parameters(load_scenario("b2_calm_300", settings=["all.duration=200", "all.seed=1"]))
+    loop = ClosedLoop(given)
+    while loop.tick < 50.0 / TICK:
+        loop.step()
+    return loop
+
+
+def test_what_was_sent_is_what_estimate_adviser_and_the_next_stop_go_by_and_an_operator_releases_it(loop):
+    controller, command = loop.controller, loop.controller._command
+    made = command.order
+    assert controller.mode is Mode.COMPENSATING
+    command.order = lambda *asked: made(*asked)._replace(payout_rate=math.nan)
+    outputs, _ = loop.step()
+    assert [alarm.code for alarm in outputs.alarms] == ["ORDER_NOT_FINITE"]
+    assert math.isfinite(outputs.order.payout_rate)
+    assert controller.envelope.last.cause == Cause.NOT_FINITE
+    sent = []
+    for _ in range(round(45.0 / TICK)):
+        outputs, _ = loop.step()
+        given = controller._winch.given
+        if controller.envelope.moves_winch:
+            # set-points of the winch: no crane lifts, and the encoder has not jumped
+            assert given.payout_rate == outputs.order.payout_rate
+            assert command.last.governed.value == pytest.approx(outputs.order.payout_rate, abs=1e-9)
+            sent.append(outputs.order.payout_rate)
+    assert max(map(abs, sent)) > 0.05
+    assert (controller.mode, outputs.order.brake) == (Mode.STOPPED, True)
+    assert controller.envelope.last.phase == Phase.HELD
+
+    command.order = made
+    controller.set_mode("compensating")
+    seen = [loop.step()[0].mode for _ in range(round(40.0 / TICK))]
+    assert seen[-1] == "compensating"
+    assert controller.envelope.reason is None
+
+
+def test_a_drum_that_creeps_past_its_brake_keeps_compensation_from_beginning():
+    settings_ = ["all.duration=60", "all.seed=1", "virtual_winch.faults.kind=[brake_slip]"]
+    settings_ += ["virtual_winch.supervision_time=0.0"]  # a drive that looks at nothing
+    settings_ += [
+        f"virtual_winch.faults.{name}=[{value}]"
+        for name, value in (("start", 5.0), ("duration", 0.0), ("magnitude", 0.05))
+    ]
+    loop = ClosedLoop(loop_parameters(load_scenario("b2_calm_300", settings=settings_)))
+    record = loop.run()
+    assert "DRUM_RUNS_BRAKED" in {alarm.code for _, alarm in record.alarms}
+    assert "compensating" not in record.modes
+
+
+class TestAlone:
+    """The envelope of somebody else's controller."""
+
+    def alone(self):
+        return EnvelopeAlone(WinchEnvelopeParameters(), tick_period=TICK)
+
+    def test_a_command_inside_the_bounds_passes_and_none_leaves_where_none_comes(self):
+        alone = self.alone()
+        order = WinchOrder(7, 0.0, 0.0, True)
+        assert alone.step(1, Measurements(), order)[0] == order
+        assert alone.step(2, Measurements(), None) == (None, [])
+
+    def test_a_wild_command_is_replaced_and_ends_in_the_brake_also_once_the_controller_is_silent(self):
+        alone = self.alone()
+        alone.step(1, Measurements(), WinchOrder(1, 0.0, 0.0, False))
+        sent, codes = [], []
+        for tick in range(2, 1000):
+            command = WinchOrder(tick, 0.0, 50.0, False) if tick < 100 else None
+            order, news = alone.step(tick, Measurements(), command)
+            sent.append(order)
+            codes += [alarm.code for alarm in news]
+        assert codes == ["ORDER_TOO_FAST"]
+        assert sent[-1].brake
+        assert np.all(np.diff([order.sequence for order in sent]) > 0)
+        assert alone.acknowledge()
+
+    def test_an_operators_speed_is_a_move_within_its_share_and_lapses(self):
+        alone, rates = self.alone(), []
+        for tick in range(400):
+            if tick < 200:
+                alone.ask_speed(9.0)
+            alone.step(tick, Measurements(), WinchOrder(tick + 1, 0.0, 0.0, False))
+            rates.append(alone.envelope.last.move_rate)
+        share = WinchEnvelopeParameters().operator.speed_share * WinchEnvelopeParameters().winch.speed_limit
+        assert 0.1 < max(rates) <= share + 1e-9
+        assert rates[-1] < 0.5 * max(rates)
