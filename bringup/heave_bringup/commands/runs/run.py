@@ -106,8 +106,8 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
         f"none; detected if not given; S is its latency [s]). {LOCKSTEP}: a program of yours takes part in each tick "
         f"under its name (docs/contract.md); in the place of cable_sim ship_clock then leads the ticks. {BAG}: "
         "what NODE published in that bag is played back, the other nodes run live. fmu: a drive in the "
-        "place of virtual_winch, an FMU or a map that names one (.yaml), whose code runs as yours: name only one that you trust. "
-        f"{NONE}: only {ADVISER} can be left out; the controller then keeps its nominal",
+        "place of virtual_winch, an FMU or a map that names one (.yaml), whose code runs as yours: name only one that "
+        f"you trust. {NONE}: only {ADVISER} can be left out; the controller then keeps its nominal",
     )
     parser.add_argument(
         "--envelope",
