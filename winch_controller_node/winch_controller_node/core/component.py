@@ -11,7 +11,7 @@ import math
 from functools import partial
 
 from heave_node.interface.alarm import Alarm
-from heave_node.interface.codes import WinchLimit
+from heave_node.interface.codes import REQUESTED, WinchLimit
 from heave_node.interface.preview import HeavePreview
 from heave_node.parameters import describe
 
@@ -25,6 +25,7 @@ from winch_controller_node.core.estimation.observation import Observer
 from winch_controller_node.core.estimation.preview_watch import PreviewWatch
 from winch_controller_node.core.loop_command import LoopCommand, TickCommand
 from winch_controller_node.core.state_report import ControllerTick, state_report
+from winch_controller_node.core.supervision.after_stop import AfterStop
 from winch_controller_node.core.supervision.landing import LandingEvent
 from winch_controller_node.core.supervision.late_commands import LateCommands
 from winch_controller_node.core.supervision.mode_machine import ModeMachine
@@ -105,6 +106,7 @@ class WinchController:
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
         self._beliefs = BeliefsInForce(self._in_force, self._estimation, self._winch)
         self._encoder = EncoderReflex(tick_period)
+        self._after_stop = AfterStop(tick_period)
         self.proofs = Proofs(parameters, design.cable, tick_period)
         self._has_lost_encoder = 0
         self._alarms: list[Alarm] = []
@@ -403,6 +405,8 @@ class WinchController:
             self._change_mode(decision.mode, loop)
             self._act_on(decision.landing, loop)
             loop = self._estimation.refreshed(loop)
+        hangs = self._supervisor.landing.hangs
+        self._alarms += self._after_stop.step(loop, decision.mode, self.design.cable, hangs=hangs)
         observations = self._observe(loop, measurements.winch, decision.mode)
         preview = self._watch_preview(loop, measurements.preview)
         lift = self.crane.lift_share(self._command.governor.limits, self.mean.point.payout, loop.payout)
@@ -581,7 +585,8 @@ class WinchController:
             self._estimation.mean_tension.restart()
         if self.mean.has_target and mode.mode not in OPERATED:
             cause = f": {mode.reason}" if mode.reason else ""
-            ended = ALARMS.alarm("MOVE_ENDED", target=self.mean.target, payout=self.mean.point.payout, cause=cause)
+            code = "MOVE_ENDED" if mode.reason.endswith(REQUESTED) else "MOVE_LOST"
+            ended = ALARMS.alarm(code, target=self.mean.target, payout=self.mean.point.payout, cause=cause)
             self._alarms.append(ended)
         if mode.mode in BRAKED:
             self._estimation.motion.stand()

@@ -386,6 +386,23 @@ MODES = (
         "Request it again once the winch compensates",
     ),
     AlarmRow(
+        "MOVE_LOST",
+        HIGH,
+        "mode",
+        "the move to a payout of {target:.1f} m was ended near {payout:.1f} m by a fault{cause}",
+        "The unit hangs on the way, and moves with the ship",
+        "Remove the cause, then request compensation and the move again",
+    ),
+    AlarmRow(
+        "LOAD_SWINGS",
+        HIGH,
+        "unit",
+        "the stop has left the load in a swing of {swing:.2f} m, period {period:.1f} s, about its motion under a "
+        "locked drum, {locked:.2f} m now",
+        "Under the brake it takes some {half:.0f} min to halve",
+        "Keep clear of the load. {remedy}",
+    ),
+    AlarmRow(
         "PROGRAMME_WAITS",
         EVENT,
         "mode",
