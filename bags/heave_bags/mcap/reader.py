@@ -27,7 +27,6 @@ from heave_bags.mcap.files import (
     OUTCOME_RECORD,
     RUN_RECORD,
     BagSummary,
-    FileSummary,
     ListedFile,
     TopicSummary,
     file_counts,
@@ -180,7 +179,7 @@ class Bag:
         return [survey.path for survey in self._surveys]
 
     @property
-    def file_summaries(self) -> list[FileSummary]:
+    def file_summaries(self) -> list[ListedFile]:
         """What is in its files, in order."""
         return [survey.summary() for survey in self._surveys]
 
@@ -239,7 +238,7 @@ class Bag:
         losses = [*self._found.losses, *absent]
         total = self.stated.get("message_count")
         if len(losses) == 1 and losses[0].messages is None and isinstance(total, int):
-            rest = total - sum(survey.summary().message_count for survey in self._surveys)
+            rest = total - sum(survey.message_count for survey in self._surveys)
             losses = [replace(losses[0], messages=rest)] if rest > 0 else losses
         return losses
 
