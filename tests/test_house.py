@@ -50,7 +50,7 @@ BUDGETS = {
     "wave_vessel_node": (5_762, 4_400),
     "cable_sim_node": (11_990, 8_500),
     "winch_controller_node": (22_792, 14_000),
-    "bags": (11_379, 7_700),
+    "bags": (11_166, 7_700),
     "bringup": (8_952, 6_100),
     "extras/devices": (6_462, 4_900),
     "extras/studies": (16_056, 6_000),
