@@ -19,7 +19,7 @@ QUANTITIES: Mapping[str, tuple[str, float]] = {
 }
 """Unit in which each quantity is shown everywhere, and that over its SI unit: motion, force, ... power."""
 SHOWN: Mapping[str, tuple[str, float, int]] = {
-    "_wh_per_h": ("kWh/h", 1e-3, 3),
+    "_wh_per_h": ("kW", 1e-3, 2),
     "_m_per_h": ("m/h", 1.0, 0),
     "_per_h": ("1/h", 1.0, 0),
     "_percent": ("%", 1.0, 3),
