@@ -437,7 +437,9 @@ def test_the_report_fits_a_wide_screen_a_telephone_the_dark_and_paper(made_up_ba
         assert tab.get(width) <= 1400
         assert tab.get(named) == 3, "names stand beside the traces"
         assert tab.get(cut) == 0, "and inside the frame"
-        assert tab.get("document.querySelector('.figure').getBoundingClientRect().bottom") < 1100, "on the first screen"
+        assert tab.get("document.querySelector('.figure').getBoundingClientRect().bottom") < 1150, (
+            "on the first screen, below the drawing"
+        )
         tab.size(420, 900)
         tab.wait(f"{named} === 0")
         assert tab.get(width) <= 420

@@ -109,7 +109,7 @@ def test_what_was_reconstructed_takes_the_place_of_what_was_estimated_with_its_b
         "the true values were not recorded:  unit heave is reconstructed, uncompensated unit heave is reconstructed, "
         "boom-tip heave is measured, top tension is measured"
     ]
-    for words in ("90 % band 88.00 to 93.00", "same law again", "62.0 (58.0 to 66.0)", "fades out", "reconstructed"):
+    for words in ("90 % band 88.0 to 93.0", "same law again", "62.0 (58.0 to 66.0)", "fades out", "reconstructed"):
         assert words in page, words
     assert analysis.to_json(record)["whatif"] == {"chi2": 1.0}
 

@@ -115,8 +115,8 @@ def test_a_figure_that_a_short_run_cannot_have_says_what_it_needs():
     ("key", "relation", "bound", "value", "words"),
     [
         ("significant_residual_m", "<=", 0.05, 0.02526, "Significant residual 2.53 cm (required at most 5 cm): met"),
-        ("unit_efficiency", ">=", 0.95, 0.9, "Efficiency at the load 90.00 % (required at least 95 %): FAILED"),
-        ("tension_max_n", "<", 5e5, 53e4, "Top tension, largest 530.00 kN (required below 500 kN): FAILED"),
+        ("unit_efficiency", ">=", 0.95, 0.9, "Efficiency at the load 90.0 % (required at least 95 %): FAILED"),
+        ("tension_max_n", "<", 5e5, 53e4, "Top tension, largest 530.0 kN (required below 500 kN): FAILED"),
         ("snaps", "<", 1.0, 0.0, "Snaps 0 (required below 1): met"),
     ],
 )
