@@ -28,6 +28,7 @@ from winch_controller_node.core.state_report import ControllerTick, state_report
 from winch_controller_node.core.supervision.after_stop import AfterStop
 from winch_controller_node.core.supervision.landing import LandingEvent
 from winch_controller_node.core.supervision.late_commands import LateCommands
+from winch_controller_node.core.supervision.loop_words import loop_words
 from winch_controller_node.core.supervision.mode_machine import ModeMachine
 from winch_controller_node.core.supervision.modes import BRAKED, Mode, ModeError, ModeOutput
 from winch_controller_node.core.supervision.proofs import Driven, Proofs, Proven
@@ -419,6 +420,7 @@ class WinchController:
         self.proofs.note(order)
         command = self._command.last
         self._note_kpi(loop)
+        told = loop_words(decision.mode.mode, is_damped_blind=decision.is_damped and not loop.knows_tip)
         reported = ControllerTick(
             loop=loop,
             decision=decision,
@@ -430,11 +432,11 @@ class WinchController:
             gain=self._in_force.law.gain,
             covariance=self.estimator.covariance,
             depth_set_point=self._estimation.set_point,
-            sensors=self.observer.states(tick),
+            sensors=tuple(state.told(told) for state in self.observer.states(tick)),
         )
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
         mode, make_report = decision.mode, partial(state_report, reported)
-        alarms, authority = tuple(self._alarms), mode.authority
+        alarms, authority = tuple(alarm.told(told) for alarm in self._alarms), mode.authority
         return Outputs(
             order,
             mode.mode.value,

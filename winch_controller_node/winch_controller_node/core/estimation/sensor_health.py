@@ -32,7 +32,11 @@ of another is found."""
 BY_CHANCE = 2e-4
 """Probability of a run of equal readings below which a sensor is frozen: three of one that does not read in steps."""
 
+STALE, ABSENT = "stale", "absent"
+"""Reasons for which a sensor is lost: no data any more, and none since the start."""
+
 LOST_STATES = {
+    ABSENT: "ABSENT",
     "nan": "NOT_A_NUMBER",
     "wrong stamp": "BAD_STAMP",
     "late": "OUT_OF_ORDER",
@@ -66,7 +70,7 @@ def lost_alarm(sensor: str, reason: str, *, age: float, limit: float, since: flo
     since : time from which on its readings are too old when they come [s]; of a delayed sensor
     """
     prefix = sensor.upper()
-    if reason == "stale":
+    if reason == STALE:
         return ALARMS.alarm(f"{prefix}_STALE", age=age, limit=limit)
     if reason == "delayed":
         return ALARMS.alarm(f"{prefix}_LATE", age=age, limit=limit, since=since)
@@ -128,7 +132,8 @@ class SensorGate:
             reason = REJECTED_WORDS.get(self.reason, self.reason)
             return ALARMS.alarm(f"{self.sensor.upper()}_READING_REJECTED", reason=reason)
         age, limit, since = self._silence, self._largest_age, self._delayed_since
-        return lost_alarm(self.sensor, self.reason, age=age, limit=limit, since=since)
+        reason = ABSENT if self.reason == STALE and self._newest_accepted is None else self.reason
+        return lost_alarm(self.sensor, reason, age=age, limit=limit, since=since)
 
     @property
     def _largest_age(self) -> float:
