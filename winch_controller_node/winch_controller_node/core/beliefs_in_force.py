@@ -20,7 +20,7 @@ NONE = Beliefs(asked=-1)
 """All is nominal."""
 
 DROPPED = -1
-"""Number of the active beliefs where the core has dropped those of the adviser: it begins anew."""
+"""Number of the active beliefs where the core has dropped those of the adviser, which restarts."""
 
 OWN = "encoder"
 """Sensor that a reflex of the core alone sets aside and uses again: what the adviser says of that is an echo."""
@@ -39,7 +39,7 @@ class BeliefsInForce:
     restated : those that have changed since the start, and what to, by path
     beliefs : the active ones
     refused : answers that came too late, so far
-    trust : whether the adviser is believed
+    trust : whether the answers of the adviser are used
     corrected : owners whose assumed values have changed in this tick: winch, cable, a sensor
     has_moved_tip : the boom tip is taken to be elsewhere since this tick: what was seen of the sea is void
     """

@@ -369,6 +369,6 @@ class LoopCommand:
 
 
 def comes_to_rest(decision: Decision) -> bool:
-    """Tell whether the winch comes to rest from its last order, whatever is estimated."""
+    """Tell whether by a `decision` the winch comes to rest from its last order, whatever is estimated."""
     mode = decision.mode.mode
     return mode is Mode.STOPPING or (mode is Mode.FADE_OUT and not decision.trusts_estimate)
