@@ -712,6 +712,9 @@ class WinchController:
         act = self._encoder.look(tick, ordered, is_aside=is_aside)
         if act is Act.USE_AGAIN:
             observer.exclude("")
+        elif act is Act.SET_ASIDE and self._winch.drum.does_as_nominal(observer.encoder.scale):
+            self._beliefs.contradict("the drum does what a nominal winch was ordered", tick)
+            self._encoder.restart()
         elif act is Act.SET_ASIDE and ordered is not None:
             self._estimation.set_encoder_aside(ordered.payout, tick - 1)
             self._supervisor.guard.allow_correction("encoder")
