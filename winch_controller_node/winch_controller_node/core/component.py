@@ -177,6 +177,7 @@ class WinchController:
         Returns the mode taken in words. Raises ModeError, saying why, where it cannot be taken.
         """
         self._supervisor.timeouts.cancel()
+        self._supervisor.guard.release()
         self.envelope.acknowledge()
         self.proofs.ask(consent=consent)
         self.observer.trust()
