@@ -55,18 +55,28 @@ class SecondFilter:
     was : design of the active filter
     active : that filter, from whose state it begins
     tick : the last one
+    settling : time from its beginning in which nothing is compared [s]; 0: it is as sure as the active one
 
     Attributes
     ----------
     design : by which it predicts
     """
 
-    def __init__(self, design: ControllerDesign, was: ControllerDesign, active: KalmanEstimator, tick: int) -> None:
+    def __init__(
+        self,
+        design: ControllerDesign,
+        was: ControllerDesign,
+        active: KalmanEstimator,
+        tick: int,
+        settling: float = SETTLING,
+    ) -> None:
         self.design = design
         self._dt = design.tick_period
         self._estimator = design.make_estimator()
         start = carry_by_name(was, design) @ active.estimate
-        self._estimator.continue_at(tick, start, design.initial_covariance, active.streams)
+        covariance = design.initial_covariance if settling > 0.0 else active.covariance
+        self._estimator.continue_at(tick, start, covariance, active.streams)
+        self._settling = settling
         self._first = tick
         self._rows: dict[str, RowEvidence] = {}
 
@@ -90,7 +100,7 @@ class SecondFilter:
         unjudged : measurements that say nothing of who is right
         """
         self._estimator.step(tick, command, readings)
-        elapsed = (tick - self._first) * self._dt - SETTLING
+        elapsed = (tick - self._first) * self._dt - self._settling
         if elapsed <= 0.0:
             return
         for name, mine in self._estimator.innovations.items():
@@ -103,6 +113,11 @@ class SecondFilter:
     def nats(self) -> float:
         """Evidence for this filter against the active one [nats]."""
         return sum(row.nats for row in self._rows.values())
+
+    @property
+    def witness_against(self) -> str:
+        """Measurement that says most against it."""
+        return min(self._rows, key=lambda name: self._rows[name].nats)
 
     @property
     def witness(self) -> tuple[str, float]:

@@ -73,6 +73,8 @@ def lost_alarm(sensor: str, reason: str, *, age: float, limit: float, since: flo
         return ALARMS.alarm(f"{prefix}_STALE", age=age, limit=limit)
     if reason == "delayed":
         return ALARMS.alarm(f"{prefix}_LATE", age=age, limit=limit, since=since)
+    if (sensor, reason) == ("encoder", "frozen"):
+        return ALARMS.alarm("DRUM_OR_ENCODER_STILL")
     if reason in LOST_STATES:
         return ALARMS.alarm(f"{prefix}_{LOST_STATES[reason]}")
     return ALARMS.alarm(f"{prefix}_FAULT", status=reason)
