@@ -75,7 +75,7 @@ RETURNS = (
         "clear it at the winch, then request a mode",
     ),
     (
-        "`WINCH_OR_ENCODER_REVERSED`, `WINCH_OR_ENCODER_SCALE`",
+        "`WINCH_OR_ENCODER_REVERSED`, `WINCH_OR_ENCODER_SCALE`, `DRIVE_AT_FAULT`",
         "no",
         "check signs and scales, then request compensation",
     ),

@@ -180,6 +180,7 @@ class WinchController:
         Returns the mode taken in words. Raises ModeError, saying why, where it cannot be taken.
         """
         self._supervisor.timeouts.cancel()
+        self._supervisor.guard.release()
         self.envelope.acknowledge()
         self.proofs.ask(consent=consent)
         self.observer.trust()
@@ -711,6 +712,7 @@ class WinchController:
         if tick * self._dt - observer.encoder.jumped_at < self._command.time_of_another_count:
             self._estimation.reset_readings()
             self._winch.drum.restart()
+        self._separate(tick, is_frozen=is_lost and observer.gates["encoder"].reason == "frozen")
         moves = self.mode in (Mode.COMPENSATING, Mode.FADE_OUT)
         if not moves or not identifies_winch(self.parameters) or observer.excluded not in ("", "encoder"):
             return
@@ -719,10 +721,27 @@ class WinchController:
         act = self._encoder.look(tick, ordered, is_aside=is_aside)
         if act is Act.USE_AGAIN:
             observer.exclude("")
+        elif act is Act.SET_ASIDE and self._winch.drum.does_as_nominal(observer.encoder.scale):
+            self._beliefs.contradict("the drum does what a nominal winch was ordered", tick)
+            self._encoder.restart()
         elif act is Act.SET_ASIDE and ordered is not None:
+            self._estimation.compare_count(tick - 1)
             self._estimation.set_encoder_aside(ordered.payout, tick - 1)
             self._supervisor.guard.allow_correction("encoder")
             self._alarms.append(self._encoder.alarm)
+
+    def _separate(self, tick: int, *, is_frozen: bool) -> None:
+        """Name drive or encoder before a `tick`, once a third sensor shows which; `is_frozen`: the count."""
+        estimation, reflex = self._estimation, self._encoder
+        if not (is_frozen or self.observer.excluded == "encoder"):
+            estimation.by_count = None
+            reflex.agrees()
+        elif estimation.by_count is not None:
+            if named := reflex.separate(estimation.by_count):
+                self._alarms.append(named)
+                estimation.by_count = None
+        elif is_frozen and not reflex.is_separated and self.mode not in BRAKED:
+            estimation.compare_count(tick - 1)
 
     def _follow_length(self) -> None:
         """Follow the gain schedule, where there is one."""

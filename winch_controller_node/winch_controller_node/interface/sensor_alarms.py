@@ -43,13 +43,6 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
     def lost(state: str, words: str, action: str, follows: str = consequence) -> AlarmRow:
         return AlarmRow(f"{prefix}_{state}", severity, sensor, words, follows, action)
 
-    frozen: tuple[str, ...] = ("reading does not change", "Restart the sensor and its driver")
-    if sensor == "encoder":
-        frozen = (
-            "reading does not change although the winch is commanded to turn",
-            "Check that the drum turns (brake, dead zone of the drive). Restart the encoder, then request compensation",
-            "{loop}",
-        )
     found = [
         lost("STALE", "no data for {age:.2f} s, limit {limit:.2f} s", "Check its power, cable, driver and clock"),
         lost(
@@ -66,9 +59,9 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
         lost("NOT_A_NUMBER", "readings are not numbers", "Restart the sensor and its driver"),
         lost("BAD_STAMP", "time stamps are missing, or ahead of the controller", "Set the clock of the sensor"),
         lost("OUT_OF_ORDER", "readings arrive out of sequence, or twice", "Check the driver and the network"),
-        lost("FROZEN", *frozen),
     ]
     if sensor != "encoder":
+        found.append(lost("FROZEN", "readings do not change", "Restart the sensor or its driver"))
         found.append(
             lost(
                 "SPIKES",
@@ -194,20 +187,46 @@ READINGS = (
         "Check its scale and sign",
     ),
     AlarmRow(
-        "ENCODER_REVERSED",
+        "DRUM_OR_ENCODER_STILL",
         HIGH,
-        "encoder",
-        "the encoder turns opposite to the commands",
+        "drum",
+        "the count does not change while the winch is commanded to turn: the drum stands, or its encoder is frozen",
+        "{loop}. It resumes automatically once the count changes; while the drum rests, it may stay the same",
+        "Look at the drum. Where it stands, check brake, pressure and dead zone of the drive; where it turns, restart "
+        "the encoder or its driver. Then request compensation",
+    ),
+    AlarmRow(
+        "DRUM_OR_ENCODER_REVERSED",
+        HIGH,
+        "drum",
+        "the count goes opposite to the commands: the drum, or its encoder, is reversed",
         "{loop}",
         "Check the sign of encoder and drive",
     ),
     AlarmRow(
-        "ENCODER_SCALE_STEP",
+        "DRUM_OR_ENCODER_SCALE",
         HIGH,
-        "encoder",
-        "the encoder reads far more or less than commanded",
+        "drum",
+        "the count goes far more or less than commanded: the drum, or its encoder, does not do as it did",
         "{loop}",
         "Check the scale of the encoder, and the drive",
+    ),
+    AlarmRow(
+        "ENCODER_AT_FAULT",
+        HIGH,
+        "encoder",
+        "the drum does what it was commanded, by {witness}; the count does not say so",
+        "The count is not used. Compensation fades out where it stands; otherwise it continues by the commanded "
+        "payout, and ends if that takes longer than 20 s",
+        "Check the encoder, its scale, sign and driver",
+    ),
+    AlarmRow(
+        "DRIVE_AT_FAULT",
+        HIGH,
+        "winch",
+        "the drum does what the count says and not what it was commanded, by {witness}",
+        "Compensation ends; it does not resume automatically",
+        "Check the drive: brake, pressure, sign and scale of its set-point; then request compensation",
     ),
     AlarmRow(
         "LOAD_CELL_NEGATIVE",

@@ -234,7 +234,7 @@ class Supervisor:
             lost=lost,
             harm=f"{self.guard.reason}; {ASK_AGAIN}" if is_reversed else self.guard.reason,
             prospect="" if is_reversed else self.guard.prospect,
-            awaits_operator=is_reversed,
+            awaits_operator=is_reversed or self.guard.awaits_operator,
             resumes_after_fault=self.timeouts.is_pending,
             speed=winch.speed,
             envelope=winch.envelope,
