@@ -6,7 +6,7 @@ and finds this file from there: a package may be linked into another workspace, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -16,13 +16,13 @@ DATA_SUFFIXES = ("c", "csv", "css", "h", "html", "js", "json", "md", "npz", "txt
 """Endings of the files inside a package that are installed with its modules."""
 
 
-def set_up(*, scripts: Sequence[str] = (), commands: Sequence[str] = ()) -> None:
+def set_up(*, scripts: Sequence[str] = (), parts: Mapping[str, Sequence[str]] | None = None) -> None:
     """Set up the package in the working folder.
 
     Parameters
     ----------
     scripts : its executables, each "NAME = MODULE:FUNCTION"
-    commands : its subcommands of `heave`, each "NAME = MODULE"
+    parts : what it adds to the suite, each "NAME = PLACE", by the group of entry points, as "heave.commands"
     """
     manifest = ElementTree.parse("package.xml").getroot()
     name = manifest.findtext("name")
@@ -43,7 +43,7 @@ def set_up(*, scripts: Sequence[str] = (), commands: Sequence[str] = ()) -> None
         install_requires=["setuptools"],
         extras_require={"test": ["pytest"]},
         zip_safe=False,
-        entry_points={"console_scripts": list(scripts), "heave.commands": list(commands)},
+        entry_points={"console_scripts": list(scripts), **{group: list(of) for group, of in (parts or {}).items()}},
     )
 
 

@@ -41,7 +41,7 @@ PAGES = {
     "bringup/README.md": "packages/bringup.md",
     "bringup/heave_bringup/scenarios/README.md": "reference/scenarios.md",
     "cable_sim_node/README.md": "packages/cable_sim.md",
-    "cable_sim_node/cable_sim_node/winch/drives/README.md": "packages/drives.md",
+    "extras/drives/README.md": "packages/drives.md",
     "msgs/README.md": "packages/msgs.md",
     "node_base/README.md": "packages/node_base.md",
     "wave_vessel_node/README.md": "packages/wave_vessel.md",

@@ -1,4 +1,4 @@
-"""A controller in place of the suite's: heave run b2_calm_300 --pacing realtime --external winch_controller.
+"""A controller in place of the suite's: heave run b2_calm_300 --pacing realtime --replace winch_controller=external.
 
 It pays out what the boom tip rises: a feed-forward of the MRU, extrapolated by the time a command takes to act, with a
 weak pull towards the middle of the drum. The contract is docs/contract.md.

@@ -1,4 +1,4 @@
-"""A controller that takes part in each tick, in lockstep: heave run b2_calm_300 --foreign winch_controller.
+"""A controller that takes part in each tick, in lockstep: heave run b2_calm_300 --replace winch_controller=lockstep.
 
 The law is that of controller.py. The contract is docs/contract.md.
 """

@@ -1,4 +1,4 @@
-"""A plant of your own, in lockstep: heave run b2_calm_300 --foreign cable_sim.
+"""A plant of your own, in lockstep: heave run b2_calm_300 --replace cable_sim=lockstep.
 
 The load hangs on a cable that does not stretch; ship_clock leads the ticks. The contract is docs/contract.md.
 """

@@ -1,6 +1,6 @@
 """A wave radar that predicts the boom tip's heave, once a second, beside vessel.py, whose swell it sees come.
 
-heave run b2_calm_300 --pacing realtime --external wave_vessel --set winch_controller.mpc.preview_time=4
+heave run b2_calm_300 --pacing realtime --replace wave_vessel=external --set winch_controller.mpc.preview_time=4
 The contract is docs/contract.md.
 """
 

@@ -1,4 +1,6 @@
-"""A vessel with its MRU in place of the simulated one: heave run b2_calm_300 --pacing realtime --external wave_vessel.
+"""A vessel with its MRU in place of the simulated one.
+
+heave run b2_calm_300 --pacing realtime --replace wave_vessel=external
 
 The sea is a swell of one sine. The contract is docs/contract.md.
 """

@@ -1,4 +1,4 @@
-"""A winch drive in place of the virtual one: heave run b2_calm_300 --pacing realtime --external virtual_winch.
+"""A winch drive in place of the virtual one: heave run b2_calm_300 --pacing realtime --replace virtual_winch=external.
 
 It follows the payout rate that it is commanded, within its limits; it stops and brakes by itself when commands stop,
 and says so. The contract is docs/contract.md.

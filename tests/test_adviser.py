@@ -71,13 +71,15 @@ def test_each_batch_of_a_lockstep_run_is_answered_in_time(calm_bag):
 def test_how_long_the_adviser_takes_is_not_in_a_lockstep_bag(tmp_path, calm_bag):
     folder = tmp_path / "run"
     with domain_id() as domain, started(domain, str(PROGRAM), "0.0", "0.4"):
-        run = give(domain, *CALM, "--duration", str(CALM_DURATION), "--bag", str(folder), "--foreign", "winch_adviser")
+        run = give(
+            domain, *CALM, "--duration", str(CALM_DURATION), "--bag", str(folder), "--replace", "winch_adviser=lockstep"
+        )
     assert run.returncode == 0, run.stderr
     assert recorded_messages(folder / "bag") == recorded_messages(calm_bag)
 
 
 def test_an_adviser_that_does_not_answer_in_lockstep_is_named_and_ends_the_run(tmp_path):
-    options = ("--foreign", "winch_adviser", "--set", "all.participant_timeout=3")
+    options = ("--replace", "winch_adviser=lockstep", "--set", "all.participant_timeout=3")
     with domain_id() as domain, started(domain, str(PROGRAM), "60.0", "60.0") as program:
         run = give(domain, *CALM, "--duration", "100", "--bag", str(tmp_path / "run"), *options)
         program.kill()
@@ -95,7 +97,7 @@ def test_the_answers_of_a_run_are_given_again_bit_for_bit(calm_bag):
 
 def test_a_run_without_the_adviser_keeps_the_nominal_and_says_nothing_of_it(tmp_path):
     folder = tmp_path / "run"
-    run = heave(*CALM, "--duration", "3", "--bag", str(folder), "--without", "winch_adviser", "--composed")
+    run = heave(*CALM, "--duration", "3", "--bag", str(folder), "--replace", "winch_adviser=none", "--composed")
     assert run.returncode == 0, run.stderr
     bag = Bag(folder / "bag")
     assert "/controller/beliefs" not in bag.topics
@@ -107,9 +109,9 @@ def test_a_run_without_the_adviser_keeps_the_nominal_and_says_nothing_of_it(tmp_
 
 
 def test_no_other_node_can_be_left_out():
-    run = heave(*CALM, "--without", "virtual_winch")
+    run = heave(*CALM, "--replace", "virtual_winch=none")
     assert run.returncode == 2
-    assert run.stderr.startswith("heave: --without virtual_winch: must be winch_adviser")
+    assert run.stderr.startswith("heave: --replace virtual_winch=none: NODE must be winch_adviser")
 
 
 @pytest.mark.slow
@@ -117,7 +119,7 @@ def test_in_real_time_a_slow_adviser_holds_nothing_up_and_its_late_answers_are_r
     """An answer takes 1.5 s, and 1 s is allowed."""
     folder = tmp_path / "run"
     with domain_id() as domain, started(domain, str(PROGRAM), "1.5", "1.5"):
-        options = ("--duration", "12", "--foreign", "winch_adviser", *REAL_TIME)
+        options = ("--duration", "12", "--replace", "winch_adviser=lockstep", *REAL_TIME)
         run = give(domain, *CALM, *options, "--bag", str(folder))
     assert run.returncode == 0, run.stderr
     assert "ADVISER_LATE (" in run.stdout + run.stderr
@@ -217,7 +219,7 @@ def test_beliefs_of_a_stranger_are_not_taken_and_fail_the_run(tmp_path):
 @pytest.mark.slow
 def test_an_external_adviser_need_not_be_there(tmp_path):
     folder = tmp_path / "run"
-    run = heave(*CALM, "--duration", "6", "--external", "winch_adviser", *REAL_TIME, "--bag", str(folder))
+    run = heave(*CALM, "--duration", "6", "--replace", "winch_adviser=external", *REAL_TIME, "--bag", str(folder))
     assert run.returncode == 0, run.stderr
     assert "ADVISER_SILENT (" in run.stdout + run.stderr
     assert adviser_part(folder / "bag")[0] == DiagnosticStatus.WARN

@@ -147,7 +147,7 @@ def test_encoders_behind_an_adapter_take_the_place_of_the_simulated_ones_while_t
     settings = [f"wave_vessel.crane.{move}" for move in moves]
     settings += ["wave_vessel.ramp=5.0", "winch_controller.law=lqg", "cable_sim.segments=6", "all.transient=10"]
     settings += ["winch_controller.modes.settling_time=5.0", "winch_controller.crane.joints=[slew, luff, knuckle]"]
-    options = ["--pacing", "realtime", "--duration", "50", "--no-report", "--external", "crane/pose"]
+    options = ["--pacing", "realtime", "--duration", "50", "--no-report", "--replace", "crane/pose=external"]
     options += [part for setting in settings for part in ("--set", setting)]
     with domain_id() as domain:
         program = str(Path(__file__).with_name("crane_encoders.py"))

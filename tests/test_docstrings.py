@@ -29,7 +29,7 @@ PACKAGES = {
     "winch_controller_node": "winch_controller_node",
     "bags": "heave_bags",
     "bringup": "heave_bringup",
-    **{f"extras/{name}": f"heave_{name}" for name in ("devices", "studies", "statics", "panel", "fmu")},
+    **{f"extras/{name}": f"heave_{name}" for name in ("devices", "studies", "statics", "drives", "panel", "fmu")},
 }
 
 

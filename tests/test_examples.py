@@ -54,7 +54,7 @@ def running(nodes: list[str], domain: int, *arguments: str) -> Iterator[None]:
 def test_the_loop_closes_with_the_examples_in_place_of_its_nodes(nodes, tmp_path):
     options = ["--pacing", "realtime", "--duration", "45", "--no-report", "--set", "all.transient=30.0"]
     options += ["--set", "winch_controller.modes.settling_time=5.0", "--set", "wave_vessel.ramp=5.0"]
-    options += [word for node in nodes for word in ("--external", node)]
+    options += [word for node in nodes for word in ("--replace", f"{node}=external")]
     with domain_id() as domain, running(nodes, domain):
         run = give(domain, "run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options)
     assert run.returncode in HAS_RUN, run.stderr
@@ -71,7 +71,7 @@ def test_the_plant_may_be_the_ship_itself(tmp_path):
     nodes = ["wave_vessel", "virtual_winch"]
     options = ["--pacing", "realtime", "--duration", "25", "--json", str(tmp_path / "kpi.json")]
     options += ["--set", "all.transient=15.0", "--set", "winch_controller.modes.settling_time=5.0"]
-    options += [word for node in (*nodes, "cable_sim") for word in ("--external", node)]
+    options += [word for node in (*nodes, "cable_sim") for word in ("--replace", f"{node}=external")]
     with domain_id() as domain, running(nodes, domain):
         run = give(domain, "run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options)
     assert run.returncode in HAS_RUN, run.stderr
@@ -85,7 +85,7 @@ def test_the_plant_may_be_the_ship_itself(tmp_path):
 @pytest.mark.slow
 @pytest.mark.long
 def test_a_radar_beside_the_vessel_tells_the_controller_what_is_to_come(tmp_path):
-    options = ["--pacing", "realtime", "--duration", "30", "--no-report", "--external", "wave_vessel"]
+    options = ["--pacing", "realtime", "--duration", "30", "--no-report", "--replace", "wave_vessel=external"]
     options += ["--set", "winch_controller.mpc.preview_time=4", "--set", "all.transient=20.0"]
     with domain_id() as domain, running(["wave_vessel", "radar"], domain):
         run = give(domain, "run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options)
@@ -108,7 +108,15 @@ def test_a_foreign_controller_takes_part_in_lockstep_and_equal_seeds_give_equal_
     bags = []
     for name in ("first", "second"):
         folder = tmp_path / name
-        options = ["--foreign", "winch_controller", "--duration", "15", "--no-report", "--set", "wave_vessel.ramp=1.0"]
+        options = [
+            "--replace",
+            "winch_controller=lockstep",
+            "--duration",
+            "15",
+            "--no-report",
+            "--set",
+            "wave_vessel.ramp=1.0",
+        ]
         with domain_id() as domain:
             foreign = [sys.executable, str(EXAMPLES / "lockstep_controller.py")]
             program = subprocess.Popen(foreign, env=environment(domain), stderr=subprocess.PIPE, text=True)
@@ -128,7 +136,7 @@ def test_a_foreign_controller_takes_part_in_lockstep_and_equal_seeds_give_equal_
 )
 def test_a_node_that_cannot_be_foreign_is_refused(node, words):
     with domain_id() as domain:
-        run = give(domain, "run", "b2_calm_300", "--foreign", node)
+        run = give(domain, "run", "b2_calm_300", "--replace", f"{node}=lockstep")
     assert run.returncode == 2
     assert words in run.stderr
 
@@ -137,7 +145,7 @@ def test_a_node_that_cannot_be_foreign_is_refused(node, words):
 @pytest.mark.parametrize("node", PROGRAM)
 def test_each_example_is_as_the_contract_says(node):
     with domain_id() as domain, running([node], domain):
-        check = give(domain, "check", "--external", node, "--seconds", "3")
+        check = give(domain, "check", "--replace", f"{node}=external", "--seconds", "3")
     assert check.returncode == 0, check.stdout + check.stderr
 
 
@@ -170,7 +178,7 @@ def test_a_correct_sensor_that_publishes_by_its_own_timer_passes_also_what_it_se
     with domain_id() as domain:
         program = subprocess.Popen([sys.executable, "-c", ON_ITS_OWN_TIMER], env=environment(domain))
         try:
-            check = give(domain, "check", "--external", "wave_vessel", "--seconds", "3")
+            check = give(domain, "check", "--replace", "wave_vessel=external", "--seconds", "3")
         finally:
             program.kill()
             program.wait()
@@ -181,7 +189,7 @@ def test_a_correct_sensor_that_publishes_by_its_own_timer_passes_also_what_it_se
 def test_a_node_that_is_not_there_is_named(node):
     """Of the plant no topic is required: each sensor may be left off, but not all."""
     with domain_id() as domain:
-        check = give(domain, "check", "--external", node, "--seconds", "2")
+        check = give(domain, "check", "--replace", f"{node}=external", "--seconds", "2")
     assert check.returncode == ExitStatus.VERDICT_FAILED
     assert f"{node}: all: publisher" in check.stderr
     assert "nobody publishes any of these topics: is the node running" in " ".join(check.stdout.split())
@@ -190,8 +198,8 @@ def test_a_node_that_is_not_there_is_named(node):
 def test_a_node_in_a_namespace_is_checked_there_and_hinted_at_elsewhere():
     in_namespace = ("--ros-args", "-r", "__ns:=/alpha")
     with domain_id() as domain, running(["wave_vessel"], domain, *in_namespace):
-        elsewhere = give(domain, "check", "--external", "wave_vessel", "--seconds", "2")
-        there = give(domain, "check", "--external", "wave_vessel", "--seconds", "3", "--namespace", "alpha")
+        elsewhere = give(domain, "check", "--replace", "wave_vessel=external", "--seconds", "2")
+        there = give(domain, "check", "--replace", "wave_vessel=external", "--seconds", "3", "--namespace", "alpha")
     assert "/alpha/mru" in elsewhere.stderr
     assert there.returncode == 0, there.stdout + there.stderr
 

@@ -21,7 +21,7 @@ def run_with_plant(folder: Path, *options: str) -> tuple[subprocess.CompletedPro
             [sys.executable, str(PLANT)], env=environment(domain), stderr=subprocess.PIPE, text=True
         )
         try:
-            arguments = ("--foreign", "cable_sim", "--bag", str(folder), "--no-report", *options)
+            arguments = ("--replace", "cable_sim=lockstep", "--bag", str(folder), "--no-report", *options)
             run = give(domain, "run", "b2_calm_300", *arguments)
             _, said = plant.communicate(timeout=30.0)
         finally:

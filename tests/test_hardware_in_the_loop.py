@@ -53,7 +53,7 @@ except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
 @pytest.mark.long
 def test_a_real_winch_takes_the_place_of_the_virtual_one(tmp_path):
     folder = tmp_path / "run"
-    options = ["--pacing", "realtime", "--duration", "30", "--external", "virtual_winch", "--no-report"]
+    options = ["--pacing", "realtime", "--duration", "30", "--replace", "virtual_winch=external", "--no-report"]
     options += ["--set", "wave_vessel.ramp=5.0"]
     with domain_id() as domain:
         drive = subprocess.Popen([sys.executable, "-c", REAL_WINCH], env=environment(domain))
@@ -82,7 +82,7 @@ def test_a_real_winch_takes_the_place_of_the_virtual_one(tmp_path):
 @pytest.mark.long
 def test_a_winch_with_a_loop_and_a_clock_of_its_own_compensates(tmp_path):
     """The suite's own drive, 300 ppm fast: commands act after the modelled delay, readings are in time."""
-    options = ["--pacing", "realtime", "--duration", "90", "--external", "virtual_winch=own", "--no-report"]
+    options = ["--pacing", "realtime", "--duration", "90", "--replace", "virtual_winch=external:own", "--no-report"]
     options += ["--set", "all.transient=40.0", "--set", "wave_vessel.ramp=5.0", "--json", str(tmp_path / "kpi.json")]
     options += ["--set", "winch_controller.modes.settling_time=5.0", "--bag", str(tmp_path / "run")]
     with domain_id() as domain:

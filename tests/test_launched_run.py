@@ -28,7 +28,7 @@ def test_arguments_change_the_scenario_as_the_options_of_the_command_do(tmp_path
         "duration": "30",
         "seed": "7",
         "set": "winch_controller.law=lqg 'system.sea.peak_period=7.5'",
-        "external": "virtual_winch, wave_vessel",
+        "replace": "virtual_winch=external wave_vessel=external",
     }
     folder, names = prepare(arguments)
     assert names == ["cable_sim", "winch_controller", "winch_adviser", "recorder"]
@@ -39,7 +39,7 @@ def test_arguments_change_the_scenario_as_the_options_of_the_command_do(tmp_path
 
 
 def test_arguments_that_are_empty_change_nothing():
-    assert settings_of({"pacing": "", "duration": "", "seed": "", "set": "", "external": ""}) == []
+    assert settings_of({"pacing": "", "duration": "", "seed": "", "set": "", "replace": ""}) == []
 
 
 @pytest.mark.parametrize(
@@ -49,6 +49,8 @@ def test_arguments_that_are_empty_change_nothing():
         ({"set": "winch_controller.lawn=lqg"}, "lawn"),
         ({"set": "a='b"}, "set:="),
         ({"duration": "-1"}, "duration:=-1"),
+        ({"replace": "wave_vessel"}, "replace:=wave_vessel"),
+        ({"replace": "wave_vessel=bag:bag"}, "external, lockstep, none"),
     ],
 )
 def test_a_wrong_argument_is_refused_in_one_line(tmp_path, arguments, words):

@@ -7,9 +7,8 @@ import math
 from pathlib import Path
 
 import pytest
-from heave_bringup.scenarios import shipped_scenarios
 
-from tests.campaigns.museum import AS_BUILT, INCIDENTS, judge
+from tests.campaigns.museum import AS_BUILT, FOLDER, INCIDENTS, judge
 
 PAGE = Path(__file__).parents[1] / "docs" / "guide" / "validation" / "museum.md"
 INCIDENT = {one.scenario.removeprefix("museum_"): one for one in INCIDENTS}
@@ -77,8 +76,8 @@ def test_a_payout_zero_that_was_not_set_is_named_before_the_lowering_and_a_landi
     assert judged.moved < 0.35  # of rope on a unit that stands
 
 
-def test_the_museum_is_shipped_as_built_and_ours_and_its_page_has_a_row_of_each():
-    shipped = {name for name in shipped_scenarios() if name.startswith("museum_")}
+def test_the_museum_is_there_as_built_and_ours_and_its_page_has_a_row_of_each():
+    shipped = {path.stem for path in FOLDER.glob("*.yaml")}
     assert shipped == {one.scenario + suffix for one in INCIDENTS for suffix in ("", AS_BUILT)}
     page = PAGE.read_text(encoding="utf-8")
     assert [one.scenario for one in INCIDENTS if f"| `{one.scenario}` |" not in page] == []

@@ -88,7 +88,7 @@ def test_so_it_is_with_the_sea_on_cable_and_unit_and_with_that_sea_from_its_bag(
     options = [part for name, value in WAVES.items() for part in ("--set", f"{name}={value}")]
     bag = run_scenario(tmp_path / "run", duration=8.0, options=[*options, "--composed"])
     compare(bag)
-    again = run_scenario(tmp_path / "again", duration=8.0, options=[*options, "--from-bag", f"wave_vessel={bag}"])
+    again = run_scenario(tmp_path / "again", duration=8.0, options=[*options, "--replace", f"wave_vessel=bag:{bag}"])
     assert recorded_messages(again) == recorded_messages(bag)
     waves = [message for _, message in Bag(bag).decoded(["wave_components"])]
     assert [len(message.amplitude) for message in waves] == [60]

@@ -1,14 +1,7 @@
-"""An operator at a run that is under way: every verb of `heave operate`, and the screen, over ROS."""
+"""An operator at a run that is under way: every verb of `heave operate`, over ROS."""
 
-import fcntl
 import json
-import os
-import pty
-import struct
 import subprocess
-import sys
-import termios
-import time
 
 import pytest
 from domain_coordinator import domain_id
@@ -43,31 +36,6 @@ class Operator:
         return json.loads(self.must("status", "--json", "-"))
 
 
-def screen(domain, keys, until):
-    """Give `keys` to the screen in a terminal of its own until it shows a text; return what it showed."""
-    process, terminal = pty.fork()
-    if process == 0:
-        os.environ.update(environment(domain), TERM="xterm")
-        os.execv(sys.executable, command("operate"))
-    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 120, 0, 0))
-    shown, keys, deadline = "", list(keys), time.monotonic() + 90.0
-    while until not in shown:
-        assert time.monotonic() < deadline, shown[-3000:]
-        shown += os.read(terminal, 65536).decode(errors="ignore")
-        if keys and "SPACE: EMERGENCY STOP" in shown:
-            os.write(terminal, keys.pop(0).encode())
-            time.sleep(0.3)
-    os.write(terminal, b"q")
-    try:
-        while os.read(terminal, 65536):
-            pass
-    except OSError:
-        pass  # the other end of the terminal has closed
-    _, status = os.waitpid(process, 0)
-    assert os.waitstatus_to_exitcode(status) == 0
-    return shown
-
-
 @pytest.mark.slow
 @pytest.mark.long
 def test_every_verb_has_a_definite_answer_at_a_run_under_way(tmp_path):
@@ -86,7 +54,6 @@ def test_every_verb_has_a_definite_answer_at_a_run_under_way(tmp_path):
         try:
             wait_until(lambda: "running at" in operator("status").stdout, 120.0)
             use_every_verb(operator, tmp_path)
-            use_the_screen(domain, operator)
         finally:
             run.terminate()
             run.wait(60.0)
@@ -130,10 +97,3 @@ def use_every_verb(operator, folder):
     assert answer["done"]
     assert operator.status()["controller"]["mode"] == "emergency_stop"
     assert operator.status()["winch"]["brake"] is True
-
-
-def use_the_screen(domain, operator):
-    screen(domain, ["b", "y"], until="standby: mode standby")
-    assert operator.status()["controller"]["mode"] == "standby"
-    screen(domain, [" "], until="EMERGENCY STOP: emergency stop by the controller")
-    assert operator.status()["controller"]["mode"] == "emergency_stop"

@@ -65,7 +65,7 @@ def test_what_another_recorder_says_of_itself_is_no_part_of_a_run_in_lockstep(ba
 @pytest.mark.slow
 @pytest.mark.long
 def test_the_sea_that_heave_record_has_recorded_leads_to_the_same_run(bags, tmp_path):
-    options = ["--from-bag", f"wave_vessel={bags['live']}", "--set", "all.transient=4"]
+    options = ["--replace", f"wave_vessel=bag:{bags['live']}", "--set", "all.transient=4"]
     again = run_scenario(tmp_path / "again", duration=DURATION, options=options)
     assert of_the_run(again) == of_the_run(bags["suite"])
 

@@ -12,13 +12,14 @@ from xml.etree import ElementTree
 
 import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_path
-from heave_bringup.commands.extras import EXTRA_OF
+from cable_sim_node.winch.drives import registry
+from heave_bringup import replacements
+from heave_bringup.commands import extras
 from heave_bringup.nodes import PROCESS_BY_NAME
+from heave_bringup.run import records
 from heave_node.ros.transport.environment import prepare_environment
 from packaging.requirements import Requirement
 from packaging.version import Version
-
-from tests.test_house import UPWARDS
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -72,17 +73,18 @@ def names_in(module: Path) -> tuple[set[str], set[str]]:
 providers_of_names = cache(packages_distributions)
 
 
-def entry_points_of_setup(path: Path, kind: str) -> dict[str, str]:
-    """Return the entry points of a `kind`, "scripts" or "commands", of a setup.py, read without running it."""
+def entry_points_of_setup(path: Path) -> dict[str, dict[str, str]]:
+    """Return the entry points of a setup.py, by group and name, read without running it."""
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "set_up":
-            found = [one for words in node.keywords if words.arg == kind for one in ast.literal_eval(words.value)]
-            return dict(re.split(r"\s*=\s*", one, maxsplit=1) for one in found)
+            given = {words.arg: ast.literal_eval(words.value) for words in node.keywords}
+            groups = {"console_scripts": given.get("scripts", ()), **given.get("parts", {})}
+            return {group: dict(re.split(r"\s*=\s*", one, maxsplit=1) for one in of) for group, of in groups.items()}
     raise AssertionError(f"{path} sets no package up")
 
 
 def console_scripts_of_setup(path: Path) -> dict[str, str]:
-    return entry_points_of_setup(path, "scripts")
+    return entry_points_of_setup(path)["console_scripts"]
 
 
 def test_every_package_of_the_house_has_a_manifest():
@@ -91,7 +93,7 @@ def test_every_package_of_the_house_has_a_manifest():
         "bringup",
         "cable_sim_node",
         "core",
-        *("devices", "fmu", "panel", "statics", "studies"),
+        *("devices", "drives", "fmu", "panel", "statics", "studies"),
         "msgs",
         "node_base",
         "wave_vessel_node",
@@ -130,12 +132,17 @@ def test_pip_and_colcon_install_the_same_executables():
     assert by_colcon == PYPROJECT["project"]["scripts"]
 
 
-def test_pip_and_colcon_install_the_same_subcommands_of_extras():
-    by_colcon: dict[str, str] = {}
+def test_pip_and_colcon_install_the_same_parts_of_extras():
+    by_colcon: dict[str, dict[str, str]] = {}
     for path in PYTHON_MANIFESTS:
-        by_colcon |= entry_points_of_setup(path.parent / "setup.py", "commands")
-    assert by_colcon == PYPROJECT["project"]["entry-points"]["heave.commands"]
-    assert set(by_colcon) == set(EXTRA_OF)
+        for group, parts in entry_points_of_setup(path.parent / "setup.py").items():
+            by_colcon[group] = {**by_colcon.get(group, {}), **parts}
+    del by_colcon["console_scripts"]
+    assert by_colcon == PYPROJECT["project"]["entry-points"]
+    assert set(by_colcon[extras.COMMANDS]) == set(extras.EXTRA_OF)
+    assert set(by_colcon[records.RECORD_EXTRAS]) == set(records.EXTRA_OF)
+    assert set(by_colcon[registry.GROUP]) == set(registry.EXTRA_OF)
+    assert set(by_colcon[replacements.GROUP]) == set(replacements.EXTRA_OF)
 
 
 def test_ros_finds_each_executable_under_the_package_that_colcon_puts_it_in():
@@ -157,8 +164,7 @@ def test_a_manifest_names_each_package_of_the_suite_that_is_imported_and_no_othe
         # modules started or looked up by name
         by_name = {name for name in suite for text in texts if text.startswith((f"{name}.", f"{name}:"))}
         imported |= names | by_name
-    knots = {knot.split()[-1].split(".")[0] for knot in UPWARDS if knot.split(".")[0] == name_of(path)}
-    assert named == (imported & suite) - {name_of(path)} - knots
+    assert named == (imported & suite) - {name_of(path)}
 
 
 @pytest.mark.parametrize("path", PYTHON_MANIFESTS, ids=folder_id)

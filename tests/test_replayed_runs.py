@@ -10,7 +10,7 @@ from tests.loop_runs import CALM_DURATION, heave, run_scenario
 @pytest.mark.slow
 def test_recorded_sea_and_sensors_lead_the_same_controller_to_the_same_run(calm_bag, tmp_path):
     replaced = ("wave_vessel", "cable_sim", "virtual_winch")
-    options = [part for node in replaced for part in ("--from-bag", f"{node}={calm_bag}")]
+    options = [part for node in replaced for part in ("--replace", f"{node}=bag:{calm_bag}")]
     again = run_scenario(tmp_path / "again", duration=CALM_DURATION, options=options)
     assert list(Bag(again).messages()) == list(Bag(calm_bag).messages())
 
@@ -18,7 +18,7 @@ def test_recorded_sea_and_sensors_lead_the_same_controller_to_the_same_run(calm_
 def test_a_bag_that_is_too_short_is_refused_in_one_line(calm_bag, tmp_path):
     result = heave(
         *("run", "b2_calm_300", "--duration", "100", "--bag", str(tmp_path / "again"), "--no-report"),
-        *("--from-bag", f"wave_vessel={calm_bag}"),
+        *("--replace", f"wave_vessel=bag:{calm_bag}"),
     )
     assert result.returncode != 0
     assert "the run lasts 100 s" in result.stderr.strip().splitlines()[-1]

@@ -159,7 +159,16 @@ WINCH = Path(__file__).parents[1] / "examples" / "winch.py"
 def test_a_winch_on_another_host_stops_where_the_link_is_down_for_longer_than_its_watchdog(
     hosts, started, tmp_path, seconds, stops
 ):
-    options = ["--pacing", "realtime", "--duration", "130", "--network", "--external", "virtual_winch", "--no-report"]
+    options = [
+        "--pacing",
+        "realtime",
+        "--duration",
+        "130",
+        "--network",
+        "--replace",
+        "virtual_winch=external",
+        "--no-report",
+    ]
     for setting in ("winch_controller.modes.settling_time=5", "wave_vessel.ramp=5", "all.transient=30"):
         options += ["--set", setting]
     run = hosts[0].start(*command("run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options))

@@ -37,14 +37,16 @@ def test_a_bag_of_another_recorder_tells_in_which_tick_each_message_was_publishe
 
 def test_the_sea_from_another_recorder_by_the_host_s_clock_gives_the_same_run(calm_bag, tmp_path):
     foreign = write_foreign(calm_bag, tmp_path / "foreign", by_host_clock)
-    again = run_scenario(tmp_path / "again", duration=CALM_DURATION, options=["--from-bag", f"wave_vessel={foreign}"])
+    again = run_scenario(
+        tmp_path / "again", duration=CALM_DURATION, options=["--replace", f"wave_vessel=bag:{foreign}"]
+    )
     assert recorded_messages(again) == recorded_messages(calm_bag)
     assert [Bag(bag).run["replaced"] for bag in (again, calm_bag)] == ["wave_vessel", ""]
 
 
 def test_the_sea_of_a_run_in_one_namespace_gives_the_same_run_in_another(calm_bag, tmp_path):
     foreign = write_foreign(calm_bag, tmp_path / "foreign", by_host_clock, namespace="/fleet/east")
-    options = ["--namespace", "west", "--from-bag", f"wave_vessel={foreign}"]
+    options = ["--namespace", "west", "--replace", f"wave_vessel=bag:{foreign}"]
     again = run_scenario(tmp_path / "again", duration=CALM_DURATION, options=options)
     assert recorded_messages(again) == [(f"/west{name}", *rest) for name, *rest in recorded_messages(calm_bag)]
 
@@ -62,13 +64,13 @@ def test_a_bag_of_several_runs_is_refused_as_a_substitute(calm_bag, tmp_path):
 
 @pytest.mark.long
 def test_the_recorded_sea_through_the_same_scenario_gives_the_same_run(calm_bag, tmp_path):
-    options = ["--from-bag", f"wave_vessel={calm_bag}"]
+    options = ["--replace", f"wave_vessel=bag:{calm_bag}"]
     again = run_scenario(tmp_path / "again", duration=CALM_DURATION, options=options)
     assert recorded_messages(again) == recorded_messages(calm_bag)
 
 
 def test_the_recorded_sea_against_another_controller_is_the_same_sea_and_another_run(calm_bag, tmp_path):
-    options = ["--from-bag", f"wave_vessel={calm_bag}", "--set", "winch_controller.law=off"]
+    options = ["--replace", f"wave_vessel=bag:{calm_bag}", "--set", "winch_controller.law=off"]
     what_if = recorded_messages(run_scenario(tmp_path / "what_if", duration=CALM_DURATION, options=options))
     before = recorded_messages(calm_bag)
     for topic in ("/boom_tip", "/mru", "/unit_uncompensated"):

@@ -127,7 +127,7 @@ class ClosedLoop:
     Parameters
     ----------
     parameters : of all components
-    has_adviser : False leaves the adviser out, as `--without winch_adviser` does
+    has_adviser : False leaves the adviser out, as `--replace winch_adviser=none` does
 
     Attributes
     ----------

@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-import atexit
 import difflib
 import os
 import re
-import shutil
-import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
-from importlib import resources
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from heave_node.catalogue import with_entries
 from heave_node.criteria import WANTED, Criterion
+from heave_node.extras import extra_parts
 from heave_node.files.whole_file import whole_file
 from heave_node.parameters import Given, ParameterError, describe, flatten, unknown_parameter
 from heave_node.run_parameters import NodeParameters, RunParameters, build_node_parameters
 from heave_node.scenario import WILDCARD, Sections, parse_sections, read_sections
 from heave_node.system_parameters import SYSTEM, owned_names, system_names
-from heave_studies.tables.case_table import files_of, scenario_of, split_reference
-from heave_studies.tables.kept_files import make_good
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.node_parameters import load_chosen_law
 
@@ -31,6 +26,8 @@ from heave_bringup.nodes import MASTER, NODE_BY_NAME, NODES
 from heave_bringup.settings import Setting, meant, near_places, parse_setting
 
 SCENARIO_FOLDER = "scenarios"
+SCENARIOS_OF_EXTRAS = "heave.scenarios"
+"""Group of entry points: packages with a folder of scenarios of their own."""
 NAMES_OF_FILES = ("rao_file", "spectrum_file", "recording_file")
 """Endings of the names of parameters that name a file which a run reads."""
 LAW = "law"
@@ -39,6 +36,8 @@ _LAW_FILE = re.compile(r"(.+\.py)(:\w+)")
 QOS_OVERRIDES = "qos_overrides."
 """Parameters of ROS itself in a node's section: the node checks them when it makes its topics."""
 
+_CASE = re.compile(r".+\.parquet:\d{1,9}")
+"""A case in the table of a campaign, which is no scenario."""
 _RUN_NAMES = frozenset(info.name for info in describe(RunParameters))
 
 Values = dict[str, dict[str, Given]]
@@ -56,7 +55,6 @@ class Scenario:
     parameters : parameter set of each node, by node name
     wanted : criteria that a run should meet
     quality_of_service : what a node's section changes of it, `qos_overrides.`, by node and dotted name
-    remade : a line on each file that was made again from the table that the scenario is a case of
     changed : places of the parameters that were changed on top of the file
     """
 
@@ -66,7 +64,6 @@ class Scenario:
     parameters: Mapping[str, Any]
     wanted: tuple[Criterion, ...] = ()
     quality_of_service: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
-    remade: tuple[str, ...] = ()
     changed: tuple[str, ...] = ()
 
     @property
@@ -76,32 +73,31 @@ class Scenario:
 
 
 def shipped_scenarios() -> dict[str, Path]:
-    """Return the scenarios that come with the suite, by name."""
-    folder = Path(str(resources.files("heave_bringup"))) / SCENARIO_FOLDER
-    return {path.stem: path for path in sorted(folder.rglob("*.yaml"))}
+    """Return the scenarios that come with the suite and with the extras that are installed, by name."""
+    packages = ["heave_bringup", *(entry.value for entry in extra_parts(SCENARIOS_OF_EXTRAS).values())]
+    homes = [
+        home for package in packages if (found := find_spec(package)) for home in found.submodule_search_locations or ()
+    ]
+    folders = [Path(home) / SCENARIO_FOLDER for home in homes]
+    return dict(sorted((path.stem, path) for folder in folders for path in folder.rglob("*.yaml")))
 
 
 def description_of(path: Path) -> str:
     """Return the first comment line of the scenario file `path`: what it is, in one line."""
-    case = split_reference(str(path))
-    text = scenario_of(*case) if case else path.read_text(encoding="utf-8")
-    first = text.split("\n", 1)[0]
+    first = path.read_text(encoding="utf-8").split("\n", 1)[0]
     return first.lstrip("# ").strip() if first.startswith("#") else ""
 
 
 def find_scenario(name: str) -> Path:
-    """Return the file of the shipped scenario `name`, or the file `name`; raise ParameterError where neither is.
-
-    A case of a campaign, `FILE.parquet:CASE`, stands for itself.
-    """
+    """Return the file of the shipped scenario `name`, or the file `name`; raise ParameterError where neither is."""
     shipped = shipped_scenarios()
-    if split_reference(name):
-        return Path(name)
     if name in shipped:
         return shipped[name]
     path = Path(name)
     if path.is_file():
         return path
+    if _CASE.fullmatch(name):
+        raise ParameterError(f"{name}: is a case of a table; `heave campaign --case {name}` writes its scenario")
     if path.suffix in (".yaml", ".yml") or path.parent != Path():
         raise ParameterError(f"{name}: no such file")
     near = difflib.get_close_matches(name, shipped, n=1)
@@ -109,18 +105,14 @@ def find_scenario(name: str) -> Path:
     raise ParameterError(f"{name}: no such scenario; {hint}")
 
 
-def load_scenario(
-    name: str, *, settings: Iterable[Setting | str] = (), needs_files: bool = True, folder: Path | None = None
-) -> Scenario:
+def load_scenario(name: str, *, settings: Iterable[Setting | str] = (), needs_files: bool = True) -> Scenario:
     """Find, merge and check a scenario.
 
     Parameters
     ----------
-    name : shipped name, file, or a case of a campaign (`FILE.parquet:CASE`)
+    name : shipped name or file
     settings : changes on top of the file; a string is read like the value of `--set`
     needs_files : files that it names must be there; False: it is only looked at
-    folder : where files are written that a case's table keeps, and that are not where they were, or not as they were;
-        None: one that goes with this process
 
     Files that the scenario names are relative to its own folder.
 
@@ -128,26 +120,7 @@ def load_scenario(
     with the option that gave it.
     """
     path = find_scenario(name)
-    sections, settings = _sections(path), list(settings)
-    case = split_reference(str(path))
-    if case is None or not needs_files:
-        return _of_sections(sections, path, settings, needs_files=needs_files)
-    read, kept = files_of(*case)
-    if not read:
-        return _of_sections(sections, path, settings, needs_files=True)
-    named = named_files(_of_sections(sections, path, settings, needs_files=False))
-    anew, reported = make_good(read, kept, named, folder or _scratch_folder(), str(path))
-    for values in sections.values():
-        values.update({name: anew[value] for name, value in values.items() if isinstance(value, str) and value in anew})
-    return replace(_of_sections(sections, path, settings, needs_files=True), remade=tuple(reported))
-
-
-@cache
-def _scratch_folder() -> Path:
-    """Return a folder that is removed when this process ends."""
-    folder = tempfile.mkdtemp(prefix="heave-")
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return Path(folder)
+    return _of_sections(read_sections(path), path, settings, needs_files=needs_files)
 
 
 def named_files(scenario: Scenario) -> list[str]:
@@ -183,21 +156,10 @@ def _of_sections(sections: Sections, path: Path, settings: Iterable[Setting | st
         folder = path.resolve().parent
         in_file = {node: {name: _found(one, folder) for name, one in of.items()} for node, of in in_file.items()}
         changes = [replace(one, value=_found(Given(one.value, one.name, one.source)).value) for one in changes]
-    checked = _checked(_stem(path), path, in_file, changes)
+    checked = _checked(path.stem, path, in_file, changes)
     if needs_files:  # it is going to run: a scenario that is only looked at, in a bag of others, loads no code
         load_chosen_law(checked.parameters["winch_controller"])
     return checked
-
-
-def _stem(path: Path) -> str:
-    """Return the name of the scenario at `path`, fit for a folder."""
-    case = split_reference(str(path))
-    return f"{case[0].stem}_case_{case[1]}" if case else path.stem
-
-
-def _sections(path: Path) -> Sections:
-    case = split_reference(str(path))
-    return parse_sections(scenario_of(*case).encode(), str(path)) if case else read_sections(path)
 
 
 def sections_for(model: Path, folder: Path) -> Sections:
@@ -210,7 +172,7 @@ def sections_for(model: Path, folder: Path) -> Sections:
 
     Raises ParameterError as `read_sections` does.
     """
-    sections = _sections(model)
+    sections = read_sections(model)
     for values in sections.values():
         for name, value in values.items():
             if name.endswith(NAMES_OF_FILES) and isinstance(value, str) and (model.parent / value).is_file():

@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from functools import cache
 
 from heave_node.files.bounded_yaml import YamlError, parse_yaml
-from heave_node.interface import topics
-from heave_node.interface.sensors import SENSORS
 from heave_node.parameters import ParameterError, describe
 from heave_node.run_parameters import RunParameters
 from heave_node.scenario import WILDCARD
@@ -78,27 +76,6 @@ def make_setting(place: str, value: object, source: str) -> Setting:
     near = difflib.get_close_matches(first, known, n=1)
     hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
     raise ParameterError(f"{source}: no such node: {first}; {hint}")
-
-
-def external_settings(texts: Sequence[str], source: str = "") -> list[Setting]:
-    """Return the changes by which real parts take the places of simulated ones.
-
-    Parameters
-    ----------
-    texts : NODE[=CLOCK[:LATENCY]] each, or a sensor's topic in the place of NODE
-    source : what the user wrote, to open error messages; "": the option of a command line
-
-    Raises ParameterError, in one line, for what is neither a node nor the topic of a sensor.
-    """
-    source = source or " ".join(f"--external {text}" for text in texts)
-    names = [text.partition("=")[0] for text in texts]
-    known = [*NODE_BY_NAME, *(sensor.topic.name for sensor in SENSORS.values()), topics.CRANE_POSE.name]
-    for name in names:
-        if name not in known:
-            raise ParameterError(f"{source}: no such node or sensor topic: {name}; known: {', '.join(known)}")
-    clocks = [text for text in texts if "=" in text]
-    given = {"external": names, "external_clocks": clocks}
-    return [Setting(WILDCARD, name, value, source) for name, value in given.items() if value]
 
 
 def parse_setting(text: str) -> Setting:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from heave_bags.analyse.reading.stored import ALL_NODES, NodeParameters
 from heave_node.criteria import WANTED
 from heave_node.parameters import ParameterError, Value, describe, flatten
 from heave_node.scenario import CHANGED, WILDCARD, Sections
@@ -21,7 +22,7 @@ def stored_sections(scenario: Scenario) -> Sections:
 
     Raises ParameterError for an empty list where the default is not empty: a ROS 2 parameter file cannot hold one.
     """
-    own = {node.name: flatten(scenario.parameters[node.name]) for node in NODES}
+    own = {node.name: _read(scenario.parameters[node.name]) for node in NODES}
     system: dict[str, Value] = {}
     for node, values in own.items():
         system |= {name: values[mine] for name, mine in owned_names(node, values).items()}
@@ -37,6 +38,18 @@ def stored_sections(scenario: Scenario) -> Sections:
         of_node = {**values, **scenario.quality_of_service.get(node, {})}
         sections |= {f"{WILDCARD}/{node}": of_node} if of_node else {}
     return sections
+
+
+def _read(parameters: Any) -> dict[str, Value]:
+    """Return the values of a node's `parameters`, without groups that nothing reads: those of drives not chosen."""
+    idle = tuple(f"{name}." for name in getattr(parameters, "idle_groups", ()))
+    return {name: value for name, value in flatten(parameters).items() if not name.startswith(idle)}
+
+
+def parameters_of(scenario: Scenario) -> NodeParameters:
+    """Return the parameters of a scenario as a bag would carry them."""
+    nodes = {node: flatten(parameters) for node, parameters in scenario.parameters.items()}
+    return {**nodes, ALL_NODES: flatten(scenario.run)}
 
 
 def stored_title(scenario: Scenario) -> str:

@@ -29,6 +29,8 @@ DOCUMENTED = sorted({line for text in TEXTS for line in command_lines(text)})
 MADE = {f"{name}.yaml" for text in TEXTS for name in re.findall(r"heave new (\w+)", text)} | {
     name for text in TEXTS for name in re.findall(r"(?:--scenario (?=\w+\.yaml)|--output (?=\w+\.parquet))(\S+)", text)
 }
+CASES = [found for text in TEXTS for found in re.findall(r"--case (\w+)\.parquet:(\d+)", text)]
+MADE |= {f"{table}_case_{case}.yaml" for table, case in CASES}
 """Scenarios and tables of cases that a page makes before it runs them; `tests/test_guide.py` does that."""
 
 

@@ -17,7 +17,7 @@ COMMANDS = (
     ["record", "bag"],
     ["operate"],
     ["view"],
-    ["check", "--external", "winch_controller"],
+    ["check", "--replace", "winch_controller=external"],
     ["adapt", "em3000"],
 )
 

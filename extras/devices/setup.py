@@ -6,4 +6,11 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "cmake"))
 from colcon_package import set_up
 
-set_up(commands=["adapt = heave_devices.commands.adapt", "import = heave_devices.commands.import_sea"])
+set_up(
+    parts={
+        "heave.commands": [
+            "adapt = heave_devices.commands.adapt",
+            "import = heave_devices.commands.import_sea",
+        ],
+    }
+)

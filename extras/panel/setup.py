@@ -6,4 +6,11 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "cmake"))
 from colcon_package import set_up
 
-set_up(commands=["panel = heave_panel.commands.panel", "view = heave_panel.commands.view"])
+set_up(
+    parts={
+        "heave.commands": [
+            "panel = heave_panel.commands.panel",
+            "view = heave_panel.commands.view",
+        ],
+    }
+)

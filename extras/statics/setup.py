@@ -6,4 +6,10 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "cmake"))
 from colcon_package import set_up
 
-set_up(commands=["static = heave_statics.commands.static"])
+set_up(
+    parts={
+        "heave.commands": [
+            "static = heave_statics.commands.static",
+        ],
+    }
+)

@@ -7,15 +7,22 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "cmake"))
 from colcon_package import set_up
 
 set_up(
-    commands=[
-        "accept = heave_studies.commands.accept",
-        "campaign = heave_studies.commands.campaign",
-        "extremes = heave_studies.commands.extremes",
-        "falsify = heave_studies.commands.falsify",
-        "identify = heave_studies.commands.identify",
-        "lift = heave_studies.commands.lift",
-        "operability = heave_studies.commands.operability",
-        "sizing = heave_studies.commands.sizing",
-        "whatif = heave_studies.commands.whatif",
-    ]
+    parts={
+        "heave.commands": [
+            "accept = heave_studies.commands.accept",
+            "campaign = heave_studies.commands.campaign",
+            "extremes = heave_studies.commands.extremes",
+            "falsify = heave_studies.commands.falsify",
+            "identify = heave_studies.commands.identify",
+            "lift = heave_studies.commands.lift",
+            "operability = heave_studies.commands.operability",
+            "sizing = heave_studies.commands.sizing",
+            "whatif = heave_studies.commands.whatif",
+        ],
+        "heave.record_extras": [
+            "kappa = heave_studies.kappa:add_to_record",
+            "baseline = heave_studies.baseline:add_to_record",
+            "whatif = heave_studies.whatif.of_run:add_to_record",
+        ],
+    }
 )

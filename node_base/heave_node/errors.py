@@ -10,7 +10,7 @@ from types import FrameType
 SUITE = frozenset(
     (
         *("heave_node", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "heave_bags", "heave_bringup"),
-        *("heave_devices", "heave_studies", "heave_statics", "heave_panel", "heave_fmu"),
+        *("heave_devices", "heave_studies", "heave_statics", "heave_drives", "heave_panel", "heave_fmu"),
     )
 )
 """Packages whose ValueError is worded for the user."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 from cable_sim_node.alarms import fault_alarm
@@ -19,6 +20,8 @@ from heave_node.numerics.arrays import Array
 
 from tests.campaigns.commit import commit_line
 
+FOLDER = Path(__file__).parents[1] / "museum"
+"""Scenarios of the incidents."""
 AS_BUILT = "_as_built"
 TICK = 0.05
 """Tick period of the scenarios [s]."""
@@ -32,7 +35,7 @@ class Incident:
 
     Attributes
     ----------
-    scenario : name of the shipped one; with `AS_BUILT` that of the incident as published
+    scenario : name of its file in FOLDER; with `AS_BUILT` that of the incident as published
     begin : when it begins [s]; NaN: when the unit touches the bottom
     names : codes of the alarms that name its cause
     stays : the load is to stay on what carries it, whatever the winch does
@@ -76,7 +79,7 @@ class Judged:
 
 def run(name: str) -> LoopRecord:
     """Return the record of the scenario of a name, with the alarm of the winch's own node among the controller's."""
-    loop = ClosedLoop(loop_parameters(load_scenario(name)))
+    loop = ClosedLoop(loop_parameters(load_scenario(str(FOLDER / f"{name}.yaml"))))
     of_winch: list[tuple[float, Alarm]] = []
 
     def look(_: int, __: object) -> None:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import argparse
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from heave_node.errors import NodeError
@@ -108,15 +107,6 @@ def substitute_type(node: str) -> type[Any]:
     """Return the class of the substitute of `node`."""
     base = SubstituteMaster if node == MASTER else SubstituteParticipant
     return type(f"Substitute_{node}", (base,), {"name": node})
-
-
-def program(node: str, bag: Path) -> list[str]:
-    """Return the module that plays `bag` in the place of `node`, and its arguments; more of ROS may follow."""
-    return [
-        *("heave_bags.play.substitute_node", node, "--ros-args"),
-        *("-r", f"__node:={node}_from_bag"),  # the parameters of the node itself do not concern its substitute
-        *("-p", f"bag:={bag}"),
-    ]
 
 
 def main() -> None:

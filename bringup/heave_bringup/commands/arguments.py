@@ -56,9 +56,8 @@ def add_baseline(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--baseline",
         action=argparse.BooleanOptionalAction,
-        default=True,
-        help=f"show beside the efficiency {SAME_SEA} (default): the scenario is run again, without ROS, once, and the "
-        "result is kept beside the bag; --no-baseline saves the time",
+        help=f"show beside the efficiency {SAME_SEA} (default where heave[studies] is installed): the scenario is run "
+        "again, without ROS, once, and the result is kept beside the bag; --no-baseline saves the time",
     )
 
 
@@ -76,18 +75,6 @@ def add_network(parser: argparse.ArgumentParser, default: object = False) -> Non
         action="store_true",
         default=default,
         help="let nodes on other hosts join; without it, nothing leaves this machine",
-    )
-
-
-def add_external(parser: argparse.ArgumentParser, what: str) -> None:
-    """Let the user of `parser` put real parts in the places of simulated ones; `what` that does opens its help."""
-    parser.add_argument(
-        "--external",
-        action="append",
-        default=[],
-        metavar="NODE[=CLOCK[:S]]",
-        help=f"{what} (real time); a sensor's topic, as winch/load_cell, replaces that sensor alone. CLOCK says how it "
-        "stamps: simulated (use_sim_time), own (a clock of its own), none; detected if not given. S is its latency [s]",
     )
 
 

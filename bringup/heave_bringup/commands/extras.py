@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from functools import cache
-from importlib.metadata import EntryPoint, entry_points
 from typing import cast
 
-from heave_node.extras import how_to_install
+from heave_node.extras import extra_parts, how_to_install
 
 from heave_bringup.commands.command import CommandModule
 from heave_bringup.errors import CommandError
@@ -67,16 +65,11 @@ def extra_commands() -> tuple[CommandModule, ...]:
 
 def extra_command(name: str) -> CommandModule:
     """Return the subcommand `name` of an extra; where the extra is missing, what says so."""
-    entry = _found().get(name)
+    entry = extra_parts(COMMANDS).get(name)
     try:
         return AbsentCommand(name, None) if entry is None else cast(CommandModule, entry.load())
     except ModuleNotFoundError as error:
         return AbsentCommand(name, error)
-
-
-@cache
-def _found() -> dict[str, EntryPoint]:
-    return {entry.name: entry for entry in entry_points(group=COMMANDS)}
 
 
 def missing(command: str, error: ModuleNotFoundError | None) -> CommandError:

@@ -1,7 +1,7 @@
 """The clock of a run in which the plant is the ship itself: it begins ticks by the wall clock, and simulates nothing.
 
-`heave run --external cable_sim` starts it in place of the plant. It leads the tick protocol, supplies `/clock` and the
-start barrier, pauses and ends the run; the readings come from the ship's sensors.
+`heave run --replace cable_sim=external` starts it in place of the plant. It leads the tick protocol, supplies `/clock`
+and the start barrier, pauses and ends the run; the readings come from the ship's sensors.
 """
 
 from __future__ import annotations

@@ -68,7 +68,7 @@ def evaluate(
     *,
     required: Sequence[Criterion] = (),
     alarms: int = 0,
-    has_baseline: bool = False,
+    baseline: bool | None = False,
 ) -> Evaluation:
     """Evaluate a run.
 
@@ -79,10 +79,11 @@ def evaluate(
     report : file of the HTML report; None writes none
     required : criteria of the command line
     alarms : number of errors that the nodes reported
-    has_baseline : the scenario is run again under the baseline law, in this process; the result is kept beside the bag
+    baseline : the scenario is run again under the baseline law, in this process; the result is kept beside the bag.
+        None: where the extra for it is installed
     """
     try:
-        records = read_records([bag], has_baseline=has_baseline)
+        records = read_records([bag], baseline=baseline)
     except NoBagError as error:  # of a run that was made: nothing was refused
         raise CommandError(str(error)) from error
     (record,) = records

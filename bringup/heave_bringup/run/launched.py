@@ -11,9 +11,10 @@ from heave_node.parameters import ParameterError
 from heave_node.scenario import WILDCARD
 
 from heave_bringup.nodes import nodes_to_start
+from heave_bringup.replacements import EXTERNAL, LOCKSTEP, NONE, Replacements, external_settings, parse_replacements
 from heave_bringup.run.run import RunFolder, new_run_folder, store_scenario
 from heave_bringup.scenarios import load_scenario
-from heave_bringup.settings import Setting, external_settings
+from heave_bringup.settings import Setting
 
 ARGUMENTS = {
     "scenario": ("b2_calm_300", "Shipped scenario or parameter file."),
@@ -22,7 +23,10 @@ ARGUMENTS = {
     "duration": ("", "Simulated seconds; empty: as in the scenario."),
     "seed": ("", "Seed of all random numbers; empty: as in the scenario."),
     "set": ("", "Changes of parameters, NODE.PARAM=VALUE, separated by spaces."),
-    "external": ("", "Nodes not to start, separated by commas: hardware or other programs take their places."),
+    "replace": (
+        "",
+        "What takes places: NODE=external[:CLOCK], NODE=lockstep, NODE=none, separated by spaces.",
+    ),
     "namespace": ("", "Put the nodes and topics of the run, its clock too, under this name."),
 }
 """Default and meaning of each argument."""
@@ -38,13 +42,17 @@ def settings_of(arguments: Mapping[str, str]) -> list[Setting | str]:
         text = arguments.get(name, "")
         if text:
             found.append(Setting(WILDCARD, name, _value(f"{name}:={text}", text), f"{name}:={text}"))
-    external = [node.strip() for node in arguments.get("external", "").split(",") if node.strip()]
-    found += external_settings(external, f"external:={arguments.get('external')}")
+    found += external_settings(replacements_of(arguments).external, f"replace:={arguments.get('replace')}")
     try:
         found += shlex.split(arguments.get("set", ""))
     except ValueError as error:
         raise ParameterError(f"set:={arguments['set']}: {error}") from None
     return found
+
+
+def replacements_of(arguments: Mapping[str, str]) -> Replacements:
+    """Return what takes the places of nodes, by the `arguments` of a launch; raise ParameterError for what cannot."""
+    return parse_replacements(arguments.get("replace", "").split(), "replace:=", (EXTERNAL, LOCKSTEP, NONE))
 
 
 def _value(source: str, text: str) -> object:
@@ -63,7 +71,8 @@ def prepare(arguments: Mapping[str, str]) -> tuple[RunFolder, list[str]]:
 
     Raises ParameterError or CommandError, in one line, for whatever is wrong.
     """
-    scenario = load_scenario(arguments["scenario"], settings=settings_of(arguments))
+    replaced = replacements_of(arguments)
+    scenario = replaced.apply(load_scenario(arguments["scenario"], settings=settings_of(arguments)))
     folder = new_run_folder(scenario.name, Path(arguments["folder"]) if arguments.get("folder") else None)
-    store_scenario(scenario, folder)
-    return folder, nodes_to_start(scenario.run)
+    store_scenario(scenario, folder, replaced.in_ticks)
+    return folder, nodes_to_start(scenario.run, replaced.lockstep)

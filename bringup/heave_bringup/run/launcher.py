@@ -10,17 +10,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from heave_bags.play import substitute_node
 from heave_node.ros.process import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, EXIT_STUCK, in_namespace
 from heave_node.ros.transport import parents_death
 from heave_node.ros.transport.forked import Forked
 
 from heave_bringup.nodes import PROCESS_BY_NAME, RECORDER
 from heave_bringup.run import composed
-
-FMU, MAP = ".fmu", ".yaml"
-"""Endings of an FMU of a drive, and of a map that names one."""
-FMU_NODE = "heave_fmu.winch_node"
 
 TOGETHER = "process of all nodes"
 """Name of a process that holds them all; its log is nodes.log."""
@@ -109,7 +104,7 @@ class Launcher:
         names: Sequence[str],
         scenario_file: Path,
         logs: Path,
-        substitutes: Mapping[str, Path] | None = None,
+        programs: Mapping[str, Sequence[str]] | None = None,
         namespace: str = "",
     ) -> None:
         """Start nodes with one parameter file.
@@ -119,13 +114,13 @@ class Launcher:
         names : of the nodes
         scenario_file : parameter file for all of them
         logs : folder; what each node prints goes to NAME.log in it
-        substitutes : bags, or FMUs of a drive, by node: that node is not started, what it published in the bag is
-            played in its place, or the FMU is stepped
+        programs : module and arguments that are started in the place of a node, by node
         namespace : in which the nodes live, with a clock of their own; "" for none
         """
         ros = [*_ros_arguments(scenario_file), *in_namespace(namespace)]
         for name in names:
-            self._start(name, [name], [*_program(name, (substitutes or {}).get(name)), *ros], logs)
+            program = (programs or {}).get(name) or [PROCESS_BY_NAME[name].module]
+            self._start(name, [name], [*program, *ros], logs)
 
     def start_composed(
         self, names: Sequence[str], scenario_file: Path, logs: Path, namespace: str = "", *, is_public: bool = False
@@ -198,15 +193,6 @@ class Launcher:
                     node.process.kill()
                     node.process.wait()
             time.sleep(0.02)
-
-
-def _program(name: str, substitute: Path | None) -> list[str]:
-    """Return the module that runs a node, or its `substitute`, and the arguments of that."""
-    if substitute is not None and substitute.suffix in (FMU, MAP):
-        return [FMU_NODE, str(substitute)]
-    if substitute is not None:
-        return substitute_node.program(name, substitute)
-    return [PROCESS_BY_NAME[name].module]
 
 
 def _ros_arguments(scenario_file: Path) -> list[str]:

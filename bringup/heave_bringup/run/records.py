@@ -1,20 +1,54 @@
-"""Bags as the commands judge them: read, with the bounds that kappa needs."""
+"""Bags as the commands judge them: read, with what extras add to the record of each."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from heave_bags.analyse import analysis
 from heave_bags.analyse.run_record import RunRecord
-from heave_studies.baseline import add_baseline, parameters_of
-from heave_studies.kappa import add_bounds
+from heave_node.extras import MissingExtraError, extra_parts, load_part
 
+from heave_bringup.errors import CommandError
 from heave_bringup.output import warn
 from heave_bringup.progress import ProgressLine
-from heave_bringup.run.baseline_law import BASELINE_LAW
-from heave_bringup.scenarios import load_scenario
+from heave_bringup.scenarios import Scenario, load_scenario
+from heave_bringup.stored_scenario import parameters_of
+
+RECORD_EXTRAS = "heave.record_extras"
+"""Group of entry points that add to the record of a run: functions as `AddToRecord`."""
+BASELINE, KAPPA, WHATIF = "baseline", "kappa", "whatif"
+EXTRA_OF = dict.fromkeys((KAPPA, BASELINE, WHATIF), "studies")
+"""The extra that brings each of them, in the order in which they are added; those of others follow."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked beside the figures of a bag.
+
+    Attributes
+    ----------
+    bag : folder or file
+    name : of the scenario that the command line gives; "": the bag's own
+    scenario : the same, read
+    transient : start of the evaluation window [s]; None takes what the bag says
+    parts : what is asked of each extra: True all that it has, None what costs no time, False nothing
+    """
+
+    bag: Path
+    name: str = ""
+    scenario: Scenario | None = None
+    transient: float | None = None
+    parts: Mapping[str, bool | None] | None = None
+
+    def asks(self, part: str) -> bool | None:
+        """Return what is asked of a `part`."""
+        return (self.parts or {}).get(part)
+
+
+AddToRecord = Callable[[RunRecord, Request, Callable[[str, "float | None"], None]], Sequence[str]]
+"""Adds to the record of a run what is asked, showing words and share done; returns why it cannot, in lines."""
 
 
 def read_records(
@@ -22,7 +56,7 @@ def read_records(
     *,
     scenario: str | None = None,
     transient: float | None = None,
-    has_baseline: bool = False,
+    baseline: bool | None = False,
     whatif: bool | None = False,
 ) -> list[RunRecord]:
     """Read bags, showing progress.
@@ -32,52 +66,40 @@ def read_records(
     bags : folders or files
     scenario : shipped name or file, for bags that do not carry the scenario of their run
     transient : start of the evaluation window [s]; None takes what each bag says, or else the scenario
-    has_baseline : each run is made again under the baseline law, unless that is kept beside its bag
+    baseline : each run is made again under the baseline law, unless that is kept beside its bag; None: where the
+        extra for it is installed
     whatif : each run is reconstructed from its sensors, unless that is kept beside its bag; None: only what is kept
 
-    Raises BagError for the first bag that cannot be read, ParameterError for a scenario that cannot be.
+    Raises BagError for the first bag that cannot be read, ParameterError for a scenario that cannot be, CommandError
+    where an extra that is asked for is missing.
     """
+    wanted = {BASELINE: baseline, WHATIF: whatif}
+    extras = _extras(wanted)
     given = None if scenario is None else load_scenario(scenario, needs_files=False)
-    parameters = None if given is None else parameters_of(given)
     with ProgressLine() as progress:
         records = analysis.analyse(
             bags,
             transient=transient,
-            parameters=parameters,
+            parameters=None if given is None else parameters_of(given),
             progress=lambda share: progress.show("analysing the bag", share if 0.0 < share < 1.0 else None),
         )
         for record, bag in zip(records, bags, strict=True):
-            progress.show("bounds of kappa")
-            add_bounds(record, bag, given)
-            if has_baseline:
-                words = f"{record.name} under law {BASELINE_LAW} (--no-baseline leaves it out)"
-                add_baseline(record, bag, given, partial(progress.show, words))
-            if whatif is not False:
-                laws = (BASELINE_LAW,) if has_baseline else ()
-                warn(_add_reconstruction(record, bag, laws, scenario, transient, progress, computes=whatif is not None))
+            request = Request(bag, scenario or "", given, transient, wanted)
+            for add in extras:
+                warn(add(record, request, progress.show))
     return records
 
 
-def _add_reconstruction(
-    record: RunRecord,
-    bag: Path,
-    laws: Sequence[str],
-    scenario: str | None,
-    transient: float | None,
-    progress: ProgressLine,
-    *,
-    computes: bool,
-) -> list[str]:
-    """Put what would have been, under the winch locked and `laws`, into a `record`; the others as for its callers."""
-    from heave_studies.whatif.known import OFF  # noqa: PLC0415 - slow to import, and seldom asked for
-    from heave_studies.whatif.of_run import add_reconstruction  # noqa: PLC0415
-    from heave_studies.whatif.question import Question  # noqa: PLC0415
-
-    question = Question(OFF, laws, scenario=scenario or "", transient=transient)
-    return add_reconstruction(
-        record,
-        bag,
-        question,
-        computes=computes,
-        show=lambda words, share: progress.show(f"{record.name}, what would have been: {words}", share),
-    )
+def _extras(wanted: Mapping[str, bool | None]) -> list[AddToRecord]:
+    """Return what adds to a record; raise CommandError where the extra for something `wanted` (True) is missing."""
+    found = []
+    for name in dict.fromkeys((*EXTRA_OF, *extra_parts(RECORD_EXTRAS))):
+        asked = wanted.get(name)
+        if asked is False:
+            continue
+        try:
+            found.append(load_part(RECORD_EXTRAS, name, f"--{name}", EXTRA_OF.get(name, name)))
+        except MissingExtraError as error:
+            if asked:
+                raise CommandError(str(error)) from error
+    return found

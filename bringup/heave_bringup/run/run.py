@@ -8,7 +8,7 @@ import os
 import signal
 import tempfile
 import threading
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -26,6 +26,7 @@ from heave_bringup.errors import CommandError, InterruptedCommandError
 from heave_bringup.interrupts import raise_if_interrupted
 from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER, nodes_to_start
 from heave_bringup.progress import ProgressLine
+from heave_bringup.replacements import Replacements
 from heave_bringup.run.launcher import Launcher, NodeProcess
 from heave_bringup.run.monitor import Monitor
 from heave_bringup.scenarios import Scenario
@@ -51,7 +52,7 @@ class RunFolder:
     Attributes
     ----------
     path : the folder
-    bag, report, scenario, logs, files : what lies in it; files only where a case read some that are gone
+    bag, report, scenario, logs : what lies in it
     """
 
     path: Path
@@ -59,14 +60,12 @@ class RunFolder:
     report: Path = field(init=False)
     scenario: Path = field(init=False)
     logs: Path = field(init=False)
-    files: Path = field(init=False)
 
     def __post_init__(self) -> None:
         self.bag = self.path / "bag"
         self.report = self.path / "report.html"
         self.scenario = self.path / "scenario.yaml"
         self.logs = self.path / "logs"
-        self.files = self.path / "files"
 
 
 def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
@@ -131,8 +130,7 @@ def run_scenario(
     scenario: Scenario,
     folder: RunFolder,
     *,
-    substitutes: Mapping[str, Path] | None = None,
-    foreign: Sequence[str] = (),
+    replaced: Replacements | None = None,
     on_look: OnLook | None = None,
     namespace: str = "",
     composed: Composed | None = None,
@@ -144,12 +142,11 @@ def run_scenario(
     ----------
     scenario : checked
     folder : where the run leaves its files
-    substitutes : bags, or FMUs of a drive, by the node whose place each takes
-    foreign : nodes that somebody else starts, and that take part in each tick. In the place of the plant one takes part
-        too: then the ship's clock leads the ticks
+    replaced : what takes the places of nodes. Where another program takes part in lockstep in the place of the plant,
+        the ship's clock leads the ticks
     on_look : called a few times per second while the run lasts
     namespace : of its nodes and topics; "" for none. Runs in different ones share a ROS domain
-    composed : all nodes share one process, without substitutes; None: each has its own
+    composed : all nodes share one process, and none is replaced; None: each has its own
     forks : processes that wait, for nodes to be started in; those that are used leave the list
 
     Raises CommandError, in one line, where the run does not reach its end. Whatever happens, no node process is left
@@ -157,7 +154,8 @@ def run_scenario(
     """
     prepare_environment()
     remove_dead_segments()
-    if MASTER in foreign:  # it takes part in each tick, as others do, and does not lead them
+    replaced = replaced or Replacements()
+    if MASTER in replaced.lockstep:  # it takes part in each tick, as others do, and does not lead them
         run = replace(scenario.run, participants=(*scenario.run.participants, MASTER))
         scenario = replace(scenario, run=run)
     with (
@@ -175,10 +173,10 @@ def run_scenario(
             if monitor.another_run():
                 _remove_unused(folder)
                 raise CommandError(ANOTHER_RUN)
-            store_scenario(scenario, folder, [*(substitutes or {}), *foreign])
-            names = nodes_to_start(scenario.run, foreign)
+            store_scenario(scenario, folder, replaced.in_ticks)
+            names = nodes_to_start(scenario.run, replaced.lockstep)
             if composed is None:
-                launcher.start(names, folder.scenario, folder.logs, substitutes, namespace)
+                launcher.start(names, folder.scenario, folder.logs, replaced.programs, namespace)
             else:
                 public = composed.is_public
                 launcher.start_composed(names, folder.scenario, folder.logs, namespace, is_public=public)

@@ -13,7 +13,7 @@ State: payout u [m] (positive lets out) and its rate v [m/s], both 0 at the star
   - `first_order`: u' = K (u_0 - u), thesis Eq. 6.1, u_0 the payout set-point; payout_rate has no effect.
   A payout set-point is in the encoder's count: the u that it is held against has the error of a faulty encoder.
 - `electric`, `pump_controlled`, `valve_controlled`: drives with inertia, torque or pressure, friction, power and a
-  speed loop of their own, on which the cable's tension acts back (`cable_sim_node.winch.drives`).
+  speed loop of their own, on which the cable's tension acts back (`heave_drives`, an extra).
 
 The command of tick k takes effect exactly at t_k + tau, tau = command_delay, also where that falls inside a tick; with
 command_jitter each has a tau of its own, uniform about it, but none takes effect before the one sent before it.
@@ -56,6 +56,7 @@ from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
 from cable_sim_node.winch.choice import make_drive
 from cable_sim_node.winch.command_line import CommandLine, WinchCommand, round_to_tick
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand, DriveState
+from cable_sim_node.winch.drives.registry import SERVO
 from cable_sim_node.winch.faulty_drum import FaultyDrum
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 
@@ -155,7 +156,7 @@ class VirtualWinch:
 
     def __init__(self, parameters: WinchParameters, *, tick_period: float, seed: int = 0) -> None:
         self._parameters = parameters
-        self._drive: Drive | None = make_drive(parameters, 0.0) if parameters.drive == "speed_servo" else None
+        self._drive: Drive | None = make_drive(parameters, 0.0) if parameters.drive == SERVO else None
         self._tick_period = tick_period
         self._cable_per_drum = 1.0 + parameters.drum_radius_error
         self.faults = FaultSchedule(parameters.faults, name="winch", device="winch")

@@ -9,9 +9,13 @@ from heave_node.parameters import Checked, check_ranges, group, parameter
 from heave_node.winch.parameters import WinchFigures
 from heave_node.winch.position_loop import check_position_gain
 
-from cable_sim_node.winch.drive_parameters.electric import ElectricParameters
-from cable_sim_node.winch.drive_parameters.pump import PumpControlledParameters
-from cable_sim_node.winch.drive_parameters.valve import ValveControlledParameters
+from cable_sim_node.winch.drives.registry import (
+    SERVO,
+    absent_drives,
+    check_is_installed,
+    installed_drives,
+    with_drives,
+)
 
 
 @dataclass(frozen=True)
@@ -65,18 +69,22 @@ class WinchDriftParameters(Checked):
 
 
 @dataclass(frozen=True)
+@with_drives
 class WinchParameters(WinchFigures):
     """The winch: how it answers a command, what it cannot exceed, and when it stops by itself.
 
-    The defaults are the winch of the benchmark scenarios, with an encoder of 1 mm.
+    The defaults are the winch of the benchmark scenarios, with an encoder of 1 mm. The parameters of each installed
+    drive with its physics are a group under its name (`electric`, ...).
     """
 
     drive: str = parameter(
         "speed_servo",
         unit="",
-        choices=("speed_servo", "electric", "pump_controlled", "valve_controlled"),
+        choices=(SERVO, *installed_drives()),
+        also="|".join(absent_drives()),
+        also_words="a drive of heave[drives]",
         description="What moves the drum: an ideal servo (with law), or a drive with its physics: electric.*, "
-        "pump_controlled.* or valve_controlled.*.",
+        "pump_controlled.* or valve_controlled.* (heave[drives]).",
     )
     position_gain: float = parameter(
         0.0,
@@ -162,9 +170,6 @@ class WinchParameters(WinchFigures):
         description="Supervision of the drive by its own feedback: it trips where drum or brake do not follow their "
         "orders for so long, or the drum has moved by 0.05 m with its brake engaged or since it stood; 0 means none.",
     )
-    electric: ElectricParameters = group(ElectricParameters)
-    pump_controlled: PumpControlledParameters = group(PumpControlledParameters)
-    valve_controlled: ValveControlledParameters = group(ValveControlledParameters)
     encoder: EncoderParameters = group(EncoderParameters)
     drift: WinchDriftParameters = group(WinchDriftParameters)
     """Speed servo only."""
@@ -184,13 +189,19 @@ class WinchParameters(WinchFigures):
                 f"to payout_maximum = {self.payout_maximum:g} m"
             )
         self._check_position_loop()
-        if self.drive != "speed_servo" and self.law != "speed_servo":
+        check_is_installed(self.drive)
+        if self.drive != SERVO and self.law != "speed_servo":
             raise ValueError(f"law = {self.law} is one of drive = speed_servo; drive = {self.drive} follows a speed")
-        if self.drift.duration > 0.0 and self.drive != "speed_servo":
+        if self.drift.duration > 0.0 and self.drive != SERVO:
             raise ValueError(f"drift.duration = {self.drift.duration:g} s is one of drive = speed_servo")
-        if self.drive == "electric":
-            self.electric.spool.check_rope(self.payout_maximum)
+        if self.drive != SERVO:
+            installed_drives()[self.drive].check(self, getattr(self, self.drive))
         self.faults.check("faults", "winch")
+
+    @property
+    def idle_groups(self) -> tuple[str, ...]:
+        """Groups of parameters that nothing reads: those of drives that are not chosen."""
+        return tuple(name for name in installed_drives() if name != self.drive)
 
     @property
     def deceleration(self) -> float:

@@ -162,6 +162,6 @@ def test_a_drive_without_brake_or_watchdog_keeps_the_contract_behind_its_map(tmp
     drive = Drive(orders, state)
     (tmp_path / "drive.yaml").write_text(WINCH_MAP.format(orders=orders, state=state))
     with domain_id() as domain, running(drive), adapting(domain, str(tmp_path / "drive.yaml")) as ended:
-        check = give(domain, "check", "--external", "virtual_winch", timeout=90.0)
+        check = give(domain, "check", "--replace", "virtual_winch=external", timeout=90.0)
     assert check.returncode == 0, check.stdout + check.stderr + ended[0].err
     assert "the contract is kept" in check.stdout

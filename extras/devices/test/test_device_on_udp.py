@@ -40,7 +40,16 @@ def test_the_loop_compensates_by_a_motion_sensor_and_a_load_cell_on_udp(tmp_path
     for name, text, port in (("sensor", MRU_MAP, ports[0]), ("cell", CELL_MAP, ports[1])):
         maps.append(str(tmp_path / f"{name}.yaml"))
         Path(maps[-1]).write_text(text.format(port=port))
-    options = ["--pacing", "realtime", "--duration", "45", "--external", "wave_vessel", "--external", "cable_sim"]
+    options = [
+        "--pacing",
+        "realtime",
+        "--duration",
+        "45",
+        "--replace",
+        "wave_vessel=external",
+        "--replace",
+        "cable_sim=external",
+    ]
     options += ["--set", "all.transient=30", "--set", "winch_controller.modes.settling_time=5.0", "--no-report"]
     with domain_id() as domain:
         ship = subprocess.Popen([sys.executable, str(Path(__file__).with_name("udp_ship.py")), *map(str, ports)])
@@ -76,7 +85,7 @@ def test_a_load_cell_alone_takes_the_place_of_the_simulated_one_and_the_truth_st
     port = free_port("udp")
     cell = tmp_path / "cell.yaml"
     cell.write_text(CELL_MAP.format(port=port))
-    options = ["--pacing", "realtime", "--duration", "45", "--external", "winch/load_cell", "--no-report"]
+    options = ["--pacing", "realtime", "--duration", "45", "--replace", "winch/load_cell=external", "--no-report"]
     options += ["--set", "all.transient=30", "--set", "winch_controller.modes.settling_time=5.0"]
     with domain_id() as domain:
         program = str(Path(__file__).with_name("udp_ship.py"))

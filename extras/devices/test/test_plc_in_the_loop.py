@@ -39,7 +39,7 @@ def test_b2_in_real_time_is_as_good_with_the_winch_behind_a_plc(kind, virtual, t
         path = tmp_path / "winch.yaml"
         path.write_text(plc.text_of_map())
         with adapting(domain, str(path)) as ended:
-            found = figures(domain, tmp_path, "--external", "virtual_winch")
+            found = figures(domain, tmp_path, "--replace", "virtual_winch=external")
     assert ended[0].returncode == 0, ended[0].err
     for name in KPIS:
         assert found[name] == pytest.approx(virtual[name], rel=CLOSE), name

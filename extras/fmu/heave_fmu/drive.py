@@ -11,6 +11,7 @@ import math
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from cable_sim_node.conversions import WINCH_COMMAND, WINCH_STATE
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import WinchState
 from heave_bringup.errors import CommandError
-from heave_bringup.run.launcher import FMU, MAP
+from heave_node.extras import how_to_install
 from heave_node.files.bounded_yaml import YamlError, parse_yaml
 from heave_node.interface import topics
 from heave_node.interface.sensors import WireReading
@@ -29,6 +30,11 @@ from heave_fmu.instance import FmuInstance
 from heave_fmu.ports import Port
 from heave_fmu.variables import BOOLEAN, INTEGER, REAL, Variable
 
+WINCH = "virtual_winch"
+NODE = "heave_fmu.winch_node"
+"""Module that runs a drive."""
+FMU, MAP = ".fmu", ".yaml"
+"""Endings of an FMU of a drive, and of a map that names one."""
 _KEYS = ("fmu", "variables", "start")
 _SET_POINTS = ("winch.command.payout_rate", "winch.command.payout")
 _PAYOUTS = ("winch.state.payout", "winch.state.encoder_payout")
@@ -52,6 +58,20 @@ class DriveMap:
     file: Path
     variables: Mapping[str, str] = field(default_factory=dict)
     start: Mapping[str, Any] = field(default_factory=dict)
+
+
+def program(node: str, file: str) -> list[str]:
+    """Return module and arguments that run the drive in a `file` in the place of a `node`.
+
+    Raises ParameterError where it cannot stand there, CommandError where fmpy is missing or the FMU cannot be used.
+    """
+    if node != WINCH:
+        raise ParameterError(f"--replace {node}=fmu:{file}: NODE must be {WINCH}")
+    if find_spec("fmpy") is None:
+        raise CommandError(f"--replace {node}=fmu:{file}: needs the package fmpy; {how_to_install('fmu')}")
+    path = Path(file).resolve()
+    drive_names(read_drive(path))
+    return [NODE, str(path)]
 
 
 def read_drive(path: Path) -> DriveMap:

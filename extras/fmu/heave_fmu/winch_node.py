@@ -1,4 +1,4 @@
-"""A drive given as an FMU takes part in each tick as `virtual_winch`: `heave run SCENARIO --winch-fmu FILE`."""
+"""A drive given as an FMU takes part in each tick: `heave run SCENARIO --replace virtual_winch=fmu:FILE`."""
 
 from __future__ import annotations
 

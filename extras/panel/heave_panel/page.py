@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, NamedTuple
 
-from heave_bringup.operate.keys import COMMANDS, Command, devices_of
 from heave_bringup.operate.situation import Situation, mode_words, run_words
 from heave_bringup.operate.tasks import EmergencyStop
 from heave_node.interface.alarm import Severity
@@ -18,6 +17,7 @@ from nicegui import ui
 from heave_panel.alarm_list import Alarm
 from heave_panel.command_post import CommandPost
 from heave_panel.history import HEAVE, LINES, TENSION, UNIT, WINCH
+from heave_panel.operator_commands import COMMANDS, INJECT, Command, devices_of
 from heave_panel.run_worker import Picture, RunWorker
 
 PERIOD = 0.25
@@ -34,7 +34,6 @@ FIGURES = (
     "depth, est. [m]",
     "tension [kN]",
 )
-INJECT = "i"
 """Key of the command for which the page has lists in the place of a line of text."""
 SHOWN_ALARMS, SHOWN_LOG = 30, 8
 EFFICIENCY = "efficiency, last {minutes:.0f} min, est. [%]"
@@ -168,7 +167,7 @@ class Page:
     def _build_buttons(self, commands: Iterable[Command]) -> None:
         with ui.element("div").classes("grid grid-cols-3 gap-2 mt-2 w-full"):
             for command in commands:
-                colour = {"s": "warning"}.get(command.key, "secondary" if command.is_of_simulation else "primary")
+                colour = {"stop": "warning"}.get(command.name, "secondary" if command.is_of_simulation else "primary")
                 button = ui.button(command.name, on_click=partial(self._open, command))
                 self._buttons.append(button.props(f"dense no-caps color={colour}"))
 
@@ -225,7 +224,7 @@ class Page:
         """Ask for what the command needs, and whether it is meant; begin at once what needs neither."""
         if self._post.commander != self.viewer:
             ui.notify("take command first", type="warning")
-        elif command.key == INJECT and not devices_of(self._worker.picture.situation):
+        elif command.name == INJECT and not devices_of(self._worker.picture.situation):
             ui.notify("nothing is simulated in this run: a fault can be injected nowhere", type="warning")
         elif command.question or command.is_confirmed:
             self._ask(command)
@@ -235,7 +234,7 @@ class Page:
     def _ask(self, command: Command) -> None:
         with ui.dialog(value=True) as dialog, ui.card().classes("min-w-72"):
             ui.label(command.name).classes("text-lg font-bold")
-            text = _fault_fields(self._worker.picture.situation) if command.key == INJECT else _field(command)
+            text = _fault_fields(self._worker.picture.situation) if command.name == INJECT else _field(command)
             if command.is_confirmed:
                 ui.label("Sure? This acts on the winch or on its sensors.").classes("text-sm")
 

@@ -17,6 +17,7 @@ from heave_panel.command_post import ASKING_TIME, CommandPost
 from heave_panel.efficiency import Efficiency
 from heave_panel.guard import COOKIE, Guard, is_loopback
 from heave_panel.history import LENGTH, LINES, History
+from heave_panel.operator_commands import COMMANDS, INJECT
 from heave_panel.run_worker import RunWorker
 from heave_panel.server import LARGEST_WAITING, leave_oldest
 from hypothesis import given
@@ -392,6 +393,41 @@ def test_tension_is_that_of_the_load_cell_where_the_winch_does_not_tell_it():
     assert line.value(situation) == 35.0
     situation.winch = WinchStatus(1.0, tension=30e3)
     assert line.value(situation) == 30.0
+
+
+def test_what_is_typed_wrongly_is_refused_in_words():
+    link, by_name = FakeLink(), {command.name: command for command in COMMANDS}
+    assert len(by_name) == len(COMMANDS)
+    for name, text, words in (
+        ("factor", "two", "'two' is no number"),
+        ("factor", "2", "2: must be from 0 to 1"),
+        ("depth", "nan", "nan: must be from"),
+        (INJECT, "whale,freeze", "'whale' is no device; devices are mru,"),
+        (INJECT, "mru,blue", "'blue' is no kind"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            by_name[name].begin(link, text)
+    assert (link.requests, link.moves) == ([], [])
+
+
+def test_faults_are_injected_into_and_cleared_from_what_is_simulated_alone():
+    link, by_name = FakeLink(), {command.name: command for command in COMMANDS}
+    by_name[INJECT].begin(link, "mru,jump,10,0.5")
+    (request,) = link.requests
+    assert (request.message.device, request.message.kind, request.message.duration) == ("mru", "jump", 10.0)
+    link.situation.simulated = ("mru", "depth")
+    with pytest.raises(ValueError, match="winch is not simulated in this run; what is: mru, depth"):
+        by_name[INJECT].begin(link, "winch,drive")
+    by_name["clear faults"].begin(link, "")
+    assert link.asked[-2:] == ["wave_vessel/inject_fault", "cable_sim/inject_fault"]
+    link.situation.simulated = ()
+    with pytest.raises(ValueError, match="nothing is simulated"):
+        by_name["clear faults"].begin(link, "")
+
+
+def test_what_moves_the_winch_asks_first():
+    moving = {"compensate", "standby", "tension", "manual", "redesign", "depth", "move by"}
+    assert moving <= {command.name for command in COMMANDS if command.is_confirmed}
 
 
 class Fetched:

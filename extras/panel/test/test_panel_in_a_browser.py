@@ -118,7 +118,7 @@ def panel_of_a_winch(tmp_path):
         general = ["--pacing", "realtime", "--duration", "3600", "--no-report", "--bag", str(tmp_path / "run")]
         log = (tmp_path / "run.log").open("w")
         run = subprocess.Popen(
-            command("run", "b2_calm_300", "--external", "virtual_winch", *general),
+            command("run", "b2_calm_300", "--replace", "virtual_winch=external", *general),
             env=environment(domain),
             stdout=log,
             stderr=log,

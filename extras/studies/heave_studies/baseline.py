@@ -6,7 +6,7 @@ import hashlib
 import json
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 from cable_sim_node.errors import PlantError
-from heave_bags.analyse.reading.stored import ALL_NODES, NodeParameters
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.mcap.reader import Progress, no_progress
 from heave_bags.record.provenance import git_commit, versions
@@ -22,9 +21,11 @@ from heave_bags.signals import RunSignals, Signal
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.run.baseline_law import BASELINE_LAW
 from heave_bringup.run.loop_signals import run_signals
+from heave_bringup.run.records import Request
 from heave_bringup.scenarios import Scenario
+from heave_bringup.stored_scenario import parameters_of
 from heave_node.files.whole_file import whole_file
-from heave_node.parameters import ParameterError, flatten
+from heave_node.parameters import ParameterError
 from winch_controller_node.model.lqr import DesignError
 
 from heave_studies.kappa import scenario_of
@@ -57,6 +58,13 @@ def baseline_signals(scenario: Scenario, progress: Progress = no_progress) -> Ru
     ticks = round(loop.duration / loop.tick_period)
     record = ClosedLoop(loop).run(lambda tick, _: progress(tick / ticks) if tick % 20 == 0 else None)
     return run_signals(record, loop)
+
+
+def add_to_record(record: RunRecord, request: Request, show: Callable[[str, float | None], None]) -> list[str]:
+    """See `heave_bringup.run.records.AddToRecord`: adds the baseline."""
+    words = f"{record.name} under law {BASELINE_LAW} (--no-baseline leaves it out)"
+    add_baseline(record, request.bag, request.scenario, lambda share: show(words, share))
+    return []
 
 
 def add_baseline(record: RunRecord, bag: Path, given: Scenario | None = None, progress: Progress = no_progress) -> None:
@@ -114,12 +122,6 @@ def _kept_or_computed(scenario: Scenario, bag: Path, progress: Progress) -> RunS
         with suppress(OSError):  # a folder that cannot be written: it is computed again next time
             keep(file, digest, kept)
     return kept
-
-
-def parameters_of(scenario: Scenario) -> NodeParameters:
-    """Return the parameters of a scenario as a bag would carry them."""
-    nodes = {node: flatten(parameters) for node, parameters in scenario.parameters.items()}
-    return {**nodes, ALL_NODES: flatten(scenario.run)}
 
 
 def digest_of(scenario: Scenario) -> str:

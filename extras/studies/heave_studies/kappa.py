@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import tempfile
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.mcap.reader import Bag
+from heave_bringup.run.records import Request
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import build_parameters, describe, flatten
@@ -38,6 +40,13 @@ from winch_controller_node.parameters.model import (
 
 LEAST_NOISE = 1e-5
 """Least noise of a sensor that is stated as perfect, in its own unit: a filter needs some."""
+
+
+def add_to_record(record: RunRecord, request: Request, show: Callable[[str, float | None], None]) -> list[str]:
+    """See `heave_bringup.run.records.AddToRecord`: adds the bounds of kappa."""
+    show("bounds of kappa", None)
+    add_bounds(record, request.bag, request.scenario)
+    return []
 
 
 def add_bounds(record: RunRecord, bag: Path, given: Scenario | None = None) -> None:

@@ -28,6 +28,7 @@ from heave_studies.campaign.plan import Case
 from heave_studies.campaign.report import case_table, left_out, remarks, summarise, summary_table, to_json
 from heave_studies.campaign.runs import CaseResult, Task, lost_because, make_tasks, run_task
 from heave_studies.campaign.table import case_frame
+from heave_studies.tables.case_scenario import write_case
 from heave_studies.tables.case_table import read_cases
 from rich.console import Console
 
@@ -274,7 +275,7 @@ def test_a_row_alone_repeats_its_case_and_gives_its_figures(campaign, tmp_path):
     frame = study.run_study(campaign, output=output, processes=1)
     (tmp_path / "own.yaml").unlink()
     for number in (1, 8):
-        scenario = load_scenario(f"{output}:{number}")
+        scenario = load_scenario(str(write_case(f"{output}:{number}", tmp_path / "case.yaml")[0]))
         again = run_task(Task(cases[number - 1], scenario))
         row = frame.set_index("case").loc[number]
         assert {key: value for key, value in again.kpis.items() if np.isfinite(value)} == {
@@ -295,13 +296,13 @@ def test_a_reference_to_no_case_is_one_line(campaign, tmp_path, monkeypatch):
     output = tmp_path / "cases.parquet"
     study.run_study(campaign, output=output, processes=1)
     with pytest.raises(ParameterError, match="has no case 9: it has 1 to 8"):
-        load_scenario(f"{output}:9")
+        write_case(f"{output}:9")
     with pytest.raises(ParameterError, match=r"none\.parquet: no such file"):
-        load_scenario(f"{tmp_path}/none.parquet:1")
+        write_case(f"{tmp_path}/none.parquet:1")
     broken = tmp_path / "broken.parquet"
     broken.write_bytes(b"no parquet")
     with pytest.raises(ParameterError, match="cannot be read as a table of cases"):
-        load_scenario(f"{broken}:1")
+        write_case(f"{broken}:1")
 
 
 def test_the_command_writes_table_figures_and_pictures(tmp_path, monkeypatch, capsys):

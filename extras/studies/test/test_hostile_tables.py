@@ -15,11 +15,12 @@ import pyarrow
 import pyarrow.parquet
 import pytest
 from heave_bags.signals import Signal
-from heave_bringup.scenarios import load_scenario, shipped_scenarios
+from heave_bringup.scenarios import shipped_scenarios
 from heave_node.parameters import ParameterError
 from heave_node.scenario import read_sections, sections_text
 from heave_studies.baseline import KEPT, read_kept
 from heave_studies.campaign.extremes import FIGURES, extremes_of_table
+from heave_studies.tables.case_scenario import write_case
 from heave_studies.tables.case_table import files_of, read_cases, scenario_of, split_reference
 from heave_studies.tables.kept_files import MARK
 
@@ -54,13 +55,13 @@ def table(folder: Path, key: str = DIGEST, content: object = GOOD, files: str = 
 
 
 def written(folder: Path) -> list[str]:
-    return [one.name for one in folder.rglob("*") if one.name not in ("own.parquet", "run")]
+    return [one.name for one in folder.rglob("*") if one.name not in ("own.parquet", "run_files")]
 
 
 def test_what_a_table_keeps_is_written_into_the_folder_of_the_run(tmp_path):
-    (line,) = load_scenario(f"{table(tmp_path)}:1", folder=tmp_path / "run").remade
+    _, (line,) = write_case(f"{table(tmp_path)}:1", tmp_path / "run.yaml")
     assert "is not there" in line
-    (path,) = (tmp_path / "run").rglob(ENTRY)
+    (path,) = (tmp_path / "run_files").rglob(ENTRY)
     assert path.read_bytes() == CONTENT
 
 
@@ -91,7 +92,7 @@ def test_a_table_without_what_extremes_need_is_refused_in_words(tmp_path, name, 
 )
 def test_a_digest_is_64_hex_digits(tmp_path, key):
     with pytest.raises(ParameterError, match="digest"):
-        load_scenario(f"{table(tmp_path, key)}:1", folder=tmp_path / "run")
+        write_case(f"{table(tmp_path, key)}:1", tmp_path / "run.yaml")
     assert not written(tmp_path)
 
 
@@ -100,14 +101,14 @@ def test_a_digest_is_64_hex_digits(tmp_path, key):
 )
 def test_a_kept_file_has_a_plain_name(tmp_path, name):
     with pytest.raises(ParameterError):
-        load_scenario(f"{table(tmp_path, content={**GOOD, 'name': name})}:1", folder=tmp_path / "run")
+        write_case(f"{table(tmp_path, content={**GOOD, 'name': name})}:1", tmp_path / "run.yaml")
     assert not written(tmp_path)
 
 
 @pytest.mark.parametrize("size", [-1, 1e3, "17", None, True, 10**12, 16])
 def test_a_kept_file_is_as_large_as_the_table_says(tmp_path, size):
     with pytest.raises(ParameterError):
-        load_scenario(f"{table(tmp_path, content={**GOOD, 'size': size})}:1", folder=tmp_path / "run")
+        write_case(f"{table(tmp_path, content={**GOOD, 'size': size})}:1", tmp_path / "run.yaml")
     assert not written(tmp_path)
 
 
@@ -128,7 +129,7 @@ def test_a_kept_file_is_as_large_as_the_table_says(tmp_path, size):
 def test_an_archive_holds_what_its_digest_says_and_else_nothing_is_written(tmp_path, members):
     content = {**GOOD, "zip": base64.b64encode(packed(*members)).decode()}
     with pytest.raises(ParameterError):
-        load_scenario(f"{table(tmp_path, content=content)}:1", folder=tmp_path / "run")
+        write_case(f"{table(tmp_path, content=content)}:1", tmp_path / "run.yaml")
     assert not written(tmp_path)
     assert not Path("/tmp/own.csv").exists()
 
@@ -140,7 +141,7 @@ def test_an_archive_holds_what_its_digest_says_and_else_nothing_is_written(tmp_p
 )
 def test_metadata_that_is_no_file_is_refused_in_one_line(tmp_path, content):
     with pytest.raises(ParameterError) as told:
-        load_scenario(f"{table(tmp_path, content=content)}:1", folder=tmp_path / "run")
+        write_case(f"{table(tmp_path, content=content)}:1", tmp_path / "run.yaml")
     assert "\n" not in str(told.value)
     assert not written(tmp_path)
 
@@ -148,7 +149,7 @@ def test_metadata_that_is_no_file_is_refused_in_one_line(tmp_path, content):
 @pytest.mark.parametrize("files", ["7", "[]", '{"/nowhere/own_rao.csv": 7}', "{", "[" * 100_000, '{"a": "../x"}'])
 def test_the_files_of_a_case_are_digests_by_path(tmp_path, files):
     with pytest.raises(ParameterError, match="case 1"):
-        load_scenario(f"{table(tmp_path, files=files)}:1", folder=tmp_path / "run")
+        write_case(f"{table(tmp_path, files=files)}:1", tmp_path / "run.yaml")
 
 
 def test_a_file_that_the_table_names_is_read_only_where_its_size_is_right(tmp_path, monkeypatch):
@@ -180,7 +181,7 @@ def test_a_table_of_other_types_is_refused(tmp_path):
     for row in ({"case": ["a"], "scenario": ["b"]}, {"case": [1], "scenario": [[1]]}, {"case": [1], "scenario": [7]}):
         pyarrow.parquet.write_table(pyarrow.table(row), path)
         with pytest.raises(ParameterError, match="not a table of heave campaign"):
-            load_scenario(f"{path}:1")
+            write_case(f"{path}:1", tmp_path / "run.yaml")
 
 
 def test_a_case_has_a_number_that_can_be_one():

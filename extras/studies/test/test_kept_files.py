@@ -11,14 +11,14 @@ from pathlib import Path
 import numpy as np
 import pandas
 import pytest
-from heave_bringup.commands.runs import run as run_command
-from heave_bringup.run import run as run_module
+from heave_bringup.cli import main
 from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import ParameterError
 from heave_studies.campaign import executors, study
 from heave_studies.campaign.campaign_file import read_campaign
 from heave_studies.campaign.runs import CaseResult, Task, run_task
 from heave_studies.tables import kept_files
+from heave_studies.tables.case_scenario import write_case
 from heave_studies.tables.case_table import files_of, read_cases, write_cases
 from heave_studies.tables.kept_files import MARK, digest_of, keep_files, make_good
 
@@ -63,10 +63,10 @@ def test_a_row_repeats_its_case_when_the_file_that_it_read_is_gone(campaign, rao
     output = tmp_path / "cases.parquet"
     frame = study.run_study(campaign, output=output, processes=1)
     rao.unlink()
-    scenario = load_scenario(f"{output}:2", folder=tmp_path / "run")
-    assert read_by(scenario).is_relative_to(tmp_path / "run")
+    path, (line,) = write_case(f"{output}:2", tmp_path / "mine.yaml")
+    scenario = load_scenario(str(path))
+    assert read_by(scenario).is_relative_to(tmp_path / "mine_files")
     assert read_by(scenario).read_bytes() == RAO.read_bytes()
-    (line,) = scenario.remade
     assert f"{rao} is not there" in line
     again, row = run_task(Task(next(campaign.cases()), scenario)).kpis, frame.set_index("case").loc[2]
     assert {key: value for key, value in again.items() if np.isfinite(value)} == {
@@ -76,18 +76,20 @@ def test_a_row_repeats_its_case_when_the_file_that_it_read_is_gone(campaign, rao
 
 def test_a_file_that_changed_is_told_and_what_was_kept_is_read(campaign, rao, tmp_path, monkeypatch):
     output = pretended_table(campaign, tmp_path, monkeypatch)
-    assert load_scenario(f"{output}:1", folder=tmp_path / "run").remade == ()
-    assert not (tmp_path / "run").exists(), "a file that is there is read where it is"
+    path, remade = write_case(f"{output}:1", tmp_path / "mine.yaml")
+    assert (read_by(load_scenario(str(path))), remade) == (rao, [])
+    assert not (tmp_path / "mine_files").exists(), "a file that is there is read where it is"
     rao.write_text(rao.read_text() + "\n")
-    scenario = load_scenario(f"{output}:1", folder=tmp_path / "run")
-    (line,) = scenario.remade
+    path, (line,) = write_case(f"{output}:1", tmp_path / "mine.yaml")
     assert f"{rao} has changed since the case was run" in line
     assert hashlib.sha256(RAO.read_bytes()).hexdigest()[:12] in line
-    assert digest_of(read_by(scenario)) == digest_of(RAO)
-    # another one of the user's own is his to choose; without a folder the file goes with the process
-    mine = load_scenario(f"{output}:1", settings=[f"wave_vessel.{PLACE}={RAO}"])
-    assert (read_by(mine), mine.remade) == (RAO, ())
-    assert read_by(load_scenario(f"{output}:1")).is_file()
+    assert digest_of(read_by(load_scenario(str(path)))) == digest_of(RAO)
+    # the folder can be moved: the scenario names the file beside it
+    moved = tmp_path / "elsewhere"
+    moved.mkdir()
+    for name in ("mine.yaml", "mine_files"):
+        (tmp_path / name).rename(moved / name)
+    assert read_by(load_scenario(str(moved / "mine.yaml"))).is_relative_to(moved)
 
 
 def test_a_file_is_in_the_table_once_and_no_fact_of_it(campaign, rao, tmp_path, monkeypatch):
@@ -105,14 +107,14 @@ def test_a_file_is_in_the_table_once_and_no_fact_of_it(campaign, rao, tmp_path, 
 def test_a_file_too_large_to_be_kept_is_known_by_its_digest(campaign, rao, tmp_path, monkeypatch):
     monkeypatch.setattr(kept_files, "MOST_KEPT", 1000)
     output = pretended_table(campaign, tmp_path, monkeypatch)
-    assert load_scenario(f"{output}:1").remade == ()
+    assert write_case(f"{output}:1", tmp_path / "mine.yaml")[1] == []
     rao.unlink()
     with pytest.raises(
         ParameterError, match=r"own_rao\.csv is not there .* was too large for the table to keep"
     ) as told:
-        load_scenario(f"{output}:1")
+        write_case(f"{output}:1", tmp_path / "other.yaml")
     assert "\n" not in str(told.value)
-    assert load_scenario(f"{output}:1", needs_files=False).parameters
+    assert not (tmp_path / "other.yaml").exists()
 
 
 def test_a_campaign_whose_file_changed_in_between_is_another_one(campaign, rao, tmp_path, monkeypatch):
@@ -150,25 +152,14 @@ def test_as_much_as_is_kept_can_be_read_by_anyone(tmp_path):
     assert set(files_of(tmp_path / "own.parquet", 1)[1].values()) == set(files.values())
 
 
-def test_a_run_of_a_row_keeps_the_file_in_its_folder_and_says_so(campaign, rao, tmp_path, monkeypatch, capsys):
+def test_the_command_writes_a_case_and_prints_the_line_that_runs_it(campaign, rao, tmp_path, monkeypatch, capsys):
     output = pretended_table(campaign, tmp_path, monkeypatch)
     rao.unlink()
-    found = []
-
-    class EndedError(Exception):
-        """What stands for the run."""
-
-    def begun(scenario, folder, **_):
-        found.append((read_by(scenario), folder.path))
-        raise EndedError
-
-    monkeypatch.setattr(run_module, "run_scenario", begun)
-    from heave_bringup.parser import make_parser  # noqa: PLC0415
-
-    options = make_parser().parse_args(["run", f"{output}:1", "--bag", str(tmp_path / "run")])
-    with pytest.raises(EndedError):
-        run_command.execute(options)
-    ((path, folder),) = found
-    assert path.is_relative_to(folder / "files")
-    assert path.read_bytes() == RAO.read_bytes()
-    assert capsys.readouterr().err.count("is not there") == 1
+    monkeypatch.chdir(tmp_path)
+    assert main(["campaign", "--case", f"{output}:1"]) == 0
+    told = capsys.readouterr()
+    assert told.out.endswith("next: heave run cases_case_1.yaml\n")
+    assert told.err.count("is not there") == 1
+    assert load_scenario("cases_case_1.yaml").run.duration == 3.0
+    assert main(["run", f"{output}:1"]) == 2
+    assert f"`heave campaign --case {output}:1` writes its scenario" in capsys.readouterr().err

@@ -230,7 +230,7 @@ def test_the_command_writes_page_and_tables_and_makes_them_again_without_running
     assert re.search(r"\d to \d", said) is None, "of two seeds no confidence is printed"
     assert said.count("Confidence is not stated with 2 seeds") == 1
     assert page.count("Confidence is not stated with 2 seeds") == 1
-    assert "heave run b2_calm_300_operability.parquet:CASE" in page
+    assert "heave campaign --case b2_calm_300_operability.parquet:CASE" in page
     assert page.count('class="figure"') > 5
     assert len(pandas.read_csv("own.csv")) == 4
     monkeypatch.setattr(executors, "run_task", None)

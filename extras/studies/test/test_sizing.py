@@ -176,7 +176,7 @@ def test_the_command_writes_page_and_tables_and_makes_them_again_without_running
     answer = json.loads((tmp_path / "answer.json").read_text())
     assert set(answer["knees"]) == {"speed", "acceleration", "power"}
     page = (tmp_path / "unit_1500_sizing.html").read_text()
-    assert "heave run unit_1500_sizing.parquet:CASE" in page
+    assert "heave campaign --case unit_1500_sizing.parquet:CASE" in page
     assert page.count('class="figure"') == 6
     for heading in ("above half rating", "tension cycles", "equivalent tension range"):
         assert heading in said

@@ -48,8 +48,8 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
         lost(
             "LATE",
             "readings arrive {age:.2f} s late since t = {since:.1f} s, limit {limit:.2f} s",
-            "Set the clock that stamps them. For a constant delay: latency in the device's map, or --external "
-            "NODE=CLOCK:SECONDS",
+            "Set the clock that stamps them. For a constant delay: latency in the device's map, or --replace "
+            "NODE=external:CLOCK:SECONDS",
         ),
         lost(
             "ABSENT",
@@ -152,8 +152,8 @@ def _noise_of(sensor: str) -> list[AlarmRow]:
             f"{prefix}_NOISE_LOW",
             EVENT,
             sensor,
-            "noise of {measurement} is below the stated {sigma:.2g} {unit}: {seen} measured ({ratio:.2f} of the expected "
-            "scatter)",
+            "noise of {measurement} is below the stated {sigma:.2g} {unit}: {seen} measured ({ratio:.2f} of the "
+            "expected scatter)",
             "{loop}. This sensor could be given more weight",
         ),
     ]

@@ -37,7 +37,7 @@ def execute(options: argparse.Namespace) -> None:
         [bag_of(bag) for bag in options.bags],
         scenario=options.scenario,
         transient=options.transient,
-        has_baseline=options.baseline,
+        baseline=options.baseline,
     )
     warnings = [run_warnings.warnings(record, record.kpis()) for record in records]
     results = [

@@ -31,9 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--whatif",
         action=argparse.BooleanOptionalAction,
         default=None,
-        help="experimental: unit, uncompensated motion and law industrial from the sensors of the record alone, with "
-        "bands, in the place of the controller's estimates. It takes minutes, once: the answer is kept beside the bag "
-        "and shown from then on; --no-whatif leaves it out, --no-baseline law industrial",
+        help="experimental, needs heave[studies]: unit, uncompensated motion and law industrial from the sensors of "
+        "the record alone, with bands, in the place of the controller's estimates. It takes minutes, once: the answer "
+        "is kept beside the bag and shown from then on; --no-whatif leaves it out, --no-baseline law industrial",
     )
     add_full(parser)
     parser.add_argument(
@@ -70,7 +70,7 @@ def execute(options: argparse.Namespace) -> None:
         bags,
         scenario=options.scenario,
         transient=options.transient,
-        has_baseline=options.baseline,
+        baseline=options.baseline,
         whatif=options.whatif,
     )
     verdicts = [judge(record, record.wanted, moves_winch=record.moves_winch) for record in records]

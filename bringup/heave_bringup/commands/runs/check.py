@@ -10,21 +10,22 @@ from heave_node.tick.clock_rule import parse_clock
 
 from heave_bringup.commands.arguments import add_namespace, add_network
 from heave_bringup.errors import VerdictError
+from heave_bringup.replacements import EXTERNAL, OPTION, add_replace, parse_replacements
 
 SUMMARY = "Check a live external node against the contract; a winch is braked and released, never moved."
-EXAMPLES = ("heave check --external virtual_winch", "heave check --external wave_vessel=own")
+EXAMPLES = ("heave check --replace virtual_winch=external", "heave check --replace wave_vessel=external:own")
 
 REPLACEABLE = ("winch_controller", "virtual_winch", "wave_vessel", "cable_sim")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
-    parser.add_argument(
-        "--external",
-        required=True,
-        metavar="NODE[=CLOCK]",
-        help=f"node of the suite that the external node replaces: {', '.join(REPLACEABLE)}; CLOCK is the clock of its "
+    add_replace(
+        parser,
+        f"node of the suite that the external node replaces: {', '.join(REPLACEABLE)}; CLOCK is the clock of its "
         "stamps: simulated, own, none; detected if not given",
+        f"{EXTERNAL}[:CLOCK]",
+        required=True,
     )
     parser.add_argument("--seconds", type=float, default=4.0, metavar="S", help="duration of each phase (default: 4)")
     add_namespace(parser, "the node is in namespace NAME")
@@ -40,9 +41,10 @@ def execute(options: argparse.Namespace) -> None:
 
     if not (math.isfinite(options.seconds) and options.seconds >= 2.0):
         raise ParameterError(f"--seconds {options.seconds:g}: must be at least 2")
-    node, stamping = parse_clock(options.external if "=" in options.external else f"{options.external}=detect")
-    if node not in REPLACEABLE:
-        raise ParameterError(f"--external {node}: must be one of {', '.join(REPLACEABLE)}")
+    external = parse_replacements(options.replace, kinds=[EXTERNAL]).external
+    node, stamping = parse_clock(external[0] if "=" in external[0] else f"{external[0]}=detect")
+    if node not in REPLACEABLE or len(external) > 1:
+        raise ParameterError(f"{OPTION} {options.replace[-1]}: NODE must be one of {', '.join(REPLACEABLE)}")
     set_up_transport(network=options.network)
     findings = check_node(CONTRACT_OF[node], options.seconds, stamping.rule, options.namespace or "")
     wrong = [finding for finding in findings if not finding.is_good]

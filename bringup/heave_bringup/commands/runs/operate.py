@@ -1,4 +1,4 @@
-"""`heave operate`: what an operator does to a run that is under way in another terminal, in one line or on a screen."""
+"""`heave operate`: what an operator does to a run that is under way in another terminal, in one line."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_node.interface.fault_kinds import FAULTS, faults_of
-from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_namespace, add_network
 from heave_bringup.errors import CommandError
@@ -19,9 +18,8 @@ if TYPE_CHECKING:
     from heave_bringup.operate.link import RunLink
     from heave_bringup.operate.tasks import Move, Task
 
-SUMMARY = "Operate a run that is under way in another terminal: on a screen, or with one verb."
+SUMMARY = "Operate a run that is under way in another terminal, with one verb."
 EXAMPLES = (
-    "heave operate",
     "heave operate status",
     "heave operate depth 295 --speed 0.2",
     "heave operate fault inject mru freeze --duration 10",
@@ -37,9 +35,9 @@ LISTENING_TIME = 1.5
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's own arguments to `parser`: a verb with arguments of its own, or none for the screen."""
+    """Add the command's own arguments to `parser`: a verb with arguments of its own."""
     _add_shared(parser)
-    verbs = parser.add_subparsers(dest="verb", metavar="VERB")
+    verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
 
     def verb(name: str, help_: str, example: str = "") -> argparse.ArgumentParser:
         one = verbs.add_parser(
@@ -188,16 +186,11 @@ def execute(options: argparse.Namespace) -> None:
     """Do what `options` say to the run in this ROS domain."""
     from heave_bringup.network import set_up_transport
     from heave_bringup.operate.link import RunLink
-    from heave_bringup.operate.screen import operate_on_screen
 
-    if options.verb is None and options.json:
-        raise ParameterError("--json: needs a verb, such as heave operate status --json -")
     set_up_transport(network=options.network)
     link = RunLink(options.namespace or "")
     try:
-        if options.verb is None:
-            operate_on_screen(link, link.place)
-        elif options.verb == "status":
+        if options.verb == "status":
             _report_status(options, link)
         else:
             _report_answer(options, _do(options, link))

@@ -7,29 +7,38 @@ import importlib
 import shlex
 import sys
 import threading
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
-from heave_node.run_parameters import LOCKSTEP, REALTIME, RunParameters
+from heave_node.run_parameters import LOCKSTEP as IN_LOCKSTEP
+from heave_node.run_parameters import REALTIME
 from heave_node.scenario import WILDCARD
 
 from heave_bringup.commands.arguments import (
     add_baseline,
-    add_external,
     add_full,
     add_namespace,
     add_network,
     add_scenario,
 )
-from heave_bringup.commands.runs.substitutes import add_substitutes, substitutes
 from heave_bringup.errors import CommandError, VerdictError
 from heave_bringup.interrupts import raise_if_interrupted
-from heave_bringup.nodes import ADVISER, ENVELOPE, MASTER, RECORDER, node_forks, nodes_to_start
-from heave_bringup.settings import Setting, external_settings
+from heave_bringup.nodes import ADVISER, ENVELOPE, node_forks, nodes_to_start
+from heave_bringup.replacements import (
+    BAG,
+    EXTERNAL,
+    LOCKSTEP,
+    NONE,
+    Replacements,
+    add_replace,
+    external_settings,
+    parse_replacements,
+)
+from heave_bringup.settings import Setting
 
 if TYPE_CHECKING:
     from heave_bringup.run.evaluation import Evaluation
@@ -51,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_scenario(parser)
     parser.add_argument(
-        "--pacing", choices=(LOCKSTEP, REALTIME), help="as fast as possible, or paced by the wall clock"
+        "--pacing", choices=(IN_LOCKSTEP, REALTIME), help="as fast as possible, or paced by the wall clock"
     )
     parser.add_argument(
         "--realtime-priority",
@@ -90,28 +99,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add_places(parser: argparse.ArgumentParser) -> None:
     """Let the user of `parser` say who takes the place of a node, and where the nodes run."""
-    add_external(parser, "do not start NODE: hardware or another program takes its place")
-    parser.add_argument(
-        "--foreign",
-        action="append",
-        default=[],
-        metavar="NODE",
-        help="do not start NODE: a program of yours takes part in each tick under its name (docs/contract.md), in "
-        "lockstep too; cable_sim among them: ship_clock then leads the ticks",
-    )
-    parser.add_argument(
-        "--without",
-        action="append",
-        default=[],
-        metavar="NODE",
-        help=f"leave NODE out; only {ADVISER} can be: the controller then keeps its nominal",
+    add_replace(
+        parser,
+        f"do not start NODE, repeatable. {EXTERNAL}: hardware or another program takes its place, in real time (a "
+        "sensor's topic, as winch/load_cell, replaces that sensor alone; CLOCK says how it stamps: simulated, own, "
+        f"none; detected if not given; S is its latency [s]). {LOCKSTEP}: a program of yours takes part in each tick "
+        f"under its name (docs/contract.md); in the place of cable_sim ship_clock then leads the ticks. {BAG}: "
+        "what NODE published in that bag is played back, the other nodes run live. fmu: a drive in the "
+        "place of virtual_winch, an FMU or a map that names one (.yaml), whose code runs as yours: name only one that "
+        f"you trust. {NONE}: only {ADVISER} can be left out; the controller then keeps its nominal",
     )
     parser.add_argument(
         "--envelope",
         action="store_true",
         help=f"let {ENVELOPE} stand between the controller and the winch: it bounds what a controller of yours orders",
     )
-    add_substitutes(parser)
     parser.add_argument(
         "--composed",
         action="store_true",
@@ -137,28 +139,23 @@ def execute(options: argparse.Namespace) -> None:
     if options.quiet:
         be_quiet()
     set_up_transport(network=options.network)
-    settings = [*options.set, *_own_settings(options)]
-    scenario = without(load_scenario(options.scenario, settings=settings), options.without)
-    scenario = with_envelope(scenario, is_asked=options.envelope)
-    replaced = substitutes(options)
+    replaced = parse_replacements(options.replace)
+    settings = [*options.set, *_own_settings(options), *external_settings(replaced.external)]
+    scenario = with_envelope(load_scenario(options.scenario, settings=settings), is_asked=options.envelope)
+    scenario = replaced.apply(scenario)
     _check(options, scenario, replaced)
     _announce(options, scenario, required)
-    with node_forks(1 if options.composed else len(nodes_to_start(scenario.run, options.foreign))) as forks:
+    with node_forks(1 if options.composed else len(nodes_to_start(scenario.run, replaced.lockstep))) as forks:
         from heave_bringup.run.run import new_run_folder, run_scenario
 
         folder = new_run_folder(scenario.name, options.bag)
-        if scenario.remade:  # the run keeps them, for who runs its scenario again
-            scenario = without(load_scenario(options.scenario, settings=settings, folder=folder.files), options.without)
-            scenario = with_envelope(scenario, is_asked=options.envelope)
-            sys.stderr.write("".join(f"heave: {line}\n" for line in scenario.remade))
         # What judges the run takes seconds to load: time that the nodes need to find each other.
         judging = [EVALUATION] if options.no_report else [EVALUATION, SPECTRA]
         threading.Thread(target=lambda: [importlib.import_module(module) for module in judging]).start()
         outcome = run_scenario(
             scenario,
             folder,
-            substitutes=replaced,
-            foreign=options.foreign,
+            replaced=replaced,
             namespace=options.namespace or "",
             composed=_composed(options),
             forks=forks,
@@ -174,7 +171,7 @@ def execute(options: argparse.Namespace) -> None:
         report,
         required=required,
         alarms=len(outcome.alarms),
-        has_baseline=options.baseline,
+        baseline=options.baseline,
     )
     _write(options, scenario, folder, outcome.alarms, result)
     unsound = [*outcome.strangers, *outcome.lost]
@@ -184,7 +181,7 @@ def execute(options: argparse.Namespace) -> None:
         raise VerdictError(result.verdict.failures, str(report or folder.path))
 
 
-def _check(options: argparse.Namespace, scenario: Scenario, substituted: Collection[str]) -> None:
+def _check(options: argparse.Namespace, scenario: Scenario, replaced: Replacements) -> None:
     """Refuse, before anything starts, what this run cannot be; warn of what its files leave open."""
     from heave_bringup.output import warn
     from heave_bringup.run.checks.files import check_files
@@ -194,14 +191,13 @@ def _check(options: argparse.Namespace, scenario: Scenario, substituted: Collect
 
     for criterion in scenario.wanted:
         refuse_unknown(criterion, f"{scenario.path}: wanted")
-    _check_foreign(options.foreign, scenario.run)
-    _check_composed(options, [*scenario.run.external, *options.foreign, *substituted])
-    replaced = (*scenario.run.external, *substituted)
-    if "wave_vessel" not in replaced:
+    _check_composed(options, [*scenario.run.external, *replaced.in_ticks])
+    unread = {*scenario.run.external, *replaced.programs}
+    if "wave_vessel" not in unread:
         warn(check_files(scenario))
-    if "cable_sim" not in replaced:
+    if "cable_sim" not in unread:
         check_rest(scenario)
-    if not {"wave_vessel", "cable_sim"} & set(replaced):
+    if not {"wave_vessel", "cable_sim"} & unread:
         warn(check_waves(scenario))
 
 
@@ -255,13 +251,11 @@ def _required(texts: Sequence[str]) -> list[Criterion]:
 
 def _own_settings(options: argparse.Namespace) -> list[Setting]:
     """Return the command's own options as changes of the scenario."""
-    settings = [
+    return [
         Setting(WILDCARD, name, value, f"--{name.replace('_', '-')} {value}")
         for name in ("pacing", "realtime_priority", "duration", "seed")
         if (value := getattr(options, name)) is not None
     ]
-    settings += external_settings(options.external)
-    return settings
 
 
 def with_envelope(scenario: Scenario, *, is_asked: bool) -> Scenario:
@@ -269,23 +263,6 @@ def with_envelope(scenario: Scenario, *, is_asked: bool) -> Scenario:
     if not is_asked or ENVELOPE in scenario.run.participants:
         return scenario
     return replace(scenario, run=replace(scenario.run, participants=(*scenario.run.participants, ENVELOPE)))
-
-
-def without(scenario: Scenario, nodes: Sequence[str]) -> Scenario:
-    """Return the scenario without certain nodes. Raises ParameterError for one that the loop needs."""
-    needed = [node for node in nodes if node != ADVISER]
-    if needed:
-        raise ParameterError(f"--without {needed[0]}: must be {ADVISER}, the only node that can be left out")
-    stay = tuple(name for name in scenario.run.participants if name not in nodes)
-    return replace(scenario, run=replace(scenario.run, participants=stay))
-
-
-def _check_foreign(nodes: Sequence[str], run: RunParameters) -> None:
-    """Refuse a node that takes no part in the ticks of the run, or that is the suite's own in any case."""
-    able = [name for name in (MASTER, *run.participants) if name != RECORDER and name not in run.external]
-    for node in nodes:
-        if node not in able:
-            raise ParameterError(f"--foreign {node}: must be one of {', '.join(able)}")
 
 
 def _check_composed(options: argparse.Namespace, elsewhere: Sequence[str]) -> None:

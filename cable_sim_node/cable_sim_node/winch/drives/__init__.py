@@ -1,4 +1,4 @@
-"""Drives of a winch: speed servo, electric, pump-controlled and valve-controlled hydraulic, behind one interface."""
+"""Drives of a winch behind one interface: the speed servo, and those that extras bring."""
 
 from heave_node.numerics.compiled import drop_stale_kernels
 

@@ -21,7 +21,7 @@ EXAMPLES = (
     "heave adapt --list",
     "heave adapt --show psxn > my_mru.yaml",
     "heave adapt my_winch.yaml --wiggle 20        # out by 20 mm and back: are signs and units right?",
-    "heave adapt my_mru.yaml my_load_cell.yaml    # in another terminal: heave run ... --external wave_vessel",
+    "heave adapt my_mru.yaml my_load_cell.yaml    # in another terminal: heave run ... --replace wave_vessel=external",
 )
 
 

@@ -6,8 +6,9 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from heave_bringup.commands.arguments import add_external, add_network, add_settings
+from heave_bringup.commands.arguments import add_network, add_settings
 from heave_bringup.errors import VerdictError
+from heave_bringup.replacements import EXTERNAL, add_replace, parse_replacements
 from heave_node.parameters import ParameterError
 
 if TYPE_CHECKING:
@@ -35,7 +36,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scenario", default="", metavar="SCENARIO", help="in the place of the procedure's")
     parser.add_argument("--step", action="append", default=[], metavar="NAME", help="only this step; may be repeated")
     parser.add_argument("--winch", metavar="MAP", help="real winch, by its map (heave adapt): it will move")
-    add_external(parser, "in runs a real part, served by heave adapt in another terminal, takes the place of NODE")
+    add_replace(
+        parser,
+        "in runs a real part, served by heave adapt in another terminal, takes the place of NODE; a sensor's topic, as "
+        "winch/load_cell, replaces that sensor alone. CLOCK says how it stamps: simulated, own, none; detected if not "
+        "given",
+        f"{EXTERNAL}[:CLOCK]",
+    )
     parser.add_argument(
         "--record",
         action="append",
@@ -100,7 +107,7 @@ def _parts(options: argparse.Namespace) -> Parts:
             raise ParameterError(f"--record {text}: no such file: {path}")
         records[name if separator else WHOLE] = Path(path)
     winch = find_map(options.winch) if options.winch else None
-    return Parts(winch, tuple(options.external), records, options.map)
+    return Parts(winch, parse_replacements(options.replace, kinds=[EXTERNAL]).external, records, options.map)
 
 
 def _accept(options: argparse.Namespace, session: object) -> None:

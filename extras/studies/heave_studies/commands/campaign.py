@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -22,6 +23,7 @@ EXAMPLES = (
     "heave campaign b2_calm_300 --vary winch_controller.law=off,lqg,mpc --seeds 3",
     "heave campaign b9_model_error --json result.json",
     "heave campaign b9_model_error --output b9.parquet --plot b9.svg",
+    "heave campaign --case b9.parquet:17",
     "heave campaign b3_robustness --no-baseline --output b3.parquet --tornado b3.svg",
 )
 
@@ -31,7 +33,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "campaign",
         metavar="CAMPAIGN",
+        nargs="?",
         help="a shipped campaign, or a file (format: heave_bringup/campaign/campaign_file.py); with --vary a scenario",
+    )
+    parser.add_argument(
+        "--case",
+        metavar="FILE.parquet:CASE",
+        help="write the scenario of one case of a table that --output wrote, to run it over ROS; the files that it "
+        "read and that are gone are written beside it",
     )
     parser.add_argument(
         "--vary",
@@ -56,8 +65,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--output",
         type=Path,
         metavar="FILE.parquet",
-        help="table with all that repeats each case (heave run FILE.parquet:CASE). Results are kept as they come: the "
-        "same command again goes on where it was ended",
+        help="table with all that repeats each case (--case FILE.parquet:CASE). Results are kept as they come: the "
+        "same command again goes on where it was ended; with --case the scenario file to write",
     )
     parser.add_argument("--csv", type=Path, metavar="FILE", help="the figures of every case as CSV")
     parser.add_argument(
@@ -79,6 +88,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Run every case as `options` say; print what the unit and the winch did in each, then the summary."""
+    if options.case is not None:
+        _write_case(options)
+        return
+    if options.campaign is None:
+        raise ParameterError("name a campaign, or with --vary a scenario")
     from heave_bags.analyse.kpi_set import DEFINITION_OF
     from heave_bringup.output import check_output, write_result
 
@@ -119,6 +133,19 @@ def execute(options: argparse.Namespace) -> None:
         parts.append(influence_table(found, options.kpi))
         result["influences"] = {"kpi": options.kpi, "parameters": [asdict(one) for one in found]}
     write_result(options, parts, result)
+
+
+def _write_case(options: argparse.Namespace) -> None:
+    """Write the scenario of the case that `options` name, and print the line that runs it."""
+    from heave_bringup.output import check_output, warn, write_result
+
+    from heave_studies.tables.case_scenario import write_case
+
+    check_output("--output", options.output, (".yaml",))
+    path, reported = write_case(options.case, options.output)
+    warn(reported)
+    line = f"heave run {shlex.quote(str(path))}"
+    write_result(options, f"{path} is case {options.case}\nnext: {line}", {"scenario": str(path), "next": line})
 
 
 def _text(lines: Sequence[str]) -> list[str]:

@@ -48,7 +48,8 @@ def cases_table(parts: Iterable[pandas.DataFrame], criteria: Sequence[Criterion]
             why = f"failed: {row[FAILURE]}" if row[FAILURE] else lost or _missed(row, criteria)
             figures = [f"{100 * row['unit_sigma_m']:.2f}", f"{100 * row['uncompensated_sigma_m']:.2f}", why or "-"]
             rows.append([str(row[CASE]), f"{row[PERIOD]:g}", f"{row[HEIGHT]:g}", str(row[SEED]), *figures])
-    how = f"<p>A case is repeated over ROS, with a bag: <code>heave run {html.escape(str(file))}:CASE</code></p>"
+    line = f"heave campaign --case {html.escape(str(file))}:CASE"
+    how = f"<p>The scenario of a case, for a run over ROS: <code>{line}</code></p>"
     cells = table(head, rows, texts=1, last_is_text=True)
     return f"<details><summary>All {len(rows)} cases</summary>{how if file else ''}{cells}</details>"
 

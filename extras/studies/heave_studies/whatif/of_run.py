@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -19,6 +19,8 @@ from heave_bags.mcap.reader import Bag
 from heave_bags.record.provenance import git_commit, versions
 from heave_bags.signals import Signal
 from heave_bringup.errors import CommandError
+from heave_bringup.run.baseline_law import BASELINE_LAW
+from heave_bringup.run.records import BASELINE, WHATIF, Request
 from heave_node.files.whole_file import whole_file
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
@@ -36,6 +38,18 @@ LARGEST_FILE = 1 << 27
 
 OFFER = "--whatif reconstructs unit and uncompensated motion from the whole record, with bands; it takes minutes"
 """What a report offers where it has no more than the controller's estimate."""
+
+
+def add_to_record(record: RunRecord, request: Request, show: Callable[[str, float | None], None]) -> list[str]:
+    """See `heave_bringup.run.records.AddToRecord`: adds what the winch locked and the baseline law would have given."""
+    laws = () if request.asks(BASELINE) is False else (BASELINE_LAW,)
+    return add_reconstruction(
+        record,
+        request.bag,
+        Question(OFF, laws, scenario=request.name, transient=request.transient),
+        computes=bool(request.asks(WHATIF)),
+        show=lambda words, share: show(f"{record.name}, what would have been: {words}", share),
+    )
 
 
 def add_reconstruction(
@@ -79,8 +93,8 @@ def reconstruction(result: Result) -> Reconstruction:
     by_law = {one.asked.controller.law: one.figures for one in result.answers}
     free = _banded(by_law[OFF], "unit_sigma_m")
     bands = {"uncompensated_sigma_m": free}
-    if "industrial" in by_law:
-        bands["baseline_efficiency"] = _banded(by_law["industrial"], "unit_efficiency")
+    if BASELINE_LAW in by_law:
+        bands["baseline_efficiency"] = _banded(by_law[BASELINE_LAW], "unit_efficiency")
     bands |= {key: _banded(result.recorded, key) for key in result.recorded.bands}
     time = known.past.record.time
     return Reconstruction(

@@ -13,10 +13,11 @@ from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import judge
 from heave_bags.mcap.reader import TIME, Bag
 from heave_bags.signals import Signal
+from heave_bringup.replacements import OPTION, external_settings
 from heave_bringup.run.launcher import Launcher
 from heave_bringup.run.run import Composed, RunFolder, run_scenario
 from heave_bringup.scenarios import Scenario, load_scenario
-from heave_bringup.settings import Setting, external_settings, make_setting
+from heave_bringup.settings import Setting, make_setting
 from heave_msgs.msg import TickStatus
 from heave_node.interface import topics
 from heave_node.interface.alarm import alarms_in
@@ -70,7 +71,7 @@ def scenario_of(procedure: Procedure, test: RunTest, event: Event | None, extern
         lists = {"kind": event.fault, "start": event.at, "duration": event.duration, "magnitude": event.magnitude}
         changes += [make_setting(f"{FAULTS_OF[event.device]}.{name}", [value], where) for name, value in lists.items()]
     if external:
-        changes += [*external_settings(external), Setting(WILDCARD, "pacing", REALTIME, "--external")]
+        changes += [*external_settings(external), Setting(WILDCARD, "pacing", REALTIME, OPTION)]
     return load_scenario(test.scenario or procedure.scenario, settings=changes)
 
 

@@ -1,0 +1,1 @@
+"""Drives of a winch with their physics: electric, pump-controlled and valve-controlled hydraulic."""

@@ -1,0 +1,55 @@
+"""An extra that is not installed: what the suite does without it, and what it says where it is asked for."""
+
+import pytest
+from cable_sim_node.winch.drives import registry
+from heave_bringup.cli import main
+from heave_bringup.commands.extras import EXTRA_OF
+from heave_bringup.errors import CommandError
+from heave_bringup.run.records import read_records
+from heave_node import extras
+
+
+@pytest.fixture
+def alone(monkeypatch):
+    """Let no extra be installed."""
+    monkeypatch.setattr(extras, "entry_points", lambda group: [])
+    caches = (extras.extra_parts.cache_clear, registry.installed_drives.cache_clear)
+    for clear in caches:
+        clear()
+    yield
+    for clear in caches:
+        clear()
+
+
+@pytest.mark.parametrize("name", EXTRA_OF)
+def test_a_command_of_a_missing_extra_names_it_in_one_line(alone, name, capsys):
+    assert main([name, "whatever"]) != 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"heave: heave {name} needs heave[{EXTRA_OF[name]}]; ")
+
+
+@pytest.mark.parametrize(
+    ("words", "needs"),
+    [
+        (["kpi", "BAG", "--baseline"], "--baseline needs heave[studies]"),
+        (["report", "BAG", "--whatif"], "--whatif needs heave[studies]"),
+        (["run", "b2_calm_300", "--set", "virtual_winch.drive=electric"], "drive = electric needs heave[drives]"),
+        (["run", "b2_calm_300", "--replace", "virtual_winch=fmu:x.fmu"], "virtual_winch=fmu:x.fmu needs heave[fmu]"),
+    ],
+)
+def test_an_option_of_a_missing_extra_names_it_in_one_line(alone, words, needs, calm_bag, capsys):
+    assert main([str(calm_bag) if word == "BAG" else word for word in words]) != 0
+    assert needs in capsys.readouterr().err.splitlines()[-1]
+
+
+def test_without_studies_a_bag_is_judged_and_their_rows_are_left_out(alone, calm_bag, capsys):
+    (record,) = read_records([calm_bag], baseline=None, whatif=None)
+    assert record.kpis()["unit_sigma_m"] > 0.0
+    assert record.signals.baseline is None
+    assert main(["kpi", str(calm_bag)]) == 0
+    assert main(["report", str(calm_bag), "--output", str(calm_bag.parent / "alone.html")]) == 0
+    told = capsys.readouterr()
+    assert "kappa" not in told.out
+    assert "industrial" not in told.out
+    with pytest.raises(CommandError):
+        read_records([calm_bag], baseline=True)
