@@ -172,7 +172,8 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The ship's motion is not known: the drum follows nothing, or a sea that is over",
         {"mru": ("gap", "nan", "freeze", "restart", "rate")},
-        ("MRU_STALE", "MRU_LATE", "MRU_ABSENT", "MRU_NOT_A_NUMBER", "MRU_BAD_STAMP", "MRU_OUT_OF_ORDER", "MRU_FROZEN", "MRU_FAULT",
+        ("MRU_STALE", "MRU_LATE", "MRU_ABSENT", "MRU_NOT_A_NUMBER", "MRU_BAD_STAMP", "MRU_OUT_OF_ORDER",
+         "MRU_FROZEN", "MRU_FAULT",
          "MRU_OUTPUT_STOPPED"),
         f"the last motion is predicted for at most {MODES.coast_time:g} s, then compensation fades out; with a depth "
         f"sensor the unit is damped by it, for at most {BLIND_LIMIT / 60.0:g} minutes; without one, or on a short "

@@ -358,7 +358,7 @@ def _predictions(report: DesignReport) -> str:
     lines += [f"{name:24s} {sigma[name]:12.4g}  {locked.get(name, '-'):>12s}" for name in sigma]
     lines.append(
         f"load heave {100.0 * sigma['unit_heave']:.2f} cm, with the winch locked "
-        f"{100.0 * report.uncompensated_sigma:.1f} cm; theoretical minimum {100.0 * report.s_est:.2f} cm by sensors and "
+        f"{100.0 * report.uncompensated_sigma:.1f} cm; least possible {100.0 * report.s_est:.2f} cm by sensors and "
         f"delay, {100.0 * report.s_act:.2f} cm by winch limits (kappa {report.kappa:.2f})"
     )
     lines.append(
