@@ -53,12 +53,12 @@ def test_an_alarm_names_its_part_and_one_that_names_two_names_either():
         raised(90.0, "MRU_STALE", "mru"),
         raised(103.0, "MODE_CHANGED", "mode", Severity.EVENT),
         raised(104.0, "DEPTH_MRU_DISAGREE", "sensors"),
-        raised(107.0, "ENCODER_FROZEN", "encoder"),
+        raised(107.0, "ENCODER_AT_FAULT", "encoder"),
     ]
     assert named_after(alarms, ("mru",), BEGIN) == 4.0
     assert named_after(alarms, ("encoder",), BEGIN) == 7.0
     assert named_after(alarms, ("load_cell",), BEGIN) == math.inf
-    assert [one.code for one in blamed(alarms, ("mru",), BEGIN)] == ["ENCODER_FROZEN"]
+    assert [one.code for one in blamed(alarms, ("mru",), BEGIN)] == ["ENCODER_AT_FAULT"]
     assert [one.code for one in blamed(alarms, ("encoder",), BEGIN)] == ["DEPTH_MRU_DISAGREE"]
 
 

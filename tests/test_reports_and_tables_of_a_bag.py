@@ -56,9 +56,9 @@ def test_a_summary_is_eight_figures_at_most_and_full_has_all(runs, capsys):
     few, all_ = shown(), shown("--full")
     assert 6 <= len(few) <= 8
     assert few[:3] == [
-        "unit heave, standard deviation",
-        "uncompensated unit heave, standard deviation",
-        "unit efficiency",
+        "load heave, standard deviation",
+        "load heave with the winch locked, standard deviation",
+        "efficiency at the load",
     ]
     assert set(few) < set(all_)
     assert len(all_) > 40

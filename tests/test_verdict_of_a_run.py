@@ -22,7 +22,7 @@ def test_a_required_figure_that_is_missed_sets_the_exit_status(tmp_path):
     assert met.endswith(": met"), "the table ends with the verdict"
     assert rope.startswith("  Rope strength not stated: not judged"), "and with what it leaves out"
     assert f"all figures: heave kpi {tmp_path / 'run'}" in result.stdout
-    assert "loop age" not in result.stdout, "of more than eight figures --full or heave kpi tells"
+    assert "latency" not in result.stdout, "of more than eight figures --full or heave kpi tells"
     verdict = json.loads((tmp_path / "kpi.json").read_text())["verdict"]
     assert (verdict["good"], verdict["state"]) == (False, "FAILED")
     assert verdict["time_in_modes"]["standby"] > 0.5, "compensation never began, which is a failure of its own"

@@ -132,7 +132,7 @@ def test_runs_are_compared_side_by_side(made_up_bag):
     paths = [made_up_bag("good", MadeUpRun(unit=0.05)), made_up_bag("bad", MadeUpRun(unit=0.2))]
     lines = analysis.table(analysis.analyse(paths)).splitlines()
     assert lines[0].split() == ["good", "bad"]
-    assert next(line for line in lines if line.startswith("unit heave, first harmonic")).split()[-3:-1] == [
+    assert next(line for line in lines if line.startswith("load heave, first harmonic")).split()[-3:-1] == [
         "5.000",
         "20.000",
     ]

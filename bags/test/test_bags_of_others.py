@@ -219,7 +219,7 @@ def test_a_missing_file_of_an_own_bag_is_known_from_those_after_it(made_up_bag):
     folder = made_up_bag(
         run=MadeUpRun(duration=20.0), policy=BagPolicy(ChunkPolicy(size=10_000), max_file_bytes=50_000)
     )
-    counts = {part.path: part.message_count for part in Bag(folder).file_summaries}
+    counts = {part.name: part.messages for part in Bag(folder).file_summaries}
     (folder / "metadata.yaml").unlink()
     (folder / "run_1.mcap").unlink()
     bag = Bag(folder)

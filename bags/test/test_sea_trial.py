@@ -80,8 +80,8 @@ def test_each_figure_says_what_it_is_made_from(sea_trial):
     }
     assert record.signals.unit_height.value.mean() == pytest.approx(-DEPTH, abs=0.01)
     rows = {line[:40].strip(): line for line in analysis.table([record]).splitlines()}
-    assert any("unit efficiency" in name and line.endswith("%  estimated") for name, line in rows.items())
-    assert any("outlet efficiency" in name and line.endswith("%  measured") for name, line in rows.items())
+    assert any("efficiency at the load" in name and line.endswith("%  estimated") for name, line in rows.items())
+    assert any("efficiency at the boom tip" in name and line.endswith("%  measured") for name, line in rows.items())
     assert "the true values were not recorded" in analysis.table([record])
     assert "<small>estimated</small>" in render([record])
     assert analysis.to_json(record)["sources"] == record.sources
@@ -109,7 +109,7 @@ def test_what_was_reconstructed_takes_the_place_of_what_was_estimated_with_its_b
         "the true values were not recorded:  unit heave is reconstructed, uncompensated unit heave is reconstructed, "
         "boom-tip heave is measured, top tension is measured"
     ]
-    for words in ("90 % band 88.00 to 93.00", "same law again", "62.0 (58.0 to 66.0)", "fades out", "reconstructed"):
+    for words in ("90 % band 88.0 to 93.0", "same law again", "62.0 (58.0 to 66.0)", "fades out", "reconstructed"):
         assert words in page, words
     assert analysis.to_json(record)["whatif"] == {"chi2": 1.0}
 

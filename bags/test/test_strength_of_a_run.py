@@ -21,7 +21,7 @@ def test_a_wire_of_494_kn_that_carried_530_kn_failed(tmp_path):
     assert values["rope_safety_factor"] == pytest.approx(494.0 / 530.0, rel=1e-3)
     verdict = judge(record, moves_winch=False)
     assert verdict.state == "FAILED"
-    assert [check.state for check in verdict.loads] == ["FAILED", "warning"]
+    assert [check.state for check in verdict.loads] == ["FAILED", "FAILED"]
     assert verdict.loads[1].factor == pytest.approx(600.0 / 528.5)
     page = report.render([record])
     assert 'class="tile"' in page

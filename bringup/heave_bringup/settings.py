@@ -16,7 +16,7 @@ from heave_node.run_parameters import RunParameters
 from heave_node.scenario import WILDCARD
 from heave_node.system_parameters import SYSTEM, owned_names
 
-from heave_bringup.nodes import NODE_BY_NAME, NODES
+from heave_bringup.nodes import ENVELOPE, NODE_BY_NAME, NODES
 
 EVERY_NODE = "all"
 """Name of all nodes on the command line, where a shell would expand `/**` to files."""
@@ -142,10 +142,12 @@ def meant(places: Sequence[str]) -> str:
 @cache
 def _places() -> tuple[tuple[str, str], ...]:
     """Return every parameter: its node, or `/**`, and its name there."""
-    of_nodes = [(node.name, info.name) for node in NODES for info in describe(node.parameters_type())]
+    # the envelope alone has groups of the controller
+    nodes = [node for node in NODES if node.name != ENVELOPE]
+    of_nodes = [(node.name, info.name) for node in nodes for info in describe(node.parameters_type())]
     shared = [
         (WILDCARD, name)
-        for node in NODES
+        for node in nodes
         for name in owned_names(node.name, [of for where, of in of_nodes if where == node.name])
     ]
     return (*((WILDCARD, f"{EVERY_NODE}.{info.name}") for info in describe(RunParameters)), *shared, *of_nodes)

@@ -16,7 +16,7 @@ DRIVE_CODES = {
 """Alarm of each fault for which the winch stops by itself."""
 
 _ACTIONS = {
-    WinchFault.COMMAND_TIMEOUT: "Check the controller, the network and the load of the machine",
+    WinchFault.COMMAND_TIMEOUT: "Check the controller, the network and the CPU load of the computer",
     WinchFault.INVALID_COMMAND: "Check the numbers that the controller sends, then request a mode",
     WinchFault.DRIVE: "Clear the fault at the drive, then request a mode",
     WinchFault.EMERGENCY_STOP: "Clear the cause, then request a mode",
@@ -42,7 +42,7 @@ ALARMS = alarm_table(
         Severity.CRITICAL,
         "cable",
         "strain {percent:.1f} %, limit {limit:.0f} %",
-        "In the simulation the cable would part, or its tension law does not hold: results are not valid from here on",
+        "The rope would have parted: results are not valid from here on",
         "Check cable.axial_stiffness, the masses and the snaps of this run",
     ),
     AlarmRow(
@@ -51,15 +51,15 @@ ALARMS = alarm_table(
         "cable",
         "{count} segments are slack",
         "A snap load may follow",
-        "Lower more slowly, or wait for a lower sea",
+        "Lower more slowly, or wait for calmer seas",
     ),
     AlarmRow(
         "PLANT_INPUT_MISSING",
         Severity.MEDIUM,
         "network",
         "{name} missing for {count} ticks",
-        f"Its last speed dies away with a time constant of {CLOSING_TIME:g} s, and it rests; in real time a value "
-        f"that is up to {LONGEST_EXTRAPOLATION:g} s old is still used",
+        f"Its last speed decays with a time constant of {CLOSING_TIME:g} s; in real time a value up to "
+        f"{LONGEST_EXTRAPOLATION:g} s old is still used",
         "Check the node that publishes it",
     ),
 )

@@ -34,7 +34,7 @@ _KEY = re.compile(r"[a-z][a-z0-9_]*")
 
 
 UNITS_OF_KEYS: Mapping[str, Mapping[str, float]] = {
-    "_wh_per_h": {"Wh/h": 1.0, "kWh/h": 1e3},
+    "_wh_per_h": {"Wh/h": 1.0, "kWh/h": 1e3, "W": 1.0, "kW": 1e3},
     "_m_per_h": {"m/h": 1.0, "km/h": 1e3},
     "_per_h": {"1/h": 1.0},
     "_mps2": UNITS["acceleration"],

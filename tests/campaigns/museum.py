@@ -52,7 +52,7 @@ INCIDENTS = (
     Incident("museum_pressure_returns", 40.0, ("WINCH_DRIVE_FAULT",)),
     Incident("museum_rope_off_sheave", 40.0, ("ENCODER_JUMP",)),
     Incident("museum_payout_zero", math.nan, ("PAYOUT_DEPTH_DISAGREE",)),
-    Incident("museum_locked_and_creeping", 35.0, ("ENCODER_FROZEN",)),
+    Incident("museum_locked_and_creeping", 35.0, ("DRUM_OR_ENCODER_STILL",)),
     Incident("museum_slack_taken_up", 62.0, ("UNIT_NOT_SUSPENDED",)),
     Incident("museum_load_on_deck", 30.0, ("UNIT_NOT_SUSPENDED",), stays=True),
 )

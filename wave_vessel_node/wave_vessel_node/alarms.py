@@ -11,7 +11,7 @@ ALARMS = alarm_table(
         "mru",
         "the simulated MRU has published nothing for {time:.1f} s",
         "The controller loses its MRU",
-        "Clear the fault: `heave operate fault clear mru`; without one, see logs/wave_vessel.log",
+        "Clear an injected fault with `heave operate fault clear mru`; else check logs/wave_vessel.log",
     ),
     AlarmRow(
         "MRU_OUTPUT_SETTLING",

@@ -71,7 +71,7 @@ def test_no_move_of_the_programme_begins_while_the_mru_is_lost_and_one_under_way
     assert np.ptp(set_point[time > faded + 8.0]) < 0.02
     assert set_point[-1] - lowered < 0.8
     assert record.modes[-1] == "compensating"
-    (ended,) = [alarm for _, alarm in record.alarms if alarm.code == "MOVE_ENDED"]
+    (ended,) = [alarm for _, alarm in record.alarms if alarm.code == "MOVE_LOST"]
     assert ended.values["target"] == 6.0
     assert "mru stale" in str(ended.values["cause"]).lower()
     (rejected,) = [alarm for _, alarm in record.alarms if alarm.code == "PROGRAMME_REJECTED"]

@@ -32,7 +32,7 @@ def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), limite
     """
     watch, drum = (
         DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT),
-        VirtualWinch(WinchParameters(**winch), tick_period=DT),
+        VirtualWinch(WinchParameters(**{"supervision_time": 0.0, **winch}), tick_period=DT),
     )
     watch.take(believed or {})
     watch.reset()
@@ -567,8 +567,8 @@ def test_it_looks_ten_times_a_second_and_at_nothing_in_between():
 @pytest.mark.parametrize(
     ("shown", "alarm", "inhibition"),
     [
-        ([BACK] * 3, "ENCODER_REVERSED", "WINCH_OR_ENCODER_REVERSED"),
-        ([TRUE] * 400 + [HALF] * (seconds(LONGEST_ASIDE) + 5), "ENCODER_SCALE_STEP", "WINCH_OR_ENCODER_SCALE"),
+        ([BACK] * 3, "DRUM_OR_ENCODER_REVERSED", "WINCH_OR_ENCODER_REVERSED"),
+        ([TRUE] * 400 + [HALF] * (seconds(LONGEST_ASIDE) + 5), "DRUM_OR_ENCODER_SCALE", "WINCH_OR_ENCODER_SCALE"),
     ],
     ids=["reversed", "scale"],
 )

@@ -72,7 +72,7 @@ def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_of_moti
     assert moving[-1] - moving[0] < 3.0
     assert modes_of(record) == ["standby", "compensating", "fade_out", "stopping", "standby"]
     # the finding is reported once, and compensation is not tried again by itself
-    assert [alarm.code for _, alarm in record.alarms].count("ENCODER_REVERSED") == 1
+    assert [alarm.code for _, alarm in record.alarms].count("DRUM_OR_ENCODER_REVERSED") == 1
     assert record.alarms[-1][1].values["mode"] == "standby"
 
 
@@ -82,7 +82,7 @@ def test_a_winch_that_goes_the_other_way_is_tried_again_once_an_operator_asks(wh
     *before, rest = run_of(who).modes
     assert before in (["standby", "compensating", "fade_out", "stopping"], ["standby", "compensating", "stopping"])
     assert rest in ("standby", "stopped")
-    assert [alarm.code for alarm in run_of(who).alarms].count("ENCODER_REVERSED") == 1
+    assert [alarm.code for alarm in run_of(who).alarms].count("DRUM_OR_ENCODER_REVERSED") == 1
 
 
 def test_what_stands_beside_it_is_that_it_is_not_tried_again_until_an_operator_asks():
@@ -106,7 +106,7 @@ def test_a_unit_whose_winch_goes_the_other_way_is_never_worse_off(who):
 
 def test_a_winch_that_was_set_right_goes_on_once_an_operator_asks():
     loop = loop_of("winch", 60.0)
-    assert "ENCODER_REVERSED" in {alarm.code for _, alarm in loop.run().alarms}
+    assert "DRUM_OR_ENCODER_REVERSED" in {alarm.code for _, alarm in loop.run().alarms}
     del loop.winch.step  # what it is sent is what it does from now on
     loop.controller.set_mode("compensating")
     found = [loop.step() for _ in range(round(60.0 / TICK))]

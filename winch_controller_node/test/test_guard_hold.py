@@ -2,7 +2,7 @@
 
 import re
 
-from winch_controller_node.core.supervision.guard_hold import HarmHold
+from winch_controller_node.core.supervision.guard_hold import MOST_TRIES, HarmHold
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.parameters.laws import GuardParameters
 
@@ -153,3 +153,20 @@ def test_harm_after_a_disagreement_that_is_over_is_not_explained_by_it():
     hold.begin(HARM)
     hold.explain("mru")
     assert hold.alarm is HARM
+
+
+def test_harm_that_comes_back_is_tried_again_so_many_times_and_then_an_operator_has_to_ask():
+    """It was tried for ever, at last every sixteen minutes."""
+    hold, waits = HarmHold(PARAMETERS, DT), []
+    for _ in range(MOST_TRIES):
+        hold.begin(HARM)
+        waits.append(next(count for count in range(100_000) if hold.ends(0.0, 0.0)))
+    assert waits == sorted(waits)
+    hold.begin(HARM)
+    assert not any(hold.ends(0.0, 0.0) for _ in range(round(10.0 * LONGEST / DT)))
+    assert hold.awaits_operator
+    assert "request compensation" in hold.prospect(0.0)
+    hold.release()
+    assert not hold.inhibits
+    hold.begin(HARM)
+    assert not hold.awaits_operator

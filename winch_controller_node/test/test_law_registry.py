@@ -99,7 +99,6 @@ def test_a_place_in_a_message_loads_nothing(here):
         ("halves:Half", ("gain=3",), "law_parameters of law half: gain = 3.0 is not allowed"),
         ("halves:Half", ("gian=1",), "there is no parameter gian; did you mean gain?"),
         ("halves:Half", ("gain",), "law_parameters: 'gain' must be NAME=VALUE"),
-        ("mpc", ("gain=1",), "law mpc has its own group of parameters, mpc.*"),
         ("half", (), "or MODULE:CLASS or FILE.py:CLASS of a law of your own"),
         ("broken.py:Half", (), "law broken.py:Half: ZeroDivisionError: division by zero"),
     ],

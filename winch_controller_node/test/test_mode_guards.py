@@ -180,7 +180,7 @@ def test_an_action_remembers_what_it_says_and_changes_nothing_else(action, remem
 
 def test_nothing_is_lost_or_allowed_before_anything_is_known():
     """A machine that begins has an authority of 0, may resume, and comes to rest in standby."""
-    assert Memory(wants_compensation=True) == (True, True, Mode.STANDBY, 0.0)
+    assert Memory(wants_compensation=True) == (True, True, Mode.STANDBY, 0.0, 0)
     assert not NOTHING_KNOWN.has_estimate
     usual = NOTHING_KNOWN
     assert (usual.authority_limit, usual.is_settled, usual.is_damped_blind) == (1.0, True, False)

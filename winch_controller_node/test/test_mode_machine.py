@@ -1,6 +1,7 @@
 """The mode machine: what it does with the table."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -15,8 +16,8 @@ WELL = Situation(lost="", has_estimate=True, winch_fault=WinchFault.NONE, harm="
 PARAMETERS = ModeParameters(settling_time=1.0, fade_in_time=2.0, fade_out_time=2.0, coast_time=1.5, resume_time=3.0)
 
 
-def machine(*, moves_winch=True, resume=True):
-    parameters = dataclasses.replace(PARAMETERS, resume=resume)
+def machine(*, moves_winch=True, resume=True, **times):
+    parameters = dataclasses.replace(PARAMETERS, resume=resume, **times)
     return ModeMachine(parameters, moves_winch=moves_winch, factor=1.0, tick_period=DT)
 
 
@@ -92,6 +93,50 @@ def test_a_frozen_encoder_is_said_to_be_good_again_only_once_its_reading_changes
     assert modes.mode is Mode.STOPPED
     run(modes, 5.0)
     assert modes.mode is Mode.COMPENSATING
+
+
+def resumed_after(modes, longest):
+    """Return how long compensation took to resume with a good sensor [s]; infinite: longer than the longest."""
+    for count in range(round(longest / DT)):
+        if run(modes, DT)[-1].mode is Mode.COMPENSATING:
+            return count * DT
+    return math.inf
+
+
+def test_each_loss_of_a_sensor_that_comes_and_goes_takes_longer_and_a_count_ends_it():
+    """It was resumed a second after each of twenty losses."""
+    modes = machine(fade_out_time=600.0)
+    run(modes, 5.0)
+    waits = []
+    for _ in range(4):
+        run(modes, 2.0, situation(lost="mru frozen", speed=0.3))
+        waits.append(resumed_after(modes, 100.0))
+    assert waits == pytest.approx([1.0, 4.0, 16.0, math.inf], abs=2.0 * DT)
+    assert modes.reason == "mru frozen; a sensor was lost 4 times: request a mode once it is good and stays so"
+    modes.request("compensating")
+    assert modes.mode is Mode.COMPENSATING
+    run(modes, 2.0, situation(lost="mru frozen", speed=0.3))
+    assert resumed_after(modes, 100.0) == pytest.approx(1.0, abs=2.0 * DT)
+
+
+def test_losses_are_forgotten_after_ten_minutes_of_compensation():
+    modes = machine(fade_out_time=600.0)
+    run(modes, 5.0)
+    for _ in range(5):
+        run(modes, 2.0, situation(lost="mru frozen", speed=0.3))
+        assert resumed_after(modes, 100.0) == pytest.approx(1.0, abs=2.0 * DT)
+        run(modes, 610.0)
+
+
+@pytest.mark.parametrize(("lost", "good", "ends"), [(0.5, 1.5, True), (0.3, 3.0, False)])
+def test_a_sensor_that_is_lost_every_other_moment_is_lost(lost, good, ends):
+    """Each time for less than it is predicted for: compensation went on with it for ever."""
+    modes = machine()
+    run(modes, 5.0)
+    reached = []
+    for _ in range(30):
+        reached += run(modes, lost, situation(lost="encoder frozen", speed=0.3)) + run(modes, good)
+    assert any(output.mode is Mode.FADE_OUT for output in reached) is ends
 
 
 def test_a_short_gap_does_not_end_compensation():

@@ -52,7 +52,14 @@ def test_the_table_names_every_state_and_output(report):
     table = report.table()
     for name in report.design.model.state_names + tuple(report.prediction.sigma):
         assert name in table
-    for words in ("gain margin", "delay margin", "sensitivity peak", "kappa", "knee", "within the limits"):
+    for words in (
+        "gain margin",
+        "delay margin",
+        "sensitivity peak",
+        "kappa",
+        "no benefit from a winch lag below",
+        "within the limits",
+    ):
         assert words in table
 
 

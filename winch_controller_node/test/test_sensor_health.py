@@ -606,3 +606,22 @@ def test_readings_that_come_and_are_too_old_are_late_since_when_and_by_how_much_
     assert (gate.alarm.code, gate.alarm.values) == ("DEPTH_LATE", values)
     feed(gate, [None] * 8, start=200)
     assert gate.alarm.code == "DEPTH_STALE", "nothing comes now"
+
+
+@pytest.mark.parametrize(("resolution", "within"), [(0.0, 1.0), (0.01, 4.0)])
+def test_an_mru_whose_heave_stands_while_its_attitude_goes_on_is_frozen_and_not_scaled(resolution, within):
+    """One that reads whole centimetres, in a sea of 0.3 m, is not."""
+    gate, steps = SensorGate("mru", SensorTiming(DT), HealthParameters()), MruSteps()
+    lost = []
+    for tick in range(1, 1200):
+        time = tick * DT
+        moved = min(time, 40.0)
+        read = 0.3 * math.sin(0.8 * moved), 0.24 * math.cos(0.8 * moved)
+        heave, rate = (round(value / resolution) * resolution if resolution else value for value in read)
+        attitude = (0.02 * math.sin(0.7 * time), 0.01 * math.cos(0.6 * time))
+        reading = MruReading(time=time, heave=heave, heave_rate=rate, roll=attitude[0], pitch=attitude[1])
+        judge_mru(gate, time, reading, steps, 0.01)
+        lost += [time] if gate.is_lost else []
+    assert lost
+    assert 40.0 < lost[0] < 40.0 + within
+    assert gate.reason == "frozen"

@@ -67,7 +67,7 @@ class WinchControllerParameters(LawGroups):
         description=f"The control law. {'; '.join(f'{law.name}: {law.summary}' for law in LAWS.values())}.",
     )
     law_parameters: tuple[str, ...] = parameter(
-        (), unit="", description="Parameters of a law of your own, named by its place: each NAME=VALUE."
+        (), unit="", description="Parameters of a law that is named by its place, each NAME=VALUE; others have a group."
     )
     factor: float = parameter(
         1.0,
@@ -121,8 +121,6 @@ class WinchControllerParameters(LawGroups):
     )
 
     def __post_init__(self) -> None:
-        if self.law_parameters and ":" not in self.law:
-            raise ParameterError(f"law_parameters: law {self.law} has its own group of parameters, {self.law}.*")
         if self.sea.filter_states % 2:
             raise ParameterError(f"sea.filter_states must be even, got {self.sea.filter_states}")
         unknown = set(self.sensors.use) - set(KNOWN_SENSORS)

@@ -183,8 +183,8 @@ def _set_window(record: RunRecord, transient: float) -> None:
     record.start = max(transient, first) if first < LONGEST_SIMULATION else first + transient
     if record.start > record.end - SHORTEST_WINDOW:
         record.notes.append(
-            f"the run ended within its transient of {transient:g} s: the figures cover the whole run "
-            "(a longer --duration, or --set all.transient to less than the run lasts)"
+            f"the run ended before its figures start to count at {transient:g} s: they cover its start-up "
+            "(use a longer --duration or a shorter all.transient)"
         )
         record.start, record.is_past_transient = first, False
 

@@ -24,57 +24,49 @@ LEAST_OF_WAITS = 0.05
 """A reason that held for a smaller share of the time without compensation is not reported."""
 ERROR = 2
 """Level of an alarm that is an error."""
-COUNTED = (
-    "counted from when compensation first began, also the half minute after that and after a fault, and without "
-    f"compensation as {100.0 * kpi.WORSE_FLOOR:g} cm at least"
-)
-"""Time that `worse_times` checks, in words: more than the promise, which excludes that half minute."""
 OF_CONTROLLER = f"{topics.CONTROLLER_STATE.publisher}: "
 """Begins the alarms of the controller."""
 
 
 def warnings(record: RunRecord, values: Mapping[str, float]) -> list[str]:
-    """Return which parts have a small safety factor in the run `record`, and where its winch did harm.
-
-    So it did where another law would have done better.
+    """Return which parts of the run `record` are too weak, where its winch did harm, and where another law did better.
 
     Parameters
     ----------
     record : of the run
     values : its figures of merit
     """
-    weak = [str(check) for check in record.signals.load_checks() if check.is_short or check.is_overloaded]
+    weak = [str(check) for check in record.signals.load_checks() if check.is_failed]
     if not record.moves_winch:
         return weak
     unit, outlet, baseline = (values[f"{of}_efficiency"] for of in ("unit", "outlet", "baseline"))
     found = [*weak, *worse_than_off(record), *why_not_in_force(record, values)]
     if unit < -NOTABLE:
         found.append(
-            f"the unit efficiency is below 0 ({100.0 * unit:.1f} %): the unit moved more than it would have with the "
-            "winch locked; What happened says when the winch did not do what it should"
+            f"The load moved more than with the winch locked (efficiency {100.0 * unit:.1f} %); the list of events "
+            "shows when the winch did not do what was commanded"
         )
     if outlet < -NOTABLE:
         found.append(
-            f"the outlet efficiency is below 0 ({100.0 * outlet:.1f} %): the cable moved more where it leaves the boom "
-            "tip than with the winch locked"
+            f"The rope at the boom tip moved more than with the winch locked (efficiency {100.0 * outlet:.1f} %)"
         )
     if unit < baseline - NOTABLE:
         found.append(
-            f"the unit moved more than under law industrial in the same sea (unit efficiency {100.0 * unit:.1f} % "
-            f"against {100.0 * baseline:.1f} %): what makers of winches do would have been better here"
+            f"The load moved more than under an industrial controller in the same sea (efficiency {100.0 * unit:.1f} % "
+            f"against {100.0 * baseline:.1f} %)"
         )
     return found
 
 
 @dataclass
 class Worse:
-    """A time in which the unit moved more than the uncompensated one.
+    """A time in which the load moved more than with the winch locked, over a window about each moment of it.
 
     Attributes
     ----------
-    start, end : of all windows in it [s]
-    ratio, at : largest standard deviation over the uncompensated one, and where that window begins [s]
-    mode : of the controller in the middle of that window
+    start, end : the middle of its first and of its last window [s]
+    ratio, at : largest standard deviation over that with the winch locked, and the middle of that window [s]
+    mode : of the controller at that time
     """
 
     start: float
@@ -86,31 +78,34 @@ class Worse:
     @property
     def most(self) -> str:
         """The worst window in words."""
-        return f"most from {self.at:.0f} s on in mode {self.mode}: {self.ratio:.2f} times as much"
+        return f"worst {self.ratio:.2f}x at {self.at:.0f} s, in {self.mode}"
 
     def __str__(self) -> str:
         return f"{self.start:.0f} s to {self.end:.0f} s, {self.most}"
 
 
 def worse_times(record: RunRecord) -> list[Worse]:
-    """Return when the unit of the run `record` moved more than the uncompensated one, since compensation first began.
+    """Return when the load of the run `record` moved more than with the winch locked, since compensation first began.
 
-    That is judged over every window of `kpi.WORSE_WINDOW`; windows that overlap are one time.
+    That is judged over windows of `kpi.WORSE_WINDOW`, one a second: windows that follow one another are one time.
     """
     unit, off = record.signals.unit_heave, record.signals.uncompensated_heave
     began = next((mode.start for mode in record.modes if mode.name in events.COMPENSATES), math.nan)
     if not (unit.size and off.size and math.isfinite(began)):
         return []
     starts, ratios = kpi.window_ratios(unit.time, unit.value, off.at(unit), began, floor=kpi.WORSE_FLOOR)
-    is_worse = ratios > kpi.WORSE_RATIO
     found: list[Worse] = []
-    for start, ratio in zip(starts[is_worse].tolist(), ratios[is_worse].tolist(), strict=True):
-        if not found or start > found[-1].end:
-            found.append(Worse(start, start, 0.0, start))
-        last = found[-1]
-        last.end = start + kpi.WORSE_WINDOW
-        if ratio > last.ratio:
-            last.ratio, last.at, last.mode = ratio, start, _mode_at(record, start + 0.5 * kpi.WORSE_WINDOW)
+    was_worse = False
+    for middle, ratio in zip((starts + 0.5 * kpi.WORSE_WINDOW).tolist(), ratios.tolist(), strict=True):
+        is_worse = ratio > kpi.WORSE_RATIO
+        if is_worse and not was_worse:
+            found.append(Worse(middle, middle, 0.0, middle))
+        if is_worse:
+            last = found[-1]
+            last.end = middle
+            if ratio > last.ratio:
+                last.ratio, last.at, last.mode = ratio, middle, _mode_at(record, middle)
+        was_worse = is_worse
     return found
 
 
@@ -120,14 +115,14 @@ def _mode_at(record: RunRecord, time: float) -> str:
 
 
 def worse_than_off(record: RunRecord) -> list[str]:
-    """Return in words when the unit of the run `record` moved more than it would have with the winch locked."""
+    """Return in words when the load of the run `record` moved more than it would have with the winch locked."""
     found = worse_times(record)
     if not found:
         return []
     more = f"; {len(found) - MOST_LISTED} more times" if len(found) > MOST_LISTED else ""
     return [
-        f"worse than off: the unit moved more than with the winch locked all along, by standard deviations over "
-        f"{kpi.WORSE_WINDOW:g} s, {COUNTED}: {'; '.join(map(str, found[:MOST_LISTED]))}{more}"
+        f"Load moved more than with the winch locked (rolling {kpi.WORSE_WINDOW:g} s) from "
+        f"{'; '.join(map(str, found[:MOST_LISTED]))}{more}"
     ]
 
 

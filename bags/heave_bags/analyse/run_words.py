@@ -160,7 +160,10 @@ class Happening:
 def happenings(record: RunRecord) -> list[Happening]:
     """Return what happened in the run `record`, in order: modes, harm, requests, landings, limits, faults, alarms."""
     found = [*_modes(record.modes), *_landings(record), *_limits(record.limits), *_faults(record)]
-    found += [Happening(one.start, one.end, f"worse than off: {one.most}", 2) for one in worse_times(record)]
+    found += [
+        Happening(one.start, one.end, f"load moved more than with the winch locked: {one.most}", 2)
+        for one in worse_times(record)
+    ]
     found += _requests(record.requests)
     return sorted([*found, *_alarms(record.alarms)], key=lambda one: one.start)
 

@@ -70,7 +70,7 @@ class Judged:
         """Return figure, value and bound in the unit of the tables, and whether it is met."""
         definition = self.definition
         name = definition.title if definition else self.criterion.kpi
-        state = "met" if self.is_met else "MISSED"
+        state = "met" if self.is_met else FAILED
         required = required_words(self.criterion, self.known)
         return f"{name[0].upper()}{name[1:]} {self.got} (required {required}): {state}"
 
@@ -104,6 +104,7 @@ class Verdict:
     strain : largest of the cable in the whole run [-]; NaN: unknown
     loads : how the parts whose strength is stated stood under their largest load of the whole run
     has_rope : the strength of the rope is stated
+    seed : of the sea that was run; "": unknown
     """
 
     judged: tuple[Judged, ...]
@@ -115,6 +116,7 @@ class Verdict:
     strain: float = math.nan
     loads: tuple[LoadCheck, ...] = ()
     has_rope: bool = True
+    seed: str = ""
 
     @property
     def criteria(self) -> list[Judged]:
@@ -128,12 +130,12 @@ class Verdict:
 
     @property
     def breaches(self) -> list[str]:
-        """Return in words what fails any run: an overloaded part, a cable strained too much, compensation inactive."""
-        found = [str(check) for check in self.loads if check.is_overloaded]
+        """Return in words what fails any run: a part too weak, a cable strained too much, compensation inactive."""
+        found = [str(check) for check in self.loads if check.is_failed]
         if self.strain > LARGEST_STRAIN:
             found.append(
                 f"Largest strain of the cable {100.0 * self.strain:.3g} % (required at most "
-                f"{100.0 * LARGEST_STRAIN:.0f} %), it would part, or its tension law does not hold: FAILED"
+                f"{100.0 * LARGEST_STRAIN:.0f} %): the rope would have parted: FAILED"
             )
         if self.share < LEAST_SHARE:
             modes = ", ".join(
@@ -162,19 +164,19 @@ class Verdict:
         if self.state == FAILED:
             head = f"verdict: {FAILED}"
         elif not self.is_judged:
-            what = "on what --require asks alone" if self.criteria else "none"
+            what = "only on --require" if self.criteria else "none"
             head = (
-                f"verdict: {what}, the run ended within its transient: a longer --duration, or --set all.transient "
-                "to less than the run lasts"
+                f"verdict: {what}: the run ended before its figures start to count; use a longer --duration or a "
+                "shorter all.transient"
             )
         elif self.state == PASSED:
-            head = f"verdict: {PASSED}"
+            head = f"verdict: {PASSED}" + (f" for one sea, seed {self.seed}" if self.seed else "")
         else:
             head = "verdict: no criteria given"
         if self.alarms:
             head += f"; {self.alarms} {'error' if self.alarms == 1 else 'errors'} reported"
         met = [str(judged) for judged in self.criteria if judged.is_met]
-        loads = [str(check) for check in self.loads if not check.is_overloaded]
+        loads = [str(check) for check in self.loads if not check.is_failed]
         return [head, *(f"  {line}" for line in (*self.failures, *met, *loads, *self.remarks))]
 
     @property
@@ -229,6 +231,7 @@ def judge(
         record.largest_strain,
         record.signals.load_checks(),
         any(one.key == ROPE for one in record.signals.strengths),
+        record.run.get("seed", ""),
     )
 
 

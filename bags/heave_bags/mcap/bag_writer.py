@@ -20,7 +20,7 @@ from heave_bags.mcap.files import (
     RECORDING_MARK,
     RUN_RECORD,
     BagSummary,
-    FileSummary,
+    ListedFile,
     TopicSummary,
     file_name,
     force_metadata,
@@ -129,7 +129,7 @@ class BagWriter:
         self._closing_attachments = closing_attachments
         self._topics: dict[str, _Topic] = {}
         self._schema_ids: dict[str, int] = {}
-        self._closed_files: list[FileSummary] = []
+        self._closed_files: list[ListedFile] = []
         self._ros_distro = ros_distro
         self._last_time = 0
         self._lack = _Lack()
@@ -280,9 +280,9 @@ class BagWriter:
         writer.finish()
         self._file.close()
 
-    def _file_summary(self) -> FileSummary:
+    def _file_summary(self) -> ListedFile:
         writer = self._writer
-        return FileSummary(self._file_name, writer.start_time, writer.end_time, writer.message_count)
+        return ListedFile(self._file_name, writer.start_time, writer.end_time, writer.message_count)
 
     def summary(self) -> BagSummary:
         """Return what `metadata.yaml` would say now."""

@@ -57,21 +57,20 @@ class TopicSummary:
     message_count: int = 0
 
 
-@dataclass
-class FileSummary:
-    """One file of a bag.
+class ListedFile(NamedTuple):
+    """A file of a bag, as its description lists it.
 
     Attributes
     ----------
-    path : in the folder of the bag
-    start_time, end_time : of the first and the last message [ns]
-    message_count : in the file
+    name : without its folder
+    start, end : log times of its first and last message [ns]; None where that is not known
+    messages : in it; None where that is not known
     """
 
-    path: str
-    start_time: int = 0
-    end_time: int = 0
-    message_count: int = 0
+    name: str
+    start: int | None = None
+    end: int | None = None
+    messages: int | None = None
 
 
 @dataclass
@@ -85,26 +84,25 @@ class BagSummary:
     ros_distro : it was recorded under
     """
 
-    files: list[FileSummary] = field(default_factory=list)
+    files: list[ListedFile] = field(default_factory=list)
     topics: list[TopicSummary] = field(default_factory=list)
     custom_data: Mapping[str, str] = field(default_factory=dict)
     ros_distro: str = ""
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what rosbag2 writes of a bag: into its files as it is, into `metadata.yaml` below METADATA_ROOT."""
-        spans = [(part.start_time, part.end_time) for part in self.files if part.message_count]
-        start = min((span[0] for span in spans), default=0)
-        end = max((span[1] for span in spans), default=0)
+        start = min((part.start or 0 for part in self.files if part.messages), default=0)
+        end = max((part.end or 0 for part in self.files if part.messages), default=0)
         return {
             "version": METADATA_VERSION,
             "storage_identifier": STORAGE,
             "duration": {"nanoseconds": end - start},
             "starting_time": {"nanoseconds_since_epoch": start},
-            "message_count": sum(part.message_count for part in self.files),
+            "message_count": sum(part.messages or 0 for part in self.files),
             "topics_with_message_count": [_topic_mapping(topic) for topic in self.topics],
             "compression_format": "",
             "compression_mode": "",
-            "relative_file_paths": [part.path for part in self.files],
+            "relative_file_paths": [part.name for part in self.files],
             "files": [_file_mapping(part) for part in self.files],
             "custom_data": dict(self.custom_data) or None,
             "ros_distro": self.ros_distro,
@@ -149,22 +147,6 @@ def information_in_record(metadata: Sequence[Metadata]) -> dict[str, Any]:
     """Return what the last of the records of rosbag2 in the `metadata` of a file says; empty where there is none."""
     texts = [record.metadata.get(METADATA_KEY, "") for record in metadata if record.name == METADATA_RECORD]
     return parse_information(texts[-1]) if texts else {}
-
-
-class ListedFile(NamedTuple):
-    """A file as the description of its bag lists it.
-
-    Attributes
-    ----------
-    name : without its folder
-    start, end : log times of its first and last message [ns]; None where that is not known
-    messages : in it; None where that is not known
-    """
-
-    name: str
-    start: int | None = None
-    end: int | None = None
-    messages: int | None = None
 
 
 def listed_files(information: Mapping[str, Any]) -> list[ListedFile]:
@@ -222,13 +204,10 @@ def _topic_mapping(topic: TopicSummary) -> dict[str, Any]:
     }
 
 
-def _file_mapping(part: FileSummary) -> dict[str, Any]:
-    return {
-        "path": part.path,
-        "starting_time": {"nanoseconds_since_epoch": part.start_time},
-        "duration": {"nanoseconds": part.end_time - part.start_time},
-        "message_count": part.message_count,
-    }
+def _file_mapping(part: ListedFile) -> dict[str, Any]:
+    start, end = part.start or 0, part.end or 0
+    times = {"starting_time": {"nanoseconds_since_epoch": start}, "duration": {"nanoseconds": end - start}}
+    return {"path": part.name, **times, "message_count": part.messages or 0}
 
 
 def file_name(bag: Path, number: int) -> str:

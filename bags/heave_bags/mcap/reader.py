@@ -27,7 +27,6 @@ from heave_bags.mcap.files import (
     OUTCOME_RECORD,
     RUN_RECORD,
     BagSummary,
-    FileSummary,
     ListedFile,
     TopicSummary,
     file_counts,
@@ -180,7 +179,7 @@ class Bag:
         return [survey.path for survey in self._surveys]
 
     @property
-    def file_summaries(self) -> list[FileSummary]:
+    def file_summaries(self) -> list[ListedFile]:
         """What is in its files, in order."""
         return [survey.summary() for survey in self._surveys]
 
@@ -239,7 +238,7 @@ class Bag:
         losses = [*self._found.losses, *absent]
         total = self.stated.get("message_count")
         if len(losses) == 1 and losses[0].messages is None and isinstance(total, int):
-            rest = total - sum(survey.summary().message_count for survey in self._surveys)
+            rest = total - sum(survey.message_count for survey in self._surveys)
             losses = [replace(losses[0], messages=rest)] if rest > 0 else losses
         return losses
 
@@ -283,11 +282,18 @@ class Bag:
         wanted = None if topics is None else {self.resolve(topic) for topic in topics}
         files = self.sound_files(lambda share: progress(0.5 * share))
         first, length = self.start_time, max(self.end_time - self.start_time, 1)
+        spans = {survey.path: survey.span for survey in self._surveys if survey.span is not None}
         for path in files:
-            for count, message in enumerate(_messages(path, wanted, start, end)):
-                if not count % _PROGRESS_EVERY:
-                    progress(min(max(0.5 + 0.5 * (message.log_time - first) / length, 0.5), 1.0))
-                yield message
+            earliest, latest = spans.get(path, (start, end))
+            if earliest > end or latest < start:
+                continue
+            with Reader(path) as reader:
+                connections = [one for one in reader.connections if wanted is None or one.topic in wanted]
+                found = reader.messages(connections, start, end + 1) if connections else ()
+                for count, (connection, log_time, data) in enumerate(found):
+                    if not count % _PROGRESS_EVERY:
+                        progress(min(max(0.5 + 0.5 * (log_time - first) / length, 0.5), 1.0))
+                    yield RawMessage(connection.topic, log_time, data)
         progress(1.0)
 
     def decoded(self, topics: Collection[str] | None = None, **selection: Any) -> Iterator[tuple[RawMessage, Any]]:
@@ -396,16 +402,6 @@ class Bag:
             elif fields is not None or values.shape[1] <= max_array:
                 flat |= {f"{name}[{index}]": values[:, index] for index in range(values.shape[1])}
         return pandas.DataFrame(flat, index=pandas.Index(time, name=TIME))
-
-
-def _messages(path: Path, wanted: Collection[str] | None, start: int, end: int) -> Iterator[RawMessage]:
-    """Yield the messages of a sound file in the order of their log times."""
-    with Reader(path) as reader:
-        connections = [one for one in reader.connections if wanted is None or one.topic in wanted]
-        if not connections:
-            return
-        for connection, log_time, data in reader.messages(connections, start, end + 1):
-            yield RawMessage(connection.topic, log_time, data)
 
 
 def _topic(channel: Channel, schemas: Mapping[int, Schema]) -> BagTopic:

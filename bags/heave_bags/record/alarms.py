@@ -10,7 +10,7 @@ ALARMS = alarm_table(
         Severity.HIGH,
         "recorder",
         "messages are not recorded: {problem}",
-        "The bag lacks them. After a full disk it takes no more: in lockstep the run ends, in real time it continues",
+        "They are missing from the bag. After a full disk nothing more is recorded",
         "Free the disk or choose another folder, then start recording again",
     ),
     AlarmRow(
@@ -18,7 +18,7 @@ ALARMS = alarm_table(
         Severity.MEDIUM,
         "recorder",
         "a topic cannot be read: {problem}",
-        "That topic is recorded without its definition, or not at all",
+        "The bag may lack the definition of that topic",
         "Source the workspace that defines its type, then start the recorder again",
     ),
 )

@@ -158,19 +158,9 @@ def limit_line(height: float, name: str, axis: str = "y") -> list[dict[str, Any]
     """Return a limit as a line at a `height` of an `axis` with its `name`; nothing for one that is not known."""
     if not math.isfinite(height):
         return []
-    return [
-        {
-            "type": "line",
-            "xref": "paper",
-            "x0": 0,
-            "x1": 1,
-            "yref": axis,
-            "y0": height,
-            "y1": height,
-            "line": {"color": LIMIT, "width": 1.2, "dash": "dash"},
-            "label": {"text": name, "textposition": "start", "font": {"size": 10, "color": LIMIT}},
-        }
-    ]
+    place = {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "yref": axis, "y0": height, "y1": height}
+    label = {"text": name, "textposition": "start", "font": {"size": 10, "color": LIMIT}}
+    return [{**place, "line": {"color": LIMIT, "width": 1.2, "dash": "dash"}, "label": label}]
 
 
 def transient_band(record: RunRecord) -> list[dict[str, Any]]:
@@ -183,20 +173,8 @@ def uncounted_band(first: float, start: float) -> list[dict[str, Any]]:
     """Return a grey band from a `first` time to the `start` of what figures count [s]; none where they count all."""
     if start <= first:
         return []
-    return [
-        {
-            "type": "rect",
-            "xref": "x",
-            "x0": first,
-            "x1": start,
-            "yref": "paper",
-            "y0": 0,
-            "y1": 1,
-            "fillcolor": TRANSIENT,
-            "line": {"width": 0},
-            "layer": "below",
-        }
-    ]
+    place = {"type": "rect", "xref": "x", "x0": first, "x1": start, "yref": "paper", "y0": 0, "y1": 1}
+    return [{**place, "fillcolor": TRANSIENT, "line": {"width": 0}, "layer": "below"}]
 
 
 def time_layout(record: RunRecord, y_title: str, shapes: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from heave_bags.analyse import kpi_table
 from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_bags.analyse.reading.stored import as_number, number
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import required_words
 
@@ -14,12 +15,15 @@ MOST = 8
 """Figures of merit that a person takes in at a glance."""
 OF_A_LANDING = ("touchdown_speed_mps", "touchdown_rebound_m", "landing_to_tension_s")
 USUAL = (
-    *("unit_sigma_m", "uncompensated_sigma_m", "unit_efficiency", "baseline_efficiency", "rope_safety_factor"),
-    *("tension_ratio_min", "winch_speed_max_mps", "time_at_limit_percent", "winch_pull_factor"),
-    *("attachment_safety_factor", "outlet_efficiency", "power_peak_w", "tension_max_n", "boom_tip_sigma_m"),
+    *("unit_sigma_m", "uncompensated_sigma_m", "unit_efficiency", "outlet_efficiency"),
+    *("baseline_efficiency", "baseline_outlet_efficiency", "rope_safety_factor", "winch_speed_max_mps"),
+    *("time_at_limit_percent", "tension_ratio_min", "winch_pull_factor", "attachment_safety_factor"),
+    *("power_peak_w", "tension_max_n", "boom_tip_sigma_m"),
 )
 """Figures of merit in the order of their weight: a run shows the first MOST that are known, a landing its own first."""
-OF_A_LAW = ("unit_efficiency", "baseline_efficiency", "outlet_efficiency")
+MUCH_LESS = 0.03
+"""Efficiency at the load that is less than that at the boom tip by so much is worth a sentence [-]."""
+OF_A_LAW = ("unit_efficiency", "outlet_efficiency", "baseline_efficiency", "baseline_outlet_efficiency")
 """Figures of merit that mean nothing where the law is off."""
 
 
@@ -47,9 +51,40 @@ def is_missed(record: RunRecord, key: str, value: float) -> bool:
     return is_short or any(one.kpi == key and not one.is_met(value) for one in record.wanted)
 
 
+def why_it_swings(record: RunRecord, values: Mapping[str, float]) -> str:
+    """Return why the load swings more than the rope at the boom tip under the baseline law; "": it does not.
+
+    Nothing in that law damps the load. What is left of its swing from before compensation, at its natural period on the
+    rope, dies by drag alone: T = 2 pi sqrt((m + m_a + m_rope / 3) L / EA).
+
+    Parameters
+    ----------
+    record : of the run
+    values : its figures of merit (`RunRecord.kpis`)
+    """
+    at_tip, at_load = values["baseline_outlet_efficiency"], values["baseline_efficiency"]
+    if not at_tip - at_load > MUCH_LESS:
+        return ""
+    plant = record.parameters.get("cable_sim", {})
+    length, mass, rope, stiffness = (
+        number(plant, name, math.nan)
+        for name in ("length", "unit.mass", "cable.mass_per_length", "cable.axial_stiffness")
+    )
+    added = plant.get("unit.added_mass")
+    moved = mass + rope * length / 3.0 + (as_number(added[-1]) if isinstance(added, list | tuple) and added else 0.0)
+    period = 2.0 * math.pi * math.sqrt(moved * length / stiffness) if moved * length > 0.0 < stiffness else math.nan
+    own = f" ({period:.0f} s)" if math.isfinite(period) else ""
+    return (
+        f"The industrial controller holds the rope at the boom tip but does not damp the load: the swing from before "
+        f"compensation started continues at the load's natural period{own}."
+    )
+
+
 def table(records: Sequence[RunRecord]) -> str:
     """Return the figures of merit that sum up the runs `records`, side by side, with what bounds those of one run."""
     values = {record.name: record.kpis() for record in records}
     keys = list(dict.fromkeys(key for record in records for key in headline(record, values[record.name])))
     notes = {key: note(records[0], key) for key in keys} if len(records) == 1 else {}
-    return kpi_table.table(values, {record.name: record.sources for record in records}, keys=keys, notes=notes)
+    shown = kpi_table.table(values, {record.name: record.sources for record in records}, keys=keys, notes=notes)
+    why = why_it_swings(records[0], values[records[0].name]) if len(records) == 1 else ""
+    return f"{shown}\n{why}" if why else shown

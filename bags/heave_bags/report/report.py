@@ -20,6 +20,7 @@ from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge
 from heave_bags.errors import BagError
 from heave_bags.report import headline
 from heave_bags.report.figure import RUN_COLOURS, Figure, without_nan
+from heave_bags.report.lift import lift_drawing
 from heave_bags.report.report_figures import comparison_figures, run_figures
 
 PLOTLY = "plotly-cartesian.min.js"
@@ -48,15 +49,16 @@ def render(records: Sequence[RunRecord], verdicts: Sequence[Verdict] = ()) -> st
     return _page("report.html", figures, **content)
 
 
-def _page(name: str, figures: Sequence[Figure], **content: Any) -> str:
-    """Return a page with the script that draws its figures, as HTML."""
-    scripts = [_asset(PLOTLY), f"\n{_asset('report.js')}"]
+def _page(name: str, figures: Sequence[Figure], *, motion: Mapping[str, Any] | None = None, **content: Any) -> str:
+    """Return a page with the script that draws its figures, and that which moves its drawing, as HTML."""
+    scripts = [_asset(PLOTLY), f"\n{_asset('report.js')}", *([f"\n{_asset('lift.js')}"] if motion else [])]
     return _template(name).render(
         **content,
         policy=security_policy(scripts),
         style=_asset("report.css"),
         scripts=scripts,
-        figures=_as_script(figures),
+        figures=_as_script([figure.to_mapping() for figure in figures]),
+        motion=_as_script(motion) if motion else "",
     )
 
 
@@ -83,10 +85,9 @@ def security_policy(scripts: Sequence[str]) -> str:
     )
 
 
-def _as_script(figures: Sequence[Figure]) -> str:
-    """Return the figures as JSON that no text in them can end; what is not a number is null."""
-    data = [without_nan(figure.to_mapping()) for figure in figures]
-    return json.dumps(data, allow_nan=False).replace("<", "\\u003c")
+def _as_script(data: Any) -> str:
+    """Return plain `data` as JSON that no text in it can end; what is not a number is null."""
+    return json.dumps(without_nan(data), allow_nan=False).replace("<", "\\u003c")
 
 
 def render_page(title: str, body: str, figures: Sequence[Figure], footer: str) -> str:
@@ -120,6 +121,7 @@ def page_content(
     verdicts : as for `save_report`
     """
     labels = differences.labels(records)
+    lift = lift_drawing(records[0]) if len(records) == 1 else None
     judged = list(verdicts) or [judge(record, record.wanted, moves_winch=record.moves_winch) for record in records]
     values = [analysis.as_seen(record) for record in records]
 
@@ -145,6 +147,8 @@ def page_content(
         run["facts"] = {name: text for name, text in run["facts"].items() if text != runs[0]["facts"].get(name)}
     return {
         "title": differences.title(records),
+        "lift": lift,
+        "motion": lift and lift["motion"],
         "runs": runs,
         "first_places": first,
         "differences": [] if is_only else differences.differences(records),
@@ -162,6 +166,7 @@ def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> di
         "verdict": [unbroken(line.strip()) for line in verdict.lines()],
         "verdict_class": {FAILED: "bad", NO_VERDICT: ""}.get(verdict.state, "good"),
         "tiles": _tiles(record, values),
+        "why_it_swings": headline.why_it_swings(record, values),
         "happenings": happenings[:MOST_HAPPENINGS],
         "more": max(len(happenings) - MOST_HAPPENINGS, 0),
         "extremes": analysis.extremes(record),

@@ -105,37 +105,18 @@ def motion_figure(record: RunRecord) -> Figure:
         rows = [row for row in ("alarms", "limits", "brake", "mode") if any(trace["y"][0] == row for trace in ribbon)]
         figure.traces += ribbon
         figure.layout["yaxis"]["domain"] = [0.0, 0.78]
-        figure.layout["yaxis2"] = {
-            "domain": [0.82, 1.0],
-            "type": "category",
-            "categoryorder": "array",
-            "categoryarray": rows,
-            "fixedrange": True,
-            "showgrid": False,
-        }
+        order = {"type": "category", "categoryorder": "array", "categoryarray": rows}
+        figure.layout["yaxis2"] = {"domain": [0.82, 1.0], **order, "fixedrange": True, "showgrid": False}
     return figure
 
 
 def _ribbon(intervals: Sequence[Interval], row: str, colour: str, name: str) -> dict[str, Any]:
     """Return intervals as a thick line in the row `row` of the ribbon."""
-    x: list[float | None] = []
-    y: list[str | None] = []
-    texts: list[str | None] = []
-    for interval in intervals:
-        x += [interval.start, interval.end, None]
-        y += [row, row, None]
-        texts += [interval.name, interval.name, None]
-    return {
-        "name": name,
-        "x": x,
-        "y": y,
-        "text": texts,
-        "mode": "lines",
-        "line": {"color": colour, "width": 13},
-        "hovertemplate": "%{text}: %{x:.1f} s<extra></extra>",
-        "yaxis": "y2",
-        "showlegend": False,
-    }
+    x = [time for one in intervals for time in (one.start, one.end, None)]
+    texts = [text for one in intervals for text in (one.name, one.name, None)]
+    drawn = {"mode": "lines", "line": {"color": colour, "width": 13}, "yaxis": "y2", "showlegend": False}
+    hover = {"text": texts, "hovertemplate": "%{text}: %{x:.1f} s<extra></extra>"}
+    return {"name": name, "x": x, "y": [row, row, None] * len(intervals), **drawn, **hover}
 
 
 def ribbon_traces(record: RunRecord) -> list[dict[str, Any]]:

@@ -62,7 +62,7 @@ RETURNS = (
     (
         "`COMMANDS_CUT`, `COMMANDS_TOO_LATE`",
         f"automatically: {KNOWN_HOLD:g} s after commands are in time",
-        "check the link, the network and the load of the machine",
+        "check the link, the network and the CPU load of the computer",
     ),
     (
         "winch fault: command timeout",
@@ -75,7 +75,7 @@ RETURNS = (
         "clear it at the winch, then request a mode",
     ),
     (
-        "`WINCH_OR_ENCODER_REVERSED`, `WINCH_OR_ENCODER_SCALE`",
+        "`WINCH_OR_ENCODER_REVERSED`, `WINCH_OR_ENCODER_SCALE`, `DRIVE_AT_FAULT`",
         "no",
         "check signs and scales, then request compensation",
     ),
@@ -112,7 +112,10 @@ Severities are priorities as in IEC 62682 and ISA-18.2. Codes are stable; words 
 alarms in part `alarms` of its diagnostics, a warning whatever their severity; its parts `sensor NAME` are an error
 while that sensor is lost. Bags, reports, `heave run`, `heave operate` and `heave panel` show code and severity.
 
-How to read the tables: values stand in italics. MRU is the motion sensor on the ship, ENCODER that of the drum; DEPTH,
+Values stand in italics. *loop* is what the controller does when it raises the alarm: *Compensation continues*,
+*Compensation is fading out; the depth sensor damps the load*, *Winch is stopping*, *No compensation: emergency stop*.
+
+MRU is the motion sensor on the ship, ENCODER that of the drum; DEPTH,
 VELOCITY and IMU are on the subsea unit, LOAD_CELL is at the boom tip. *measurement* is the quantity that a sensor
 measures: `mru_heave`, `mru_heave_rate`, `unit_heave` (by the depth sensor), `unit_velocity`, `unit_acceleration`.
 Names with a dot are [parameters](parameters.md) of `winch_controller`. What to do about a fault that is identified

@@ -172,7 +172,8 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The ship's motion is not known: the drum follows nothing, or a sea that is over",
         {"mru": ("gap", "nan", "freeze", "restart", "rate")},
-        ("MRU_STALE", "MRU_LATE", "MRU_NOT_A_NUMBER", "MRU_BAD_STAMP", "MRU_OUT_OF_ORDER", "MRU_FROZEN", "MRU_FAULT",
+        ("MRU_STALE", "MRU_LATE", "MRU_ABSENT", "MRU_NOT_A_NUMBER", "MRU_BAD_STAMP", "MRU_OUT_OF_ORDER",
+         "MRU_FROZEN", "MRU_FAULT",
          "MRU_OUTPUT_STOPPED"),
         f"the last motion is predicted for at most {MODES.coast_time:g} s, then compensation fades out; with a depth "
         f"sensor the unit is damped by it, for at most {BLIND_LIMIT / 60.0:g} minutes; without one, or on a short "
@@ -219,9 +220,10 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "Payout is not known, or counted falsely: the unit is lowered too far, or the drum runs to its end",
         {"encoder": ("freeze", "nan", "spike", "jump", "scale")},
-        ("PAYOUT_DEPTH_DISAGREE", "ENCODER_STALE", "ENCODER_LATE", "ENCODER_NOT_A_NUMBER", "ENCODER_BAD_STAMP",
-         "ENCODER_OUT_OF_ORDER", "ENCODER_FROZEN", "ENCODER_JUMPS", "ENCODER_EXCLUDED", "ENCODER_REVERSED",
-         "ENCODER_SCALE_STEP", "ENCODER_SCALE_ERROR"),
+        ("PAYOUT_DEPTH_DISAGREE", "ENCODER_STALE", "ENCODER_LATE", "ENCODER_ABSENT", "ENCODER_NOT_A_NUMBER",
+          "ENCODER_BAD_STAMP",
+         "ENCODER_OUT_OF_ORDER", "DRUM_OR_ENCODER_STILL", "ENCODER_JUMPS", "ENCODER_EXCLUDED",
+         "DRUM_OR_ENCODER_REVERSED", "DRUM_OR_ENCODER_SCALE", "ENCODER_AT_FAULT", "ENCODER_SCALE_ERROR"),
         "a jump is taken out of the count, and put into the payout set-point, by which a position loop does not follow "
         "it; a lost or reversed encoder fades compensation out and stops",
         "3 samples for a jump (test); a reversed one: seconds",

@@ -29,6 +29,7 @@ class Alarm:
     text : what is wrong, and what follows
     action : what to do; empty where that is not known
     since : simulated time at which it was raised [s]; NaN: not known yet
+    is_older : it was raised at some time before that: it was there when the list began
     is_active : it still holds
     is_acknowledged : somebody has seen it
     """
@@ -39,6 +40,7 @@ class Alarm:
     text: str
     action: str = ""
     since: float = math.nan
+    is_older: bool = False
     is_active: bool = True
     is_acknowledged: bool = False
 
@@ -62,6 +64,7 @@ class AlarmList:
 
     def __init__(self) -> None:
         self._alarms: dict[str, Alarm] = {}
+        self._has_begun = False
 
     def note(self, time: float, troubles: Mapping[str, Trouble]) -> None:
         """Take what is wrong now, `troubles` by part, at a simulated `time` [s]; that counts where a line has none.
@@ -78,9 +81,13 @@ class AlarmList:
             known = self._alarms.get(key)
             if known is None or not known.is_active or alarm.severity > known.severity:
                 self._alarms.pop(key, None)
-                self._alarms[key] = replace(alarm, since=alarm.since if math.isfinite(alarm.since) else time)
+                is_dated = math.isfinite(alarm.since)
+                since, is_older = alarm.since if is_dated else time, not (is_dated or self._has_begun)
+                self._alarms[key] = replace(alarm, since=since, is_older=is_older)
             else:
-                self._alarms[key] = replace(alarm, since=known.since, is_acknowledged=known.is_acknowledged)
+                seen = known.is_acknowledged
+                self._alarms[key] = replace(alarm, since=known.since, is_older=known.is_older, is_acknowledged=seen)
+        self._has_begun = True
         for key, alarm in list(self._alarms.items()):
             if key not in present:
                 self._alarms[key] = replace(alarm, is_active=False)

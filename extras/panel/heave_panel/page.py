@@ -358,7 +358,8 @@ class Page:
                 style = "heave-bad" if alarm.severity >= Severity.HIGH else "heave-warn"
                 weight = "" if alarm.is_acknowledged else "font-bold"
                 past = "" if alarm.is_active else " (over)"
-                head = f"{alarm.severity.word.upper()} {alarm.since:.1f} s: {alarm.title}{past}"
+                when = f"{'before ' * alarm.is_older}{alarm.since:.1f} s"
+                head = f"{alarm.severity.word.upper()} {when}: {alarm.title}{past}"
                 ui.label(head).classes(f"{style} {weight}")
                 ui.label(alarm.text).classes("break-words")
                 if alarm.action:

@@ -99,7 +99,7 @@ def test_whatever_viewers_do_at_most_one_of_those_present_is_in_command(steps):
 
 FROZEN = Trouble(
     "winch_controller: sensor mru",
-    "MRU_FROZEN (high): readings do not change. Compensation fades out. Restart the sensor or its driver.",
+    "MRU_FROZEN (high): readings do not change. Compensation fades out. Restart the sensor and its driver.",
     is_error=True,
 )
 KEY = "winch_controller MRU_FROZEN"
@@ -110,8 +110,18 @@ def test_an_alarm_has_severity_time_text_and_action():
     alarms.note(10.0, {FROZEN.part: FROZEN})
     (alarm,) = alarms.alarms
     assert (alarm.key, alarm.title, alarm.severity, alarm.since) == (KEY, "MRU FROZEN", Severity.HIGH, 10.0)
-    assert alarm.action == "Restart the sensor or its driver"
+    assert alarm.action == "Restart the sensor and its driver"
     assert alarm.text == "readings do not change. Compensation fades out."
+
+
+def test_an_alarm_that_was_there_before_the_page_is_not_dated_at_the_time_of_the_page():
+    alarms = AlarmList()
+    alarms.note(223.7, {FROZEN.part: FROZEN})
+    (alarm,) = alarms.alarms
+    assert (alarm.since, alarm.is_older) == (223.7, True)
+    alarms.note(224.7, {})
+    alarms.note(230.0, {FROZEN.part: FROZEN})
+    assert (alarms.alarms[0].since, alarms.alarms[0].is_older) == (230.0, False), "it was not there before"
 
 
 def test_an_alarm_that_has_passed_stays_until_it_is_acknowledged():

@@ -120,7 +120,7 @@ def test_a_failed_case_is_a_row_and_stops_no_other(campaign, monkeypatch):
     shown = {column.header.plain: list(map(str, column.cells)) for column in summary_table(frame).columns}  # type: ignore[union-attr]
     assert set(shown) == {"all cases", "off", "mpc", "unit"}, "figures over several laws together would mean nothing"
     of_mpc = summarise(frame[frame["winch_controller.law"] == "mpc"])
-    line = shown["all cases"].index("unit heave, standard deviation: median of the cases")
+    line = shown["all cases"].index("load heave, standard deviation: median of the cases")
     assert (shown["mpc"][line], shown["unit"][line]) == (f"{100.0 * of_mpc['unit_sigma_m_median']:.2f}", "cm")
     assert shown["all cases"].index("snaps") < line < shown["all cases"].index("largest over uncompensated")
     assert to_json(campaign, frame)["summary_by_law"]["mpc"] == of_mpc  # type: ignore[index]

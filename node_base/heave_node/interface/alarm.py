@@ -19,13 +19,16 @@ import math
 import re
 import string
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
 from heave_node.interface.codes import TIME_KEY
 
 Value = float | str
+
+LOOP = "loop"
+"""Value that says what the loop does: not given where an alarm is raised, but by `Alarm.told`, once that is decided."""
 
 
 class Severity(enum.IntEnum):
@@ -58,7 +61,8 @@ class AlarmRow:
     severity : priority
     part : that it is about: mru, winch, cable, adviser
     state : what is wrong, value with unit against limit; values stand in braces, as in str.format
-    consequence : what follows, or is done by itself; empty where nothing is
+    consequence : what follows, or is done by itself; empty where nothing is. `{loop}` is what the loop does, a
+        sentence of its own
     action : what a person does; empty where nothing has to be done
     """
 
@@ -71,9 +75,9 @@ class AlarmRow:
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """Names of the values that the words need."""
+        """Names of the values that the words need, but for LOOP."""
         text = f"{self.state}{self.consequence}{self.action}"
-        return frozenset(name for _, name, _, _ in string.Formatter().parse(text) if name)
+        return frozenset(name for _, name, _, _ in string.Formatter().parse(text) if name and name != LOOP)
 
     @property
     def title(self) -> str:
@@ -106,9 +110,16 @@ class Alarm:
 
     @property
     def text(self) -> str:
-        """State, consequence and action: a sentence each."""
-        parts = (self.row.state, self.row.consequence, self.row.action)
+        """State, consequence and action: a sentence each. What the loop does is left out where nobody has told."""
+        consequence = self.row.consequence
+        if LOOP not in self.values:
+            consequence = consequence.replace(f"{{{LOOP}}}", "").removeprefix(". ")
+        parts = (self.row.state, consequence, self.row.action)
         return " ".join(f"{part.format(**self.values)}." for part in parts if part)
+
+    def told(self, loop: str) -> Alarm:
+        """Return the alarm with what the `loop` does, a sentence without its full stop."""
+        return replace(self, values={**self.values, LOOP: loop})
 
     @property
     def brief(self) -> str:

@@ -26,7 +26,7 @@ NODE_ALARMS = alarm_table(
         Severity.HIGH,
         "clock",
         "stamps of {topic} do not fit its clock: {violation}",
-        "Its messages may be used late or not at all",
+        "Its messages may be used late",
         "Set the clock of the external node",
     ),
     AlarmRow(
@@ -42,7 +42,7 @@ NODE_ALARMS = alarm_table(
         Severity.HIGH,
         "node",
         "waiting for {time:.0f} s: {missing}",
-        "The run waits, and ends after participant_timeout or start_timeout",
+        "The run waits, and ends when that takes too long",
         "Check that the named node runs",
     ),
     AlarmRow(
@@ -59,6 +59,6 @@ NODE_ALARMS = alarm_table(
         "network",
         "{count} messages arrived late and were discarded",
         "Newer ones are used",
-        "Check the network and the load of the machine",
+        "Check the network and the CPU load of the computer",
     ),
 )

@@ -39,7 +39,7 @@ class Strength:
     part : its factor's name for people
     kind : what the capacity is: breaking force, rated pull
     capacity : [N]
-    required : factor below which there is a warning [-]
+    required : least factor [-]
     """
 
     key: str
@@ -82,11 +82,16 @@ class LoadCheck:
         return LEAST <= self.factor < self.strength.required
 
     @property
+    def is_failed(self) -> bool:
+        """Whether the required factor is not reached."""
+        return self.is_overloaded or self.is_short
+
+    @property
     def state(self) -> str:
-        """The result in a word: FAILED, warning, met, or unknown."""
+        """The result in a word: FAILED, met, or unknown."""
         if math.isnan(self.factor):
             return "unknown"
-        return "FAILED" if self.is_overloaded else "warning" if self.is_short else "met"
+        return "FAILED" if self.is_failed else "met"
 
     def __str__(self) -> str:
         one = self.strength
@@ -135,7 +140,7 @@ def strengths(plant: Mapping[str, Any], winch: Mapping[str, Any]) -> tuple[Stren
         (WINCH_PULL, "Rated pull over largest tension", "rated pull", winch.get("rated_pull"), RATED),
         (
             ATTACHMENT,
-            "Safety factor of the unit's attachment",
+            "Safety factor of the load's attachment",
             "breaking force",
             plant.get("unit.attachment_breaking_force"),
             attachment_factor,

@@ -39,6 +39,9 @@ _DRUM = ("winch", "encoder")
 NAMES = {
     "DEPTH_MRU_DISAGREE": ("depth", "mru"),
     "PAYOUT_DEPTH_DISAGREE": ("encoder", "depth"),
+    "DRUM_OR_ENCODER_STILL": _DRUM,
+    "DRUM_OR_ENCODER_REVERSED": _DRUM,
+    "DRUM_OR_ENCODER_SCALE": _DRUM,
     "WINCH_OR_ENCODER_REVERSED": _DRUM,
     "WINCH_OR_ENCODER_SCALE": _DRUM,
     "DRUM_SPEED_OFF": _DRUM,

@@ -145,12 +145,17 @@ class Adviser:
                 nominal = with_value(nominal, path, value)
             self._begin(nominal, without_sea(self._beliefs))
         before = self._beliefs
+        is_due = observations.last >= before.asked + latency_ticks(self._dt)
+        if is_due and observations.beliefs < 0 and (before.values or before.encoder or before.excluded):
+            # the core has dropped what was found here: it is looked for again from now on
+            self._history, self._record = SensorHistory(), Record(self._dt)
+            before = Beliefs(before.asked, before.number)
+            self._begin(self._nominal, before)
         self._beliefs = replace(before, asked=observations.last, findings=(), design=None, adopted=None)
         self._leads_to = None
         self._record.add(observations)
         self._seconds += 1
-        is_due = observations.last >= before.asked + latency_ticks(self._dt)
-        if is_due and observations.beliefs < before.number:
+        if is_due and 0 <= observations.beliefs < before.number:
             # the answer before came too late: what it changed is sent again
             self._beliefs = replace(self._beliefs, design=self._design)
             self._adopt_present()

@@ -47,7 +47,9 @@ class Report:
             code = "nominal" if belief.value == nominal else "differs"
             found.append(Finding(code, name, belief.value, quantity.unit, before, belief.nats, belief.since))
         if beliefs.excluded != self._excluded:
-            if beliefs.excluded:
+            if beliefs.excluded == "encoder":
+                pass  # the core has said so: drum or encoder
+            elif beliefs.excluded:
                 found.append(Finding("excluded", beliefs.excluded))
             elif self._excluded:
                 found.append(Finding("recovered", self._excluded))

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any
+from typing import Any, NamedTuple
 
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -18,18 +18,6 @@ ACCELERATION_OUT, ACCELERATION_IN = "winch.acceleration_out", "winch.acceleratio
 DEADBAND, BACKLASH, POWER_LIMIT = "winch.deadband", "winch.backlash", "winch.power_limit"
 ENCODER_SCALE, DEPTH_SCALE, MRU_SCALE = "encoder.scale", "depth.scale", "mru.scale"
 MRU_OFFSET, MRU_DELAY = "mru.offset", "mru.delay"
-
-LEAST_SCALE, MOST_SCALE = 0.5 / 1.05, 2.0 * 1.05
-"""Range of a scale that is corrected, half to twice the nominal one, and 5 % for the error of its estimate; a reversed
-sensor, or one that reads next to nothing, is excluded."""
-
-
-class Span(str, Enum):
-    """What the range of a quantity is: of its values, of its ratio to nominal, or of its difference from nominal."""
-
-    VALUE = "value"
-    RATIO = "ratio"
-    DIFFERENCE = "difference"
 
 
 @dataclass(frozen=True)
@@ -46,9 +34,6 @@ class Quantity:
     relative, absolute : change that is worth a report: of its logarithm, or in its unit; neither: any change
     label : in words, where all that is new of its owner is one report
     code : of the alarm that it differs from nominal, where it has one of its own
-    lowest, highest : what can be at all; outside, a part has another fault than this quantity
-    span : what these two are
-    reach : path of the parameter that holds the largest difference from nominal; empty: `lowest` and `highest` do
     """
 
     name: str
@@ -59,10 +44,6 @@ class Quantity:
     absolute: float = 0.0
     label: str = ""
     code: str = ""
-    lowest: float = -math.inf
-    highest: float = math.inf
-    span: Span = Span.VALUE
-    reach: str = ""
 
     @property
     def owner(self) -> str:
@@ -73,12 +54,72 @@ class Quantity:
         """Return its nominal value in `parameters`."""
         return float(_value(parameters, self.path)) if self.path else self.nominal
 
-    def range_in(self, parameters: WinchControllerParameters) -> tuple[float, float]:
-        """Return the lowest and the highest value that can be with nominal `parameters`."""
-        nominal = self.nominal_in(parameters)
-        if self.reach:
-            reach = float(_value(parameters, self.reach))
-            return max(nominal - reach, 0.0), nominal + reach
+
+QUANTITIES = {
+    quantity.name: quantity
+    for quantity in (
+        Quantity("winch.time_constant", "s", "winch.time_constant", absolute=0.02, label="time constant"),
+        Quantity("winch.command_delay", "s", "winch.command_delay", absolute=0.02, label="command delay"),
+        Quantity("winch.speed_gain", "", "winch.speed_gain", relative=0.02, label="gain by the encoder"),
+        Quantity("winch.hauling_gain", "", "winch.hauling_gain", relative=0.05, label="gain of hauling in over that"),
+        Quantity("winch.creep", "m/s", "winch.creep", absolute=0.02, label="creep"),
+        Quantity(SPEED_OUT, "m/s", "winch.speed_limit", relative=0.1, label="speed limit paying out"),
+        Quantity(SPEED_IN, "m/s", "winch.speed_limit", relative=0.1, label="speed limit hauling in"),
+        Quantity(
+            ACCELERATION_OUT, "m/s^2", "winch.acceleration_limit", relative=0.1, label="acceleration limit paying out"
+        ),
+        Quantity(
+            ACCELERATION_IN, "m/s^2", "winch.acceleration_limit", relative=0.1, label="acceleration limit hauling in"
+        ),
+        Quantity(DEADBAND, "m/s", absolute=0.01, label="dead zone"),
+        Quantity(BACKLASH, "m", absolute=0.005, label="encoder play"),
+        Quantity(POWER_LIMIT, "W", "winch.power_limit", relative=0.1, label="power limit"),
+        Quantity(ENCODER_SCALE, "", nominal=1.0, relative=0.03, code="ENCODER_SCALE_ERROR"),
+        Quantity(DEPTH_SCALE, "", nominal=1.0, relative=0.05, code="DEPTH_SCALE_ERROR"),
+        Quantity(MRU_SCALE, "", nominal=1.0, relative=0.05, code="MRU_SCALE_ERROR"),
+        Quantity(MRU_OFFSET, "m", absolute=0.05, code="MRU_OFFSET"),
+        Quantity(MRU_DELAY, "s", absolute=0.03, code="MRU_DELAYED"),
+        Quantity("mru.high_pass_period", "s", "sensors.mru.high_pass_period", relative=0.15, code="MRU_HIGH_PASS"),
+        Quantity("mru.bias_drift", "m/sqrt(s)", "sensors.mru.bias_drift", code="MRU_DRIFT"),
+        Quantity("mru.bias_sigma", "m", "sensors.mru.bias_sigma"),
+        Quantity("cable.inertia_factor", "", "cable_model.inertia_factor", relative=0.05, code="CABLE_INERTIA"),
+        Quantity("cable.damping_factor", "", "cable_model.damping_factor", relative=0.3, code="CABLE_DAMPING"),
+        Quantity(
+            "sea.significant_wave_height",
+            "m",
+            "sea.significant_wave_height",
+            relative=0.1,
+            label="significant wave height",
+        ),
+        Quantity("sea.peak_period", "s", "sea.peak_period", relative=0.05, label="peak period"),
+        Quantity(
+            "sea.swell.significant_wave_height",
+            "m",
+            "sea.swell.significant_wave_height",
+            relative=0.1,
+            label="swell, significant wave height",
+        ),
+        Quantity("sea.swell.peak_period", "s", "sea.swell.peak_period", relative=0.05, label="swell, peak period"),
+    )
+}
+"""All of them, by name."""
+
+
+class Span(Enum):
+    """What a range is of: values, their ratio to nominal, or their difference from it."""
+
+    VALUE, RATIO, DIFFERENCE = range(3)
+
+
+class Range(NamedTuple):
+    """What a quantity can be at all, `lowest` to `highest` of a `span`; outside, its part has another fault."""
+
+    lowest: float
+    highest: float
+    span: Span = Span.VALUE
+
+    def about(self, nominal: float) -> tuple[float, float]:
+        """Return the lowest and the highest value about a `nominal` one."""
         if self.span is Span.DIFFERENCE:
             return nominal + self.lowest, nominal + self.highest
         if self.span is Span.RATIO:
@@ -87,169 +128,55 @@ class Quantity:
         return min(self.lowest, nominal), max(self.highest, nominal)
 
 
-SCALE: Mapping[str, Any] = {"lowest": LEAST_SCALE, "highest": MOST_SCALE}
-WEAKER: Mapping[str, Any] = {"lowest": 0.05, "highest": 1.0, "span": Span.RATIO}
-"""Ranges of a scale, and of a limit that may be below the nominal one."""
+SCALE = Range(0.5 / 1.05, 2.0 * 1.05)
+"""Range of a scale: half to twice, and 5 % for the error of its estimate. A sensor that is reversed, or reads next to
+nothing, is excluded."""
 
-QUANTITIES = {
-    quantity.name: quantity
-    for quantity in (
-        Quantity(
-            "winch.time_constant",
-            "s",
-            "winch.time_constant",
-            absolute=0.02,
-            label="time constant",
-            lowest=0.03,
-            highest=15.0,
-            span=Span.RATIO,
-        ),
-        Quantity(
-            "winch.command_delay",
-            "s",
-            "winch.command_delay",
-            absolute=0.02,
-            label="command delay",
-            reach="lag.largest",
-        ),
-        Quantity(
-            "winch.speed_gain",
-            "",
-            "winch.speed_gain",
-            relative=0.02,
-            label="gain by the encoder",
-            span=Span.RATIO,
-            **SCALE,
-        ),
-        Quantity(
-            "winch.hauling_gain",
-            "",
-            "winch.hauling_gain",
-            relative=0.05,
-            label="gain of hauling in over that",
-            span=Span.RATIO,
-            **SCALE,
-        ),
-        Quantity(
-            "winch.creep",
-            "m/s",
-            "winch.creep",
-            absolute=0.02,
-            label="creep",
-            lowest=-0.2,
-            highest=0.2,
-            span=Span.DIFFERENCE,
-        ),
-        Quantity(SPEED_OUT, "m/s", "winch.speed_limit", relative=0.1, label="speed limit paying out", **WEAKER),
-        Quantity(SPEED_IN, "m/s", "winch.speed_limit", relative=0.1, label="speed limit hauling in", **WEAKER),
-        Quantity(
-            ACCELERATION_OUT,
-            "m/s^2",
-            "winch.acceleration_limit",
-            relative=0.1,
-            label="acceleration limit paying out",
-            **WEAKER,
-        ),
-        Quantity(
-            ACCELERATION_IN,
-            "m/s^2",
-            "winch.acceleration_limit",
-            relative=0.1,
-            label="acceleration limit hauling in",
-            **WEAKER,
-        ),
-        Quantity(DEADBAND, "m/s", absolute=0.01, label="dead zone", lowest=0.0, highest=0.2),
-        Quantity(BACKLASH, "m", absolute=0.005, label="encoder play", lowest=0.0, highest=0.2),
-        Quantity(
-            POWER_LIMIT,
-            "W",
-            "winch.power_limit",
-            relative=0.1,
-            label="power limit",
-            lowest=1e-5,
-            highest=1.0,
-            span=Span.RATIO,
-        ),
-        Quantity(ENCODER_SCALE, "", nominal=1.0, relative=0.03, code="ENCODER_SCALE_ERROR", **SCALE),
-        Quantity(DEPTH_SCALE, "", nominal=1.0, relative=0.05, code="DEPTH_SCALE_ERROR", **SCALE),
-        Quantity(MRU_SCALE, "", nominal=1.0, relative=0.05, code="MRU_SCALE_ERROR", **SCALE),
-        Quantity(MRU_OFFSET, "m", absolute=0.05, code="MRU_OFFSET", lowest=-5.0, highest=5.0),
-        Quantity(MRU_DELAY, "s", absolute=0.03, code="MRU_DELAYED", lowest=-0.4, highest=0.4),
-        Quantity(
-            "mru.high_pass_period",
-            "s",
-            "sensors.mru.high_pass_period",
-            relative=0.15,
-            code="MRU_HIGH_PASS",
-            lowest=0.0,
-            highest=1000.0,
-        ),
-        Quantity("mru.bias_drift", "m/sqrt(s)", "sensors.mru.bias_drift", code="MRU_DRIFT", lowest=0.0, highest=0.1),
-        Quantity("mru.bias_sigma", "m", "sensors.mru.bias_sigma", lowest=0.0, highest=5.0),
-        Quantity(
-            "cable.inertia_factor",
-            "",
-            "cable_model.inertia_factor",
-            relative=0.05,
-            code="CABLE_INERTIA",
-            span=Span.RATIO,
-            **SCALE,
-        ),
-        Quantity(
-            "cable.damping_factor",
-            "",
-            "cable_model.damping_factor",
-            relative=0.3,
-            code="CABLE_DAMPING",
-            lowest=0.1,
-            highest=10.0,
-            span=Span.RATIO,
-        ),
-        Quantity(
-            "sea.significant_wave_height",
-            "m",
-            "sea.significant_wave_height",
-            relative=0.1,
-            label="significant wave height",
-            lowest=0.0,
-            highest=30.0,
-        ),
-        Quantity(
-            "sea.peak_period",
-            "s",
-            "sea.peak_period",
-            relative=0.05,
-            label="peak period",
-            lowest=1.0,
-            highest=40.0,
-        ),
-        Quantity(
-            "sea.swell.significant_wave_height",
-            "m",
-            "sea.swell.significant_wave_height",
-            relative=0.1,
-            label="swell, significant wave height",
-            lowest=0.0,
-            highest=30.0,
-        ),
-        Quantity(
-            "sea.swell.peak_period",
-            "s",
-            "sea.swell.peak_period",
-            relative=0.05,
-            label="swell, peak period",
-            lowest=1.0,
-            highest=40.0,
-        ),
-    )
+SCALED, WEAKER = SCALE._replace(span=Span.RATIO), Range(0.05, 1.0, Span.RATIO)
+HEIGHT, PERIOD = Range(0.0, 30.0), Range(1.0, 40.0)
+
+RANGES = {
+    "winch.time_constant": Range(0.03, 15.0, Span.RATIO),
+    "winch.speed_gain": SCALED,
+    "winch.hauling_gain": SCALED,
+    "winch.creep": Range(-0.2, 0.2, Span.DIFFERENCE),
+    SPEED_OUT: WEAKER,
+    SPEED_IN: WEAKER,
+    ACCELERATION_OUT: WEAKER,
+    ACCELERATION_IN: WEAKER,
+    DEADBAND: Range(0.0, 0.2),
+    BACKLASH: Range(0.0, 0.2),
+    POWER_LIMIT: Range(1e-5, 1.0, Span.RATIO),
+    ENCODER_SCALE: SCALE,
+    DEPTH_SCALE: SCALE,
+    MRU_SCALE: SCALE,
+    MRU_OFFSET: Range(-5.0, 5.0),
+    MRU_DELAY: Range(-0.4, 0.4),
+    "mru.high_pass_period": Range(0.0, 1000.0),
+    "mru.bias_drift": Range(0.0, 0.1),
+    "mru.bias_sigma": Range(0.0, 5.0),
+    "cable.inertia_factor": SCALED,
+    "cable.damping_factor": Range(0.1, 10.0, Span.RATIO),
+    "sea.significant_wave_height": HEIGHT,
+    "sea.peak_period": PERIOD,
+    "sea.swell.significant_wave_height": HEIGHT,
+    "sea.swell.peak_period": PERIOD,
 }
-"""All of them, by name."""
+"""Range of each quantity; that of the delay is `lag.largest` about nominal."""
+
+
+def range_of(name: str, nominal: WinchControllerParameters) -> tuple[float, float]:
+    """Return the lowest and the highest value of the quantity `name` that can be with `nominal` parameters."""
+    value = QUANTITIES[name].nominal_in(nominal)
+    if name in RANGES:
+        return RANGES[name].about(value)
+    return max(value - nominal.lag.largest, 0.0), value + nominal.lag.largest
 
 
 def out_of_range(values: Mapping[str, float], nominal: WinchControllerParameters) -> str:
     """Return which of the `values`, by quantity, cannot be with `nominal` parameters, in words; empty: all can."""
     for name, value in values.items():
-        lowest, highest = QUANTITIES[name].range_in(nominal)
+        lowest, highest = range_of(name, nominal)
         if not lowest <= value <= highest:
             return f"{name} {value:.3g} is outside {lowest:.3g} to {highest:.3g}"
     return ""

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from heave_node.interface.alarm import Alarm
 
-from winch_controller_node.beliefs.beliefs import Beliefs, EncoderScale, latency_ticks, parameters_under, without_sea
+from winch_controller_node.beliefs.beliefs import (
+    Adopted,
+    Beliefs,
+    EncoderScale,
+    latency_ticks,
+    parameters_under,
+    without_sea,
+)
 from winch_controller_node.beliefs.corrections import corrections
 from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, out_of_range, restated
 from winch_controller_node.beliefs.words import alarms_of
@@ -20,7 +27,10 @@ NONE = Beliefs(asked=-1)
 """All is nominal."""
 
 DROPPED = -1
-"""Number of the active beliefs where the core has dropped those of the adviser: it begins anew."""
+"""Number of the active beliefs where the core has dropped those of the adviser, which restarts."""
+
+CONTRADICTED = 12.0
+"""Evidence for nominal values against the active beliefs at which these are dropped [nats]."""
 
 OWN = "encoder"
 """Sensor that a reflex of the core alone sets aside and uses again: what the adviser says of that is an echo."""
@@ -39,7 +49,7 @@ class BeliefsInForce:
     restated : those that have changed since the start, and what to, by path
     beliefs : the active ones
     refused : answers that came too late, so far
-    trust : whether the adviser is believed
+    trust : whether the answers of the adviser are used
     corrected : owners whose assumed values have changed in this tick: winch, cable, a sensor
     has_moved_tip : the boom tip is taken to be elsewhere since this tick: what was seen of the sea is void
     """
@@ -72,19 +82,34 @@ class BeliefsInForce:
             self._pending = beliefs
         return True
 
-    def _drop(self, fault: str, next_tick: int) -> None:
-        """Go on with all nominal from the `next_tick`: what the adviser says cannot be, for a `fault` in words."""
+    def _hold_against_nominal(self, tick: int) -> None:
+        """Drop the beliefs where nominal values explain the readings up to a `tick` clearly better."""
+        second = self._estimation.second
+        if second is None or second.nats < CONTRADICTED:
+            return
+        row, ratio = second.witness
+        self.contradict(f"with nominal values {row} is {ratio:.1f} times nearer to its prediction", tick)
+
+    def contradict(self, why: str, tick: int) -> None:
+        """Drop the beliefs from a `tick` on, for a reason `why` in words: the readings contradict them."""
+        second, held = self._estimation.second, without_sea(self.beliefs).values
+        found = ", ".join(f"{name} {belief.value:.3g}" for name, belief in held.items() if belief.nats != 0.0)
+        self._drop(f"{found}; {why}", tick, None if second is None else second.state(tick - 1))
+
+    def _drop(self, fault: str, next_tick: int, adopted: Adopted | None = None) -> None:
+        """Go on with all nominal from the `next_tick`, at a state to be `adopted`, for a `fault` in words."""
         self.trust.contradict(fault, next_tick)
         self._pending = None
         if self.beliefs.number > 0 or self.beliefs.values:
             encoder = None if self.beliefs.encoder is None else EncoderScale(next_tick)
             plain = self._plain_design()
             design = None if self._in_force.design is plain else plain
-            self._pending = Beliefs(next_tick - self._latency, DROPPED, encoder=encoder, design=design)
+            self._pending = Beliefs(next_tick - self._latency, DROPPED, encoder=encoder, design=design, adopted=adopted)
 
     def follow(self, tick: int) -> list[Alarm]:
         """Activate before a `tick` what is due; return what is new."""
         self.corrected, self.has_moved_tip = set(), False
+        self._hold_against_nominal(tick)
         pending, news = self._pending, self.trust.news()
         if pending is None or pending.asked + self._latency > tick:
             return news
@@ -92,6 +117,13 @@ class BeliefsInForce:
         if pending.number != self.beliefs.number:
             self._take(pending, tick)
         return [*news, *alarms_of(pending.findings)]
+
+    def _run_second(self, tick: int) -> None:
+        """Run a filter with nominal values beside the active one from a `tick` on, while that has others."""
+        if not without_sea(self.beliefs).values:
+            self._estimation.second = None
+        elif self._estimation.second is None and self._plain is not None:
+            self._estimation.begin_second(self._plain, tick - 1)
 
     def renew(self, nominal: WinchControllerParameters) -> None:
         """Go by other `nominal` parameters; beliefs about the sea are void."""
@@ -126,6 +158,7 @@ class BeliefsInForce:
         | MRU | the same | besides: what was seen of the sea |
         """
         before, self.beliefs = self.beliefs, beliefs
+        self._run_second(tick)
         parameters = parameters_under(beliefs, self.nominal)
         changed = {
             QUANTITIES[name].owner

@@ -11,7 +11,7 @@ import math
 from functools import partial
 
 from heave_node.interface.alarm import Alarm
-from heave_node.interface.codes import WinchLimit
+from heave_node.interface.codes import REQUESTED, WinchLimit
 from heave_node.interface.preview import HeavePreview
 from heave_node.parameters import describe
 
@@ -25,8 +25,10 @@ from winch_controller_node.core.estimation.observation import Observer
 from winch_controller_node.core.estimation.preview_watch import PreviewWatch
 from winch_controller_node.core.loop_command import LoopCommand, TickCommand
 from winch_controller_node.core.state_report import ControllerTick, state_report
+from winch_controller_node.core.supervision.after_stop import AfterStop
 from winch_controller_node.core.supervision.landing import LandingEvent
 from winch_controller_node.core.supervision.late_commands import LateCommands
+from winch_controller_node.core.supervision.loop_words import loop_words
 from winch_controller_node.core.supervision.mode_machine import ModeMachine
 from winch_controller_node.core.supervision.modes import BRAKED, Mode, ModeError, ModeOutput
 from winch_controller_node.core.supervision.proofs import Driven, Proofs, Proven
@@ -105,6 +107,7 @@ class WinchController:
         self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
         self._beliefs = BeliefsInForce(self._in_force, self._estimation, self._winch)
         self._encoder = EncoderReflex(tick_period)
+        self._after_stop = AfterStop(tick_period)
         self.proofs = Proofs(parameters, design.cable, tick_period)
         self._has_lost_encoder = 0
         self._alarms: list[Alarm] = []
@@ -177,6 +180,7 @@ class WinchController:
         Returns the mode taken in words. Raises ModeError, saying why, where it cannot be taken.
         """
         self._supervisor.timeouts.cancel()
+        self._supervisor.guard.release()
         self.envelope.acknowledge()
         self.proofs.ask(consent=consent)
         self.observer.trust()
@@ -403,6 +407,8 @@ class WinchController:
             self._change_mode(decision.mode, loop)
             self._act_on(decision.landing, loop)
             loop = self._estimation.refreshed(loop)
+        hangs = self._supervisor.landing.hangs
+        self._alarms += self._after_stop.step(loop, decision.mode, self.design.cable, hangs=hangs)
         observations = self._observe(loop, measurements.winch, decision.mode)
         preview = self._watch_preview(loop, measurements.preview)
         lift = self.crane.lift_share(self._command.governor.limits, self.mean.point.payout, loop.payout)
@@ -415,6 +421,7 @@ class WinchController:
         self.proofs.note(order)
         command = self._command.last
         self._note_kpi(loop)
+        told = loop_words(decision.mode.mode, is_damped_blind=decision.is_damped and not loop.knows_tip)
         reported = ControllerTick(
             loop=loop,
             decision=decision,
@@ -426,11 +433,11 @@ class WinchController:
             gain=self._in_force.law.gain,
             covariance=self.estimator.covariance,
             depth_set_point=self._estimation.set_point,
-            sensors=self.observer.states(tick),
+            sensors=tuple(state.told(told) for state in self.observer.states(tick)),
         )
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
         mode, make_report = decision.mode, partial(state_report, reported)
-        alarms, authority = tuple(self._alarms), mode.authority
+        alarms, authority = tuple(alarm.told(told) for alarm in self._alarms), mode.authority
         return Outputs(
             order,
             mode.mode.value,
@@ -581,7 +588,8 @@ class WinchController:
             self._estimation.mean_tension.restart()
         if self.mean.has_target and mode.mode not in OPERATED:
             cause = f": {mode.reason}" if mode.reason else ""
-            ended = ALARMS.alarm("MOVE_ENDED", target=self.mean.target, payout=self.mean.point.payout, cause=cause)
+            code = "MOVE_ENDED" if mode.reason.endswith(REQUESTED) else "MOVE_LOST"
+            ended = ALARMS.alarm(code, target=self.mean.target, payout=self.mean.point.payout, cause=cause)
             self._alarms.append(ended)
         if mode.mode in BRAKED:
             self._estimation.motion.stand()
@@ -704,6 +712,7 @@ class WinchController:
         if tick * self._dt - observer.encoder.jumped_at < self._command.time_of_another_count:
             self._estimation.reset_readings()
             self._winch.drum.restart()
+        self._separate(tick, is_frozen=is_lost and observer.gates["encoder"].reason == "frozen")
         moves = self.mode in (Mode.COMPENSATING, Mode.FADE_OUT)
         if not moves or not identifies_winch(self.parameters) or observer.excluded not in ("", "encoder"):
             return
@@ -712,10 +721,27 @@ class WinchController:
         act = self._encoder.look(tick, ordered, is_aside=is_aside)
         if act is Act.USE_AGAIN:
             observer.exclude("")
+        elif act is Act.SET_ASIDE and self._winch.drum.does_as_nominal(observer.encoder.scale):
+            self._beliefs.contradict("the drum does what a nominal winch was ordered", tick)
+            self._encoder.restart()
         elif act is Act.SET_ASIDE and ordered is not None:
+            self._estimation.compare_count(tick - 1)
             self._estimation.set_encoder_aside(ordered.payout, tick - 1)
             self._supervisor.guard.allow_correction("encoder")
             self._alarms.append(self._encoder.alarm)
+
+    def _separate(self, tick: int, *, is_frozen: bool) -> None:
+        """Name drive or encoder before a `tick`, once a third sensor shows which; `is_frozen`: the count."""
+        estimation, reflex = self._estimation, self._encoder
+        if not (is_frozen or self.observer.excluded == "encoder"):
+            estimation.by_count = None
+            reflex.agrees()
+        elif estimation.by_count is not None:
+            if named := reflex.separate(estimation.by_count):
+                self._alarms.append(named)
+                estimation.by_count = None
+        elif is_frozen and not reflex.is_separated and self.mode not in BRAKED:
+            estimation.compare_count(tick - 1)
 
     def _follow_length(self) -> None:
         """Follow the gain schedule, where there is one."""

@@ -248,7 +248,7 @@ class LoopCommand:
             is_whole = math.isfinite(asked.payout) and math.isfinite(asked.payout_rate)
             more = sent.payout - asked.payout if self._is_first_order else sent.payout_rate - asked.payout_rate
             before = last.governed.value if is_whole else last.standing
-            value = before + (more * self.governor.gain(more) if is_whole else sent.payout_rate)
+            value = before + (more * self._winch.gain_at(more) if is_whole else sent.payout_rate)
             governed = last.governed._replace(value=value, active=(*last.governed.active, ENVELOPE))
         shares = CommandShares(governed.value - mean, mean)
         self.last = last._replace(governed=governed, shares=shares)
@@ -369,6 +369,6 @@ class LoopCommand:
 
 
 def comes_to_rest(decision: Decision) -> bool:
-    """Tell whether the winch comes to rest from its last order, whatever is estimated."""
+    """Tell whether by a `decision` the winch comes to rest from its last order, whatever is estimated."""
     mode = decision.mode.mode
     return mode is Mode.STOPPING or (mode is Mode.FADE_OUT and not decision.trusts_estimate)

@@ -59,6 +59,9 @@ POOR = 0.5
 """Error of two states, relative to the motion, above which a unit was not held: 3 t on 4,000 m (0.44) was, on 6,000 m
 (0.74) was not."""
 
+OF_DRAG = ("unit_heave", "unit_heave_rate", "unit_heave_acceleration", "tension")
+"""Outputs that depend on drag, which the design linearises at small motion: with the winch locked the motion is not."""
+
 DESIGNED_LAW = "lqg"
 """The law whose gains, margins and predictions a report gives: the estimate of all states and its feedback."""
 
@@ -120,7 +123,7 @@ class DesignReport:
 
     def table(self) -> str:
         """Return the report as text a person can read."""
-        return "\n\n".join([_head(self), _gains(self), _loop(self), _predictions(self), _curves(self), _demands(self)])
+        return "\n\n".join([_head(self), _demands(self), _predictions(self), _loop(self), _gains(self), _curves(self)])
 
     def values(self) -> dict[str, object]:
         """Return the report as plain values for a machine."""
@@ -303,9 +306,9 @@ def _feasibility(parameters: WinchControllerParameters) -> list[WinchDemand]:
 def _head(report: DesignReport) -> str:
     design = report.design
     sea, law = design.parameters.sea, design.parameters.law
-    of_another = "" if law == DESIGNED_LAW else f" (law {law} of the scenario is another one: a run shows what it does)"
+    of_another = "" if law == DESIGNED_LAW else f" (the scenario uses law {law}: run it to see what that does)"
     return (
-        f"What law {DESIGNED_LAW} will do{of_another}\n"
+        f"Design of law {DESIGNED_LAW}{of_another}\n"
         f"Design at {design.length:g} m: a = {design.cable.a:.4g} s2, b = {design.cable.b:.4g} s, static tension "
         f"{design.cable.static_tension / 1e3:.1f} kN\n"
         f"{_of_two_states(design)}\n"
@@ -318,15 +321,15 @@ def _head(report: DesignReport) -> str:
 def _of_two_states(design: ControllerDesign) -> str:
     model = design.parameters.cable_model
     if model.inertia > 0.0 and model.damping > 0.0:
-        return "a and b are as given"
+        return "a and b are given"
     error = error_of_two_states(design.parameters, design.length)
-    limit = "" if error < POOR else ": too much, as the cable swings in more than one mode; compensation may do harm"
-    return f"the two-state model of the cable differs by {100 * error:.0f} % from the full cable{limit}"
+    limit = "" if error < POOR else ": too much, the rope resonates in more than one mode and compensation may do harm"
+    return f"the two-state model of the rope differs by {100 * error:.0f} % from the full cable{limit}"
 
 
 def _gains(report: DesignReport) -> str:
     design = report.design
-    lines = ["state                        gain   1-sigma error of its estimate"]
+    lines = ["state                        gain   1 sigma of its estimate"]
     lines += [
         f"{name:24s} {gain:9.4g}   {report.prediction.estimate_error[name]:.3g}"
         for name, gain in zip(design.model.state_names, design.gain, strict=True)
@@ -349,12 +352,14 @@ def _loop(report: DesignReport) -> str:
 
 def _predictions(report: DesignReport) -> str:
     sigma, off = report.prediction.sigma, report.design.sigma
-    lines = ["output                    compensated  winch locked   (1 sigma, SI; locked: drag of small motion)"]
-    lines += [f"{name:24s} {sigma[name]:12.5g}  {off[name]:12.5g}" for name in sigma]
+    lines = ["1 sigma, SI units         compensated  winch locked"]
+    locked = {name: f"{value:12.4g}" for name, value in off.items() if name not in OF_DRAG}
+    locked["unit_heave"] = f"{report.uncompensated_sigma:12.4g}"
+    lines += [f"{name:24s} {sigma[name]:12.4g}  {locked.get(name, '-'):>12s}" for name in sigma]
     lines.append(
-        f"unit {100.0 * sigma['unit_heave']:.3f} cm of {100.0 * report.uncompensated_sigma:.1f} cm "
-        f"uncompensated; bounds: sensors and delay "
-        f"{100.0 * report.s_est:.3f} cm, winch limits {100.0 * report.s_act:.3f} cm, kappa {report.kappa:.2f}"
+        f"load heave {100.0 * sigma['unit_heave']:.2f} cm, with the winch locked "
+        f"{100.0 * report.uncompensated_sigma:.1f} cm; least possible {100.0 * report.s_est:.2f} cm by sensors and "
+        f"delay, {100.0 * report.s_act:.2f} cm by winch limits (kappa {report.kappa:.2f})"
     )
     lines.append(
         f"winch power at static tension: mean {report.power_mean / 1e3:.1f} kW, significant "
@@ -364,13 +369,15 @@ def _predictions(report: DesignReport) -> str:
 
 
 def _curves(report: DesignReport) -> str:
-    columns = "unit cm   rate m/s   accel. m/s2  command   gain index"
+    columns = "load cm   rate m/s   accel. m/s2  command   gain index"
     lines = [f"command scale m/s  {columns}"]
     lines += [_curve_row(point) for point in report.weight_curve]
     lines += ["", f"lag of winch s             {columns}"]
     lines += [_curve_row(point) for point in report.winch_curve]
     if report.winch_curve:
-        lines.append(f"knee: a winch quicker than {knee(report.winch_curve):g} s saves less than 10 % of the command")
+        lines.append(
+            f"no benefit from a winch lag below {knee(report.winch_curve):g} s: it saves less than 10 % of the command"
+        )
     return "\n".join(lines)
 
 
@@ -383,4 +390,7 @@ def _curve_row(point: TradeOff) -> str:
 
 
 def _demands(report: DesignReport) -> str:
-    return "Full compensation, largest in three hours, drum radius 0.75 m:\n" + format_feasibility(report.feasibility)
+    return (
+        "What the winch must do for full compensation, largest in three hours, drum radius 0.75 m:\n"
+        + format_feasibility(report.feasibility)
+    )

@@ -126,6 +126,10 @@ class SensorState(NamedTuple):
     refused: int
     alarm: Alarm | None = None
 
+    def told(self, loop: str) -> SensorState:
+        """Return it with what the `loop` does in its alarm."""
+        return self if self.alarm is None else self._replace(alarm=self.alarm.told(loop))
+
 
 class Report(NamedTuple):
     """See heave_msgs/ControllerState, whose names these are: the controller's estimates and actions.

@@ -19,28 +19,17 @@ class Loss(NamedTuple):
 LOSSES = {
     "mru": Loss(
         HIGH,
-        "Compensation fades out until readings are good again. Meanwhile the depth sensor damps the unit; without one, "
-        "or on a short stiff cable, the winch stops",
+        "{loop}",
     ),
-    "encoder": Loss(HIGH, "Compensation fades out and the winch stops, until readings are good again"),
-    "depth": Loss(MEDIUM, "Compensation continues without it; touchdown is recognised later"),
-    "load_cell": Loss(
-        MEDIUM, "Compensation continues. Tension alarms are off; constant tension ends and cannot be requested"
-    ),
-    "velocity": Loss(LOW, "Compensation continues without it"),
-    "imu": Loss(LOW, "Compensation continues without it"),
+    "encoder": Loss(HIGH, "{loop}"),
+    "depth": Loss(MEDIUM, "{loop}. Touchdown will be detected later"),
+    "load_cell": Loss(MEDIUM, "{loop}. Tension alarms are off and constant tension is not available"),
+    "velocity": Loss(LOW, "{loop}"),
+    "imu": Loss(LOW, "{loop}"),
 }
 """The loss of each sensor, by name."""
 
-EXCLUSIONS = {
-    "mru": "Compensation fades out until they agree again. Meanwhile the depth sensor damps the unit; without one, or "
-    "on a short stiff cable, the winch stops",
-    "encoder": "Compensation continues by the commanded payout while the sensors are compared, and ends if that takes "
-    "longer than 20 s",
-}
-"""Consequence of a sensor that contradicts all others. Compensation continues without any that is not listed."""
-
-SLOW_ACTIONS = {"encoder": "Set the drive to report once per tick (all.tick_period), or check the link"}
+SLOW_ACTIONS = {"encoder": "Set the drive to report once per cycle (all.tick_period); check the link"}
 """What to do about a sensor that is slower than nominal and has no rate of its own to enter."""
 
 JUMPING, STATED_NOISE = ("mru", "encoder", "depth"), ("mru", "depth", "velocity", "imu")
@@ -54,38 +43,34 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
     def lost(state: str, words: str, action: str, follows: str = consequence) -> AlarmRow:
         return AlarmRow(f"{prefix}_{state}", severity, sensor, words, follows, action)
 
-    frozen: tuple[str, ...] = ("readings do not change", "Restart the sensor or its driver")
-    if sensor == "encoder":
-        frozen = (
-            "readings do not change while the winch is commanded to turn",
-            "Check that the drum turns (brake, dead zone of the drive); restart the encoder or its driver, then "
-            "request compensation",
-            "Compensation fades out and the winch stops. It resumes automatically once the reading changes; "
-            "while the drum rests, the reading may stay the same",
-        )
     found = [
-        lost("STALE", "no data for {age:.2f} s, limit {limit:.2f} s", "Check power, cable, driver, clock"),
+        lost("STALE", "no data for {age:.2f} s, limit {limit:.2f} s", "Check its power, cable, driver and clock"),
         lost(
             "LATE",
-            "readings come, but {age:.2f} s late since t = {since:.1f} s, limit {limit:.2f} s",
-            "Set the clock that stamps them. A delay that stays: latency in the device's map, or --replace "
+            "readings arrive {age:.2f} s late since t = {since:.1f} s, limit {limit:.2f} s",
+            "Set the clock that stamps them. For a constant delay: latency in the device's map, or --replace "
             "NODE=external:CLOCK:SECONDS",
         ),
-        lost("NOT_A_NUMBER", "readings are not numbers", "Restart the sensor or its driver"),
-        lost("BAD_STAMP", "time stamps are missing or ahead of the controller's clock", "Set the clock of the sensor"),
-        lost("OUT_OF_ORDER", "readings come out of order, or twice", "Check the driver and the network"),
-        lost("FROZEN", *frozen),
+        lost(
+            "ABSENT",
+            "no data since the start",
+            "If it is not fitted, remove it from sensors.use. Else check its power, cable and driver",
+        ),
+        lost("NOT_A_NUMBER", "readings are not numbers", "Restart the sensor and its driver"),
+        lost("BAD_STAMP", "time stamps are missing, or ahead of the controller", "Set the clock of the sensor"),
+        lost("OUT_OF_ORDER", "readings arrive out of sequence, or twice", "Check the driver and the network"),
     ]
     if sensor != "encoder":
+        found.append(lost("FROZEN", "readings do not change", "Restart the sensor or its driver"))
         found.append(
             lost(
                 "SPIKES",
                 "readings are far from the estimate",
-                "Check connector, cable and supply; if they last, sign and unit of measurement",
+                "Check connector, cable and supply. If it continues, check sign and unit",
             )
         )
     if sensor in JUMPING:
-        jumps = "heave steps away from the integral of its own rate" if sensor == "mru" else "readings jump repeatedly"
+        jumps = "heave does not match the integral of heave rate" if sensor == "mru" else "readings jump repeatedly"
         again = ". A request for any mode accepts the present heave as the new zero" if sensor == "mru" else ""
         found.append(lost("JUMPS", jumps, f"Check mounting, scale, sign and driver{again}"))
     if sensor == "mru":
@@ -101,12 +86,17 @@ def _reported_by_mru(severity: Severity, consequence: str) -> list[AlarmRow]:
             MEDIUM,
             "mru",
             "the MRU reports that it is settling",
-            "Compensation fades out, or does not begin, until it has settled; it then resumes automatically",
-            "Wait: an MRU settles for minutes after power-on, and some after a turn. If it lasts, check its aiding "
-            "(position, heading)",
+            "{loop}",
+            "Wait: an MRU needs minutes to settle after power-on, and some do after a turn. If it persists, check its "
+            "position and heading input",
         ),
         AlarmRow(
-            "MRU_FAULT", severity, "mru", "the MRU reports {status}", consequence, "Read its display, then restart it"
+            "MRU_FAULT",
+            severity,
+            "mru",
+            "the MRU reports {status}",
+            consequence,
+            "Read its display, then restart it",
         ),
     ]
 
@@ -120,25 +110,25 @@ def _others_of(sensor: str) -> list[AlarmRow]:
             LOW,
             sensor,
             "one reading rejected: {reason}",
-            "Compensation continues. The sensor counts as lost after three such readings in a row",
-            "A single rejection needs no action; check the sensor if it repeats",
+            "{loop}. Three in a row count as loss of the sensor",
+            "One rejection needs no action. If it recurs, check the sensor",
         ),
         AlarmRow(
             f"{prefix}_EXCLUDED",
             HIGH if severity is HIGH else MEDIUM,
             sensor,
             "readings contradict all other sensors",
-            EXCLUSIONS.get(sensor, "Compensation continues without it"),
+            "{loop}",
             "Check sign, scale and mounting",
         ),
-        AlarmRow(f"{prefix}_RECOVERED", EVENT, sensor, "the sensor agrees with all others", "It is used again"),
+        AlarmRow(f"{prefix}_RECOVERED", EVENT, sensor, "agrees with the other sensors again", "Back in use"),
         AlarmRow(
             f"{prefix}_SLOW",
             LOW,
             sensor,
-            "{rate:.3g} readings per second, nominal {nominal:.3g}",
-            "Each reading is used; the sensor is stale after {limit:.2f} s without one",
-            SLOW_ACTIONS.get(sensor, f"Enter its rate (winch_controller.sensors.{sensor}.rate), or check the link"),
+            "{rate:.3g} readings per second, {nominal:.3g} expected",
+            "All readings are used. It counts as lost after {limit:.2f} s without one",
+            SLOW_ACTIONS.get(sensor, f"Check the link. Its normal rate is winch_controller.sensors.{sensor}.rate"),
         ),
     ]
     return found + _noise_of(sensor) if sensor in STATED_NOISE else found
@@ -148,23 +138,23 @@ def _noise_of(sensor: str) -> list[AlarmRow]:
     """Return the alarms of a `sensor` whose noise differs from the nominal one."""
     prefix, name = sensor.upper(), f"winch_controller.sensors.{sensor}.noise"
     if sensor == "mru":
-        name += ", of heave rate winch_controller.sensors.mru.rate_noise"
+        name += " and .rate_noise"
     return [
         AlarmRow(
             f"{prefix}_NOISE_HIGH",
             LOW,
             sensor,
-            "noise of {measurement} is {sigma:.3g} {unit}, {factor:.1f} times nominal",
+            "noise of {measurement} is {sigma:.3g} {unit}, {factor:.1f} times the stated value",
             "The controller gives it less weight",
-            f"Check the sensor, or enter its noise ({name})",
+            f"Check the sensor. If this is its normal noise, enter it as {name}",
         ),
         AlarmRow(
             f"{prefix}_NOISE_LOW",
             EVENT,
             sensor,
-            "noise of {measurement} is below nominal: readings are {ratio:.2f} times as far from the estimate as "
-            "expected (noise {sigma:.2g} {unit} nominal, {seen} measured)",
-            "Compensation continues, with less benefit from this sensor than possible",
+            "noise of {measurement} is below the stated {sigma:.2g} {unit}: {seen} measured ({ratio:.2f} of the "
+            "expected scatter)",
+            "{loop}. This sensor could be given more weight",
         ),
     ]
 
@@ -177,72 +167,97 @@ READINGS = (
         LOW,
         "encoder",
         "the reading jumped by {jump:+.3f} m",
-        "The jump is subtracted, compensation continues; a payout set-point follows the new count",
-        "Check the encoder if it repeats",
+        "{loop}. The jump is subtracted; payout set-points follow the new count",
+        "If it recurs, check the encoder",
     ),
     AlarmRow(
         "DEPTH_JUMP",
         LOW,
         "depth",
         "the reading jumped by {jump:+.3f} m",
-        "The jump is subtracted, compensation continues",
-        "Check the sensor if it repeats",
+        "{loop}. The jump is subtracted",
+        "If it recurs, check the sensor",
     ),
     AlarmRow(
         "DEPTH_SCALE_JUMP",
         MEDIUM,
         "depth",
-        "the reading jumped by {jump:+.3f} m, as after a change of scale or sign",
-        "The sensor is not used until it agrees with all others, or a mode is requested",
+        "the reading jumped by {jump:+.3f} m: scale or sign has changed",
+        "{loop}. The sensor is not used until it agrees with the others. A mode request accepts it at once",
         "Check its scale and sign",
     ),
     AlarmRow(
-        "ENCODER_REVERSED",
+        "DRUM_OR_ENCODER_STILL",
         HIGH,
-        "encoder",
-        "the encoder turns opposite to the commands",
-        EXCLUSIONS["encoder"],
+        "drum",
+        "the count does not change while the winch is commanded to turn: the drum stands, or its encoder is frozen",
+        "{loop}. It resumes automatically once the count changes; while the drum rests, it may stay the same",
+        "Look at the drum. Where it stands, check brake, pressure and dead zone of the drive; where it turns, restart "
+        "the encoder or its driver. Then request compensation",
+    ),
+    AlarmRow(
+        "DRUM_OR_ENCODER_REVERSED",
+        HIGH,
+        "drum",
+        "the count goes opposite to the commands: the drum, or its encoder, is reversed",
+        "{loop}",
         "Check the sign of encoder and drive",
     ),
     AlarmRow(
-        "ENCODER_SCALE_STEP",
+        "DRUM_OR_ENCODER_SCALE",
+        HIGH,
+        "drum",
+        "the count goes far more or less than commanded: the drum, or its encoder, does not do as it did",
+        "{loop}",
+        "Check the scale of the encoder, and the drive",
+    ),
+    AlarmRow(
+        "ENCODER_AT_FAULT",
         HIGH,
         "encoder",
-        "the encoder reads far more or less than commanded",
-        EXCLUSIONS["encoder"],
-        "Check the scale of the encoder, and the drive",
+        "the drum does what it was commanded, by {witness}; the count does not say so",
+        "The count is not used. Compensation fades out where it stands; otherwise it continues by the commanded "
+        "payout, and ends if that takes longer than 20 s",
+        "Check the encoder, its scale, sign and driver",
+    ),
+    AlarmRow(
+        "DRIVE_AT_FAULT",
+        HIGH,
+        "winch",
+        "the drum does what the count says and not what it was commanded, by {witness}",
+        "Compensation ends; it does not resume automatically",
+        "Check the drive: brake, pressure, sign and scale of its set-point; then request compensation",
     ),
     AlarmRow(
         "LOAD_CELL_NEGATIVE",
         MEDIUM,
         "load_cell",
-        "reads {tension:.1f} kN, but a cable cannot push",
-        "Tension alarms cannot be relied on",
+        "reads {tension:.1f} kN: a rope cannot push",
+        "Tension alarms are unreliable",
         "Check its sign and zero",
     ),
     AlarmRow(
         "SENSORS_DISAGREE",
         MEDIUM,
         "sensors",
-        "readings of {measurement} have been {ratio:.1f} times as far from the estimate as expected for {time:.0f} s; "
-        "cause unknown",
-        "Compensation continues, and nothing is corrected",
-        "Check all sensors, and what hangs on the cable; request standby if the unit moves more than expected",
+        "{measurement} has been {ratio:.1f} times as far from the estimate as expected for {time:.0f} s; cause unknown",
+        "{loop}. Nothing is corrected",
+        "Check all sensors and the load. If the load moves more than expected, request standby",
     ),
 )
 
-CORRECTED = "Readings are corrected; compensation continues"
+CORRECTED = "{loop}. Readings are corrected"
 
 IDENTIFIED = (
-    AlarmRow("WINCH_MODEL_UPDATED", EVENT, "winch", "{changes}", "The design uses the new values"),
-    AlarmRow("SEA_MODEL_UPDATED", EVENT, "sea", "{changes}", "The design uses the new values"),
+    AlarmRow("WINCH_MODEL_UPDATED", EVENT, "winch", "{changes}", "The controller uses the new values"),
+    AlarmRow("SEA_MODEL_UPDATED", EVENT, "sea", "{changes}", "The controller uses the new values"),
     AlarmRow(
         "MRU_SCALE_ERROR",
         MEDIUM,
         "mru",
         "reads {value:.2f} times the motion",
         CORRECTED,
-        "Check scale and sign of the MRU, and the drum radius",
+        "Check scale and sign of the MRU. A wrong drum radius looks the same",
     ),
     AlarmRow(
         "MRU_OFFSET",
@@ -250,13 +265,13 @@ IDENTIFIED = (
         "mru",
         "heave has a mean of {value:+.2f} m",
         CORRECTED,
-        "Check the reference point of the MRU, and the trim",
+        "Check the reference point of the MRU and the trim of the ship",
     ),
     AlarmRow(
         "MRU_DELAYED",
         MEDIUM,
         "mru",
-        "each time stamp is {value:+.2f} s later than its measurement",
+        "time stamps are {value:+.2f} s late",
         CORRECTED,
         "Check the clock and the latency of the MRU",
     ),
@@ -264,7 +279,7 @@ IDENTIFIED = (
         "MRU_HIGH_PASS",
         LOW,
         "mru",
-        "heave is high-passed with a period of {value:.0f} s (nominal {nominal:.0f} s, 0 is none)",
+        "heave is high-pass filtered at a period of {value:.0f} s ({nominal:.0f} s stated, 0 is none)",
         CORRECTED,
         "Enter it as winch_controller.sensors.mru.high_pass_period",
     ),
@@ -272,9 +287,9 @@ IDENTIFIED = (
         "MRU_DRIFT",
         LOW,
         "mru",
-        "heave drifts, as in a turn",
-        "The drift is removed from the readings; compensation continues",
-        "Check the aiding of the MRU; wait for the end of the turn",
+        "heave drifts, as it does in a turn",
+        "{loop}. The drift is removed from the readings",
+        "Wait for the end of the turn. Check the position and heading input of the MRU",
     ),
     AlarmRow(
         "DEPTH_SCALE_ERROR",
@@ -282,7 +297,7 @@ IDENTIFIED = (
         "depth",
         "reads {value:.2f} times the motion",
         CORRECTED,
-        "Check scale and unit of measurement",
+        "Check its scale and unit",
     ),
     AlarmRow(
         "ENCODER_SCALE_ERROR",
@@ -290,38 +305,42 @@ IDENTIFIED = (
         "encoder",
         "reads {value:.2f} times the payout",
         CORRECTED,
-        "Check scale and sign of the encoder, and the drum radius",
+        "Check scale and sign of the encoder and the drum radius",
     ),
     AlarmRow(
         "CABLE_INERTIA",
         MEDIUM,
         "cable",
-        "mass of the unit over stiffness of the cable is {value:.2f} times nominal",
-        "The controller uses this value; compensation continues",
-        "Check the mass of the unit, and length and stiffness of the cable",
+        "load mass over rope stiffness is {value:.2f} times the stated value",
+        "{loop}. The controller uses the identified value",
+        "Check load mass, rope length and rope stiffness",
     ),
     AlarmRow(
         "CABLE_DAMPING",
         LOW,
         "cable",
-        "damping of the unit by the water is {value:.2g} times nominal",
-        "The controller uses this value; compensation continues",
-        "Check the drag of the unit",
+        "drag of the load is {value:.2g} times the stated value",
+        "{loop}. The controller uses the identified value",
+        "Check the drag area of the load",
     ),
     *(
         AlarmRow(
             f"{part.upper()}_NOT_DESIGNABLE",
             MEDIUM,
             part,
-            "identified values differ from nominal; no controller can be designed with them",
-            "They are not used: the present design stays active",
-            "Check the parameters of that part in the scenario",
+            "no stable controller exists for the identified values",
+            "They are not used. The present controller stays active",
+            "Check the parameters of this part in the scenario",
         )
         for part in ("winch", "sea", "mru", "depth", "encoder", "cable")
     ),
     *(
         AlarmRow(
-            f"{part.upper()}_NOMINAL", EVENT, part, "identified values are nominal again", "No correction is applied"
+            f"{part.upper()}_NOMINAL",
+            EVENT,
+            part,
+            "identified values match the stated ones again",
+            "No correction is applied",
         )
         for part in ("mru", "depth", "encoder", "cable")
     ),
@@ -329,23 +348,23 @@ IDENTIFIED = (
         "ADVISER_LATE",
         LOW,
         "adviser",
-        "an answer came more than {latency:g} s after its observations and was rejected",
+        "identification result arrived more than {latency:g} s late and was ignored",
         "The controller keeps its last values ({which})",
-        "Check the load of the machine that runs winch_adviser",
+        "Check the CPU load of the computer that runs winch_adviser",
     ),
     AlarmRow(
         "ADVISER_SILENT",
         MEDIUM,
         "adviser",
-        "no answer for {time:.1f} s",
+        "no identification result for {time:.1f} s",
         "The controller keeps its last values ({which})",
-        "Check that winch_adviser runs; see logs/winch_adviser.log",
+        "Check that winch_adviser is running, and its log",
     ),
     AlarmRow(
         "ADVISER_REJECTED",
         MEDIUM,
         "adviser",
-        "an answer was rejected ({fault})",
+        "identification result rejected: {fault}",
         "The controller keeps its last values ({which})",
         "Install the winch_adviser of the controller's version",
     ),
@@ -353,34 +372,33 @@ IDENTIFIED = (
         "ADVISER_CONTRADICTED",
         HIGH,
         "adviser",
-        "what it identified is wrong: {fault}",
-        "The nominal values are active again. Its answers are not used for {time:.0f} s",
-        "Check winch_adviser and its version, then the sensor or part that it names",
+        "its identification is wrong: {fault}",
+        "The stated values are active again. Its results are ignored for {time:.0f} s",
+        "Check winch_adviser, its version and the part that it names",
     ),
     AlarmRow(
         "ADVISER_EXCLUDED",
         HIGH,
         "adviser",
-        "what it identified is wrong {count} times: {fault}",
-        "The nominal values stay active: its answers are not used any more",
-        "Check winch_adviser and its version, and the parameters of the scenario; restate the sea or restart "
-        "winch_controller to use it again",
+        "its identification was wrong {count} times: {fault}",
+        "The stated values stay active. Its results are no longer used",
+        "Check winch_adviser, its version and the scenario. To use it again, restart winch_controller",
     ),
-    AlarmRow("ADVISER_RESTORED", EVENT, "adviser", "answers again"),
+    AlarmRow("ADVISER_RESTORED", EVENT, "adviser", "identification results arrive again"),
     AlarmRow(
         "ADVISER_ENDED",
         HIGH,
         "adviser",
-        "no more answers: {fault}",
-        "The controller keeps the values identified until now",
-        "See logs/winch_adviser.log, then restart winch_adviser",
+        "stopped: {fault}",
+        "The controller keeps the values identified so far",
+        "Check its log, then restart winch_adviser",
     ),
     AlarmRow(
         "SOLVER_FAILED",
         LOW,
         "loop",
-        "the solver of mpc found no new plan: {status}",
-        "The plan of the tick before is used",
-        "Reduce mpc.horizon, or use law lqg, if it repeats",
+        "the MPC solver found no solution: {status}",
+        "The previous plan is used",
+        "If it recurs, reduce mpc.horizon",
     ),
 )

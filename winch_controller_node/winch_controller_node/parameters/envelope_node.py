@@ -29,7 +29,7 @@ from winch_controller_node.parameters.model import (
 
 @dataclass(frozen=True)
 class WinchEnvelopeParameters:
-    """The envelope between any controller and any winch. Groups are those of `winch_controller`, of the same meaning."""
+    """The envelope between any controller and any winch. Groups mean what they mean in `winch_controller`."""
 
     length: float = parameter(
         300.0, unit="m", minimum=0.01, maximum=20_000.0, description="Unstretched cable length at payout 0."

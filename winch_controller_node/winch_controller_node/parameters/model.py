@@ -92,6 +92,19 @@ class WinchModelParameters(WinchFigures):
         description="Unmodelled white acceleration of the drum (two-sided density).",
     )
 
+    def gain_at(self, speed: float) -> float:
+        """Return the speed of the drum over its set-point, at a `speed` [m/s]."""
+        return self.speed_gain if speed >= self.creep else self.speed_gain * self.hauling_gain
+
+    def set_point_of(self, speed: float) -> float:
+        """Return the set-point of which the servo makes a `speed` [m/s]."""
+        return (speed - self.creep) / self.gain_at(speed)
+
+    def speed_of(self, set_point: float) -> float:
+        """Return the speed that the servo makes of a `set_point` [m/s]."""
+        gain = self.speed_gain if set_point >= 0.0 else self.speed_gain * self.hauling_gain
+        return gain * set_point + self.creep
+
     def with_limits_of(self, other: WinchModelParameters) -> WinchModelParameters:
         """Return it with the limits and gains of an `other` winch: what the linear model of a winch does not hold."""
         return replace(

@@ -19,18 +19,18 @@ QUANTITIES: Mapping[str, tuple[str, float]] = {
 }
 """Unit in which each quantity is shown everywhere, and that over its SI unit: motion, force, ... power."""
 SHOWN: Mapping[str, tuple[str, float, int]] = {
-    "_wh_per_h": ("kWh/h", 1e-3, 3),
+    "_wh_per_h": ("kW", 1e-3, 2),
     "_m_per_h": ("m/h", 1.0, 0),
     "_per_h": ("1/h", 1.0, 0),
-    "_percent": ("%", 1.0, 3),
-    "_efficiency": ("%", 100.0, 2),
+    "_percent": ("%", 1.0, 1),
+    "_efficiency": ("%", 100.0, 1),
     "_factor": ("", 1.0, 2),
-    "_mps2": (*QUANTITIES["m/s²"], 3),
-    "_mps": (*QUANTITIES["m/s"], 3),
-    "_deg": ("deg", 1.0, 3),
+    "_mps2": (*QUANTITIES["m/s²"], 2),
+    "_mps": (*QUANTITIES["m/s"], 2),
+    "_deg": ("deg", 1.0, 1),
     "_m": (*QUANTITIES["m"], 2),
-    "_n": (*QUANTITIES["N"], 2),
-    "_w": (*QUANTITIES["W"], 2),
+    "_n": (*QUANTITIES["N"], 1),
+    "_w": (*QUANTITIES["W"], 1),
     "_s": ("s", 1.0, 2),
     "": ("", 1.0, 3),
 }

@@ -22,7 +22,7 @@ MOTIONS_OF: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("boom_tip_sigma_m",), (TIP_HEAVE,)),
     **dict.fromkeys(("kappa", "unit_heave_amplitude_m"), (UNIT_HEAVE,)),
     "unit_efficiency": (UNIT_HEAVE, FREE_HEAVE),
-    "baseline_efficiency": (BASELINE,),
+    **dict.fromkeys(("baseline_efficiency", "baseline_outlet_efficiency"), (BASELINE,)),
     "unit_heave_phase_deg": (UNIT_HEAVE, TIP_HEAVE),
     **dict.fromkeys(_OF_TENSION, (TOP_TENSION,)),
     **dict.fromkeys(("winch_speed_max_mps", "winch_acceleration_max_mps2"), (PAYOUT,)),

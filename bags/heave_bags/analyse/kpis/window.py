@@ -74,11 +74,10 @@ class Window:
         free = kpi.sigma(self.hanging(self.run.uncompensated_heave))
         return kpi.efficiency(kpi.sigma(self.hanging(self.run.unit_heave)), free)
 
-    @property
-    def baseline_efficiency(self) -> float:
-        """Efficiency at the unit of the baseline law in the same sea."""
+    def of_baseline(self, figure: str) -> float:
+        """Return the efficiency that is called `figure` here, of the baseline law in the same sea."""
         baseline = self.run.baseline
-        return NOT_KNOWN if baseline is None else Window(baseline, self.start, self.end).unit_efficiency
+        return NOT_KNOWN if baseline is None else float(getattr(Window(baseline, self.start, self.end), figure))
 
     @cached_property
     def worst_minute(self) -> float:

@@ -14,7 +14,7 @@ from mcap.records import Attachment, Metadata
 from mcap.summary import Summary
 
 from heave_bags.mcap.bounds import LARGEST_RECORD
-from heave_bags.mcap.files import FileSummary, ListedFile, information_in_record, listed_files
+from heave_bags.mcap.files import ListedFile, information_in_record, listed_files
 from heave_bags.mcap.read.scan import FileContents, McapScan, attachment_problem, is_of_this_project
 from heave_bags.mcap.records import UNPARSEABLE, RecordFile, parse
 from heave_bags.mcap.summary import MAGIC, read_summary
@@ -37,10 +37,14 @@ class Survey:
     counts: dict[int, int]
     span: tuple[int, int] | None
 
-    def summary(self) -> FileSummary:
+    @property
+    def message_count(self) -> int:
+        """Messages in the file."""
+        return sum(self.counts.values())
+
+    def summary(self) -> ListedFile:
         """Return the line of `metadata.yaml` on the file."""
-        start, end = self.span or (0, 0)
-        return FileSummary(self.path.name, start, end, sum(self.counts.values()))
+        return ListedFile(self.path.name, *(self.span or (0, 0)), self.message_count)
 
     @cached_property
     def number(self) -> int | None:

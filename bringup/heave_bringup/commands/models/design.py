@@ -14,8 +14,8 @@ from heave_bringup.errors import CommandError
 if TYPE_CHECKING:
     from winch_controller_node.design.report import DesignReport
 
-SUMMARY = "Design the law lqg: gains, poles, margins, predicted motion, bounds, trade-offs, demand on the winch."
-EXAMPLES = ("heave design b3_deep_900 --set system.sea.peak_period=12",)
+SUMMARY = "What the winch must do (stroke, speed, torque, power), predicted motion, gains, margins, trade-offs."
+EXAMPLES = ("heave design unit_1500 --set system.sea.peak_period=12",)
 
 HOURS = 3.0
 """Duration of a sea state, in which the largest tension is expected [h]."""
@@ -25,13 +25,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_scenario(parser)
     parser.add_argument("--length", type=float, metavar="M", help="deployed length (default: the scenario's)")
-    parser.add_argument(
-        "--pictures", type=Path, metavar="DIR", help="folder for the figures (default: SCENARIO_design)"
-    )
+    parser.add_argument("--pictures", type=Path, metavar="DIR", help="draw the figures into this folder")
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Print gains, poles, margins, predictions, bounds and curves; draw them, as `options` say."""
+    """Print demand on the winch, predictions, margins, gains and curves; draw them, as `options` say."""
     from cable_sim_node.errors import PlantError
     from heave_bags.analyse.verdict import judge_loads
     from heave_node.loads.strength import load_checks
@@ -61,12 +59,12 @@ def execute(options: argparse.Namespace) -> None:
             where = scenario.path if options.length is None else f"--length {options.length:g} of {scenario.path}"
             raise CommandError(f"{where}: {error}") from error
     warn(vessel_warnings(scenario))
-    folder = options.pictures or Path(f"{scenario.name}_design")
-    pictures = "\n".join(f"picture   {path.resolve()}" for path in draw_report(report, folder))
+    drawn = [] if options.pictures is None else draw_report(report, options.pictures)
+    pictures = [f"picture   {path.resolve()}" for path in drawn]
     top, unit = expected_loads(report)
     verdict = judge_loads(load_checks(strengths_in(scenario), top=top, unit=unit))
     expected = f"largest top tension expected in {HOURS:g} h: {1e-3 * top:.2f} kN (Rayleigh)"
-    text = "\n".join([report.table(), expected, "", pictures, *load_lines(verdict)])
+    text = "\n".join([report.table(), expected, "", *pictures, *load_lines(verdict)])
     write_result(options, text, {**report.values(), "expected_tension_max_n": top, "verdict": verdict.to_json()})
     refuse_failed(verdict)
 

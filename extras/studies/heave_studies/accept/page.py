@@ -97,7 +97,7 @@ def _step(number: int, one: StepResult, drawn: list[Figure]) -> str:
     if one.failure:
         parts.append(notice(one.failure))
     if one.judged:
-        rows = [[*cells(judged), "met" if judged.is_met else "MISSED"] for judged in one.judged]
+        rows = [[*cells(judged), "met" if judged.is_met else "FAILED"] for judged in one.judged]
         parts.append(table(["figure", "required", "reached", "verdict"], rows, texts=4))
     if one.measured is not None:
         parts += [notice(words) for words in one.measured.notes]

@@ -52,7 +52,7 @@ SUMMARY = {
     "met": "cases that met all criteria",
     "snaps": "snaps",
     "snaps_uncompensated": "snaps, uncompensated",
-    "unit_sigma_m_median": "unit heave, standard deviation: median of the cases",
+    "unit_sigma_m_median": "load heave, standard deviation: median of the cases",
     "unit_sigma_m_p90": "90th percentile",
     "unit_sigma_m_max": "largest",
     "unit_sigma_m_nominal": "nominal",

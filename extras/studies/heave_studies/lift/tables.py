@@ -80,7 +80,7 @@ def judged_rows(study: LiftStudy) -> Table:
 
 
 def _reached(one: Judged) -> str:
-    return one.got if one.is_met or math.isnan(one.value) else f"{one.got}, MISSED"
+    return one.got if one.is_met or math.isnan(one.value) else f"{one.got}, FAILED"
 
 
 def summary(study: LiftStudy) -> Sequence[str]:

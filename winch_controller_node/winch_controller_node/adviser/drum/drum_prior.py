@@ -8,7 +8,7 @@ from heave_node.numerics.arrays import Array
 from winch_controller_node.adviser.drum.drum_fit import DrumPrior
 from winch_controller_node.adviser.drum.drum_record import FIELDS
 from winch_controller_node.beliefs.drum import QUANTITY_OF, drum_of
-from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES
+from winch_controller_node.beliefs.quantities import ENCODER_SCALE, range_of
 from winch_controller_node.model.drum_kernel import NO_POWER_LIMIT, Drum
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -22,11 +22,11 @@ LEAST_POWER = 1.0
 def prior_of(parameters: WinchControllerParameters) -> DrumPrior:
     """Return the prior of a drum like that of the `parameters`: what can be is the range of each quantity."""
     nominal = drum_of(parameters.winch)
-    ranges = {name: QUANTITIES[quantity].range_in(parameters) for name, quantity in QUANTITY_OF.items()}
+    ranges = {name: range_of(quantity, parameters) for name, quantity in QUANTITY_OF.items()}
     lowest = nominal._replace(**{name: lowest for name, (lowest, _) in ranges.items()})
     highest = nominal._replace(**{name: min(highest, NO_POWER_LIMIT) for name, (_, highest) in ranges.items()})
     lowest = lowest._replace(power=max(lowest.power, LEAST_POWER))
-    factors = QUANTITIES[ENCODER_SCALE].range_in(parameters)
+    factors = range_of(ENCODER_SCALE, parameters)
     return DrumPrior(
         _with_factor(nominal, 1.0),
         _with_factor(SIGMAS, np.inf),

@@ -12,11 +12,12 @@ from dataclasses import replace
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.beliefs.beliefs import LATENCY, Adopted, EncoderScale
-from winch_controller_node.core.estimation.consistency import Consistency
+from winch_controller_node.core.estimation.consistency import ENCODER_ROW, Consistency
 from winch_controller_node.core.estimation.handover import hand_over, hand_over_seen, hand_over_standing
 from winch_controller_node.core.estimation.loop_tick import CommandShares, LoopTick, Sensed
 from winch_controller_node.core.estimation.observation import Observed, Observer
 from winch_controller_node.core.estimation.observation_log import ObservationLog
+from winch_controller_node.core.estimation.second_filter import SecondFilter
 from winch_controller_node.core.estimation.tension import MEMORY, MeanTension, TensionFilter
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.seas import FIRST_WAVES, SeaTracker
@@ -91,6 +92,9 @@ class LoopEstimation:
     log : of what is observed, for the adviser
     consistency : consistency of the readings with their predictions
     mean_tension : over the waves
+    second : filter that explains the readings by nominal values alone; None: the active one does
+    by_count : filter that takes the drum to be where it is counted, while the active one goes by what it was
+        commanded; None: the two agree
     """
 
     def __init__(self, design: ControllerDesign) -> None:
@@ -108,6 +112,8 @@ class LoopEstimation:
         self._sea = SeaTracker(design)
         self._tip_watch = TipWatch(dt)
         self.log, self.consistency = ObservationLog(dt), Consistency(dt)
+        self.second: SecondFilter | None = None
+        self.by_count: SecondFilter | None = None
         self._recent: deque[tuple[int, float, tuple[Observed, ...]]] = deque(maxlen=2 * round(LATENCY / dt))
         self._refer_to(design)
 
@@ -177,6 +183,42 @@ class LoopEstimation:
         self._refer_to(design)
         # the boom tip was another one, and so is what it does to a unit that no winch moves
         self._take_unit(self.estimator.estimate[self._rows.unit_states])
+
+    def begin_second(self, nominal: ControllerDesign, tick: int) -> None:
+        """Run the filter of the `nominal` design beside from after `tick` on: the active one goes by beliefs."""
+        self.second = SecondFilter(nominal, self._design, self.estimator, tick)
+
+    def compare_count(self, tick: int) -> None:
+        """Have a filter go by the count from after `tick` on, beside the active one, which goes by the commands."""
+        self.by_count = SecondFilter(self._design, self._design, self.estimator, tick, settling=0.0)
+
+    def _step_by_count(self, number: int, command: CommandShares, readings: list[Measurement]) -> None:
+        """Have the filter that goes by the count take in a tick; all but the count says who is right."""
+        if self.by_count is None:
+            return
+        count = self.observer.count
+        if count is not None:
+            others = [one for one in readings if one.name != count.name]
+            readings = [
+                *others,
+                self.observer.terms.corrected(count, self.observer.terms.share_of(count, self.estimator)),
+            ]
+        self.by_count.step(number, command.compensating, readings, self.estimator.innovations, unjudged=(ENCODER_ROW,))
+
+    def _step_second(self, number: int, command: CommandShares, *, excluded: str) -> None:
+        """Have the second filter take in a tick: readings as read, the command as a nominal winch takes it."""
+        if self.second is None:
+            return
+        readings = [
+            one.reading._replace(value=one.value - one.share)
+            for one in self.observer.observed
+            if one.is_used or excluded not in ("", "encoder")
+        ]
+        assumed, nominal = self._design.parameters.winch, self.second.design.parameters.winch
+        total = self.motion.state + self.estimator.estimate
+        stands = assumed.position_gain * float(self._rows.payout @ total)
+        speed = nominal.speed_of(assumed.set_point_of(command.total - stands))
+        self.second.step(number, speed + stands - command.mean, readings, self.estimator.innovations)
 
     def set_encoder_aside(self, payout: float, tick: int) -> None:
         """Go on after `tick` without the encoder, the drum being at a `payout` [m]."""
@@ -261,6 +303,8 @@ class LoopEstimation:
         readings = self.observer.observe(number, measurements, estimator, rate, unit_stands=unit_stands)
         estimate = estimator.step(number, command.compensating, readings)
         self._recent.append((number, command.compensating, tuple(self.observer.observed)))
+        self._step_second(number, command, excluded=self.observer.excluded)
+        self._step_by_count(number, command, readings)
         self.consistency.add(estimator.innovations)
         self.observer.learn(estimator, self.consistency)
         tip = rows.tip @ estimate

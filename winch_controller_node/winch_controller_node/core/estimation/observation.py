@@ -72,6 +72,7 @@ class Observer:
     excluded : sensor in use that is excluded: it contradicts all others and is a cross-check only; empty: none
     terms : in which the estimator takes readings
     observed : readings of this tick as they were read, before corrections, for the adviser
+    count : payout as the encoder counts it in this tick, whether it is used or not; None: none came
     """
 
     def __init__(self, design: ControllerDesign, health: HealthParameters) -> None:
@@ -100,6 +101,7 @@ class Observer:
         self.depths: list[tuple[float, float]] = []
         self.cross_checked: list[Measurement] = []
         self.observed: list[Observed] = []
+        self.count: Measurement | None = None
         self.excluded = ""
         self._unit_heave = 0.0
         self._levels: dict[str, SensorLevel] = {}
@@ -303,7 +305,7 @@ class Observer:
 
     def _encoder(self, now: float, delivered: Measurements, expected_rate: float) -> list[Measurement]:
         winch = delivered.winch
-        self.payout = None
+        self.payout = self.count = None
         self.encoder.pass_tick(now, expected_rate)
         if winch is None:
             return []
@@ -311,10 +313,11 @@ class Observer:
         is_driven = not winch.brake and winch.fault == WinchFault.NONE
         payout = self.encoder.judge(now, reading, expected_rate, is_driven=is_driven)
         self.payout = payout
+        tick, offset = tick_of(winch.time, self._dt)
+        self.count = Measurement("payout", self.encoder.counted(winch.encoder_payout), tick, offset=offset)
         if payout is None or not self._is_taken("encoder"):
             return []
-        tick, offset = tick_of(winch.time, self._dt)
-        return [Measurement("payout", payout, tick, offset=offset)]
+        return [self.count._replace(value=payout)]
 
     def _scalar(self, now: float, name: str, readings: tuple[ScalarReading, ...]) -> list[Measurement]:
         """Gate the readings of a sensor and return them in the estimator's terms: about their zero, in its sign."""

@@ -29,10 +29,17 @@ FIRST_SAMENESS, SAMENESS_MEMORY = 0.01, 200.0
 """Share of readings that are like the one before, of a sensor that does not read in steps, and readings over which that
 of another is found."""
 
+HEAVE_SAMENESS = 0.5
+"""The same share of heave and rate of an MRU alone, at first: they may be read in steps."""
+
 BY_CHANCE = 2e-4
 """Probability of a run of equal readings below which a sensor is frozen: three of one that does not read in steps."""
 
+STALE, ABSENT = "stale", "absent"
+"""Reasons for which a sensor is lost: no data any more, and none since the start."""
+
 LOST_STATES = {
+    ABSENT: "ABSENT",
     "nan": "NOT_A_NUMBER",
     "wrong stamp": "BAD_STAMP",
     "late": "OUT_OF_ORDER",
@@ -66,13 +73,41 @@ def lost_alarm(sensor: str, reason: str, *, age: float, limit: float, since: flo
     since : time from which on its readings are too old when they come [s]; of a delayed sensor
     """
     prefix = sensor.upper()
-    if reason == "stale":
+    if reason == STALE:
         return ALARMS.alarm(f"{prefix}_STALE", age=age, limit=limit)
     if reason == "delayed":
         return ALARMS.alarm(f"{prefix}_LATE", age=age, limit=limit, since=since)
+    if (sensor, reason) == ("encoder", "frozen"):
+        return ALARMS.alarm("DRUM_OR_ENCODER_STILL")
     if reason in LOST_STATES:
         return ALARMS.alarm(f"{prefix}_{LOST_STATES[reason]}")
     return ALARMS.alarm(f"{prefix}_FAULT", status=reason)
+
+
+class Sameness:
+    """Tells whether readings have been the same for longer than this sensor's usually are.
+
+    Of one that reads in steps two in a row are often the same: a run of n comes by chance with a probability of
+    p^(n - 1), p the share of readings that were like the one before.
+
+    Parameters
+    ----------
+    usual : share of readings that are like the one before, at first
+    """
+
+    def __init__(self, usual: float) -> None:
+        self._least = self._usual = usual
+        self._run, self._last = 1, tuple[float, ...]()
+
+    def stands(self, values: tuple[float, ...], least: int) -> bool:
+        """Take a reading's `values` in; tell whether the run of equal ones, of at least so many, is no chance."""
+        if values != self._last:
+            weight = min(1.0, self._run / SAMENESS_MEMORY)
+            self._usual += weight * ((self._run - 1) / self._run - self._usual)
+            self._run, self._last = 1, values
+            return False
+        self._run += 1
+        return self._run >= least and max(self._usual, self._least) ** (self._run - 1) < BY_CHANCE
 
 
 class SensorGate:
@@ -105,9 +140,7 @@ class SensorGate:
         self._bad_in_a_row = 0
         self._good_in_a_row = 0
         self._good_needed = parameters.recover_samples
-        self._same_in_a_row = 1
-        self._usual_sameness = FIRST_SAMENESS
-        self._last_values: tuple[float, ...] = ()
+        self._sameness, self._sameness_of_part = Sameness(FIRST_SAMENESS), Sameness(HEAVE_SAMENESS)
         self._newest_stamp = -math.inf
         self._newest_accepted: float | None = None
         self._started: float | None = None
@@ -128,7 +161,8 @@ class SensorGate:
             reason = REJECTED_WORDS.get(self.reason, self.reason)
             return ALARMS.alarm(f"{self.sensor.upper()}_READING_REJECTED", reason=reason)
         age, limit, since = self._silence, self._largest_age, self._delayed_since
-        return lost_alarm(self.sensor, self.reason, age=age, limit=limit, since=since)
+        reason = ABSENT if self.reason == STALE and self._newest_accepted is None else self.reason
+        return lost_alarm(self.sensor, reason, age=age, limit=limit, since=since)
 
     @property
     def _largest_age(self) -> float:
@@ -147,7 +181,9 @@ class SensorGate:
         alarm = None if self.level is SensorLevel.OK else self.alarm
         return SensorState(self.sensor, self.level, self.reason, age, self._accepted, self._refused, alarm)
 
-    def judge(self, now: float, time: float, values: Sequence[float], status: str = "") -> bool:
+    def judge(
+        self, now: float, time: float, values: Sequence[float], status: str = "", part: Sequence[float] = ()
+    ) -> bool:
         """Take one reading in and tell whether it may be used.
 
         Parameters
@@ -155,8 +191,9 @@ class SensorGate:
         now, time : present time and stamp of the reading [s]
         values : all numbers of the reading; it is frozen where none of them changes
         status : what the sensor itself says is wrong; empty when nothing
+        part : those of the `values` that may freeze while the others go on; empty: none
         """
-        reason = self._fault(now, time, values, status)
+        reason = self._fault(now, time, values, status, part)
         if self._newest_stamp < time < math.inf:
             if self._newest_stamp > -math.inf:
                 self.interval.add(time - self._newest_stamp)
@@ -206,34 +243,21 @@ class SensorGate:
             self.level, self.reason, self._silence = SensorLevel.LOST, reason, age
             self._good_in_a_row = 0
 
-    def _fault(self, now: float, time: float, values: Sequence[float], status: str) -> str:
+    def _fault(self, now: float, time: float, values: Sequence[float], status: str, part: Sequence[float]) -> str:
         if not math.isfinite(sum(values)):
             return "nan"
         if not math.isfinite(time) or time > now + self._parameters.stamp_tolerance:
             return "wrong stamp"
         if time <= self._newest_stamp:
             return "late"
+        # a heave that stands contradicts its rate as well
+        if part and self._sameness_of_part.stands(tuple(part), self._parameters.frozen_samples):
+            status = "frozen"
         if status:
             return status
-        if self._checks_frozen and self._has_stood_still(tuple(values)):
+        if self._checks_frozen and self._sameness.stands(tuple(values), self._parameters.frozen_samples):
             return "frozen"
         return ""
-
-    def _has_stood_still(self, values: tuple[float, ...]) -> bool:
-        """Tell whether readings have been the same for longer than this sensor's usually are.
-
-        Of one that reads in steps two in a row are often the same: a run of n comes by chance with a probability of
-        p^(n - 1), p the share of readings that were like the one before.
-        """
-        if values != self._last_values:
-            run = self._same_in_a_row
-            weight = min(1.0, run / SAMENESS_MEMORY)
-            self._usual_sameness += weight * ((run - 1) / run - self._usual_sameness)
-            self._same_in_a_row, self._last_values = 1, values
-            return False
-        self._same_in_a_row += 1
-        chance = max(self._usual_sameness, FIRST_SAMENESS) ** (self._same_in_a_row - 1)
-        return self._same_in_a_row >= self._parameters.frozen_samples and chance < BY_CHANCE
 
     def _refuse(self, reason: str) -> None:
         self._refused += 1
@@ -278,7 +302,7 @@ def judge_mru(gate: SensorGate, now: float, reading: MruReading, steps: MruSteps
     elif steps.is_off(reading, noise):
         status = "jump"
     values = (reading.heave, rate, reading.roll, reading.pitch)
-    passes = gate.judge(now, reading.time, values, status)
+    passes = gate.judge(now, reading.time, values, status, values[:2])
     if gate.reason == "frozen":
         steps.restart()  # where the ship has gone meanwhile its rate does not tell
     return passes

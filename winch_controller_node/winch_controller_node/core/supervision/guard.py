@@ -138,6 +138,18 @@ class HarmGuard:
         return "" if self.alarm is None else self.alarm.brief
 
     @property
+    def awaits_operator(self) -> bool:
+        """Tell whether compensation is off until an operator asks for it."""
+        return self._hold.awaits_operator
+
+    def release(self) -> None:
+        """Let compensation be tried as at first: an operator asks for it."""
+        if self.awaits_operator:
+            self.trusts_estimate = True
+            self._waves.restart()
+        self._hold.release()
+
+    @property
     def prospect(self) -> str:
         """When compensation is tried again, in words; empty where it is not inhibited."""
         return self._hold.prospect(self.demand)

@@ -14,6 +14,9 @@ do commands that were late for long: the transport is not the loop's harm."""
 HOLD_GROWTH = 4.0
 """The hold time grows by this factor each time: what all tries do together stays little."""
 
+MOST_TRIES = 5
+"""Compensation is tried again after harm so many times; then an operator has to ask."""
+
 
 class HarmHold:
     """Keeps compensation off for a reason, and for a time after it.
@@ -37,7 +40,19 @@ class HarmHold:
         self._is_unexplained = False
         self._hold_time = parameters.hold_time
         self._known_hold: float | None = None
+        self._is_harm, self._tries = False, 0
         self._since = self._off_time = 0.0
+
+    @property
+    def awaits_operator(self) -> bool:
+        """Tell whether compensation is off until an operator asks for it: it was tried too often."""
+        return self.inhibits and self._is_harm and self._tries >= MOST_TRIES
+
+    def release(self) -> None:
+        """Let compensation be tried as at first: an operator asks for it."""
+        if self.awaits_operator:
+            self.inhibits, self.alarm = False, None
+        self._tries = 0
 
     @property
     def _hold(self) -> float:
@@ -48,7 +63,7 @@ class HarmHold:
         """Inhibit for a `reason`; `hold` as for `certain`."""
         self.inhibits, self.alarm = True, reason
         self._is_unexplained = False
-        self._known_hold = hold
+        self._known_hold, self._is_harm = hold, hold is None
         self._since = self._off_time = 0.0
 
     def certain(self, reason: Alarm, hold: float | None = None) -> None:
@@ -81,11 +96,14 @@ class HarmHold:
         """Reset the record of harm where compensation has done none for long, of a `judged_time` [s]."""
         if judged_time > 4.0 * self._hold_time:
             self._hold_time = self._parameters.hold_time
+            self._tries = 0
 
     def prospect(self, demand: float) -> str:
         """Return when compensation is tried again in a sea of some `demand`, in words; empty where it is not off."""
         if not self.inhibits:
             return ""
+        if self.awaits_operator:
+            return f"tried {MOST_TRIES} times: request compensation once the cause has been found"
         if self._off_time < self._hold:
             # one wording, whether the reason is there in this tick or not: it may come and go
             left = self._hold - self._off_time
@@ -105,9 +123,10 @@ class HarmHold:
         if authority > 0.0:
             return False
         self._off_time += self._dt
-        if self._off_time < self._hold or demand > self._parameters.demand_ratio:
+        if self.awaits_operator or self._off_time < self._hold or demand > self._parameters.demand_ratio:
             return False
         self.inhibits, self.alarm = False, None
+        self._tries += int(self._is_harm)
         if self._known_hold is None:
             self._hold_time = min(HOLD_GROWTH * self._hold_time, self._parameters.hold_time_limit)
         return True

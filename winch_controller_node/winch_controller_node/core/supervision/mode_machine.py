@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from heave_node.interface.codes import WinchFault, fault_words
 
+from winch_controller_node.core.estimation.loop_estimation import BACK_TIME
 from winch_controller_node.core.supervision.command_timeouts import WAIT
 from winch_controller_node.core.supervision.modes import (
     BRAKED,
+    COAST_RECOVERY,
+    FORGIVEN,
     MAY_RESUME,
+    MOST_LOSSES,
     NOTHING_KNOWN,
     REQUESTS,
     SETTLED_ESTIMATE,
@@ -66,7 +70,7 @@ class ModeMachine:
         self._memory = Memory(wants_compensation=parameters.start == "compensating")
         self._situation = NOTHING_KNOWN
         self._known_fault: int | None = None
-        self._time = self._well_time = self._lost_time = 0.0
+        self._time = self._well_time = self._lost_time = self._coasted = 0.0
 
     @property
     def authority(self) -> float:
@@ -136,6 +140,9 @@ class ModeMachine:
             self._known_fault = situation.winch_fault
         self._time += self._dt
         self._lost_time = self._lost_time + self._dt if situation.lost else 0.0
+        self._coasted = (
+            self._coasted + self._dt if situation.lost else max(self._coasted - COAST_RECOVERY * self._dt, 0.0)
+        )
         if not situation.has_estimate or self._lost_time > HICCUP:
             self._well_time = 0.0
         elif not situation.lost:
@@ -166,6 +173,7 @@ class ModeMachine:
             time=self._time,
             well_time=0.0 if self._situation.lost else self._well_time,
             lost_time=self._lost_time,
+            coasted=self._coasted,
         )
 
     def _take(self, event: Event) -> bool:
@@ -188,6 +196,7 @@ class ModeMachine:
             self._memory = self._memory._replace(authority=0.0)
         self.reason = self._words(event)
         self.mode, self._time = mode, 0.0
+        self._coasted = 0.0 if mode is Mode.COMPENSATING else self._coasted
 
     def _words(self, event: Event) -> str:
         """Return why an event changes the mode."""
@@ -211,6 +220,8 @@ class ModeMachine:
 
     def _after_loss(self) -> str:
         """Return what becomes of a mode that a lost sensor has ended, once that is good again."""
+        if self._memory.losses > MOST_LOSSES:
+            return f"a sensor was lost {self._memory.losses} times: request a mode once it is good and stays so"
         if not (self.wants_compensation and self._memory.may_resume):
             return "request a mode once the sensor is good"
         if not self._parameters.resume:
@@ -219,6 +230,11 @@ class ModeMachine:
             return (
                 "compensation resumes automatically once the encoder's reading changes; at rest it may stay the same: "
                 "then request compensation"
+            )
+        if self._memory.losses > 1:
+            wait = BACK_TIME * self._memory.patience
+            return (
+                f"compensation resumes automatically once the sensor has been good for {wait:.0f} s: it comes and goes"
             )
         until = "; until then the depth sensor damps the unit" if self._situation.is_damped_blind else ""
         return f"compensation resumes automatically once the sensor is good{until}"
@@ -249,6 +265,8 @@ class ModeMachine:
         """Move authority to what the winch can follow, and say why the mode stays what it is."""
         situation = self._situation
         if self.mode is Mode.COMPENSATING:
+            if self._time > FORGIVEN:
+                self._memory = self._memory._replace(losses=0)
             self.target = self.factor * situation.authority_limit
             self._approach(self.target, self._parameters.fade_in_time)
             self.reason = f"coasting on prediction: {situation.lost}" if situation.lost else ""

@@ -11,7 +11,7 @@ from winch_controller_node.core.supervision.modes import TABLE, Transition
 
 HEADER = """# Modes of the winch controller
 
-This page is generated from the table in `winch_controller_node/supervision/modes.py` by
+This page is generated from the table in `winch_controller_node/core/supervision/modes.py` by
 `python -m winch_controller_node.core.supervision.mode_picture > docs/modes.md`; a test keeps the two in step.
 
 Rows are tried from the top; the first whose guards all hold applies. A request that matches no row is refused with

@@ -59,6 +59,14 @@ SETTLING_LIMIT = 30.0
 STOPPING_LIMIT = 20.0
 """Longest time that the winch may take to come to rest [s]; then the brake goes on, and the winch stops by itself."""
 
+MOST_LOSSES, LOSS_GROWTH, FORGIVEN = 3, 4.0, 600.0
+"""Compensation resumes automatically after so many losses of a sensor, each time after so many times the wait of the
+time before; they count no more once it has gone on for so long [s]."""
+
+COAST_RECOVERY = 0.2
+"""Share of the time in which a sensor is good that makes up for as much in which it was lost: one that comes and goes
+is lost."""
+
 STANDSTILL = 1e-3
 """Speed below which the winch is at rest [m/s]."""
 
@@ -153,12 +161,19 @@ class Memory(NamedTuple):
     may_resume : also after the winch was stopped for a lost sensor
     rest : mode in which a fade-out or a stop ends, standby or stopped
     authority : authority of compensation, 0 to 1
+    losses : times that a lost sensor has ended compensation of late
     """
 
     wants_compensation: bool
     may_resume: bool = True
     rest: Mode = Mode.STANDBY
     authority: float = 0.0
+    losses: int = 0
+
+    @property
+    def patience(self) -> float:
+        """Times the usual wait for which sensors must be good before compensation resumes."""
+        return LOSS_GROWTH ** max(self.losses - 1, 0)
 
 
 class View(NamedTuple):
@@ -173,6 +188,7 @@ class View(NamedTuple):
     known_fault : fault of the winch that was there at the start, or when an operator last asked for a mode
     time : in the present mode [s]
     well_time, lost_time : for which all required sensors have been well, or one was lost [s]
+    coasted : time in which one was lost of late, with what it was good meanwhile taken off [s]
     """
 
     situation: Situation
@@ -183,6 +199,7 @@ class View(NamedTuple):
     time: float
     well_time: float
     lost_time: float
+    coasted: float = 0.0
 
 
 # events of a tick
@@ -211,9 +228,9 @@ TICK_EVENTS: dict[Event, Callable[[View], bool]] = {
     Event.WINCH_FAULT: _has_new_fault,
     Event.ENVELOPE: lambda view: bool(view.situation.envelope),
     Event.WINCH_SILENT: lambda view: "encoder stale" in view.situation.lost,  # it comes with the state of the winch
-    Event.SENSOR_LOST: lambda view: view.lost_time > view.parameters.coast_time,
+    Event.SENSOR_LOST: lambda view: max(view.lost_time, view.coasted) > view.parameters.coast_time,
     Event.HARM: lambda view: bool(view.situation.harm),
-    Event.SENSORS_BACK: lambda view: view.well_time > BACK_TIME,
+    Event.SENSORS_BACK: lambda view: view.well_time > BACK_TIME * view.memory.patience,
     Event.SETTLED: lambda view: view.well_time >= max(view.parameters.settling_time, RELEASE_TIME),
     Event.FADED: _has_faded,
     Event.AT_REST: lambda view: (
@@ -273,8 +290,12 @@ SETTLED_ESTIMATE = Guard("estimate settled", TICK_EVENTS[Event.SETTLED])
 RESTS_IN_STANDBY = Guard("ends in standby", lambda view: view.memory.rest is Mode.STANDBY)
 RESTS_STOPPED = Guard("ends in stopped", lambda view: view.memory.rest is Mode.STOPPED)
 MAY_RESUME = Guard(
-    "may resume, and all sensors good for modes.resume_time",
-    lambda view: view.parameters.resume and view.memory.may_resume and view.well_time > view.parameters.resume_time,
+    "may resume, and all sensors good for modes.resume_time, longer after each loss",
+    lambda view: (
+        view.parameters.resume
+        and view.memory.may_resume
+        and view.well_time > view.parameters.resume_time * view.memory.patience
+    ),
 )
 
 # actions
@@ -285,12 +306,12 @@ Action = Callable[[View], Memory]
 
 def want_compensation(view: View) -> Memory:
     """Compensate as soon as that is possible."""
-    return view.memory._replace(wants_compensation=True, may_resume=True)
+    return view.memory._replace(wants_compensation=True, may_resume=True, losses=0)
 
 
 def want_rest(view: View) -> Memory:
     """Do not compensate until an operator asks for it."""
-    return view.memory._replace(wants_compensation=False, may_resume=True)
+    return view.memory._replace(wants_compensation=False, may_resume=True, losses=0)
 
 
 def end_in_standby(view: View) -> Memory:
@@ -316,6 +337,14 @@ def compensate_all(view: View) -> Memory:
 def wait_for_operator(view: View) -> Memory:
     """Do nothing until an operator asks for it."""
     return view.memory._replace(wants_compensation=False, may_resume=False)
+
+
+def count_loss(view: View) -> Memory:
+    """Count a lost sensor; after too many of them wait for an operator."""
+    losses = view.memory.losses + 1
+    is_over = losses > MOST_LOSSES
+    memory = wait_for_operator(view) if is_over else view.memory
+    return memory._replace(losses=losses)
 
 
 # the table
@@ -406,7 +435,7 @@ TABLE: tuple[Transition, ...] = (
     Transition((_STANDBY,), Event.ENVELOPE, _STOPPED, (), (wait_for_operator,)),
     # what happens to the sensors
     Transition((_FADE_OUT,), Event.WINCH_SILENT, _STOPPING, (RESTS_STOPPED,)),
-    Transition((_COMPENSATING,), Event.SENSOR_LOST, _FADE_OUT, (), (end_stopped,)),
+    Transition((_COMPENSATING,), Event.SENSOR_LOST, _FADE_OUT, (), (end_stopped, count_loss)),
     Transition((_TENSION, _MANUAL), Event.SENSOR_LOST, _STOPPING, (), (end_stopped,)),
     Transition((_COMPENSATING,), Event.HARM, _FADE_OUT, (), (end_in_standby,)),
     Transition((_FADE_OUT,), Event.SENSORS_BACK, _COMPENSATING, (WANTED, RESTS_STOPPED, NO_HARM)),

@@ -234,7 +234,7 @@ class Supervisor:
             lost=lost,
             harm=f"{self.guard.reason}; {ASK_AGAIN}" if is_reversed else self.guard.reason,
             prospect="" if is_reversed else self.guard.prospect,
-            awaits_operator=is_reversed,
+            awaits_operator=is_reversed or self.guard.awaits_operator,
             resumes_after_fault=self.timeouts.is_pending,
             speed=winch.speed,
             envelope=winch.envelope,
@@ -408,9 +408,10 @@ class Supervisor:
         is_weighed = math.isfinite(tick.sensed.filtered_tension) and "load_cell" not in tick.sensed.lost
         ratio = self._parameters.tension.touchdown_ratio
         now = (
-            f"below {100.0 * ratio:.0f} % of the weight on average over {self._load.swing_time:.0f} s"
+            f"Touchdown will be detected by the load cell, below {100.0 * ratio:.0f} % of the weight over "
+            f"{self._load.swing_time:.0f} s"
             if is_weighed
-            else "it is missing too"
+            else "Touchdown cannot be detected"
         )
         return (ALARMS.alarm("LOWERING_BLIND", now=now),)
 

@@ -140,7 +140,9 @@ class CommandGovernor:
         within : least and largest speed of a speed servo, whatever its predicted state [m/s]; None: any
         """
         whole = self._governed(wanted + lift.command, payout + lift.payout, rate + lift.rate, tension, within)
-        lift_sent = lift.command if self._winch.law == "first_order" else lift.command / self.gain(whole.value)
+        lift_sent = (
+            lift.command if self._winch.law == "first_order" else lift.command / self._winch.gain_at(whole.value)
+        )
         return GovernedCommand(whole.value - lift.command, whole.active, whole.sent - lift_sent, lift_sent)
 
     def _governed(
@@ -172,16 +174,7 @@ class CommandGovernor:
         if within is not None:
             more = limits.acceleration * (self._winch.time_constant + self._dt)
             sent = min(max(sent, within[0] - more), within[1] + more)
-        return GovernedCommand(value + taken, tuple(active), self._demand(sent) + taken)
-
-    def _demand(self, speed: float) -> float:
-        """Return the set-point of which the servo makes a `speed` [m/s]."""
-        return (speed - self._winch.creep) / self.gain(speed)
-
-    def gain(self, speed: float) -> float:
-        """Return the speed of the drum over its set-point, at a `speed` [m/s]."""
-        winch = self._winch
-        return winch.speed_gain if speed >= winch.creep else winch.speed_gain * winch.hauling_gain
+        return GovernedCommand(value + taken, tuple(active), self._winch.set_point_of(sent) + taken)
 
     def _reach(self, speed: float, rate: float) -> tuple[float, float]:
         """Return the set-points under which the speed stays within `speed` at the end of the tick, from `rate` [m/s].

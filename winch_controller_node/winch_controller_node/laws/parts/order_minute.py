@@ -12,7 +12,7 @@ MORE, ROOM = 1.2, 0.1
 
 
 class OrderMinute:
-    """Speeds that were ordered and the travel they make, which forgets itself within a minute: e' = v - e / MINUTE.
+    """Speeds that were ordered and the travel that they make, over a minute: e' = v - e / MINUTE.
 
     Parameters
     ----------
@@ -46,12 +46,13 @@ class OrderMinute:
         """Return the least and the largest speed of a tick of a fade-out [m/s].
 
         None is larger than in the minute before, and ever less is allowed; the way ends where it then ended. Where the
-        last speed is outside, it comes back by a `step` [m/s].
+        last speed is outside, it comes back step by step.
 
         Parameters
         ----------
         acceleration : with which the winch brakes [m/s^2]
         lag : of its servo [s]
+        step : by which it comes back in a tick [m/s]
         """
         largest = self._largest_speed * (1.0 - self._fading / self._longest)
         end = MORE * self._largest_travel + ROOM

@@ -76,6 +76,10 @@ class EncoderGate:
         """Return the payout at which it has read `as_read`, as its scale is now [m]."""
         return self._last_payout + (as_read - self.as_read) / self.scale
 
+    def counted(self, reading: float) -> float:
+        """Return the payout that a `reading` says, jumps taken off [m]."""
+        return reading / self.scale - self.offset
+
     def count_at(self, payout: float) -> float:
         """Return what the encoder reads at a `payout` [m], its jumps included: a drive's position loop counts by it."""
         return self.scale * (payout + self.offset)

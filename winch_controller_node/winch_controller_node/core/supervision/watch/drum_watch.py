@@ -158,15 +158,24 @@ class DrumWatch:
         gain, half = self._nominal.position_gain, len(readings) // 2
         return float(readings[-1] - predicted_reading(*sent, readings, self._drum, gain, half, self._dt))
 
-    def ordered(self) -> Ordered | None:
-        """Return what the encoder reads of what the winch was ordered, with its assumed scale; None: unknown."""
+    def does_as_nominal(self, scale: float) -> bool:
+        """Tell whether the encoder, whose assumed `scale` is left out, reads what a nominal winch was ordered."""
+        found = self.ordered(np.array(drum_of(self._nominal, {}), dtype=float))
+        return found is not None and found._replace(share=found.share * scale).is_true
+
+    def ordered(self, drum: Array | None = None) -> Ordered | None:
+        """Return what the encoder reads of what the winch was ordered, with its assumed scale; None: unknown.
+
+        `drum` : that was ordered; None: the assumed one
+        """
+        drum = self._drum if drum is None else drum
         count = round(ORDERED_TIME / self._dt)
         readings = self._readings.last(count + 1)
         seen = np.isfinite(readings)
         if len(readings) <= count or not seen[0] or np.count_nonzero(seen) < LEAST_SEEN * count:
             return None
         # a slow servo still goes as it was ordered long before: that is known from there on only
-        before = min(math.ceil(SETTLED * self._drum[0] / self._dt), len(self._readings) - count - 1)
+        before = min(math.ceil(SETTLED * drum[0] / self._dt), len(self._readings) - count - 1)
         begin = self._readings.last(count + 1 + before)[0]
         begin = begin if math.isfinite(begin) else readings[0]
         needed = before + count + 1 + self._ahead
@@ -177,7 +186,7 @@ class DrumWatch:
             rates,
             np.zeros(len(rates)),
             self._tensions.last(needed),
-            self._drum[np.newaxis],
+            drum[np.newaxis],
             start,
             self._nominal.position_gain,
             before + count,

@@ -9,6 +9,7 @@ from enum import Enum
 
 from heave_node.interface.alarm import Alarm
 
+from winch_controller_node.core.estimation.second_filter import SecondFilter
 from winch_controller_node.core.supervision.watch.drum_watch import Ordered
 from winch_controller_node.interface.alarms import ALARMS
 
@@ -26,6 +27,9 @@ LOOKS = 2
 
 A drum that lags behind turns back late.
 """
+
+SEPARATED = 8.0
+"""Evidence of a third sensor for the count, or for the commands, at which drive or encoder is named [nats]."""
 
 KNOWN_TIME, KNOWN = 10.0, 0.8
 """Time constant [s] of the share of looks in which the encoder reads what was ordered, and the share from which on the
@@ -60,23 +64,49 @@ class EncoderReflex:
         self._true_share = 0.0
         self.is_unresolved = False
         self._is_reversed = True
+        self._verdict: Alarm | None = None
 
     @property
     def inhibition(self) -> Alarm | None:
         """Why compensation must be off until an operator asks for it; None: it need not."""
         if not self.is_unresolved:
             return None
+        if self._verdict is not None:
+            return self._verdict
         return ALARMS.alarm("WINCH_OR_ENCODER_REVERSED" if self._is_reversed else "WINCH_OR_ENCODER_SCALE")
 
     @property
     def alarm(self) -> Alarm:
         """Why the encoder was set aside."""
-        return ALARMS.alarm("ENCODER_REVERSED" if self._is_reversed else "ENCODER_SCALE_STEP")
+        return ALARMS.alarm("DRUM_OR_ENCODER_REVERSED" if self._is_reversed else "DRUM_OR_ENCODER_SCALE")
 
     def restart(self) -> None:
         """Restart: an operator asks for the encoder to be tried, or another scale is assumed."""
-        self.is_unresolved = False
+        self.is_unresolved, self._verdict = False, None
         self._looks, self._aside_time = 0, 0.0
+
+    @property
+    def is_separated(self) -> bool:
+        """Tell whether drive or encoder has been named."""
+        return self._verdict is not None
+
+    def agrees(self) -> None:
+        """Note that count and commands agree again."""
+        if not self.is_unresolved:
+            self._verdict = None
+
+    def separate(self, by_count: SecondFilter) -> Alarm | None:
+        """Return which of drive and encoder is at fault, once a sensor beside them shows it; None: not yet.
+
+        `by_count` : filter that goes by the count, beside the active one that goes by the commands
+        """
+        nats = by_count.nats
+        if abs(nats) < SEPARATED:
+            return None
+        witness = by_count.witness[0] if nats > 0.0 else by_count.witness_against
+        self._verdict = ALARMS.alarm("DRIVE_AT_FAULT" if nats > 0.0 else "ENCODER_AT_FAULT", witness=witness)
+        self.is_unresolved |= nats > 0.0
+        return self._verdict
 
     def is_due(self, tick: int) -> bool:
         """Return whether a look is due before a `tick`."""

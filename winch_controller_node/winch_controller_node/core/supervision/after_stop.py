@@ -1,0 +1,92 @@
+"""After a stop the load swings: by how much, for how long, and what damps it.
+
+A drum that is stopped leaves the unit in a free swing about the motion that it has under a locked drum. With
+a z'' + max(b, d |z'|) z' + z = 0 and w = 1/sqrt(a) the amplitude falls by
+
+    A' = - b A/(2 a),    or by the drag    A' = - 4/(3 pi) d w^3 A^2,
+
+whichever is more (mean power of the damping over a period; Krylov and Bogoliubov). Nothing else ends it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from heave_node.interface.alarm import Alarm
+
+from winch_controller_node.core.estimation.loop_tick import LoopTick, free_swing
+from winch_controller_node.core.supervision.modes import BRAKED, MOVING, Mode, ModeOutput
+from winch_controller_node.interface.alarms import ALARMS
+from winch_controller_node.model.blocks import CableModel
+
+COME_TO_REST = 2.0
+"""Time after the brake was ordered at which the drum stands [s]."""
+
+NOTABLE, NOTABLE_SHARE = 0.1, 0.5
+"""Swing that is told [m], and its share of the swing that the unit has under a locked drum at the same time."""
+
+
+class Decay(NamedTuple):
+    """How a free swing goes on: period and time to half of the amplitude [s]."""
+
+    period: float
+    half: float
+
+
+def decay_of(swing: float, cable: CableModel) -> Decay:
+    """Return how a free `swing` [m] on a `cable` goes on."""
+    a = cable.natural_a
+    w = 1.0 / math.sqrt(a)
+    by_drag = 4.0 / (3.0 * math.pi) * cable.drag * w**3 * swing
+    linear = 0.5 * cable.b / a
+    if by_drag > linear:
+        return Decay(2.0 * math.pi / w, 1.0 / by_drag)  # of A = A0/(1 + A0 c t)
+    return Decay(2.0 * math.pi / w, math.log(2.0) / linear if linear > 0.0 else math.inf)
+
+
+class AfterStop:
+    """Tells of the swing that a stop has left.
+
+    Parameters
+    ----------
+    tick_period : [s]
+    """
+
+    def __init__(self, tick_period: float) -> None:
+        self._dt = tick_period
+        self._left = -1.0
+
+    def step(self, tick: LoopTick, mode: ModeOutput, cable: CableModel, *, hangs: bool) -> tuple[Alarm, ...]:
+        """Take in a tick; return that the load swings, once the drum stands.
+
+        Parameters
+        ----------
+        tick : what is known of the loop
+        mode : of the tick
+        cable : active two-state cable
+        hangs : the unit hangs, as far as is known
+        """
+        if mode.mode not in BRAKED or mode.mode is Mode.OFF:
+            self._left = -1.0
+        elif mode.before in MOVING:
+            self._left = COME_TO_REST
+        before, self._left = self._left, self._left - self._dt
+        if not before > 0.0 >= self._left or not (hangs and tick.knows_tip):
+            return ()
+        swing = free_swing(tick.unit_offset, cable.natural_a)
+        locked = free_swing(tick.uncompensated, cable.natural_a)
+        if swing < max(NOTABLE, NOTABLE_SHARE * locked):
+            return ()
+        decay, sensed = decay_of(swing, cable), tick.sensed
+        lost = sorted({"mru", "encoder"} & sensed.lost.keys())
+        remedy = (
+            f"Mode compensating, once {' and '.join(lost)} can be read again"
+            if lost
+            else "Mode compensating takes it out within half a minute"
+        )
+        return (
+            ALARMS.alarm(
+                "LOAD_SWINGS", swing=swing, locked=locked, period=decay.period, half=decay.half / 60.0, remedy=remedy
+            ),
+        )
