@@ -275,7 +275,7 @@ def test_a_row_alone_repeats_its_case_and_gives_its_figures(campaign, tmp_path):
     frame = study.run_study(campaign, output=output, processes=1)
     (tmp_path / "own.yaml").unlink()
     for number in (1, 8):
-        scenario = load_scenario(str(write_case(f"{output}:{number}", tmp_path / "case.yaml")[0]))
+        scenario = load_scenario(str(write_case(f"{output}:{number}", tmp_path / f"cases_case_{number}.yaml")[0]))
         again = run_task(Task(cases[number - 1], scenario))
         row = frame.set_index("case").loc[number]
         assert {key: value for key, value in again.kpis.items() if np.isfinite(value)} == {

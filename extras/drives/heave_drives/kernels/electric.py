@@ -23,6 +23,7 @@ from heave_drives.kernels.mechanics import (
     Bounds,
     Friction,
     Order,
+    braking_of,
     clip,
     keep_in_bounds,
     rate_demand,
@@ -98,6 +99,7 @@ def _slope(
     bounds: Bounds,
     order: Order,
     tension: float,
+    braking: float,
 ) -> int:
     """Set the slope of the state `x`; return the limits that act."""
     v = x[RATE]
@@ -127,7 +129,7 @@ def _slope(
     copper = plant.copper_loss * (torque / plant.torque_limit) ** 2
     slope[SUPPLIED] = torque * speed + copper
     slope[LOST] = copper
-    set_motion(slope, x, torque * ratio, tension, mass, mass_slope, friction, order.brake, bounds.deceleration)
+    set_motion(slope, x, torque * ratio, tension, mass, mass_slope, friction, order.brake, braking)
     return limits
 
 
@@ -148,14 +150,15 @@ def advance_electric(
     limits, acceleration = 0, 0.0
     at = work[4]
     for _ in range(substeps):
-        limits |= _slope(work[0], x, plant, spool, friction, bounds, order, tension)
-        shift(at, x, work[0], 0.5 * h)
-        _slope(work[1], at, plant, spool, friction, bounds, order, tension)
-        shift(at, x, work[1], 0.5 * h)
-        _slope(work[2], at, plant, spool, friction, bounds, order, tension)
-        shift(at, x, work[2], h)
-        _slope(work[3], at, plant, spool, friction, bounds, order, tension)
         rate = x[RATE]
+        braking = braking_of(rate, h, bounds)
+        limits |= _slope(work[0], x, plant, spool, friction, bounds, order, tension, braking)
+        shift(at, x, work[0], 0.5 * h)
+        _slope(work[1], at, plant, spool, friction, bounds, order, tension, braking)
+        shift(at, x, work[1], 0.5 * h)
+        _slope(work[2], at, plant, spool, friction, bounds, order, tension, braking)
+        shift(at, x, work[2], h)
+        _slope(work[3], at, plant, spool, friction, bounds, order, tension, braking)
         add_slopes(x, work, h)
         mass, _, _ = rope_mass(plant, spool, x[PAYOUT])
         limits |= keep_in_bounds(x, mass, rate, h, order.brake, bounds)

@@ -9,7 +9,7 @@ stop it harder, and is held at rest.
 
 Arguments have the same names everywhere: `state` and its `slope`, shape (n,), rows as numbered below; `mass` M [kg] and
 `mass_slope` M' [kg/m]; `force` of the drive and `tension` [N]; `friction`, `bounds` and `order` as described with their
-types; `brake` whether it is on, and its `deceleration` [m/s^2]; `substeps` how many steps of `h` [s].
+types; `brake` whether it is on, and the acceleration of `braking` by it [m/s^2]; `substeps` how many steps of `h` [s].
 """
 
 from __future__ import annotations
@@ -122,6 +122,15 @@ def rate_demand(state: Array, order: Order, bounds: Bounds, overdrive: float) ->
 
 
 @inner_kernel
+def braking_of(rate: float, h: float, bounds: Bounds) -> float:
+    """Return the acceleration that the brake gives a drum of a `rate` [m/s] for a substep of `h` [s], to rest at most.
+
+    It is constant in the substep, so that the books are exact in the one in which the drum comes to rest.
+    """
+    return -math.copysign(min(bounds.deceleration, abs(rate) / h), rate)
+
+
+@inner_kernel
 def set_motion(
     slope: Array,
     state: Array,
@@ -131,7 +140,7 @@ def set_motion(
     mass_slope: float,
     friction: Friction,
     brake: bool,
-    deceleration: float,
+    braking: float,
 ) -> None:
     """Set the slopes of payout, rate and of the books that the motion moves; `slope[LOST]` and
     `slope[SUPPLIED]` are added to.
@@ -145,7 +154,7 @@ def set_motion(
     slope[FROM_LOAD] = tension * v
     slope[LOST] += resistance * v
     if brake:
-        slope[RATE] = 0.0 if v == 0.0 else -math.copysign(deceleration, v)
+        slope[RATE] = braking
         braked = (free - mass * slope[RATE]) * v
         if braked > 0.0:
             slope[LOST] += braked

@@ -25,6 +25,7 @@ from heave_drives.kernels.mechanics import (
     Bounds,
     Friction,
     Order,
+    braking_of,
     clip,
     keep_in_bounds,
     rate_demand,
@@ -103,7 +104,14 @@ def _controls(slope: Array, x: Array, plant: PumpPlant, demand: float, speed_lim
 
 @inner_kernel
 def _slope(
-    slope: Array, x: Array, plant: PumpPlant, friction: Friction, bounds: Bounds, order: Order, tension: float
+    slope: Array,
+    x: Array,
+    plant: PumpPlant,
+    friction: Friction,
+    bounds: Bounds,
+    order: Order,
+    tension: float,
+    braking: float,
 ) -> int:
     """Set the slope of the state `x`; return the limits that act."""
     v, pressure = x[RATE], x[PRESSURE]
@@ -126,7 +134,7 @@ def _slope(
     if plant.is_passive:
         force = -area * pressure - (1.0 - plant.efficiency) * area * abs(pressure) * math.tanh(v / friction.slip_speed)
     slope[LOST] = pressure * leaked - area * pressure * v - force * v
-    set_motion(slope, x, force, tension, plant.mass, 0.0, friction, order.brake, bounds.deceleration)
+    set_motion(slope, x, force, tension, plant.mass, 0.0, friction, order.brake, braking)
     return limits
 
 
@@ -157,14 +165,15 @@ def advance_pump(
     limits, acceleration = 0, 0.0
     at = work[4]
     for _ in range(substeps):
-        limits |= _slope(work[0], x, plant, friction, bounds, order, tension)
-        shift(at, x, work[0], 0.5 * h)
-        _slope(work[1], at, plant, friction, bounds, order, tension)
-        shift(at, x, work[1], 0.5 * h)
-        _slope(work[2], at, plant, friction, bounds, order, tension)
-        shift(at, x, work[2], h)
-        _slope(work[3], at, plant, friction, bounds, order, tension)
         rate = x[RATE]
+        braking = braking_of(rate, h, bounds)
+        limits |= _slope(work[0], x, plant, friction, bounds, order, tension, braking)
+        shift(at, x, work[0], 0.5 * h)
+        _slope(work[1], at, plant, friction, bounds, order, tension, braking)
+        shift(at, x, work[1], 0.5 * h)
+        _slope(work[2], at, plant, friction, bounds, order, tension, braking)
+        shift(at, x, work[2], h)
+        _slope(work[3], at, plant, friction, bounds, order, tension, braking)
         add_slopes(x, work, h)
         x[SWASH] = clip(x[SWASH], 1.0)
         limits |= _relieve(x, plant) | keep_in_bounds(x, plant.mass, rate, h, order.brake, bounds)

@@ -24,6 +24,7 @@ from heave_drives.kernels.mechanics import (
     Bounds,
     Friction,
     Order,
+    braking_of,
     clip,
     keep_in_bounds,
     rate_demand,
@@ -180,6 +181,7 @@ def _slope(
     bounds: Bounds,
     order: Order,
     tension: float,
+    braking: float,
 ) -> int:
     """Set the slope of the state `x`; return the limits that act."""
     v, a, b = x[RATE], x[PRESSURE_A], x[PRESSURE_B]
@@ -212,7 +214,7 @@ def _slope(
         slope[OIL] = x[PUMP] - drawn
         slope[SUPPLIED] += supply * x[PUMP]
     force = plant.area * (a - b)
-    set_motion(slope, x, force, tension, plant.mass, 0.0, friction, order.brake, bounds.deceleration)
+    set_motion(slope, x, force, tension, plant.mass, 0.0, friction, order.brake, braking)
     return limits
 
 
@@ -233,14 +235,15 @@ def advance_valve(
     limits, acceleration = 0, 0.0
     at = work[4]
     for _ in range(substeps):
-        limits |= _slope(work[0], x, plant, fluid, friction, bounds, order, tension)
-        shift(at, x, work[0], 0.5 * h)
-        _slope(work[1], at, plant, fluid, friction, bounds, order, tension)
-        shift(at, x, work[1], 0.5 * h)
-        _slope(work[2], at, plant, fluid, friction, bounds, order, tension)
-        shift(at, x, work[2], h)
-        _slope(work[3], at, plant, fluid, friction, bounds, order, tension)
         rate = x[RATE]
+        braking = braking_of(rate, h, bounds)
+        limits |= _slope(work[0], x, plant, fluid, friction, bounds, order, tension, braking)
+        shift(at, x, work[0], 0.5 * h)
+        _slope(work[1], at, plant, fluid, friction, bounds, order, tension, braking)
+        shift(at, x, work[1], 0.5 * h)
+        _slope(work[2], at, plant, fluid, friction, bounds, order, tension, braking)
+        shift(at, x, work[2], h)
+        _slope(work[3], at, plant, fluid, friction, bounds, order, tension, braking)
         add_slopes(x, work, h)
         if x[OIL] > plant.fullest:  # what the pump gives while it swings back goes over the relief valve
             x[LOST] += gas_energy(x[OIL], plant) - gas_energy(plant.fullest, plant)

@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "campaign",
         metavar="CAMPAIGN",
         nargs="?",
-        help="a shipped campaign, or a file (format: heave_bringup/campaign/campaign_file.py); with --vary a scenario",
+        help="a shipped campaign, or a file (format: heave_studies/campaign/campaign_file.py); with --vary a scenario",
     )
     parser.add_argument(
         "--case",
