@@ -43,7 +43,13 @@ LEFT_OUT = (
 
 
 class Seen(NamedTuple):
-    """What the envelope reads in a tick: raw heave [m], its rate [m/s], raw count of the drum [m]; NaN: none came."""
+    """What the envelope reads in a tick; NaN: none came.
+
+    Attributes
+    ----------
+    heave, heave_rate : raw, of the boom tip [m], [m/s]
+    payout : raw count of the drum [m]
+    """
 
     heave: float = math.nan
     heave_rate: float = math.nan
@@ -55,7 +61,14 @@ NOTHING_SEEN = Seen()
 
 
 def last_step_readings(seen: Seen, payout: float, rate: float, *, is_braked: bool) -> tuple[float, ...]:
-    """Return the readings of the core's envelope: what was `seen`, and the order of `payout` [m] and `rate` [m/s]."""
+    """Return the readings of the core's envelope.
+
+    Parameters
+    ----------
+    seen : in the tick
+    payout, rate : set-points that are ordered [m], [m/s]
+    is_braked : the brake is ordered
+    """
     unknown = dict.fromkeys(("load", "held_tension", "target", "reference"), math.nan)
     order = {"payout": payout, "rate": rate, "brake": float(is_braked)}
     given = {"mru_heave": seen.heave, "mru_rate": seen.heave_rate, "count": seen.payout, "request": -1.0}
