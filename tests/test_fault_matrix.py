@@ -225,9 +225,10 @@ def test_what_all_cases_came_to_is_held_against_the_bars():
 def test_results_make_the_page_and_those_of_the_same_commit_and_seed_are_replaced(tmp_path):
     found = Outcome(math.inf, True, 2.0, 1.25, 0.5, math.nan, 1.0, 0.5, 0.2, alarms=("0.10 MRU_STALE",))
     path, ran = tmp_path / "results.json", [(cell(1, 0), found)]
-    add(path, {"commit": "a" * 40, "seed": 1}, ran)
-    add(path, {"commit": "b" * 40, "seed": 1}, ran)
-    add(path, {"commit": "b" * 40, "seed": 1}, ran)
+    how = {"seed": 1, "branches": 4, "after": 75.0}
+    add(path, {**how, "commit": "a" * 40}, ran)
+    add(path, {**how, "commit": "b" * 40}, ran)
+    add(path, {**how, "commit": "b" * 40}, ran)
     campaigns = json.loads(path.read_text())
     assert [one["commit"][0] for one in campaigns] == ["a", "b"]
     shown, read = shown_of(campaigns[1]["rows"][0])
