@@ -22,11 +22,14 @@ from tests.campaigns.fault_matrix.judge import (
     RATE_MARGIN,
     TRAVEL,
     Raised,
+    asked_more,
     beyond,
     blamed,
     envelope_ratio,
+    held_for,
     leaky,
     named_after,
+    path_of,
     rest_after,
     rolling_largest,
     rolling_range,
@@ -131,6 +134,18 @@ def test_the_unit_counts_from_ten_seconds_after_the_fault_on():
     short = TIME < BEGIN + 20.0
     assert unit_ratio(TIME[short], unit[short], off[short], BEGIN) == pytest.approx(1.3, rel=2e-2)
     assert math.isnan(unit_ratio(TIME[short], unit[short], off[short], BEGIN + 6.0))
+
+
+def test_what_shows_a_fault_is_a_way_an_order_and_time_under_the_brake():
+    rate = np.where((TIME >= BEGIN) & (TIME < 102.0), -0.1, 0.0)
+    ordered = np.where((TIME >= BEGIN) & (TIME < 101.0), 0.5, 0.0)
+    assert path_of(TIME, rate, none := np.zeros_like(TIME), BEGIN, math.inf) == pytest.approx(0.2)
+    assert path_of(TIME, none, ordered, BEGIN, 100.475) == pytest.approx(0.25)
+    assert path_of(TIME, rate, ordered, 103.0, math.inf) == 0.0
+    assert asked_more(ordered, 0.4, TIME, BEGIN, math.inf)
+    assert not asked_more(ordered, 0.5, TIME, BEGIN, math.inf)
+    assert not asked_more(ordered, 0.4, TIME, 101.0, math.inf)
+    assert held_for(TIME, TIME >= 150.0, 140.0, 160.0 - 0.5 * PERIOD) == pytest.approx(10.0)
 
 
 class Ends:
