@@ -62,7 +62,13 @@ def hand_over(model: LinearModel, estimate: Array, covariance: Array, mean_state
 
 
 def followed(model: LinearModel, mean_state: Array) -> Array:
-    """Return the mean payout's own motion, shape (n,), of a unit that has followed it: no swing of it is left."""
+    """Return the mean payout's own motion, shape (n,), where the unit has followed it: no swing is left.
+
+    Parameters
+    ----------
+    model : of the loop
+    mean_state : that motion now, shape (n,)
+    """
     mean_state = mean_state.copy()
     mean_state[model.state("unit_heave")] = -mean_state[model.state("payout")]
     mean_state[model.state("unit_heave_rate")] = -float(model.row("payout_rate") @ mean_state)
