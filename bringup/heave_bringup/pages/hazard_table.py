@@ -54,7 +54,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The drum runs against its orders: the load is driven into the bottom or up to the boom",
         {"winch": ("reverse",)},
-        ("DRUM_*", "COUNT_SPEED_DISAGREE", "WINCH_DRIVE_FAULT", "WINCH_OR_ENCODER_*"),
+        ("DRUM_*", "DRIVE_AT_FAULT", "COUNT_SPEED_DISAGREE", "WINCH_DRIVE_FAULT", "WINCH_OR_ENCODER_*"),
         "the envelope brakes; the drive's supervision trips where it is fitted; the guard ends compensation",
         "`supervision_time`, 1 s where it is set, counted while the order is above 0.05 m/s; guard: seconds",
         "the drum moves for the time of the supervision; without it until the guard has seen it",
@@ -126,7 +126,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The drive trips or loses its power under load",
         {"winch": ("drive",)},
-        ("WINCH_DRIVE_FAULT", "COMPENSATION_LOST"),
+        ("WINCH_DRIVE_FAULT", "COMPENSATION_LOST", "MOVE_LOST"),
         f"the winch {_STOP} and brakes, and latches; an operator, or a bounded number of retries, releases it",
         "at once; from 2 m/s 1.3 s",
         "the unit swings with the ship; a tension that rises until the brake holds",
@@ -257,7 +257,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "Compensation excites the unit: it swings more than without",
         {},
-        ("UNIT_SWING_HIGH", "UNIT_HEAVE_HIGH", "WORSE_THAN_OFF", "DRUM_SPEED_OFF", "COMPENSATION_LOST"),
+        ("UNIT_SWING_HIGH", "LOAD_SWINGS", "UNIT_HEAVE_HIGH", "WORSE_THAN_OFF", "DRUM_SPEED_OFF", "COMPENSATION_LOST"),
         "compensation fades out, and is tried again after a growing wait",
         "a swing of a higher frequency than the sea: seconds; of a lower one: a minute",
         "up to 1.05 times the motion without compensation over a minute, where nothing else is at fault",
