@@ -28,7 +28,7 @@ from heave_node.interface.codes import TIME_KEY
 Value = float | str
 
 LOOP = "loop"
-"""Value that says what the loop does: not given where an alarm is raised, but by `Alarm.reported`, once that is decided."""
+"""Value that says what the loop does: given by `Alarm.reported`, once that is decided, not where an alarm is raised."""
 
 
 class Severity(enum.IntEnum):
