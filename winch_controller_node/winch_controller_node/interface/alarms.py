@@ -171,8 +171,8 @@ BRAKE = (
         CRITICAL,
         "winch",
         "the load cell has fallen by {fall:.1f} kN in {time:g} s under the brake, as where {way:.2f} m are paid out",
-        "The load falls, or has touched something. Compensation does not begin until a mode is requested",
-        "Keep everybody clear of load and wire. Look at the drum; have a second brake applied",
+        "Compensation does not begin until a mode is requested",
+        "Keep everybody clear of load and wire. The load falls, or has landed: look at the drum, apply a second brake",
     ),
     AlarmRow(
         "DRUM_HELD_BY_DRIVE",
