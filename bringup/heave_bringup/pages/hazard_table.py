@@ -69,15 +69,31 @@ HAZARDS: tuple[Hazard, ...] = (
         ("*BRAKE*", "DRUM_*HELD*", "WINCH_DRIVE_FAULT"),
         "the drive trips, and the virtual winch's holds the drum where it is; the controller stops and reports it. "
         "No second brake is commanded",
-        "0.05 m of motion from the standstill (test)",
+        "0.05 m of motion from the standstill, and 0.3 s (test)",
         "without power, after an emergency stop, or with a drive of your own that does not do so the load goes on to "
         "pay out at the speed of the slip: a second brake, or a person, has to hold it",
-        ("tests/test_winch_faults.py::test_a_brake_that_does_not_hold_is_reported_within_two_seconds_of_the_standstill",
+        (f"{_C}test_brake_watch.py::test_a_drum_that_slips_is_told_at_the_highest_severity_within_a_third_of_a_second_and_"
+         "five_centimetres",
+         f"{_C}test_brake_watch.py::test_a_slip_that_the_count_does_not_show_is_told_by_the_load_cell",
+         "tests/test_winch_faults.py::test_a_brake_that_does_not_hold_is_reported_within_two_seconds_of_the_standstill",
          "node_base/test/test_motion_supervision.py::"
          "test_a_drum_that_has_stood_and_sinks_past_a_brake_that_says_open_is_found_by_its_way",
          "cable_sim_node/test/test_faulty_drum.py::"
          "test_a_drum_that_slips_past_its_brake_is_held_by_the_drive_without_any_command"),
         events=(Event.WINCH_FAULT,),
+    ),
+    Hazard(
+        "After a stop the load swings, or hangs in the waves on its way",
+        {},
+        ("LOAD_SWINGS", "MOVE_LOST"),
+        "size, period and half-life of the swing are told once the drum stands; compensation takes it out",
+        "2 s after the brake was ordered",
+        "for minutes the load moves by up to three times its motion under a locked drum",
+        (f"{_C}test_after_stop.py::"
+         "test_after_an_emergency_stop_the_operator_is_told_by_how_much_the_load_swings_and_for_how_long",
+         f"{_C}test_after_stop.py::"
+         "test_a_move_that_a_fault_has_ended_is_told_at_the_severity_of_a_load_that_hangs_in_the_waves"),
+        others="an emergency stop, or a fault that ends compensation",
     ),
     Hazard(
         "What was identified, estimated or computed is wrong: the drum is driven away",
