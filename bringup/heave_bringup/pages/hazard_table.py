@@ -54,7 +54,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The drum runs against its orders: the load is driven into the bottom or up to the boom",
         {"winch": ("reverse",)},
-        ("DRUM_*", "COUNT_SPEED_DISAGREE", "WINCH_DRIVE_FAULT", "WINCH_OR_ENCODER_*"),
+        ("DRUM_*", "DRIVE_AT_FAULT", "COUNT_SPEED_DISAGREE", "WINCH_DRIVE_FAULT", "WINCH_OR_ENCODER_*"),
         "the envelope brakes; the drive's supervision trips where it is fitted; the guard ends compensation",
         "`supervision_time`, 1 s where it is set, counted while the order is above 0.05 m/s; guard: seconds",
         "the drum moves for the time of the supervision; without it until the guard has seen it",
@@ -208,11 +208,13 @@ HAZARDS: tuple[Hazard, ...] = (
         {"mru": ("scale", "jump", "spike", "delay")},
         ("MRU_SPIKES", "MRU_JUMPS", "MRU_EXCLUDED", "MRU_REVERSED", "MRU_*UNPROVED", "MRU_SCALE_ERROR", "MRU_DELAYED",
          "DEPTH_MRU_DISAGREE", "UNIT_HEAVE_HIGH"),
-        "readings beyond the gate are rejected; scale, delay and drift are identified against depth and tension, or "
-        "the sensor is excluded",
+        "before the brake opens the MRU is proved by load cell and depth sensor on the nominal cable, and a reversed one "
+        "is refused; later readings beyond the gate are rejected; scale, delay and drift are identified, or the sensor "
+        "is excluded",
         "spikes and jumps: the sample; a reversed MRU: 20 s (test)",
         "a scale error of a few percent leaves as much motion until it is identified; without a depth sensor it stays",
-        (f"{_C}test_excluded_sensors.py::"
+        (f"{_C}test_proofs.py::test_a_sound_mru_is_proved_and_a_reversed_one_is_named_by_either_witness",
+         f"{_C}test_excluded_sensors.py::"
          "test_a_unit_whose_motion_reference_unit_is_turned_over_for_good_is_never_worse_off",
          "tests/test_sensor_faults.py::test_a_sensor_of_a_wrong_scale_leaves_the_unit_no_worse_than_off"),
         events=(Event.HARM, Event.SENSOR_LOST),
