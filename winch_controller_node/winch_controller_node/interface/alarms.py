@@ -221,8 +221,8 @@ PROOFS = (
         "mru",
         "nothing has proved the MRU: {why}",
         "Compensation does not begin",
-        "Fit a load cell or a depth sensor, or wait for a higher sea. To begin all the same, with somebody at the "
-        "stop: `heave operate mode compensating --unproved`, or entry.accept_unproved in the scenario",
+        "Fit a load cell or a depth sensor, or wait for a higher sea. To begin all the same: "
+        "`heave operate mode compensating --unproved`, or entry.accept_unproved in the scenario",
     ),
     AlarmRow(
         "COUNT_SPEED_DISAGREE",
