@@ -1,7 +1,7 @@
 """An extra that is not installed: what the suite does without it, and what it says where it is asked for."""
 
 import pytest
-from cable_sim_node.winch.drives import registry
+from cable_sim_node.winch import installed_drives as registry
 from heave_bringup.cli import main
 from heave_bringup.commands.extras import EXTRA_OF
 from heave_bringup.errors import CommandError

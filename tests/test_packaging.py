@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 
 import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_path
-from cable_sim_node.winch.drives import registry
+from cable_sim_node.winch import installed_drives as registry
 from heave_bringup import replacements
 from heave_bringup.commands import extras
 from heave_bringup.nodes import PROCESS_BY_NAME

@@ -5,8 +5,8 @@ from __future__ import annotations
 from heave_node.parameters import ParameterError
 
 from cable_sim_node.winch.drives.interface import Drive
-from cable_sim_node.winch.drives.registry import SERVO, installed_drives
 from cable_sim_node.winch.drives.speed_servo import SpeedServo
+from cable_sim_node.winch.installed_drives import SERVO, installed_drives
 from cable_sim_node.winch.parameters import WinchParameters
 
 
@@ -26,8 +26,9 @@ def make_drive(parameters: WinchParameters, tension: float) -> Drive:
     if name == SERVO:
         return SpeedServo(parameters)
     try:
-        return installed_drives()[name].make(parameters, getattr(parameters, name), tension)
+        driven: Drive = installed_drives()[name].make(parameters, getattr(parameters, name), tension)
     except ValueError as error:
         raise ParameterError(
             f"drive = {name} cannot hold the cable's {tension:.0f} N at the start: {error}; make it stronger"
         ) from error
+    return driven

@@ -56,8 +56,8 @@ from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
 from cable_sim_node.winch.choice import make_drive
 from cable_sim_node.winch.command_line import CommandLine, WinchCommand, round_to_tick
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand, DriveState
-from cable_sim_node.winch.drives.registry import SERVO
 from cable_sim_node.winch.faulty_drum import FaultyDrum
+from cable_sim_node.winch.installed_drives import SERVO
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 
 

@@ -9,7 +9,7 @@ from heave_node.parameters import Checked, check_ranges, group, parameter
 from heave_node.winch.parameters import WinchFigures
 from heave_node.winch.position_loop import check_position_gain
 
-from cable_sim_node.winch.drives.registry import (
+from cable_sim_node.winch.installed_drives import (
     SERVO,
     absent_drives,
     check_is_installed,

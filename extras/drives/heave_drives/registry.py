@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
-from cable_sim_node.winch.drives.registry import DriveEntry
+from cable_sim_node.winch.installed_drives import DriveEntry
 
 from heave_drives.parameters.electric import ElectricDriveParameters, ElectricParameters
 from heave_drives.parameters.motion import MotionParameters

@@ -160,7 +160,7 @@ def test_ticks_that_the_controller_left_out_move_no_set_point():
     moved, time = 0.2 * TIME, np.arange(len(TIME))
     left_out = (time >= 850) & (time < 857)
     record = SensorRecord(TICK, 1, (), (), np.where(left_out, math.nan, moved), ())
-    assert set_point_of(record, np.zeros(len(TIME)), np.zeros(len(TIME))) == pytest.approx(moved, abs=1e-9)
+    assert set_point_of(record) == pytest.approx(moved, abs=1e-9)
 
 
 def test_a_value_that_was_known_before_is_known(nominal):

@@ -11,10 +11,8 @@ from cable_sim_node.vertical.linear import heave_transfer_function
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
-from heave_bags.signals import Signal
 from heave_node.interface.sensors import MruReading
 from heave_studies.whatif.signals.disturbance import disturbance
-from heave_studies.whatif.signals.from_others import over_integral
 from heave_studies.whatif.signals.record import SensorRecord, bridged, shortened
 from heave_studies.whatif.signals.spectra import Speeds, gains_over_top, noise_power, tapered_transform
 from heave_studies.whatif.signals.tip import HighPass, smoothed_tip
@@ -122,14 +120,6 @@ def test_a_resonance_among_the_quiet_frequencies_is_no_noise():
     noise = 500.0 * random.standard_normal(len(time))
     read = noise + 6000.0 * np.sin(6.4 * time) * np.sin(0.02 * time)
     assert noise_power(time, read, 30.0, 240.0, math.inf) == pytest.approx(500.0**2 * 0.05, rel=0.2)
-
-
-@pytest.mark.parametrize("times", [1.0, 10.0, -1.0])
-def test_a_heave_in_another_unit_than_its_rate_shows(times):
-    noise = NOISE * np.random.default_rng(4).standard_normal((2, len(TIME)))
-    heave, rate = Signal(TIME, times * (MOTION + noise[0])), Signal(TIME[1::2], (RATE + noise[1])[1::2])
-    assert over_integral(heave, rate) == pytest.approx(times, rel=0.03)
-    assert over_integral(Signal(TIME, times * noise[0]), Signal(TIME, noise[1])) == 1.0
 
 
 def test_seldom_readings_have_the_noise_that_is_stated():

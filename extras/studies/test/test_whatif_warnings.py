@@ -46,7 +46,7 @@ SHOWN = {"cable and unit": True, "winch": True, "winch limits": True}
 def test_what_the_record_lacks_for_an_answer_is_said_and_no_more(monkeypatch, law, shown, limit, band, words):
     monkeypatch.setattr(fitness, "reported", lambda known: [(of, yes, of) for of, yes in (SHOWN | shown).items()])
     again = SimpleNamespace(is_same=True, refused=())
-    past = SimpleNamespace(record=SimpleNamespace(has_orders=True, is_own=True))
+    past = SimpleNamespace(record=SimpleNamespace())
     fit = SimpleNamespace(chi2=1.0, values={})
     known = SimpleNamespace(fit=fit, snapped=np.zeros(3), again=again, past=past, window=slice(1, 4))
     values = {"time_at_limit_percent": limit, "unit_efficiency": sum(band) / 2.0}

@@ -11,15 +11,12 @@ from heave_bringup.errors import CommandError
 from heave_studies.whatif import DRAWS
 
 SUMMARY = "Experimental: say what another law, gain or winch would have done in the sea of a bag, by its sensors."
-EXAMPLES = (
-    "heave whatif runs/b2_calm_300-001/bag --compare off,industrial,lqg,mpc",
-    "heave whatif log.csv --map log_map.yaml --scenario b2_calm_300 --law mpc --compare off",
-)
+EXAMPLES = ("heave whatif runs/b2_calm_300-001/bag --compare off,industrial,lqg,mpc",)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
-    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder, the folder of a run; with --map, a log too")
+    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder, or the folder of a run")
     parser.add_argument("--law", default="", help="the law that is asked for (default: that of the record)")
     parser.add_argument("--compare", default="", metavar="LAW,LAW", help="further laws: off,industrial,lqg,mpc")
     add_settings(parser)
@@ -33,9 +30,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "[s] or mru.lever_arm [m]; may be repeated",
     )
     parser.add_argument("--scenario", metavar="SCENARIO", help="of the run, for a record that carries none")
-    parser.add_argument(
-        "--map", type=Path, metavar="FILE", help="where a record of others has what, as for heave adapt"
-    )
     parser.add_argument("--transient", type=float, metavar="S", help="initial time that is left out (the scenario's)")
     parser.add_argument("--end", type=float, metavar="S", help="time at which the record is cut off")
     parser.add_argument(
@@ -52,7 +46,6 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bags.mcap.read.folder import bag_of
     from heave_bringup.output import check_output, make_table, warn, write_result
     from heave_bringup.progress import ProgressLine
-    from heave_devices.records.ship_log import is_text
 
     from heave_studies.whatif.fitness import warnings
     from heave_studies.whatif.page import render
@@ -70,7 +63,7 @@ def execute(options: argparse.Namespace) -> None:
 
     warn([EXPERIMENTAL])
     check_output("--output", options.output, (".html",))
-    folder = options.bag if options.bag.is_file() and is_text(options.bag) else bag_of(options.bag)
+    folder = bag_of(options.bag)
     page = options.output or folder.parent / "whatif.html"
     check_output("--output", page)
     question = Question(
@@ -83,7 +76,6 @@ def execute(options: argparse.Namespace) -> None:
         options.end,
         options.draws,
         options.seed,
-        options.map,
     )
     with ProgressLine() as progress:
         result = ask(folder, question, show=progress.show)

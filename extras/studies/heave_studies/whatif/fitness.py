@@ -168,16 +168,14 @@ def reported(known: Known) -> list[tuple[str, bool, str]]:
     fit, record, window = known.fit, known.past.record, known.window
     reached, moved = limit_words(record.limits_hit[window]), winch_moved(known)
     plant = f"inertia within {100.0 * fit.sigma(INERTIA):.1f} %, chi2 {fit.chi2:.1f}"
-    still = "it stood still" if record.has_orders else "its orders are not in the record"
-    winch = "it answered orders" if moved else still
+    winch = "it answered orders" if moved else "it stood still"
     if moved and not known.again.beliefs.values:
         winch += ", as nominal"
-    unhit = "they were never reached" if record.is_own else "nothing reports them"
     return [
         ("cable and unit", fit.tells(INERTIA), plant),
         ("damping", fit.tells(DAMPING), f"within {100.0 * fit.sigma(DAMPING):.0f} %"),
         ("winch", moved, winch),
-        ("winch limits", bool(reached), f"reached: {reached}" if reached else unhit),
+        ("winch limits", bool(reached), f"reached: {reached}" if reached else "they were never reached"),
     ]
 
 
@@ -194,15 +192,7 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             f"the cable was slack at its lower end from {known.fit.end:.0f} s on: cable and unit are identified "
             "before, and what the snap left is taken out of other laws"
         )
-    record = known.past.record
-    if not record.has_orders:
-        lines.append(
-            "the record has no orders to the winch: its lag, delay and limits are those assumed, and spread as a data "
-            "sheet leaves them"
-        )
-    if not record.is_own:
-        lines.append("the record does not say what its operator requested: other laws stay at the depth of its start")
-    elif not known.again.is_same:
+    if not known.again.is_same:
         lines.append(
             f"the same law parts from the record at {known.again.parted:.1f} s (mode {known.again.mode}, recorded "
             f"{known.again.was or 'unknown'}): a lost message, or another version"

@@ -36,7 +36,7 @@ from heave_studies.whatif.twin.plant import (
     scaled_line,
 )
 from heave_studies.whatif.twin.replay import Past, Replayed, locked
-from heave_studies.whatif.twin.winch import mean_payout, past_winch, winch_under
+from heave_studies.whatif.twin.winch import past_winch, winch_under
 from heave_studies.whatif.work import HERE, Work, show_some
 
 OFF = Mode.OFF.value
@@ -216,7 +216,7 @@ def _known(evidence: Evidence, again: Again, fits: Sequence[CableFit], start: fl
     for fit in fits:
         tip = evidence.tip(fit.values)
         line = scaled_line(evidence.line(fit.values), PlantFactors(stiffness=fit.values[STIFFNESS]))
-        set_point = set_point_of(record, winch.payout, tip.heave)
+        set_point = set_point_of(record)
         recorded.append(Drive(line, evidence.nominal.length, tip, winch.payout, winch.rate, dt))
         still.append(recorded[-1]._replace(payout=set_point, rate=np.gradient(set_point, dt)))
     motions = follow([*recorded, *still])
@@ -227,15 +227,9 @@ def _known(evidence: Evidence, again: Again, fits: Sequence[CableFit], start: fl
     ]
 
 
-def set_point_of(record: SensorRecord, payout: Array, heave: Array) -> Array:
-    """Return the mean payout at each tick of a `record` (n,) [m].
-
-    Where the controller left ticks out it is between those before and after. Where none states it, it is that of the
-    `payout` (n,) [m] which no `heave` of the boom tip (n,) [m] moves.
-    """
-    if np.isfinite(record.set_points).any():
-        return bridged(record.set_points)
-    return mean_payout(record.time, payout, heave)
+def set_point_of(record: SensorRecord) -> Array:
+    """Return the mean payout at each tick of a `record` (n,) [m]; in ticks left out that between those beside them."""
+    return bridged(record.set_points)
 
 
 def _under(
@@ -301,7 +295,7 @@ def other_plants(known: Known, seed: int) -> list[CableFit]:
 
 def winch_moved(known: Known) -> bool:
     """Return whether the winch of what is `known` has moved in the window by orders, so that its answer was seen."""
-    return known.past.record.has_orders and float(np.std(known.past.winch.rate[known.window])) > MOVES
+    return float(np.std(known.past.winch.rate[known.window])) > MOVES
 
 
 def off_sigma(known: Known) -> float:

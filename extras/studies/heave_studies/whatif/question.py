@@ -12,7 +12,6 @@ from cable_sim_node.errors import PlantError
 from heave_bags.mcap.reader import Bag
 from heave_bringup.errors import CommandError
 from heave_bringup.output import warn
-from heave_devices.records.ship_log import is_text
 from heave_node.parameters import ParameterError
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.model.lqr import DesignError
@@ -23,7 +22,6 @@ from heave_studies.whatif.fitness import check_known, check_record
 from heave_studies.whatif.identify.prior import prior_of
 from heave_studies.whatif.known import drawn, learn, other_plants
 from heave_studies.whatif.signals.from_bag import read_record, scenario_text, write_text
-from heave_studies.whatif.signals.from_others import read_others
 from heave_studies.whatif.study import answers, recorded, same_again
 from heave_studies.whatif.twin.plant import driven
 from heave_studies.whatif.twin.winch import winch_under
@@ -48,7 +46,6 @@ class Question:
     transient : initial time that is left out [s]; None: the scenario's
     end : time at which the record is cut off [s]; None: it is not
     draws, seed : plants that are tried for the bands
-    device_map : map of a record of others; None: the bag is the suite's own
     """
 
     law: str = ""
@@ -60,7 +57,6 @@ class Question:
     end: float | None = None
     draws: int = DRAWS
     seed: int = 1
-    device_map: Path | None = None
 
     def __post_init__(self) -> None:
         """Raise ParameterError for a number that says nothing."""
@@ -77,7 +73,7 @@ def ask(source: Path, question: Question, *, show: Show = quiet) -> Result:
 
     Parameters
     ----------
-    source : the bag's folder; with a map, a log's file too
+    source : the bag's folder
     question : what is asked
     show : called with what is done, and its share
 
@@ -92,21 +88,14 @@ def ask(source: Path, question: Question, *, show: Show = quiet) -> Result:
 
 def _asked(source: Path, question: Question, scratch: Path, show: Show) -> Result:
     """Return what the record at `source` answers to a `question`; its scenario is written into `scratch`."""
-    if question.device_map is None and is_text(source):
-        raise ParameterError(f"{source}: is a log in columns: say with --map where it has what")
-    if question.device_map is not None and not question.scenario:
-        raise ParameterError(f"{source}: say with --scenario what cable, unit, winch and controller are")
-    scenario = question.scenario or write_text(scratch, scenario_text(Bag(source)))
+    bag = Bag(source)
+    scenario = question.scenario or write_text(scratch, scenario_text(bag))
     nominal, run = nominal_of(scenario)
     wish = Wish(scenario, question.law, question.settings, question.compare)
     asked_of(wish, winch_under(Beliefs(-1), nominal), has_adviser=True)
     prior = prior_of(nominal, question.know)
-    if question.device_map is None:
-        bag = Bag(source)
-        record = read_record(bag, nominal, progress=lambda share: show("reading", share))
-        notes = [*bag.notes, *map(str, bag.losses)]
-    else:
-        record, notes = read_others(source, question.device_map, nominal, run.tick_period)
+    record = read_record(bag, nominal, progress=lambda share: show("reading", share))
+    notes = [*bag.notes, *map(str, bag.losses)]
     warn(notes)
     record = record if question.end is None else record.part(question.end)
     start = run.transient if question.transient is None else question.transient

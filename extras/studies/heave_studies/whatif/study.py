@@ -228,14 +228,11 @@ def same_again(known: Known, *, show: Show = quiet) -> tuple[float, float]:
 
     `known` is by the record; `show` is called with what is done, and the share of it.
 
-    Orders that are those of the record give its readings, and its payout, to the last bit. NaN: not asked, as the
-    record's controller was another one.
+    Orders that are those of the record give its readings, and its payout, to the last bit.
     """
     record = known.past.record
     if known.again.is_same:
         return 0.0, 0.0
-    if not record.is_own:
-        return math.nan, math.nan
     words, ticks = "the same law again, closed", record.ticks
     asked = Asked(words, known.nominal, None, record.has_adviser)
     done = replay(known.past, asked, on_tick=partial(show_some, show, words, ticks))

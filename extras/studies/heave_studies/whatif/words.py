@@ -72,8 +72,7 @@ def headings() -> list[str]:
 
 def rows(result: Result) -> list[list[str]]:
     """Return the rows of the table of a `result`: the record itself, then what would have been."""
-    limits = _limits(result.recorded) if result.known.past.record.is_own else "-"
-    found = [["recorded", "-", *(banded(key, result.recorded) for key in BRIEF), limits]]
+    found = [["recorded", "-", *(banded(key, result.recorded) for key in BRIEF), _limits(result.recorded)]]
     for answer in result.answers:
         cells = [banded(key, answer.figures) for key in BRIEF]
         found.append([answer.asked.name, _gives_up(answer), *cells, _limits(answer.figures)])
@@ -96,11 +95,6 @@ def _limits(figures: Figures) -> str:
 def check_line(result: Result) -> str:
     """Return the line of the check that comes first in a `result`: the same law again."""
     past, sigma_of_unit = result.known.past, 1e3 * result.known.unexplained.waves
-    if not past.record.is_own:
-        return (
-            "same law again: not asked, the record is of another controller; twin of the unit within "
-            f"{sigma_of_unit:.1f} mm of the depth (standard deviation)"
-        )
     sigma, largest = result.payout_error
     verdict = "gives the record again" if largest <= SAME_PAYOUT else "DOES NOT GIVE THE RECORD AGAIN"
     return (

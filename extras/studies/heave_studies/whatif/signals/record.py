@@ -55,7 +55,6 @@ class SensorRecord:
     late : ticks whose observations it answered too late
     requests : of an operator that the controller found in a tick, in order, by the tick's number
     losses : of sensors, by the controller
-    is_own : its controller was one of the suite; else what that did is not known but by the orders, if any
     """
 
     tick_period: float
@@ -68,7 +67,6 @@ class SensorRecord:
     late: frozenset[int] = frozenset()
     requests: Mapping[int, tuple[Request, ...]] = field(default_factory=dict)
     losses: tuple[Loss, ...] = ()
-    is_own: bool = True
 
     @property
     def ticks(self) -> int:
@@ -79,11 +77,6 @@ class SensorRecord:
     def duration(self) -> float:
         """Length of the record [s]."""
         return self.ticks * self.tick_period
-
-    @cached_property
-    def has_orders(self) -> bool:
-        """Whether it is known what the winch was ordered."""
-        return any(one is not None for one in self.orders)
 
     @cached_property
     def time(self) -> Array:

@@ -55,8 +55,6 @@ def observed_again(
     parameters : nominal, of the run
     on_tick : called with the number of ticks that are done
     """
-    if not record.is_own:
-        return Again(Beliefs(asked=-1), math.nan)
     core = Core(record, parameters, has_adviser=record.has_adviser)
     parted, mode, was = math.inf, "", ""
     alarms: list[tuple[float, Alarm]] = []

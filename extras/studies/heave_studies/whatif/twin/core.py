@@ -61,7 +61,7 @@ class Core:
         """
         tick = self._record.first + index
         self._obey(tick)
-        if self._outputs is not None and self._record.is_own and self._record.orders[index] is None:
+        if self._outputs is not None and self._record.orders[index] is None:
             self._controller.leave_out(tick)
             self._outputs = self._outputs._replace(alarms=(), observations=None)
             return self._outputs, None

@@ -125,8 +125,7 @@ class Replay:
         dt, self._past, self._index = record.tick_period, past, 0
         self._core = Core(record, asked.controller, has_adviser=asked.has_adviser)
         self._winch = TwinWinch(asked.winch or past.winch_parameters, tick_period=dt)
-        has_other_winch = asked.winch is not None and asked.winch != past.winch_parameters
-        self._is_other = has_other_winch or not record.is_own
+        self._is_other = asked.winch is not None and asked.winch != past.winch_parameters
         payout, rate = float(past.winch.payout[0]), float(past.winch.rate[0])
         self._plant = TwinPlant(past.line, past.length, past.tip, payout, rate, tick_period=dt)
         # differences of the twins at each tick: heave, velocity and acceleration of the unit, tension, payout, its rate

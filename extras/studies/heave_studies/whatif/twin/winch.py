@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch, WinchState
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
-from heave_bags.analyse.reading.depth_programme import running_mean
 from heave_node.numerics.arrays import Array
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.beliefs.drum import drum_of
@@ -94,8 +92,6 @@ class PastWinch:
 def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale: float = 1.0) -> PastWinch:
     """Return what the drum did in a `record`: the model of the winch, and what the encoder shows beside it.
 
-    Where nobody knows what it was ordered, it did what the encoder shows.
-
     Parameters
     ----------
     record : with an encoder, and the orders to the winch
@@ -103,10 +99,6 @@ def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale:
     encoder_scale : reading over payout [-]
     """
     dt = record.tick_period
-    if not record.has_orders:
-        payout = smoothed(record.encoder / encoder_scale, dt).values
-        rate = np.gradient(payout, dt)
-        return PastWinch(payout, rate, payout, rate, 0.0)
     twin = TwinWinch(parameters, tick_period=dt)
     states = np.zeros((record.ticks, 3))
     for index in range(record.ticks - 1):
@@ -118,21 +110,3 @@ def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale:
     missed, waves = found.values, found.omega > SLOWEST
     error = math.sqrt(float(np.sum((found.kept**2 * found.power)[waves])) / record.ticks)
     return PastWinch(modelled + missed, rate + np.gradient(missed, dt), modelled, rate, error)
-
-
-def mean_payout(time: Array, payout: Array, heave: Array) -> Array:
-    """Return the payout about which a drum has worked, where no controller states it: that which no wave moves [m].
-
-    What follows the boom tip is taken out first, by a running regression: else waves at the ends of a record would
-    move the mean.
-
-    Parameters
-    ----------
-    time : of each tick (n,) [s]
-    payout : (n,) [m]
-    heave : of the boom tip (n,) [m]
-    """
-    mean = partial(running_mean, time)
-    moved, waves = payout - mean(payout), heave - mean(heave)
-    share = mean(moved * waves) / np.maximum(mean(waves**2), 1e-12)
-    return mean(payout - share * heave)

@@ -10,8 +10,6 @@ from typing import Any, NamedTuple, TypeVar
 from heave_node.extras import MissingExtraError, extra_parts, load_part, missing_extra
 from heave_node.parameters import group
 
-from cable_sim_node.winch.drives.interface import Drive
-
 T = TypeVar("T")
 
 GROUP = "heave.drives"
@@ -28,13 +26,13 @@ class DriveEntry(NamedTuple):
     Attributes
     ----------
     parameters : its parameter set, a group of the winch's under the name of the drive
-    make : makes it from the winch's parameters, its own, and the tension [N] under which it is at rest; raises
-        ValueError where it cannot hold that
+    make : makes it, a `Drive` (`cable_sim_node.winch.drives.interface`), from the winch's parameters, its own, and the
+        tension [N] under which it is at rest; raises ValueError where it cannot hold that
     check : refuses by ValueError what does not fit together: the winch's parameters, and its own
     """
 
     parameters: type
-    make: Callable[[Any, Any, float], Drive]
+    make: Callable[[Any, Any, float], Any]
     check: Callable[[Any, Any], None]
 
 
