@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PYTHON ?=
 # What a build copies; Python files, scenarios among them, are used where they lie.
-BUILD_INPUTS := pyproject.toml $(wildcard cmake/* core/*.cmake core/src/* core/heave_core/layout.py msgs/*.txt msgs/*.xml msgs/msg/* msgs/srv/* msgs/action/* */package.xml */launch/* */config/*)
+BUILD_INPUTS := pyproject.toml $(wildcard cmake/* core/*.cmake core/heave_core/src/* core/heave_core/layout.py msgs/*.txt msgs/*.xml msgs/msg/* msgs/srv/* msgs/action/* */package.xml */launch/* */config/*)
 
 # The mark that the ROS wheels leave in the environment belongs to one Python; another must set itself up.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
@@ -34,12 +34,13 @@ run: $(VENV)/.installed  ## set up, then the calm-sea scenario for ten simulated
 test: style  ## set up, then every check: ruff, then mypy among the tests, on two cores
 	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder $(PYTEST)
 
-validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of six hours or more: 100 landings, 256 wrong beliefs of the winch and sensors and 256 of the plant too, 256 faults of sensors, 100 foreign seas, 192 draws of the day, 1,000 damaged bags, 1,000 hostile files, 100 killed runs, 200 interrupted studies, 1,000 storms, 200 answers of what would have been, 15 simulated hours and a real one
+validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of six hours or more: 100 landings, 256 wrong beliefs of the winch and sensors and 256 of the plant too, 256 faults of sensors, 1,000 faults in all modes, 100 foreign seas, 192 draws of the day, 1,000 damaged bags, 1,000 hostile files, 100 killed runs, 200 interrupted studies, 1,000 storms, 200 answers of what would have been, 15 simulated hours and a real one
 	$(BIN)/python -m pytest -m long
 	$(BIN)/python -m tests.campaigns.landings
 	$(BIN)/python -m tests.campaigns.promise --draws 256
 	$(BIN)/python -m tests.campaigns.promise --draws 256 --plant
 	$(BIN)/python -m tests.campaigns.sensor_faults
+	$(BIN)/python -m tests.campaigns.fault_matrix --cases 1000 --workers 2
 	$(BIN)/python -m tests.campaigns.seas
 	$(BIN)/python -m tests.campaigns.draws --kind few --draws 64 --told
 	$(BIN)/python -m tests.campaigns.draws --kind stacked --draws 64

@@ -12,13 +12,13 @@ add_custom_command(
   VERBATIM)
 
 add_library(heave_core SHARED
-  "${heave_core_folder}/src/drum.cpp"
-  "${heave_core_folder}/src/envelope.cpp"
-  "${heave_core_folder}/src/interface.cpp"
-  "${heave_core_folder}/src/move.cpp"
-  "${heave_core_folder}/src/ship.cpp"
+  "${heave_core_folder}/heave_core/src/drum.cpp"
+  "${heave_core_folder}/heave_core/src/envelope.cpp"
+  "${heave_core_folder}/heave_core/src/interface.cpp"
+  "${heave_core_folder}/heave_core/src/move.cpp"
+  "${heave_core_folder}/heave_core/src/ship.cpp"
   "${heave_core_made}/layout.h")
-target_include_directories(heave_core PRIVATE "${heave_core_made}" "${heave_core_folder}/src")
+target_include_directories(heave_core PRIVATE "${heave_core_made}" "${heave_core_folder}/heave_core/src")
 target_compile_features(heave_core PRIVATE cxx_std_17)
 # The same bits as numpy: no fused multiply-add.
 target_compile_options(heave_core PRIVATE

@@ -22,11 +22,14 @@ from tests.campaigns.fault_matrix.judge import (
     RATE_MARGIN,
     TRAVEL,
     Raised,
+    asked_more,
     beyond,
     blamed,
     envelope_ratio,
+    held_for,
     leaky,
     named_after,
+    path_of,
     rest_after,
     rolling_largest,
     rolling_range,
@@ -133,6 +136,18 @@ def test_the_unit_counts_from_ten_seconds_after_the_fault_on():
     assert math.isnan(unit_ratio(TIME[short], unit[short], off[short], BEGIN + 6.0))
 
 
+def test_what_shows_a_fault_is_a_way_an_order_and_time_under_the_brake():
+    rate = np.where((TIME >= BEGIN) & (TIME < 102.0), -0.1, 0.0)
+    ordered = np.where((TIME >= BEGIN) & (TIME < 101.0), 0.5, 0.0)
+    assert path_of(TIME, rate, none := np.zeros_like(TIME), BEGIN, math.inf) == pytest.approx(0.2)
+    assert path_of(TIME, none, ordered, BEGIN, 100.475) == pytest.approx(0.25)
+    assert path_of(TIME, rate, ordered, 103.0, math.inf) == 0.0
+    assert asked_more(ordered, 0.4, TIME, BEGIN, math.inf)
+    assert not asked_more(ordered, 0.5, TIME, BEGIN, math.inf)
+    assert not asked_more(ordered, 0.4, TIME, 101.0, math.inf)
+    assert held_for(TIME, TIME >= 150.0, 140.0, 160.0 - 0.5 * PERIOD) == pytest.approx(10.0)
+
+
 class Ends:
     """What stands at both ends of the wires, and notes what comes through."""
 
@@ -225,9 +240,10 @@ def test_what_all_cases_came_to_is_held_against_the_bars():
 def test_results_make_the_page_and_those_of_the_same_commit_and_seed_are_replaced(tmp_path):
     found = Outcome(math.inf, True, 2.0, 1.25, 0.5, math.nan, 1.0, 0.5, 0.2, alarms=("0.10 MRU_STALE",))
     path, ran = tmp_path / "results.json", [(cell(1, 0), found)]
-    add(path, {"commit": "a" * 40, "seed": 1}, ran)
-    add(path, {"commit": "b" * 40, "seed": 1}, ran)
-    add(path, {"commit": "b" * 40, "seed": 1}, ran)
+    how = {"seed": 1, "branches": 4, "after": 75.0}
+    add(path, {**how, "commit": "a" * 40}, ran)
+    add(path, {**how, "commit": "b" * 40}, ran)
+    add(path, {**how, "commit": "b" * 40}, ran)
     campaigns = json.loads(path.read_text())
     assert [one["commit"][0] for one in campaigns] == ["a", "b"]
     shown, read = shown_of(campaigns[1]["rows"][0])

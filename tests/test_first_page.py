@@ -44,7 +44,7 @@ def test_each_table_of_results_names_its_commit():
 
 
 def test_what_holds_a_claim_is_there():
-    claims = PAGE.split("## Believe it")[1].split("\n## ")[0]
+    claims = PAGE.split("## Evidence")[1].split("\n## ")[0]
     named = [name for row in re.findall(r"\| ([^|]+) \|$", claims, flags=re.MULTILINE) for name in row.split(", ")]
     files = [name.strip("`") for name in named if name.startswith("`")]
     assert len(files) >= 7

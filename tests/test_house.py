@@ -51,7 +51,7 @@ BUDGETS = {
     "wave_vessel_node": (5_762, 4_400),
     "cable_sim_node": (10_040, 8_500),
     "winch_controller_node": (25_700, 14_000),
-    "bags": (11_310, 7_700),
+    "bags": (11_304, 7_700),
     "bringup": (8_720, 6_100),
     "extras/devices": (6_900, 4_900),
     "extras/studies": (16_070, 6_000),

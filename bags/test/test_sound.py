@@ -120,6 +120,13 @@ def test_a_copy_lives_as_long_as_its_bag(tmp_path):
     assert not copy.parent.exists()
 
 
+def test_a_file_that_has_gone_since_it_was_checked_is_named(tmp_path):
+    bag = Bag(write(tmp_path / "a.mcap"))
+    bag.sound_files()[0].unlink()
+    with pytest.raises(BagError, match=r"a\.mcap: cannot be read"):
+        list(bag.messages())
+
+
 def test_a_disk_without_room_for_a_copy_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr("heave_bags.mcap.read.recovery.McapWriter", _refuse)
     with pytest.raises(BagError, match=r"no room for a sound copy in .*; set TMPDIR to a folder with more room"):

@@ -68,6 +68,12 @@ class VerdictError(CommandError):
         super().__init__(f"verdict FAILED: {first}{more}; see {where}")
 
 
+class AnotherRunError(CommandError):
+    """A run that is refused, since its place is taken by another."""
+
+    status = ExitStatus.REFUSED
+
+
 class NoRunError(CommandError):
     """There is no run to operate."""
 

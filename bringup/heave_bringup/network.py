@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
+from heave_node.parameters import ParameterError
 from heave_node.ros.transport.environment import open_to_network, prepare_environment
+
+LARGEST_DOMAIN = 232
+"""Of the ports of DDS (OMG RTPS 9.6.1.1)."""
 
 
 def set_up_transport(*, network: bool) -> None:
@@ -13,7 +18,12 @@ def set_up_transport(*, network: bool) -> None:
     Parameters
     ----------
     network : open it to other hosts
+
+    Raises ParameterError for a ROS domain that is none.
     """
+    domain = os.environ.get("ROS_DOMAIN_ID", "")
+    if domain and not (domain.isdecimal() and int(domain) <= LARGEST_DOMAIN):
+        raise ParameterError(f"ROS_DOMAIN_ID={domain!r}: must be a whole number from 0 to {LARGEST_DOMAIN}")
     if network:
         open_to_network()
     notice = prepare_environment()

@@ -12,7 +12,7 @@ HEAD = """# The core's layout
 exception, a clock or a text. One table, `heave_core.layout`, makes the C++ structures, the numpy types by which Python
 reads and writes the same memory, and this page (`python -m heave_core.page`).
 
-| part | file in `core/src/` | what it does |
+| part | file in `core/heave_core/src/` | what it does |
 |---|---|---|
 | envelope | `envelope.cpp` | bounds every order, takes over, brakes: see [the envelope](guide/controller/envelope.md) |
 | ship | `ship.cpp` | motion reference unit, count of the drum, load cell, from raw readings |

@@ -58,6 +58,7 @@ def test_a_unit_is_landed_held_and_lifted_off_without_touching_again(seed):
     }
     record = loop_above(575.0, 100.0, seed, **programme).run()
     hangs = next(time for time, alarm in record.alarms if alarm.code == "UNIT_SUSPENDED")
+    assert [alarm.code for time, alarm in record.alarms if time >= hangs and alarm.code.startswith("DEPTH_")] == []
     assert "TOUCHDOWN" in {alarm.code for _, alarm in record.alarms}
     force, time = record.column("touchdown_force"), record.column("time")
     first = time[np.argmax(force > 0.0)]

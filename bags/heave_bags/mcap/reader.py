@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from mcap.records import Attachment, Channel, Schema
 from numpy.typing import NDArray
-from rosbags.rosbag2 import Reader
+from rosbags.rosbag2 import Reader, ReaderError
 
 from heave_bags.cdr.columns import Columns
 from heave_bags.errors import BagError
@@ -287,13 +287,16 @@ class Bag:
             earliest, latest = spans.get(path, (start, end))
             if earliest > end or latest < start:
                 continue
-            with Reader(path) as reader:
-                connections = [one for one in reader.connections if wanted is None or one.topic in wanted]
-                found = reader.messages(connections, start, end + 1) if connections else ()
-                for count, (connection, log_time, data) in enumerate(found):
-                    if not count % _PROGRESS_EVERY:
-                        progress(min(max(0.5 + 0.5 * (log_time - first) / length, 0.5), 1.0))
-                    yield RawMessage(connection.topic, log_time, data)
+            try:
+                with Reader(path) as reader:
+                    connections = [one for one in reader.connections if wanted is None or one.topic in wanted]
+                    found = reader.messages(connections, start, end + 1) if connections else ()
+                    for count, (connection, log_time, data) in enumerate(found):
+                        if not count % _PROGRESS_EVERY:
+                            progress(min(max(0.5 + 0.5 * (log_time - first) / length, 0.5), 1.0))
+                        yield RawMessage(connection.topic, log_time, data)
+            except (ReaderError, OSError) as error:  # a disk that fails, or a file that has changed since
+                raise BagError(f"{path}: cannot be read: {error}") from error
         progress(1.0)
 
     def decoded(self, topics: Collection[str] | None = None, **selection: Any) -> Iterator[tuple[RawMessage, Any]]:

@@ -125,7 +125,7 @@ class DepthMove:
         result = ended.result
         if ended.status == GoalStatus.STATUS_SUCCEEDED:
             return Answer(f"{result.message}: mean depth {result.depth:.2f} m")
-        return refusal(f"not there: {result.message}; mean depth {result.depth:.2f} m")
+        return refusal(f"refused: {result.message}; mean depth {result.depth:.2f} m")
 
     def cancel(self) -> None:
         """End the move smoothly."""

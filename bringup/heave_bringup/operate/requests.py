@@ -88,7 +88,7 @@ def request_factor(factor: float) -> Request:
     def judge(response: Any) -> Answer:
         (result,) = response.results
         if result.successful:
-            return Answer(f"factor {factor:g}: authority goes there over the fade-in time")
+            return Answer(f"compensation gain set to {factor:g} (ramps over the fade-in time)")
         return Answer(result.reason or "the controller does not take it", is_refused=True)
 
     return Request(SetParameters, f"{CONTROLLER}/set_parameters", message, CONTROLLER, judge=judge)

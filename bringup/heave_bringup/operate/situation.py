@@ -218,7 +218,7 @@ def status_line(situation: Situation) -> str:
         parts.append(f"payout {winch.payout:.2f} m at {winch.rate:+.3f} m/s, brake {'on' if winch.brake else 'off'}")
     if figures is not None and math.isfinite(figures.unit_sigma):
         heave = f"{100.0 * figures.unit_sigma:.2f} cm over {figures.window:.0f} s"
-        parts.append(f"unit heave, standard deviation {heave}, as estimated")
+        parts.append(f"load heave, standard deviation {heave}, as estimated")
     if situation.is_paused and controller is None:
         parts.append("nodes publish nothing while it is paused: step to see more")
     alarms = [str(alarm) for alarm in situation.alarms]

@@ -54,7 +54,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The drum runs against its orders: the load is driven into the bottom or up to the boom",
         {"winch": ("reverse",)},
-        ("DRUM_*", "COUNT_SPEED_DISAGREE", "WINCH_DRIVE_FAULT", "WINCH_OR_ENCODER_*"),
+        ("DRUM_*", "DRIVE_AT_FAULT", "COUNT_SPEED_DISAGREE", "WINCH_DRIVE_FAULT", "WINCH_OR_ENCODER_*"),
         "the envelope brakes; the drive's supervision trips where it is fitted; the guard ends compensation",
         "`supervision_time`, 1 s where it is set, counted while the order is above 0.05 m/s; guard: seconds",
         "the drum moves for the time of the supervision; without it until the guard has seen it",
@@ -69,15 +69,31 @@ HAZARDS: tuple[Hazard, ...] = (
         ("*BRAKE*", "DRUM_*HELD*", "WINCH_DRIVE_FAULT"),
         "the drive trips, and the virtual winch's holds the drum where it is; the controller stops and reports it. "
         "No second brake is commanded",
-        "0.05 m of motion from the standstill (test)",
+        "0.05 m of motion from the standstill, and 0.3 s (test)",
         "without power, after an emergency stop, or with a drive of your own that does not do so the load goes on to "
         "pay out at the speed of the slip: a second brake, or a person, has to hold it",
-        ("tests/test_winch_faults.py::test_a_brake_that_does_not_hold_is_reported_within_two_seconds_of_the_standstill",
+        (f"{_C}test_brake_watch.py::test_a_drum_that_slips_is_told_at_the_highest_severity_within_a_third_of_a_second_and_"
+         "five_centimetres",
+         f"{_C}test_brake_watch.py::test_a_slip_that_the_count_does_not_show_is_told_by_the_load_cell",
+         "tests/test_winch_faults.py::test_a_brake_that_does_not_hold_is_reported_within_two_seconds_of_the_standstill",
          "node_base/test/test_motion_supervision.py::"
          "test_a_drum_that_has_stood_and_sinks_past_a_brake_that_says_open_is_found_by_its_way",
          "cable_sim_node/test/test_faulty_drum.py::"
          "test_a_drum_that_slips_past_its_brake_is_held_by_the_drive_without_any_command"),
         events=(Event.WINCH_FAULT,),
+    ),
+    Hazard(
+        "After a stop the load swings, or hangs in the waves on its way",
+        {},
+        ("LOAD_SWINGS", "MOVE_LOST"),
+        "size, period and half-life of the swing are told once the drum stands; compensation takes it out",
+        "2 s after the brake was ordered",
+        "for minutes the load moves by up to three times its motion under a locked drum",
+        (f"{_C}test_after_stop.py::"
+         "test_after_an_emergency_stop_the_operator_is_told_by_how_much_the_load_swings_and_for_how_long",
+         f"{_C}test_after_stop.py::"
+         "test_a_move_that_a_fault_has_ended_is_told_at_the_severity_of_a_load_that_hangs_in_the_waves"),
+        others="an emergency stop, or a fault that ends compensation",
     ),
     Hazard(
         "What was identified, estimated or computed is wrong: the drum is driven away",
@@ -126,7 +142,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "The drive trips or loses its power under load",
         {"winch": ("drive",)},
-        ("WINCH_DRIVE_FAULT", "COMPENSATION_LOST"),
+        ("WINCH_DRIVE_FAULT", "COMPENSATION_LOST", "MOVE_LOST"),
         f"the winch {_STOP} and brakes, and latches; an operator, or a bounded number of retries, releases it",
         "at once; from 2 m/s 1.3 s",
         "the unit swings with the ship; a tension that rises until the brake holds",
@@ -192,11 +208,13 @@ HAZARDS: tuple[Hazard, ...] = (
         {"mru": ("scale", "jump", "spike", "delay")},
         ("MRU_SPIKES", "MRU_JUMPS", "MRU_EXCLUDED", "MRU_REVERSED", "MRU_*UNPROVED", "MRU_SCALE_ERROR", "MRU_DELAYED",
          "DEPTH_MRU_DISAGREE", "UNIT_HEAVE_HIGH"),
-        "readings beyond the gate are rejected; scale, delay and drift are identified against depth and tension, or "
-        "the sensor is excluded",
+        "before the brake opens the MRU is proved by load cell and depth sensor on the nominal cable, and a reversed one "
+        "is refused; later readings beyond the gate are rejected; scale, delay and drift are identified, or the sensor "
+        "is excluded",
         "spikes and jumps: the sample; a reversed MRU: 20 s (test)",
         "a scale error of a few percent leaves as much motion until it is identified; without a depth sensor it stays",
-        (f"{_C}test_excluded_sensors.py::"
+        (f"{_C}test_proofs.py::test_a_sound_mru_is_proved_and_a_reversed_one_is_named_by_either_witness",
+         f"{_C}test_excluded_sensors.py::"
          "test_a_unit_whose_motion_reference_unit_is_turned_over_for_good_is_never_worse_off",
          "tests/test_sensor_faults.py::test_a_sensor_of_a_wrong_scale_leaves_the_unit_no_worse_than_off"),
         events=(Event.HARM, Event.SENSOR_LOST),
@@ -257,7 +275,7 @@ HAZARDS: tuple[Hazard, ...] = (
     Hazard(
         "Compensation excites the unit: it swings more than without",
         {},
-        ("UNIT_SWING_HIGH", "UNIT_HEAVE_HIGH", "WORSE_THAN_OFF", "DRUM_SPEED_OFF", "COMPENSATION_LOST"),
+        ("UNIT_SWING_HIGH", "LOAD_SWINGS", "UNIT_HEAVE_HIGH", "WORSE_THAN_OFF", "DRUM_SPEED_OFF", "COMPENSATION_LOST"),
         "compensation fades out, and is tried again after a growing wait",
         "a swing of a higher frequency than the sea: seconds; of a lower one: a minute",
         "up to 1.05 times the motion without compensation over a minute, where nothing else is at fault",

@@ -107,13 +107,13 @@ class LiveFigures:
         estimated_sigma, estimated_efficiency : of the controller [m], [-]; they count where there is no truth
         """
         if self.is_landed:
-            return "unit on the bottom, tension held" if self.mode == HOLDS_TENSION else "unit on the bottom"
+            return "load on the seabed, constant tension" if self.mode == HOLDS_TENSION else "load on the seabed"
         source, sigma, efficiency = "true", *self._figures()
         if not self.has_truth:
             source, sigma, efficiency = "estimated", estimated_sigma, estimated_efficiency
         words = [self._mode_words()]
         if math.isfinite(sigma):
-            words.append(f"{source} unit heave {100.0 * sigma:.2f} cm std. dev.")
+            words.append(f"{source} load heave {100.0 * sigma:.2f} cm std. dev.")
             if self.mode in COMPENSATES and math.isfinite(efficiency):
                 words.append(f"efficiency {100.0 * efficiency:.1f} %")
         return ", ".join(word for word in words if word)

@@ -22,7 +22,7 @@ from heave_node.ros.transport.shared_memory import remove_dead_segments
 from heave_node.ros.transport.watchdog import Watchdog, watched_start
 from heave_node.scenario import write_sections
 
-from heave_bringup.errors import CommandError, InterruptedCommandError
+from heave_bringup.errors import AnotherRunError, CommandError, InterruptedCommandError
 from heave_bringup.interrupts import raise_if_interrupted
 from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER, nodes_to_start
 from heave_bringup.progress import ProgressLine
@@ -34,7 +34,7 @@ from heave_bringup.stored_scenario import stored_sections, stored_title
 
 RUNS = "runs"
 """Folder of all runs, unless the user names another."""
-ANOTHER_RUN = "another run is in progress in this ROS domain: end it, or set another ROS_DOMAIN_ID"
+ANOTHER_RUN = "another run is in progress in this ROS domain: wait for it, or use --namespace NAME"
 
 LOOK_PERIOD = 0.1
 """Wall time between two looks at the nodes [s]."""
@@ -81,9 +81,12 @@ def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
     Raises ParameterError where the chosen folder is not empty.
     """
     if chosen is not None:
-        if chosen.exists() and any(chosen.iterdir()):
+        if chosen.is_dir() and any(chosen.iterdir()):
             raise ParameterError(f"{chosen}: is not empty; choose another folder or remove it")
-        chosen.mkdir(parents=True, exist_ok=True)
+        try:
+            chosen.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ParameterError(f"{chosen}: cannot be made: {error.strerror}; choose another folder") from error
         return RunFolder(chosen.resolve())
     for number in itertools.count(1):
         path = Path(RUNS) / f"{name}-{number:03d}"
@@ -165,14 +168,14 @@ def run_scenario(
     ):
         if not is_only:
             _remove_unused(folder)
-            raise CommandError(ANOTHER_RUN)
+            raise AnotherRunError(ANOTHER_RUN)
         monitor = _listen(namespace)
         launcher = Launcher(forks)
         progress = ProgressLine()
         try:
             if monitor.another_run():
                 _remove_unused(folder)
-                raise CommandError(ANOTHER_RUN)
+                raise AnotherRunError(ANOTHER_RUN)
             store_scenario(scenario, folder, replaced.in_ticks)
             names = nodes_to_start(scenario.run, replaced.lockstep)
             if composed is None:

@@ -36,8 +36,11 @@ SERVO = (
 )
 
 
-def inputs_at(tick, dt, height, rng):
-    """Return what comes in a tick by name: a tip in long waves, a unit after it, readings late, wrong and missing."""
+def inputs_at(tick, dt, height, rng, payout):
+    """Return what comes in a tick by name: a tip in long waves, a unit after it, readings late, wrong and missing.
+
+    The drum's `payout` is where the orders have taken it, or the envelope would brake.
+    """
     time = tick * dt
     heave, rate = height * math.sin(0.9 * time), 0.9 * height * math.cos(0.9 * time)
     given = {
@@ -45,7 +48,7 @@ def inputs_at(tick, dt, height, rng):
         "mru.heave": heave + 0.01 * rng.standard_normal(),
         "mru.heave_rate": math.nan if tick % 13 == 0 else rate + 0.01 * rng.standard_normal(),
         "mru.header.stamp": time - 0.3 * dt,
-        "winch.state.encoder_payout": 0.2 * heave + 3e-4 * rng.standard_normal(),
+        "winch.state.encoder_payout": payout + 3e-4 * rng.standard_normal(),
         "unit.pressure.fluid_pressure": 3.1e6 - 1e4 * heave + 200.0 * rng.standard_normal() + 2e5 * (tick % 71 == 0),
         "unit.pressure.header.stamp": time - (0.1 if tick % 50 else 2.0),
     }
@@ -76,7 +79,8 @@ def test_it_does_what_the_reference_does(tmp_path, scenario, settings, height):
     takes, gives = places_of(part.inputs), places_of(part.outputs)
     rng, dt, both = np.random.default_rng(5), part.tick_period, []
     for tick in range(1, 601):
-        for name, value in inputs_at(tick, dt, height, rng).items():
+        payout = float(part.envelope.state["drum"]["payout"][0])
+        for name, value in inputs_at(tick, dt, height, rng, payout).items():
             values, index = takes[name]
             values[index] = value
             instance.set(name, value)
@@ -91,6 +95,7 @@ def test_it_does_what_the_reference_does(tmp_path, scenario, settings, height):
     instance.close()
     wanted, found = np.array(both).T
     assert row["controller.state.authority"][1] == 1.0
+    assert part.envelope.state["cause"][0] == 0.0
     assert np.std(wanted) > 0.05
     assert np.max(np.abs(found - wanted)) < AGREEMENT * np.std(wanted)
 
@@ -101,7 +106,8 @@ def test_it_begins_again_the_same_and_takes_a_fourth_of_a_tick(tmp_path):
     def rates(steps):
         rng, found = np.random.default_rng(1), []
         for tick in range(1, 121):
-            for name, value in inputs_at(tick, 0.05, 1.0, rng).items():
+            payout = 0.05 * sum(found[:-5])  # of a drum that follows late
+            for name, value in inputs_at(tick, 0.05, 1.0, rng, payout).items():
                 instance.set(name, value)
             for step in range(steps):
                 instance.step((tick - 1 + step / steps) * 0.05, 0.05 / steps)
@@ -127,6 +133,7 @@ def test_the_file_is_valid_says_what_is_left_out_and_holds_no_python(tmp_path):
         names = set(archive.namelist())
         archive.extractall(tmp_path / "unpacked")
     assert {"sources/filter.c", "sources/controller.c", "sources/fmu.c", "sources/design.h"} < names
+    assert {"sources/last_step.cpp", "sources/envelope.cpp", "sources/layout.h", "sources/bounds.h"} < names
     assert not [name for name in names if name.endswith((".py", ".yaml"))]
     library = tmp_path / "unpacked" / "binaries" / "linux64" / f"{MODEL}.so"
     wanted = subprocess.run(["nm", "-D", "-u", library], check=True, capture_output=True, text=True).stdout
@@ -165,10 +172,37 @@ def test_it_refuses_what_it_would_not_be(tmp_path, scenario, settings, words):
         export_controller(load_scenario(scenario, settings=settings), tmp_path)
 
 
-def test_a_compiler_that_is_not_there_is_named(tmp_path, monkeypatch):
-    monkeypatch.setenv("CC", "no_such_compiler")
-    with pytest.raises(CommandError, match="no_such_compiler: No such file or directory; CC names a C compiler"):
+@pytest.mark.parametrize(("variable", "kind"), [("CC", "C"), ("CXX", r"C\+\+")])
+def test_a_compiler_that_is_not_there_is_named(tmp_path, monkeypatch, variable, kind):
+    monkeypatch.setenv(variable, "no_such_compiler")
+    with pytest.raises(CommandError, match=f"no_such_compiler: No such file or directory; {variable} names a {kind} "):
         export_controller(load_scenario("b2_calm_300", settings=LQG), tmp_path)
+
+
+def test_a_drum_that_runs_is_braked_and_an_order_beyond_the_bounds_is_not_sent(tmp_path):
+    """The count runs away: the last step is the envelope, in the reference and in the FMU alike."""
+    loaded = load_scenario("b2_calm_300", settings=LQG)
+    part = FixedControllerPart(loop_parameters(loaded))
+    part.start()
+    instance = FmuInstance(export_controller(loaded, tmp_path), "controller")
+    takes, gives = places_of(part.inputs), places_of(part.outputs)
+    rng, dt, brakes, runaway = np.random.default_rng(5), part.tick_period, [], 0.0
+    for tick in range(1, 301):
+        runaway += 0.02 if tick > 200 else 0.0
+        payout = float(part.envelope.state["drum"]["payout"][0]) + runaway
+        for name, value in inputs_at(tick, dt, 0.3, rng, payout).items():
+            values, index = takes[name]
+            values[index] = value
+            instance.set(name, value)
+        part.step(tick)
+        instance.step((tick - 1) * dt, dt)
+        values, index = gives["winch.command.brake"]
+        assert bool(values[index]) == bool(instance.get("winch.command.brake"))
+        brakes.append(bool(values[index]))
+    instance.close()
+    begun = brakes.index(False)
+    assert begun < 200 < begun + brakes[begun:].index(True) < 220
+    assert all(brakes[220:])
 
 
 def loop_of_parts(scenario, sources, mode):

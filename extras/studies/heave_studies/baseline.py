@@ -62,7 +62,7 @@ def baseline_signals(scenario: Scenario, progress: Progress = no_progress) -> Ru
 
 def add_to_record(record: RunRecord, request: Request, show: Callable[[str, float | None], None]) -> list[str]:
     """See `heave_bringup.run.records.AddToRecord`: adds the baseline."""
-    words = f"{record.name} under law {BASELINE_LAW} (--no-baseline leaves it out)"
+    words = f"{record.name}: computing the industrial baseline (skip: --no-baseline)"
     add_baseline(record, request.bag, request.scenario, lambda share: show(words, share))
     return []
 

@@ -496,7 +496,7 @@ def test_progress_says_that_each_case_is_run_under_the_baseline_law_too(campaign
     monkeypatch.setattr("heave_bringup.progress.QUIET_PERIOD", 0.0)
     study.run_study(campaign, processes=1, has_baseline=True)
     first, second, *_ = capsys.readouterr().err.splitlines()
-    assert "8 cases of b2_calm_300, each under law industrial too (--no-baseline leaves it out)" in first
+    assert "8 cases of b2_calm_300, each also under the industrial baseline (skip: --no-baseline)" in first
     assert "case 1 of 8 and its baseline, " in second
     study.run_study(campaign, processes=1)
     assert "baseline" not in capsys.readouterr().err

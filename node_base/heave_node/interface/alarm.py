@@ -28,7 +28,7 @@ from heave_node.interface.codes import TIME_KEY
 Value = float | str
 
 LOOP = "loop"
-"""Value that says what the loop does: not given where an alarm is raised, but by `Alarm.told`, once that is decided."""
+"""Value that says what the loop does: given by `Alarm.reported`, once that is decided, not where an alarm is raised."""
 
 
 class Severity(enum.IntEnum):
@@ -110,14 +110,14 @@ class Alarm:
 
     @property
     def text(self) -> str:
-        """State, consequence and action: a sentence each. What the loop does is left out where nobody has told."""
+        """State, consequence and action: a sentence each. What the loop does is left out until it is known."""
         consequence = self.row.consequence
         if LOOP not in self.values:
             consequence = consequence.replace(f"{{{LOOP}}}", "").removeprefix(". ")
         parts = (self.row.state, consequence, self.row.action)
         return " ".join(f"{part.format(**self.values)}." for part in parts if part)
 
-    def told(self, loop: str) -> Alarm:
+    def reported(self, loop: str) -> Alarm:
         """Return the alarm with what the `loop` does, a sentence without its full stop."""
         return replace(self, values={**self.values, LOOP: loop})
 

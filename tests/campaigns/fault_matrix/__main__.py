@@ -30,17 +30,18 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from datetime import datetime, timezone
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 
 from heave_bags.record.provenance import git_commit
 
-from tests.campaigns.fault_matrix.cases import Cell, cell
+from tests.campaigns.fault_matrix.cases import BRANCHES, Cell, cell
 from tests.campaigns.fault_matrix.faults import KINDS
 from tests.campaigns.fault_matrix.figures import BARS, COLUMNS, GROUPS, Ran, broken, kept, line, rows_by, worst
 from tests.campaigns.fault_matrix.moments import MOMENTS
 from tests.campaigns.fault_matrix.page import add
-from tests.campaigns.fault_matrix.run import Outcome, outcome_of, run_cells
+from tests.campaigns.fault_matrix.run import AFTER, Outcome, outcome_of, run_cells
 from tests.campaigns.journal import ROOT, JournalError, JournalFile, sources_digest
 
 FOLDER = Path("runs") / "fault_matrix"
@@ -55,12 +56,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except JournalError as error:
         sys.stderr.write(f"{error}\n")
         return 2
-    seed = int(journal.heading["seed"])
-    wanted = [cell(seed, index) for index in (sorted(journal.entries) if options.print else range(options.cases))]
+    seed, branches, after = (journal.heading[name] for name in ("seed", "branches", "after"))
+    indices = sorted(journal.entries) if options.print else range(options.cases)
+    wanted = [cell(seed, index, branches) for index in indices]
     wanted = [one for one in wanted if options.only is None or options.only in (one.fault.name, one.base.moment)]
     try:
         if not options.print:
-            _run(wanted, options.workers, journal)
+            _run(wanted, options.workers, journal, after)
     except KeyboardInterrupt:
         return 130
     ran = [(one, _outcome(journal, one)) for one in wanted if journal.entries.get(one.index, ("",))[0] == one.words]
@@ -78,30 +80,30 @@ def _journal(options: argparse.Namespace) -> JournalFile:
     if options.print:
         return JournalFile(options.print)
     digest = sources_digest(sorted(Path(__file__).parent.glob("*.py")))
-    heading = {"commit": git_commit(ROOT), "sources": digest, "seed": options.seed}
-    path = options.journal or FOLDER / f"{options.seed}-{digest}.jsonl"
+    how = {name: getattr(options, name) for name in ("seed", "branches", "after")}
+    path = options.journal or FOLDER / f"{'-'.join(f'{value:g}' for value in how.values())}-{digest}.jsonl"
     if options.fresh:
         path.unlink(missing_ok=True)
-    return JournalFile(path, heading)
+    return JournalFile(path, {"commit": git_commit(ROOT), "sources": digest, **how})
 
 
-def _run(wanted: Sequence[Cell], workers: int, journal: JournalFile) -> None:
+def _run(wanted: Sequence[Cell], workers: int, journal: JournalFile, after: float) -> None:
     """Run those of the `wanted` cases that the `journal` has not."""
     missing = [one for one in wanted if journal.entries.get(one.index, ("",))[0] != one.words]
-    for one, found in _outcomes(missing, workers):
+    for one, found in _outcomes(missing, workers, after):
         journal.add(one.index, one.words, asdict(found))
         sys.stdout.write(line(one, found) + "\n")
         sys.stdout.flush()
 
 
-def _outcomes(cells: Sequence[Cell], workers: int) -> Iterator[Ran]:
+def _outcomes(cells: Sequence[Cell], workers: int, after: float) -> Iterator[Ran]:
     if workers == 1:
-        yield from run_cells(cells)
+        yield from run_cells(cells, after)
         return
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     loops = [list(group) for _, group in groupby(cells, key=lambda one: one.base.number)]
     with multiprocessing.get_context("spawn").Pool(workers, initializer=_begin) as pool:
-        for group in pool.imap_unordered(_run_loop, loops):
+        for group in pool.imap_unordered(partial(_run_loop, after=after), loops):
             yield from group
 
 
@@ -109,8 +111,8 @@ def _begin() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _run_loop(cells: Sequence[Cell]) -> list[Ran]:
-    return list(run_cells(cells))
+def _run_loop(cells: Sequence[Cell], after: float) -> list[Ran]:
+    return list(run_cells(cells, after))
 
 
 def report(ran: Sequence[Ran]) -> str:
@@ -134,6 +136,10 @@ def _parser() -> argparse.ArgumentParser:
     names = [kind.name for kind in KINDS] + [moment.name for moment in MOMENTS]
     parser.add_argument("--cases", type=int, default=200, metavar="N", help="so many, from 0 on (default 200)")
     parser.add_argument("--seed", type=int, default=today, metavar="S", help="of the cases (default: of today)")
+    parser.add_argument("--branches", type=int, default=BRANCHES, metavar="N", help="faults in copies of one loop")
+    parser.add_argument(
+        "--after", type=float, default=AFTER, metavar="S", help=f"time from the fault on (default {AFTER:g} s)"
+    )
     parser.add_argument("--only", choices=names, metavar="KIND", help="of these, those of a kind of fault or a moment")
     parser.add_argument("--workers", type=int, default=1, metavar="N", help="processes (default 1)")
     parser.add_argument(

@@ -47,7 +47,6 @@ NAMES = {
     "DRUM_SPEED_OFF": _DRUM,
     "DRUM_OFF_ORDER": _DRUM,
     "DRUM_RUNS_BRAKED": _DRUM,
-    "DRUM_CONTRADICTED": _DRUM,
     "COUNT_SPEED_DISAGREE": _DRUM,
     "LOAD_FALLS_BRAKED": ("winch", "load_cell"),
     "MRU_REVERSED": ("mru", "depth", "load_cell"),

@@ -57,7 +57,7 @@ SUBJECTS: dict[str, Subject] = {
     "who may speak": Subject("heave_node.tick.speakers", ("node_base/test/test_speakers.py",)),
     "malformed": Subject("heave_node.tick.malformed", ("node_base/test/test_malformed.py",)),
     "gate": Subject("heave_node.tick.gate", ("node_base/test/test_gate.py", "node_base/test/test_speakers.py")),
-    "losses": Subject("heave_bags.mcap.loss", ("bags/test/test_loss.py",)),
+    "losses": Subject("heave_bags.mcap.loss", ("bags/test/test_loss.py", "bags/test/test_recorded_losses.py")),
     "sequence gaps": Subject("heave_bags.record.sequence_gaps", ("bags/test/test_recorded_losses.py",)),
 }
 """By what each is."""

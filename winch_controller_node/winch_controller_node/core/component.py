@@ -421,7 +421,7 @@ class WinchController:
         self.proofs.note(order)
         command = self._command.last
         self._note_kpi(loop)
-        told = loop_words(decision.mode.mode, is_damped_blind=decision.is_damped and not loop.knows_tip)
+        does = loop_words(decision.mode.mode, is_damped_blind=decision.is_damped and not loop.knows_tip)
         reported = ControllerTick(
             loop=loop,
             decision=decision,
@@ -433,11 +433,11 @@ class WinchController:
             gain=self._in_force.law.gain,
             covariance=self.estimator.covariance,
             depth_set_point=self._estimation.set_point,
-            sensors=tuple(state.told(told) for state in self.observer.states(tick)),
+            sensors=tuple(state.reported(does) for state in self.observer.states(tick)),
         )
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
         mode, make_report = decision.mode, partial(state_report, reported)
-        alarms, authority = tuple(alarm.told(told) for alarm in self._alarms), mode.authority
+        alarms, authority = tuple(alarm.reported(does) for alarm in self._alarms), mode.authority
         return Outputs(
             order,
             mode.mode.value,

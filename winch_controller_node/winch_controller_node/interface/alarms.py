@@ -171,8 +171,8 @@ BRAKE = (
         CRITICAL,
         "winch",
         "the load cell has fallen by {fall:.1f} kN in {time:g} s under the brake, as where {way:.2f} m are paid out",
-        "The load falls, or has touched something. Compensation does not begin until a mode is requested",
-        "Keep everybody clear of load and wire. Look at the drum; have a second brake applied",
+        "Compensation does not begin until a mode is requested",
+        "Keep everybody clear of load and wire. The load falls, or has landed: look at the drum, apply a second brake",
     ),
     AlarmRow(
         "DRUM_HELD_BY_DRIVE",
@@ -221,8 +221,8 @@ PROOFS = (
         "mru",
         "nothing has proved the MRU: {why}",
         "Compensation does not begin",
-        "Fit a load cell or a depth sensor, or wait for a higher sea. To begin all the same, with somebody at the "
-        "stop: `heave operate mode compensating --unproved`, or entry.accept_unproved in the scenario",
+        "Fit a load cell or a depth sensor, or wait for a higher sea. To begin all the same: "
+        "`heave operate mode compensating --unproved`, or entry.accept_unproved in the scenario",
     ),
     AlarmRow(
         "COUNT_SPEED_DISAGREE",

@@ -126,9 +126,9 @@ class SensorState(NamedTuple):
     refused: int
     alarm: Alarm | None = None
 
-    def told(self, loop: str) -> SensorState:
+    def reported(self, loop: str) -> SensorState:
         """Return it with what the `loop` does in its alarm."""
-        return self if self.alarm is None else self._replace(alarm=self.alarm.told(loop))
+        return self if self.alarm is None else self._replace(alarm=self.alarm.reported(loop))
 
 
 class Report(NamedTuple):

@@ -52,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         _add_shared(one, default=argparse.SUPPRESS)
         return one
 
-    verb("status", "say in one line how the run, the controller and the winch are")
+    verb("status", "print one line of status")
     mode = verb("mode", "request a mode of the controller", "mode compensating")
     mode.add_argument("mode", choices=MODES)
     mode.add_argument("--tension", type=_number(0.0), default=0.0, metavar="N", help="to hold in constant_tension [N]")
@@ -62,39 +62,39 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="compensate although neither load cell nor depth sensor has proved the motion reference unit",
     )
     depth = verb(
-        "depth", "move the unit to a mean depth, and wait until it is there; Ctrl-C ends the move smoothly", "depth 295"
+        "depth", "move the load to a mean depth and wait until it is there; Ctrl-C ends the move smoothly", "depth 295"
     )
     depth.add_argument("depth", type=_number(), metavar="D", help="positive down [m]")
     _add_move(depth)
     move = verb(
-        "move", "move the unit by some depth from where it hangs, and wait until it is there", "move -2 --speed 0.1"
+        "move", "move the load up or down from where it hangs, and wait until it is there", "move -2 --speed 0.1"
     )
     move.add_argument("by", type=_number(), metavar="BY", help="positive lowers [m]")
     _add_move(move)
-    verb("hold", "end a move smoothly; compensation goes on")
-    speed = verb("speed", "lower or lift at a speed for some time, as with a joystick", "speed -0.1 --for 5")
+    verb("hold", "end a move smoothly; compensation continues")
+    speed = verb("speed", "lower or lift at a constant speed, like a joystick", "speed -0.1 --for 5")
     speed.add_argument("speed", type=_number(), metavar="V", help="positive lowers [m/s]")
     speed.add_argument(
         "--for", dest="seconds", type=_number(0.0), default=2.0, metavar="S", help="simulated time (default: 2)"
     )
-    factor = verb("factor", "change the authority of compensation, 0 to 1", "factor 0.5")
+    factor = verb("factor", "set the compensation gain, 0 to 1", "factor 0.5")
     factor.add_argument("factor", type=_number(0.0, 1.0), metavar="F", help="0 to 1")
-    stop = verb("stop", "fade compensation out, bring the winch to rest and brake; wait until that is done")
-    stop.add_argument("--no-wait", action="store_true", help="answer as soon as the stop is taken")
-    verb("emergency-stop", "brake at once; wait until the drum is at rest")
-    _add_redesign(verb("redesign", "design the controller again, without stopping", "redesign --height 2.5 --period 9"))
+    stop = verb("stop", "fade out compensation, stop the winch and apply the brake; wait until done")
+    stop.add_argument("--no-wait", action="store_true", help="return as soon as the stop is accepted")
+    verb("emergency-stop", "apply the brake at once; wait until the drum has stopped")
+    _add_redesign(verb("redesign", "redesign the controller without stopping", "redesign --height 2.5 --period 9"))
     _add_fault(
-        verb("fault", "make a simulated device misbehave, or well again", "fault inject mru freeze --duration 10")
+        verb("fault", "inject or clear a fault in a simulated device", "fault inject mru freeze --duration 10")
     )
-    verb("pause", "let the run's clock stand")
-    verb("resume", "let the run's clock go on")
-    step = verb("step", "let a paused run go on for some ticks", "step 20")
-    step.add_argument("ticks", type=_count, nargs="?", default=1, metavar="N", help="ticks (default: 1)")
-    snapshot = verb("snapshot", "save the last seconds of the run as a bag of its own", "snapshot --seconds 30")
+    verb("pause", "pause the simulation")
+    verb("resume", "resume the simulation")
+    step = verb("step", "advance a paused simulation by some cycles", "step 20")
+    step.add_argument("ticks", type=_count, nargs="?", default=1, metavar="N", help="cycles (default: 1)")
+    snapshot = verb("snapshot", "save the last seconds of the run as a separate bag", "snapshot --seconds 30")
     snapshot.add_argument(
-        "--seconds", type=_number(0.0), default=0.0, metavar="S", help="of the past (default: all that is kept)"
+        "--seconds", type=_number(0.0), default=0.0, metavar="S", help="length (default: everything kept)"
     )
-    snapshot.add_argument("--directory", type=Path, metavar="DIR", help="of the bag (default: beside the run's)")
+    snapshot.add_argument("--directory", type=Path, metavar="DIR", help="folder for the bag (default: beside that of the run)")
 
 
 def _add_shared(parser: argparse.ArgumentParser, default: str | None = None) -> None:
@@ -106,7 +106,7 @@ def _add_move(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--speed", type=_number(0.0), default=0.0, metavar="V", help="largest [m/s] (default: the controller's)"
     )
-    parser.add_argument("--no-wait", action="store_true", help="answer as soon as the move is under way")
+    parser.add_argument("--no-wait", action="store_true", help="return as soon as the move has started")
 
 
 def _add_redesign(parser: argparse.ArgumentParser) -> None:

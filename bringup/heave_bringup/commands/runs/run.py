@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from heave_bringup.run.run import Composed, RunFolder
     from heave_bringup.scenarios import Scenario
 
-SUMMARY = "Run a scenario: start its nodes, record every topic, print the figures of merit, write a report."
+SUMMARY = "Simulate a scenario: start the nodes, record every topic, print figures of merit, write a report."
 EXAMPLES = (
     "heave run b2_calm_300 --duration 600 --set system.sea.peak_period=7",
     "heave run b3_deep_900 --require 'unit_sigma_m<0.01' --require 'compensating_percent>=95'",
@@ -67,16 +67,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=int,
         metavar="N",
         help="in real time: SCHED_FIFO priority N (1 to 99) for the nodes that others wait for, with their memory "
-        "locked; where the machine does not permit it, the run says so and goes on without",
+        "locked; falls back with a warning if not permitted",
     )
     parser.add_argument("--duration", type=float, metavar="S", help="simulated seconds")
     parser.add_argument("--seed", type=int, metavar="N", help="seed of all random numbers")
     parser.add_argument(
-        "--bag", type=Path, metavar="DIR", help="folder for the bag and the report (default: runs/SCENARIO-NNN)"
+        "--bag", type=Path, metavar="DIR", help="folder for bag and report (default: runs/SCENARIO-NNN)"
     )
     _add_places(parser)
     add_namespace(
-        parser, "put the nodes and topics of the run, its clock too, under /NAME: runs side by side in one ROS domain"
+        parser, "put nodes, topics and clock of the run under /NAME, so that several runs can share a ROS domain"
     )
     add_network(parser)
     parser.add_argument(
@@ -84,13 +84,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KPI<VALUE",
-        help="a criterion of the verdict beside the scenario's own, as significant_residual<5cm; a FAILED verdict "
-        "is exit status 3",
+        help="add a criterion to the verdict, such as significant_residual<5cm; a FAILED verdict is exit status 3",
     )
     parser.add_argument(
         "--quiet",
         action="store_true",
-        help="print only alarms, warnings and errors; --json and the exit status give the result",
+        help="print only alarms, warnings and errors; the result is in --json and the exit status",
     )
     add_full(parser)
     parser.add_argument("--no-report", action="store_true", help="do not write the HTML report")
@@ -101,13 +100,13 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
     """Let the user of `parser` say who takes the place of a node, and where the nodes run."""
     add_replace(
         parser,
-        f"do not start NODE, repeatable. {EXTERNAL}: hardware or another program takes its place, in real time (a "
-        "sensor's topic, as winch/load_cell, replaces that sensor alone; CLOCK says how it stamps: simulated, own, "
-        f"none; detected if not given; S is its latency [s]). {LOCKSTEP}: a program of yours takes part in each tick "
-        f"under its name (docs/contract.md); in the place of cable_sim ship_clock then leads the ticks. {BAG}: "
-        "what NODE published in that bag is played back, the other nodes run live. fmu: a drive in the "
-        "place of virtual_winch, an FMU or a map that names one (.yaml), whose code runs as yours: name only one that "
-        f"you trust. {NONE}: only {ADVISER} can be left out; the controller then keeps its nominal",
+        f"do not start NODE; may be repeated. {EXTERNAL}: hardware or another program replaces it, in real time (the "
+        "topic of a sensor, such as winch/load_cell, replaces that sensor only; CLOCK is how it stamps: simulated, own "
+        f"or none, else detected; S is its latency [s]). {LOCKSTEP}: your program takes part in every cycle under its "
+        f"name (docs/contract.md); in place of cable_sim, start ship_clock as clock master. {BAG}: play back what NODE "
+        "published in that bag; the other nodes run live. fmu: a drive in place of virtual_winch, as an FMU or a map "
+        "that names one (.yaml). Its code runs with your rights: use only one that you trust. "
+        f"{NONE}: run without it; only {ADVISER} is optional: the controller then keeps its nominal parameters",
     )
     parser.add_argument(
         "--envelope",
@@ -117,12 +116,11 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--composed",
         action="store_true",
-        help="all nodes in one process, which hand each other their messages in memory: about half the processor "
-        "time, the same bag. Services and parameters are there as ever; of most topics other processes get ten "
-        "messages a second",
+        help="run all nodes in one process: half the CPU time, the same bag. Services and parameters work as usual; other "
+        "processes receive most topics at 10 Hz only",
     )
     parser.add_argument(
-        "--publish", action="store_true", help="with --composed: other processes get every message of every topic"
+        "--publish", action="store_true", help="with --composed: publish every message to other processes too"
     )
 
 

@@ -13,21 +13,26 @@ from importlib.util import find_spec
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+import heave_core
 from heave_bringup.closed_loop import loop_parameters
 from heave_bringup.errors import CommandError
 from heave_bringup.scenarios import Scenario
+from heave_core.layout import header
 from heave_node.extras import how_to_install
 
 from heave_fmu.compiled.part import LEFT_OUT, FixedControllerPart
-from heave_fmu.compiled.tables import design_header, interface_header
+from heave_fmu.compiled.tables import bounds_header, design_header, interface_header
 from heave_fmu.variables import Variable, unit_definitions
 
 MODEL = "heave_controller"
-SOURCES = ("filter.c", "controller.c", "fmu.c")
-HEADERS = ("filter.h", "controller.h")
+SOURCES = ("filter.c", "controller.c", "fmu.c", "last_step.cpp")
+HEADERS = ("filter.h", "controller.h", "last_step.h")
+CORE = ("drum.cpp", "envelope.cpp", "interface.cpp", "move.cpp", "ship.cpp", "parts.h")
+"""The envelope's own sources, of heave_core."""
 FMI_HEADERS = ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h")
 """Of the FMI standard, under its own licence (BSD, two clauses), as FMPy brings them."""
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
+FLAGS = ("-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
+C_FLAGS, CPP_FLAGS = ("-std=c99",), ("-std=c++17", "-fno-exceptions", "-fno-rtti")
 
 _OWN = Path(__file__).parent
 
@@ -64,6 +69,8 @@ def write_sources(part: FixedControllerPart, folder: Path) -> str:
     variables, inputs = _variables(part)
     texts = {name: (_OWN / name).read_text() for name in (*SOURCES, *HEADERS)}
     texts |= {name: (Path(fmpy.origin).parent / "c-code" / name).read_text() for name in FMI_HEADERS}
+    texts |= {name: (core_sources() / name).read_text() for name in CORE}
+    texts |= {"layout.h": header(), "bounds.h": bounds_header(part)}
     texts["design.h"] = "#include <math.h>\n" + design_header(part)
     guid = hashlib.sha256("\n".join([*texts.values(), interface_header(part, variables, inputs, "")]).encode())
     texts["interface.h"] = interface_header(part, variables, inputs, guid.hexdigest())
@@ -73,18 +80,36 @@ def write_sources(part: FixedControllerPart, folder: Path) -> str:
     return guid.hexdigest()
 
 
-def compile_sources(folder: Path, target: Path, *flags: str) -> None:
-    """Compile the sources in a `folder` to the `target` by the compiler in CC, or gcc, with FLAGS and these `flags`.
+def core_sources() -> Path:
+    """Return the folder of the sources of heave_core."""
+    return Path(heave_core.__file__).parent / "src"
 
-    Raises CommandError, in one line, where that fails.
+
+def compile_sources(folder: Path, target: Path, *flags: str) -> None:
+    """Compile the sources in a `folder` to the `target` by the compilers in CC and CXX, or gcc and g++.
+
+    `flags` are added to FLAGS. Raises CommandError, in one line, where that fails.
     """
-    compiler = shlex.split(os.environ.get("CC") or "gcc")
-    sources = [str(path) for path in sorted(folder.glob("*.c"))]
-    command = [*compiler, *FLAGS, *flags, *sources, "-o", str(target), "-lm"]
+    by_ending = {".c": ("CC", "gcc", C_FLAGS), ".cpp": ("CXX", "g++", CPP_FLAGS)}
+    with tempfile.TemporaryDirectory(prefix="heave-fmu-") as made:
+        objects = []
+        for path in sorted(path for path in folder.iterdir() if path.suffix in by_ending):
+            variable, usual, own = by_ending[path.suffix]
+            objects.append(str(Path(made) / f"{path.stem}{path.suffix[1:]}.o"))
+            _compile(variable, usual, *own, *FLAGS, *flags, "-c", str(path), "-o", objects[-1])
+        _compile("CC", "gcc", *FLAGS, *flags, *objects, "-o", str(target), "-lm")
+
+
+def _compile(variable: str, usual: str, *words: str) -> None:
+    """Run the compiler that an environment `variable` names, or the `usual` one, with these `words`."""
+    compiler = shlex.split(os.environ.get(variable) or usual)
     try:
-        subprocess.run(command, check=True, capture_output=True, text=True)
+        subprocess.run([*compiler, *words], check=True, capture_output=True, text=True)
     except OSError as error:
-        raise CommandError(f"heave fmu --language c: {compiler[0]}: {error.strerror}; CC names a C compiler") from error
+        kind = "C" if variable == "CC" else "C++"
+        raise CommandError(
+            f"heave fmu --language c: {compiler[0]}: {error.strerror}; {variable} names a {kind} compiler"
+        ) from error
     except subprocess.CalledProcessError as error:
         raise CommandError(f"heave fmu --language c: {compiler[0]}: {' '.join(error.stderr.split())[:300]}") from error
 
@@ -103,7 +128,7 @@ def _description(part: FixedControllerPart, guid: str) -> bytes:
     root = Element("fmiModelDescription", fmiVersion="2.0", modelName=MODEL, guid=guid, description=what)
     simulation = SubElement(root, "CoSimulation", modelIdentifier=MODEL, canHandleVariableCommunicationStepSize="true")
     files = SubElement(simulation, "SourceFiles")
-    for name in SOURCES:
+    for name in (*SOURCES, *(one for one in CORE if one.endswith(".cpp"))):
         SubElement(files, "File", name=name)
     root.append(unit_definitions(variable.unit for variable in variables))
     SubElement(root, "DefaultExperiment", startTime="0", stepSize=repr(part.tick_period))

@@ -106,3 +106,13 @@ Order controller_step(Controller *controller, int tick, Reading *readings, int c
     controller->command = govern(ask(x), payout, rate, &order.payout_rate);
     return order;
 }
+
+void controller_sent(Controller *controller, const Order *ordered, const Order *sent)
+{
+    if (sent->brake && !ordered->brake) {
+        controller->command = POSITION_GAIN * dot(AHEAD[0], controller->filter.x, ORDER);
+        return;
+    }
+    const double more = sent->payout_rate - ordered->payout_rate;
+    if (more != 0.0) controller->command += more * (more >= CREEP ? SPEED_GAIN : SPEED_GAIN * HAULING_GAIN);
+}

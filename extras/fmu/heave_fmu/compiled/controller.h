@@ -21,4 +21,7 @@ void controller_begin(Controller *controller);
 /* Do a tick, from 1, with the readings that came since the last one. */
 Order controller_step(Controller *controller, int tick, Reading *readings, int count);
 
+/* Go on from what was sent in place of the order that a tick gave: the filter predicts by it. */
+void controller_sent(Controller *controller, const Order *ordered, const Order *sent);
+
 #endif

@@ -4,6 +4,7 @@
 
 #include "controller.h"
 #include "fmi2Functions.h"
+#include "last_step.h"
 
 enum { MRU_PORT, DEPTH_PORT, WINCH_PORT, PORTS };
 
@@ -11,7 +12,7 @@ static const int COUNTS[PORTS] = {mru_count, unit_pressure_count, winch_state_co
 
 typedef struct {
     Controller controller;
-    double values[VARIABLES], depth_zero;
+    double values[VARIABLES], depth_zero, envelope[ENVELOPE_NUMBERS];
     int done, seen[PORTS];
     fmi2CallbackFreeMemory free_memory;
 } Instance;
@@ -39,20 +40,28 @@ static void do_tick(Instance *instance)
 {
     double *values = instance->values;
     Reading readings[MEASUREMENTS];
+    Seen seen = {NAN, NAN, NAN};
     int count = 0;
     instance->done++;
     if (has_news(instance, MRU_PORT) && values[mru_status] == 0.0) {
         count = add(instance, readings, count, MRU_PORT, MRU_HEAVE, values[mru_heave]);
         count = add(instance, readings, count, MRU_PORT, MRU_HEAVE_RATE, values[mru_heave_rate]);
+        seen.heave = values[mru_heave], seen.heave_rate = values[mru_heave_rate];
     }
-    if (has_news(instance, WINCH_PORT))
+    if (has_news(instance, WINCH_PORT)) {
         count = add(instance, readings, count, WINCH_PORT, PAYOUT, values[winch_state_encoder_payout]);
+        seen.count = values[winch_state_encoder_payout];
+    }
     if (has_news(instance, DEPTH_PORT)) {
         const double depth = (values[unit_pressure_fluid_pressure] - ATMOSPHERE) / PRESSURE_PER_METRE;
         if (isnan(instance->depth_zero)) instance->depth_zero = depth;
         count = add(instance, readings, count, DEPTH_PORT, UNIT_HEAVE, instance->depth_zero - depth);
     }
-    const Order order = controller_step(&instance->controller, instance->done, readings, count);
+    const Order ordered = controller_step(&instance->controller, instance->done, readings, count);
+    const Within asked = {ordered.payout, ordered.payout_rate, ordered.brake};
+    const Within within = last_step(instance->envelope, &seen, &asked);
+    const Order order = {within.payout, within.payout_rate, within.brake != 0.0};
+    controller_sent(&instance->controller, &ordered, &order);
     values[winch_command_payout] = order.payout;
     values[winch_command_payout_rate] = order.payout_rate;
     values[winch_command_brake] = order.brake;
@@ -73,6 +82,7 @@ static void set_start(Instance *instance)
 static void begin(Instance *instance)
 {
     controller_begin(&instance->controller);
+    last_step_begin(instance->envelope);
     instance->done = 0;
     instance->depth_zero = NAN;
     for (int port = 0; port < PORTS; port++) {

@@ -1,4 +1,4 @@
-"""The fixed controller: filter, law and governor of one design, with nothing that learns, judges or changes mode.
+"""The fixed controller: filter, law, governor and envelope of one design, with nothing that learns or changes mode.
 
 It is the reference of the one in C, `controller.c`, and says which variables that has. Left out is all that a ship's
 controller needs besides, see LEFT_OUT.
@@ -8,12 +8,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from cable_sim_node.conversions import WINCH_COMMAND
 from heave_bringup.errors import CommandError
+from heave_core.layout import Duty
+from heave_core.library import READING_NAMES, Envelope
 from heave_node.interface import topics
 from heave_node.interface.sensors import DEPTH, MRU, Water, WireReading
+from winch_controller_node.core.envelope import nominal_design
 from winch_controller_node.core.estimation.reading_terms import tick_of
 from winch_controller_node.design.design import ControllerDesign, design_controller
 from winch_controller_node.interface.sensors import LEVER_ARM_X, LEVER_ARM_Y, MRU_SCALE
@@ -31,14 +35,49 @@ SENSORS_TAKEN = {"mru", "depth", "encoder"}
 """Sensors that the fixed controller takes, and needs."""
 
 LEFT_OUT = (
-    "Fixed: no supervision, no sensor health, no modes, no moves, no adviser, no gain schedule; "
+    "Fixed: its last step is the envelope, latched until it is reset, without load cell; otherwise no supervision, no "
+    "sensor health, no modes, no moves, no adviser, no gain schedule; "
     "near the limits of the winch law lqg stays linear"
 )
 """What the fixed controller has not, in a line."""
 
 
+class Seen(NamedTuple):
+    """What the envelope reads in a tick; NaN: none came.
+
+    Attributes
+    ----------
+    heave, heave_rate : raw, of the boom tip [m], [m/s]
+    payout : raw count of the drum [m]
+    """
+
+    heave: float = math.nan
+    heave_rate: float = math.nan
+    payout: float = math.nan
+
+
+NOTHING_SEEN = Seen()
+"""A tick without a reading."""
+
+
+def last_step_readings(seen: Seen, payout: float, rate: float, *, is_braked: bool) -> tuple[float, ...]:
+    """Return the readings of the core's envelope.
+
+    Parameters
+    ----------
+    seen : in the tick
+    payout, rate : set-points that are ordered [m], [m/s]
+    is_braked : the brake is ordered
+    """
+    unknown = dict.fromkeys(("load", "held_tension", "target", "reference"), math.nan)
+    order = {"payout": payout, "rate": rate, "brake": float(is_braked)}
+    given = {"mru_heave": seen.heave, "mru_rate": seen.heave_rate, "count": seen.payout, "request": -1.0}
+    given |= unknown | order | {"duty": float(Duty.OPERATE if is_braked else Duty.FOLLOW)}
+    return tuple(given.get(name, 0.0) for name in READING_NAMES)
+
+
 class FixedControllerPart(Part):
-    """Filter, law and governor of the design that the parameters of the loop give; see Part.
+    """Filter, law, governor and envelope of the design that the parameters of the loop give; see Part.
 
     The brake stays on for `modes.settling_time`; then authority goes to `factor` over `modes.fade_in_time`. The drum is
     at a payout of 0 at first, and that is the mean payout.
@@ -67,6 +106,7 @@ class FixedControllerPart(Part):
         controller = self.design.parameters
         self.water = Water(controller.water_density, controller.gravity)
         self.taut_cable = replace(self.design.cable, unit_weight=math.inf)
+        self.nominal = nominal_design(controller, self.design.cable, self.tick_period)
 
     def start(self) -> None:
         """See Part."""
@@ -75,10 +115,12 @@ class FixedControllerPart(Part):
         self._estimator, self._governor = design.make_estimator(), design.make_governor()
         self._free_unit = SimulatedUnit(self.taut_cable, dt)
         self._command, self._authority, self._depth_zero = 0.0, 0.0, math.nan
+        self.envelope, self._seen = Envelope(self.nominal), NOTHING_SEEN
 
     def step(self, tick: int) -> list[str]:
         """See Part."""
         controller, dt = self.design.parameters, self.tick_period
+        self._seen = NOTHING_SEEN
         estimate = self._estimator.step(tick, self._command, self._readings(self.stamp(tick)))
         free = self._free_unit.step(self._rows.tip @ estimate)
         gain = controller.winch.position_gain
@@ -97,7 +139,12 @@ class FixedControllerPart(Part):
             asked = StateFeedback.command(self.law, state)
             governed = self._governor.govern(asked.value, payout, rate, tension)
             self._command, sent = governed.value, governed.sent
-        self.send(topics.WINCH_COMMAND, tick, (tick, place, sent, brake))
+        order = self.envelope.step(last_step_readings(self._seen, place, sent, is_braked=brake))
+        if order.brake and not brake:
+            self._command = gain * payout
+        elif order.rate != sent:
+            self._command += (order.rate - sent) * self._governor.gain(order.rate - sent)
+        self.send(topics.WINCH_COMMAND, tick, (tick, order.payout, order.rate, bool(order.brake)))
         self.send(topics.CONTROLLER_STATE, tick, ("standby" if brake else "compensating", self._authority, 0.0))
         return []
 
@@ -109,9 +156,11 @@ class FixedControllerPart(Part):
             heave, rate, status = mru.numbers
             if status == 0:
                 taken = [("mru_heave", heave, mru), ("mru_heave_rate", rate, mru)]
+                self._seen = self._seen._replace(heave=heave, heave_rate=rate)
         winch = self.inputs[topics.WINCH_STATE.name].newest(now)
         if winch is not None:
             taken.append(("payout", winch.numbers[0], winch))
+            self._seen = self._seen._replace(payout=winch.numbers[0])
         pressure = self.inputs[DEPTH.topic.name].newest(now)
         if pressure is not None:
             (depth,) = DEPTH.from_wire(pressure, self.water)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
+from heave_core import layout
+from heave_core.library import dtype_of, fill
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import ATMOSPHERIC_PRESSURE
 from winch_controller_node.core.estimation.reading_terms import ON_TICK
@@ -103,6 +106,27 @@ def design_header(part: FixedControllerPart) -> str:
     states = f"/* States: {', '.join(model.state_names)} */"
     lines = [states, *(_define(*one) for one in scalars.items()), *(_array(*one) for one in arrays.items())]
     return "\n".join([*lines, ""])
+
+
+def bounds_header(part: FixedControllerPart) -> str:
+    """Return `bounds.h`: the nominal design of the envelope of a fixed controller, `part`, to the last bit."""
+    record = np.zeros(1, dtype_of(layout.DESIGN))
+    fill(record[0], part.nominal)
+    numbers = dtype_of(layout.STATE).itemsize // 8
+    design = f"#define ENVELOPE_DESIGN {_initialiser(record[0])}"
+    guard = "HEAVE_BOUNDS_H"
+    lines = [f"#ifndef {guard}", f"#define {guard}", "#include <math.h>", _define("ENVELOPE_NUMBERS", numbers), design]
+    return "\n".join([*lines, "#endif", ""])
+
+
+def _initialiser(record: Any) -> str:
+    """Return a structured `record` as C++ initialises it."""
+    values = []
+    for name in record.dtype.names:
+        value = record[name]
+        is_group = value.dtype.names is not None
+        values.append(_initialiser(value) if is_group else str(value) if value.dtype.kind == "i" else _number(value))
+    return f"{{{', '.join(values)}}}"
 
 
 def _define(name: str, value: float) -> str:

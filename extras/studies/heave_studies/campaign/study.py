@@ -11,7 +11,6 @@ from pathlib import Path
 import pandas
 from heave_bags.record.provenance import git_commit
 from heave_bringup.progress import ProgressLine, time_to_go
-from heave_bringup.run.baseline_law import BASELINE_LAW
 from heave_bringup.scenarios import named_files
 
 from heave_studies.campaign.executors import run_tasks
@@ -106,7 +105,7 @@ def _run(
 
 def _beginning(cases: int, before: int, scenario: str, *, is_twice: bool) -> str:
     known = f", {before} of them known already" if before else ""
-    twice = f", each under law {BASELINE_LAW} too (--no-baseline leaves it out)" if is_twice else ""
+    twice = ", each also under the industrial baseline (skip: --no-baseline)" if is_twice else ""
     return f"{cases} cases of {scenario}{known}{twice}"
 
 

@@ -61,6 +61,20 @@ def hand_over(model: LinearModel, estimate: Array, covariance: Array, mean_state
     return Handover(estimate, covariance, mean_state, lowered)
 
 
+def followed(model: LinearModel, mean_state: Array) -> Array:
+    """Return the mean payout's own motion, shape (n,), where the unit has followed it: no swing is left.
+
+    Parameters
+    ----------
+    model : of the loop
+    mean_state : that motion now, shape (n,)
+    """
+    mean_state = mean_state.copy()
+    mean_state[model.state("unit_heave")] = -mean_state[model.state("payout")]
+    mean_state[model.state("unit_heave_rate")] = -float(model.row("payout_rate") @ mean_state)
+    return mean_state
+
+
 def hand_over_standing(
     model: LinearModel, estimate: Array, covariance: Array, mean_state: Array, *, pull: float, heave: float
 ) -> Handover:
@@ -70,11 +84,10 @@ def hand_over_standing(
     ----------
     model, estimate, covariance, mean_state : as for `hand_over`
     pull : measured tension over the static one, over the stiffness: x0 - p - x [m]
-    heave : newest heave from the depth sensor about the mean payout's [m]
+    heave : newest heave from the depth sensor, about that of a unit that has `followed` the mean payout [m]
     """
     payout, unit, rate = model.state("payout"), model.state("unit_heave"), model.state("unit_heave_rate")
-    estimate, covariance, mean_state = estimate.copy(), covariance.copy(), mean_state.copy()
-    mean_state[unit], mean_state[rate] = -mean_state[payout], -float(model.row("payout_rate") @ mean_state)
+    estimate, covariance, mean_state = estimate.copy(), covariance.copy(), followed(model, mean_state)
     estimate[unit] = float(model.row("boom_tip_heave") @ estimate) - estimate[payout] - pull
     estimate[rate] = 0.0
     loose = [(unit, PULL_SIGMA), (rate, STANDING_SIGMA)]

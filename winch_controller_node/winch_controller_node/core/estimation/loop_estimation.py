@@ -13,7 +13,7 @@ from heave_node.numerics.arrays import Array
 
 from winch_controller_node.beliefs.beliefs import LATENCY, Adopted, EncoderScale
 from winch_controller_node.core.estimation.consistency import ENCODER_ROW, Consistency
-from winch_controller_node.core.estimation.handover import hand_over, hand_over_seen, hand_over_standing
+from winch_controller_node.core.estimation.handover import followed, hand_over, hand_over_seen, hand_over_standing
 from winch_controller_node.core.estimation.loop_tick import CommandShares, LoopTick, Sensed
 from winch_controller_node.core.estimation.observation import Observed, Observer
 from winch_controller_node.core.estimation.observation_log import ObservationLog
@@ -466,12 +466,16 @@ class LoopEstimation:
         now = (self._design.model, self.estimator.estimate, self.estimator.covariance, self.motion.state)
         if unit_stood:
             pull = (tick.sensed.filtered_tension - self._design.wet_tension) / self._design.cable.stiffness
-            heave = self.observer.unit_heave_reading(self.motion.state, tick.rows.unit_states[0])
+            mean_state = followed(self._design.model, self.motion.state)
+            heave = self.observer.unit_heave_reading(mean_state, tick.rows.unit_states[0])
             after = hand_over_standing(*now, pull=pull, heave=heave)
         else:
             after = hand_over(*now)
         self.motion.continue_at(after.mean_state, after.lowered)
         self.reset_readings()
+        # readings of this tick that are late are held against the state as it is counted from now on
+        self.observer.terms.reset_shares()
+        self.observer.terms.remember_share(tick.number, after.mean_state)
         self.estimator.continue_at(tick.number, after.estimate, after.covariance, {})
         self._hanging_unit.continue_at(self.estimator.estimate[tick.rows.unit_states])
 

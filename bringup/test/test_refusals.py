@@ -1,0 +1,48 @@
+"""What cannot be run is refused in one line, with status 2, before a node starts."""
+
+import fcntl
+import os
+import tempfile
+from pathlib import Path
+
+import pytest
+from heave_bringup.cli import main
+from heave_bringup.errors import ExitStatus
+from heave_bringup.run.run import only_run_in_domain
+
+REFUSED = ExitStatus.REFUSED.value
+
+
+@pytest.mark.parametrize("domain", ["x", "-1", "233", "1.5"])
+def test_a_ros_domain_that_is_no_number_is_refused(monkeypatch, capsys, domain):
+    monkeypatch.setenv("ROS_DOMAIN_ID", domain)
+    assert main(["run", "b2_calm_300"]) == REFUSED
+    assert f"ROS_DOMAIN_ID='{domain}': must be a whole number from 0 to 232" in capsys.readouterr().err
+
+
+def test_a_folder_that_cannot_be_made_is_refused(tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    assert main(["run", "b2_calm_300", "--bag", str(tmp_path / "file" / "bag")]) == REFUSED
+    assert "bag: cannot be made: Not a directory; choose another folder" in capsys.readouterr().err
+
+
+def test_a_load_that_floats_is_refused_before_a_node_starts(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", "b2_calm_300", "--set", "system.unit.volume=10"]) == REFUSED
+    assert capsys.readouterr().err.count("\n") == 1
+    assert not (tmp_path / "runs").exists()
+
+
+def test_a_second_run_in_a_domain_is_refused_and_the_namespace_is_named(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("rclpy")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("ROS_DOMAIN_ID", "87")
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    lock = Path(tempfile.gettempdir()) / f"heave-{os.getuid()}-domain-87.lock"
+    with only_run_in_domain() as is_only, lock.open() as held:
+        assert is_only
+        with pytest.raises(BlockingIOError):
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        assert main(["run", "b2_calm_300", "--no-report", "--no-baseline"]) == REFUSED
+    assert "wait for it, or use --namespace NAME" in capsys.readouterr().err
+    assert not (tmp_path / "runs").exists()
