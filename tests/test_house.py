@@ -56,7 +56,7 @@ BUDGETS = {
     "extras/devices": (6_900, 4_900),
     "extras/studies": (16_070, 6_000),
     "extras/statics": (3_070, 1_800),
-    "extras/drives": (2_092, 1_800),
+    "extras/drives": (2_116, 1_800),
     "extras/panel": (1_700, 900),
     "extras/fmu": (1_840, 900),
 }

@@ -1,12 +1,18 @@
 """An extra that is not installed: what the suite does without it, and what it says where it is asked for."""
 
+import subprocess
+import sys
+
 import pytest
 from cable_sim_node.winch import installed_drives as registry
+from domain_coordinator import domain_id
 from heave_bringup.cli import main
 from heave_bringup.commands.extras import EXTRA_OF
 from heave_bringup.errors import CommandError
 from heave_bringup.run.records import read_records
 from heave_node import extras
+
+from tests.loop_runs import environment
 
 
 @pytest.fixture
@@ -53,3 +59,38 @@ def test_without_studies_a_bag_is_judged_and_their_rows_are_left_out(alone, calm
     assert "industrial" not in told.out
     with pytest.raises(CommandError):
         read_records([calm_bag], baseline=True)
+
+
+ALONE = """
+import sys
+from heave_node import extras
+
+class Hidden:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in ("heave_devices", "heave_drives", "heave_fmu", "heave_panel", "heave_statics",
+                                      "heave_studies"):
+            raise ModuleNotFoundError(name, name=name)
+
+sys.meta_path.insert(0, Hidden())
+extras.entry_points = lambda group: []
+from heave_bringup.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+"""`heave` where no extra can be imported."""
+
+
+@pytest.mark.slow
+def test_the_seven_packages_alone_run_record_judge_and_report(tmp_path):
+    words = ["run", "b2_calm_300", "--duration", "12", "--set", "all.transient=4", "--composed", "--bag", str(tmp_path)]
+    with domain_id() as domain:
+        run = subprocess.run(
+            [sys.executable, "-c", ALONE, *words],
+            env=environment(domain),
+            capture_output=True,
+            text=True,
+            timeout=240,
+            check=False,
+        )
+    assert run.returncode == 3, run.stderr  # compensation has not begun by then
+    assert (tmp_path / "bag" / "metadata.yaml").is_file()
+    assert (tmp_path / "report.html").is_file()
