@@ -208,8 +208,8 @@ HAZARDS: tuple[Hazard, ...] = (
         {"mru": ("scale", "jump", "spike", "delay")},
         ("MRU_SPIKES", "MRU_JUMPS", "MRU_EXCLUDED", "MRU_REVERSED", "MRU_*UNPROVED", "MRU_SCALE_ERROR", "MRU_DELAYED",
          "DEPTH_MRU_DISAGREE", "UNIT_HEAVE_HIGH"),
-        "before the brake opens the MRU is proved by load cell and depth sensor on the nominal cable, and a reversed one "
-        "is refused; later readings beyond the gate are rejected; scale, delay and drift are identified, or the sensor "
+        "before the brake opens the MRU is proved by load cell and depth sensor on the nominal cable, and a reversed "
+        "one is refused; later readings beyond the gate are rejected; scale, delay and drift are identified, or the sensor "
         "is excluded",
         "spikes and jumps: the sample; a reversed MRU: 20 s (test)",
         "a scale error of a few percent leaves as much motion until it is identified; without a depth sensor it stays",

@@ -83,9 +83,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     stop.add_argument("--no-wait", action="store_true", help="return as soon as the stop is accepted")
     verb("emergency-stop", "apply the brake at once; wait until the drum has stopped")
     _add_redesign(verb("redesign", "redesign the controller without stopping", "redesign --height 2.5 --period 9"))
-    _add_fault(
-        verb("fault", "inject or clear a fault in a simulated device", "fault inject mru freeze --duration 10")
-    )
+    _add_fault(verb("fault", "inject or clear a fault in a simulated device", "fault inject mru freeze --duration 10"))
     verb("pause", "pause the simulation")
     verb("resume", "resume the simulation")
     step = verb("step", "advance a paused simulation by some cycles", "step 20")
@@ -94,7 +92,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     snapshot.add_argument(
         "--seconds", type=_number(0.0), default=0.0, metavar="S", help="length (default: everything kept)"
     )
-    snapshot.add_argument("--directory", type=Path, metavar="DIR", help="folder for the bag (default: beside that of the run)")
+    snapshot.add_argument(
+        "--directory", type=Path, metavar="DIR", help="folder for the bag (default: beside that of the run)"
+    )
 
 
 def _add_shared(parser: argparse.ArgumentParser, default: str | None = None) -> None:

@@ -116,8 +116,8 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--composed",
         action="store_true",
-        help="run all nodes in one process: half the CPU time, the same bag. Services and parameters work as usual; other "
-        "processes receive most topics at 10 Hz only",
+        help="run all nodes in one process: half the CPU time, the same bag. Services and parameters work as usual; "
+        "other processes receive most topics at 10 Hz only",
     )
     parser.add_argument(
         "--publish", action="store_true", help="with --composed: publish every message to other processes too"
