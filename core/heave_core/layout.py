@@ -275,6 +275,7 @@ STATE = _structure(
     Row("bound", "s", "time at a bound of late"),
     Row("bound_ticks", "", "ticks at a bound so far"),
     Row("mru_age", "s", "since the last good reading"),
+    Row("seen_time", "s", "for which the motion reference unit has been good without a loss"),
     Row("heave", "m", "of the boom tip, jumps taken off"),
     Row("rate", "m/s", "of the boom tip"),
     Row("read_heave", "m", "of the last reading; NaN: none yet"),

@@ -26,6 +26,7 @@ void fill_window(const Design &design, State &state) {
 // A reading is good where it is plausible, and goes with the one before: a jump of the heave is taken off.
 void observe_mru(const Design &design, State &state, const Readings &readings) {
     const Bounds &bounds = design.envelope;
+    state.seen_time = state.mru_age > bounds.mru_time ? 0.0 : state.seen_time + design.tick_period;
     state.mru_age += design.tick_period;
     state.read_age += design.tick_period;
     const double heave = readings.mru_heave;
@@ -67,7 +68,9 @@ Ship ship_of(const Design &design, const State &state) {
     if (readings == 0.0) return {0.0, 0.0, 0.0};
     const double mean = sum / readings;
     const double whole = design.envelope.window * (BINS - 1) / BINS;  // a bin is being filled
-    return {rate, std::max(highest - mean, mean - lowest), std::min(time / whole, 1.0)};
+    // a unit that was let go while the ship was not seen is caught up with: the bounds are wide again
+    const double seen = state.mru_age > design.envelope.mru_time ? time : std::min(time, state.seen_time);
+    return {rate, std::max(highest - mean, mean - lowest), std::min(seen / whole, 1.0)};
 }
 
 // The count beside the nominal drum. Returns bits.

@@ -41,7 +41,7 @@ class EnvelopeParameters:
         60.0, unit="s", minimum=1.0, maximum=3600.0, description="Time constant with which travel is forgotten."
     )
     early_factor: float = parameter(
-        2.0, unit="", minimum=1.0, maximum=10.0, description="Factor on both bounds while the window is empty."
+        2.5, unit="", minimum=1.0, maximum=10.0, description="Factor on both bounds while the window is empty."
     )
     lost_factor: float = parameter(
         0.8,
