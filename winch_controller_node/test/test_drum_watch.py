@@ -174,7 +174,7 @@ def test_the_readings_that_no_order_explains_are_what_is_left_of_them():
 @pytest.mark.parametrize("started", [280, 330])
 def test_after_a_restart_in_motion_the_speed_that_a_slow_servo_had_by_then_counts(started):
     """T = 1.5 s: after 3.5 and 6 s its first speed still shows, which was ordered a lag and a delay before."""
-    slow = {"time_constant": 1.5}
+    slow = {"time_constant": 1.5, "supervision_time": 0.0}
     watch, drum = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT), VirtualWinch(WinchParameters(**slow), tick_period=DT)
     watch.take({"winch.time_constant": 1.5})
     drum.step(0, WinchCommand(1))

@@ -268,7 +268,27 @@ def test_one_culprit_more_is_no_other_explanation_and_is_not_taken_where_it_expl
     both = dataclasses.replace(both, loss=40.0 - 0.9 * CLEARLY)
     assert accepted([both, one, PRESENT], PRESENT, None, ["mru_heave"]) is one
     both = dataclasses.replace(both, loss=40.0 - 1.1 * CLEARLY)
-    assert accepted([both, one, PRESENT], PRESENT, None, ["mru_heave"]) is both
+    assert accepted([both, one, PRESENT], PRESENT, None, ["mru_heave"]) is None, "two at once need twice the evidence"
+    far = dataclasses.replace(PRESENT, loss=both.loss + 2.0 * ACCEPTED)
+    assert accepted([both, one, far], far, None, ["mru_heave"]) is both
+
+
+@pytest.mark.parametrize(
+    ("quantity", "value", "witness", "is_accepted"),
+    [
+        ("mru.scale", 0.7, 9.0, True),
+        ("mru.scale", 0.7, 1.1, False),
+        ("mru.scale", 1.4, 1.1, True),
+        ("depth.scale", 0.7, 9.0, False),
+    ],
+)
+def test_a_correction_that_makes_orders_larger_needs_another_sensor_that_says_so(quantity, value, witness, is_accepted):
+    """The depth sensor is `witness` times its noise off under the present beliefs, mean square."""
+    present = dataclasses.replace(PRESENT, misfits={"mru_heave": 1.0, "unit_heave": witness})
+    one = dataclasses.replace(
+        hypothesis(0.0), changes={quantity: Change(value, 0.1, 0)}, misfits={"mru_heave": 1.0, "unit_heave": 1.0}
+    )
+    assert (accepted([one, present], present, None, ["mru_heave", "unit_heave"]) is one) is is_accepted
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,7 @@ from winch_controller_node.beliefs.quantities import (
     QUANTITIES,
 )
 from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.interface.sensors import KnownSensors
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -30,6 +31,9 @@ HIGH_PASS, DRIFT, DRIFT_SIGMA = "mru.high_pass_period", "mru.bias_drift", "mru.b
 INERTIA, DAMPING = "cable.inertia_factor", "cable.damping_factor"
 SEA = ("sea.significant_wave_height", "sea.peak_period", "sea.swell.significant_wave_height", "sea.swell.peak_period")
 SEA_PERIOD, SWELL_PERIOD = SEA[1::2]
+
+SENSOR_OF = {row.name: name for name, sensor in KnownSensors().by_name().items() for row in sensor.rows()}
+"""Sensor of each measurement."""
 
 PRICES = {
     INERTIA: 6.0,
@@ -77,6 +81,13 @@ CLEARLY = 5.0
 
 EXPLAINED, SHARE_LEFT = 4.0, 0.25
 """Largest mean squared normalised innovation of a sensor that is used under what is accepted, or share of before."""
+
+ENLARGING = {MRU_SCALE: -1.0, ENCODER_SCALE: -1.0, DEPTH_SCALE: -1.0, MRU_DELAY: 1.0}
+"""Direction, up or down from nominal, in which a correction of a sensor makes orders larger."""
+
+WITNESSED = 1.2
+"""A correction that makes orders larger is accepted where another sensor is so many times nearer to its prediction
+under it, mean square."""
 
 TELLING = 3.0
 """Motion over the noise of a sensor that was left out, 1 sigma, in which it shows that it is right."""
@@ -233,7 +244,23 @@ def accepted(
         # a sensor that had nothing to see has not shown that it is right
         return None
     is_again = before is not None and before.culprits == best.culprits
-    return best if is_clear and is_explained and gain >= (AGAIN if is_again else ACCEPTED) else None
+    # two things at once are seldom
+    needed = (AGAIN if is_again else ACCEPTED) * max(1, len(best.culprits - present.culprits))
+    return best if is_clear and is_explained and gain >= needed and is_witnessed(best, present) else None
+
+
+def is_witnessed(found: Hypothesis, present: Hypothesis) -> bool:
+    """Return whether a second sensor speaks for what was `found` and not for the `present`, if orders become larger."""
+    larger = {
+        QUANTITIES[name].owner
+        for name, change in found.changes.items()
+        if ENLARGING.get(name, 0.0) * (change.value - QUANTITIES[name].nominal) > 0.0
+    }
+    return not larger or any(
+        SENSOR_OF[row] not in larger and max(present.misfits[row], 1.0) > WITNESSED * max(misfit, 1.0)
+        for row, misfit in found.misfits.items()
+        if row in present.misfits
+    )
 
 
 def rules_out_encoder(ranked: list[Hypothesis]) -> bool:

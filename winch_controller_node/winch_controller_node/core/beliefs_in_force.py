@@ -131,6 +131,8 @@ class BeliefsInForce:
         self.restated = restated(self._first, nominal)
         self.beliefs = without_sea(self.beliefs)
         self.trust.restart()
+        # its nominal values are those of before
+        self._estimation.second = None
         self._note_plain()
 
     def _note_plain(self) -> None:

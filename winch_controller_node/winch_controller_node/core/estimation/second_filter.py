@@ -31,7 +31,7 @@ class RowEvidence:
         self._time = self.active = self.second = 0.0
 
     def add(self, active: Innovation, second: Innovation, elapsed: float) -> None:
-        """Take in a reading's innovations, so long after the first one, `elapsed` [s]."""
+        """Take in a reading by the `active` filter and by the `second` one, `elapsed` since the first [s]."""
         self._count += 1
         self._time = elapsed
         weight = max(elapsed / MEMORY, 1.0) / self._count
@@ -56,10 +56,6 @@ class SecondFilter:
     active : that filter, from whose state it begins
     tick : the last one
     settling : time from its beginning in which nothing is compared [s]; 0: it is as sure as the active one
-
-    Attributes
-    ----------
-    design : by which it predicts
     """
 
     def __init__(
