@@ -304,5 +304,4 @@ class Proofs:
         """Return why compensation may not begin by what is known of the MRU."""
         if self._is_closed:
             return self._alarm.brief
-        is_open = self.motion.standing is Standing.OPEN and not self.consent
-        return "proving the MRU by load cell and depth sensor" if is_open else ""
+        return "proving the MRU by load cell and depth sensor" if self.motion.standing is Standing.OPEN else ""
