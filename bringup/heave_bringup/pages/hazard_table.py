@@ -86,7 +86,7 @@ HAZARDS: tuple[Hazard, ...] = (
         "After a stop the load swings, or hangs in the waves on its way",
         {},
         ("LOAD_SWINGS", "MOVE_LOST"),
-        "size, period and half-life of the swing are told once the drum stands; compensation takes it out",
+        "size, period and half-life of the swing are reported once the drum stands; compensation takes it out",
         "2 s after the brake was ordered",
         "for minutes the load moves by up to three times its motion under a locked drum",
         (f"{_C}test_after_stop.py::"
