@@ -95,7 +95,7 @@ def test_a_drum_that_does_not_follow_is_stopped_by_its_drive_and_the_controller_
     run.go(BEGIN + 7.0)
     assert run.reached("stopped") <= BEGIN + within
     assert run.loop.winch.state.fault is WinchFault.DRIVE
-    assert run.loop.winch.supervised == words
+    assert run.loop.winch.supervised.startswith(words)
     assert any("winch fault: drive" in told for _, told in run.alarms)
     still = run.column("payout_rate", BEGIN + within + 2.0)
     assert np.abs(still).max() == 0.0, "the brake holds"
@@ -106,7 +106,8 @@ def test_a_brake_that_does_not_hold_is_reported_within_two_seconds_of_the_stands
     run = Run()
     run.inject(kind, 0.05)
     run.loop.controller.set_mode("standby")
-    run.go(BEGIN + 25.0)
+    # a fade-out may settle for 30 s
+    run.go(BEGIN + 45.0)
     at_rest = run.reached("standby")
     assert run.reached("stopped", at_rest) <= at_rest + 2.0
     assert "the brake does not" in run.loop.winch.supervised

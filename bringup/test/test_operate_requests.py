@@ -23,6 +23,13 @@ def test_a_mode_is_answered_by_what_was_taken():
     assert request.judge(SetMode.Response(message="a sensor is lost")) == refusal("a sensor is lost")
 
 
+def test_consent_to_an_mru_without_a_witness_is_asked_for_on_purpose():
+    assert not request_mode("compensating").message.accept_unproved
+    assert request_mode("compensating", unproved=True).message.accept_unproved
+    assert make_parser().parse_args(["operate", "mode", "compensating", "--unproved"]).unproved
+    assert not make_parser().parse_args(["operate", "mode", "compensating"]).unproved
+
+
 def test_a_fault_is_asked_of_the_node_that_publishes_the_device():
     publishers = {topic.name: topic.publisher for topic in ALL_TOPICS}
     assert NODE_OF_DEVICE["mru"] == publishers["mru"]

@@ -1,4 +1,4 @@
-"""The swing that a stop leaves is told with its size, period and decay."""
+"""The swing that a stop leaves is reported with its size, period and decay."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Motion under the brake is told in time by the load cell, and what follows of it."""
+"""Motion under the brake is reported in time, by count and load cell, and what follows of it."""
 
 import math
 from dataclasses import dataclass
@@ -73,7 +73,7 @@ class Drum:
     ],
 )
 def test_what_follows_is_told_of_a_drive_that_holds_and_of_one_that_does_not(holds, fault, code, severity):
-    """The envelope has found the motion by the count, and tells it."""
+    """The envelope has found the motion by the count, and reports it."""
     drum = Drum()
     drum.rest(5.0)
     drum.rest(0.2, rate=0.5)

@@ -316,7 +316,7 @@ def test_without_a_witness_an_operators_consent_is_asked_for():
     assert "MRU SCALE UNPROVED" in controlled(scale=0.3)[0].gate
     assert controlled(scale=0.3, asks=30.0)[0].gate == ""
     stated = WinchControllerParameters(length=900.0, entry=EntryParameters(accept_unproved=True))
-    assert controlled(stated, tension=None, seconds=2.0)[0].gate == ""
+    assert controlled(stated, tension=None, seconds=SHORTEST + 2.0)[0].gate == ""
     assert controlled(stated, tension=None)[1] == []
 
 

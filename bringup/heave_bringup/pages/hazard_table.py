@@ -86,7 +86,7 @@ HAZARDS: tuple[Hazard, ...] = (
         "After a stop the load swings, or hangs in the waves on its way",
         {},
         ("LOAD_SWINGS", "MOVE_LOST"),
-        "size, period and half-life of the swing are told once the drum stands; compensation takes it out",
+        "size, period and half-life of the swing are reported once the drum stands; compensation takes it out",
         "2 s after the brake was ordered",
         "for minutes the load moves by up to three times its motion under a locked drum",
         (f"{_C}test_after_stop.py::"
@@ -209,8 +209,8 @@ HAZARDS: tuple[Hazard, ...] = (
         ("MRU_SPIKES", "MRU_JUMPS", "MRU_EXCLUDED", "MRU_REVERSED", "MRU_*UNPROVED", "MRU_SCALE_ERROR", "MRU_DELAYED",
          "DEPTH_MRU_DISAGREE", "UNIT_HEAVE_HIGH"),
         "before the brake opens the MRU is proved by load cell and depth sensor on the nominal cable, and a reversed "
-        "one is refused; later readings beyond the gate are rejected; scale, delay and drift are identified, or the sensor "
-        "is excluded",
+        "one is refused; later readings beyond the gate are rejected; scale, delay and drift are identified, or the "
+        "sensor is excluded",
         "spikes and jumps: the sample; a reversed MRU: 20 s (test)",
         "a scale error of a few percent leaves as much motion until it is identified; without a depth sensor it stays",
         (f"{_C}test_proofs.py::test_a_sound_mru_is_proved_and_a_reversed_one_is_named_by_either_witness",

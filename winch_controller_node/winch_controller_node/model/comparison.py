@@ -15,7 +15,7 @@ LOW_PASS = 0.25
 """Time constant of the low-pass of both sides of a comparison [s]."""
 
 CERTAIN, ALIKE = 5.0, 0.6
-"""Slope over its standard error, and correlation, that a proof needs: no window of a sound MRU had the wrong sign."""
+"""Slope over its standard error, and correlation, that a proof needs: a sound MRU was called reversed in no window."""
 
 SCALE = (0.6, 1.4)
 """Slopes that prove an MRU: neither reversed nor twice. A load cell on a short cable says no more than that."""
@@ -104,12 +104,12 @@ class Series:
         return self._values.last()
 
     def clear(self) -> None:
-        """Begin anew."""
+        """Restart."""
         self._times.clear()
         self._values.clear()
 
     def add(self, time: float, value: float) -> bool:
-        """Take a sample in, and return whether it counts: it is a number, and later than the last one."""
+        """Take in a sample of a `time` [s] and `value`; return whether it counts: a number, later than the last one."""
         since = time - self.times[-1] if len(self._times) else math.inf
         if not (math.isfinite(time + value) and since > 0.0):
             return False

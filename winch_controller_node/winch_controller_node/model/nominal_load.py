@@ -41,7 +41,6 @@ class NominalLoad:
     ----------
     time : of the newest reading of the MRU [s]
     heave, unit : of boom tip and unit [m]
-    is_known : the MRU reads, and has done so long enough for the blend
     """
 
     def __init__(self, cable: CableModel, length: float, tick_period: float) -> None:
@@ -55,7 +54,7 @@ class NominalLoad:
 
     @property
     def is_known(self) -> bool:
-        """Tell whether the MRU reads."""
+        """Tell whether the MRU reads, and has done so long enough for the blend."""
         return self._read_time > BLEND
 
     @property

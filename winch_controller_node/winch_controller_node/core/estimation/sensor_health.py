@@ -85,7 +85,7 @@ def lost_alarm(sensor: str, reason: str, *, age: float, limit: float, since: flo
 
 
 class Sameness:
-    """Tells whether readings have been the same for longer than this sensor's usually are.
+    """Reports whether readings have been the same for longer than this sensor's usually are.
 
     Of one that reads in steps two in a row are often the same: a run of n comes by chance with a probability of
     p^(n - 1), p the share of readings that were like the one before.

@@ -24,7 +24,7 @@ COME_TO_REST = 2.0
 """Time after the brake was ordered at which the drum stands [s]."""
 
 NOTABLE, NOTABLE_SHARE = 0.1, 0.5
-"""Swing that is told [m], and its share of the swing that the unit has under a locked drum at the same time."""
+"""Swing that is reported [m], and its share of the swing that the unit has under a locked drum at the same time."""
 
 
 class Decay(NamedTuple):
@@ -46,7 +46,7 @@ def decay_of(swing: float, cable: CableModel) -> Decay:
 
 
 class AfterStop:
-    """Tells of the swing that a stop has left.
+    """Reports the swing that a stop has left.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ LOOKED_EVERY = 0.5
 """Time from one look to the next [s]."""
 
 PATIENCE = 60.0
-"""Time after which a comparison that has proved nothing counts as no witness [s]: three windows."""
+"""Time after which a comparison that has proved nothing counts as no cross-check [s]: three windows."""
 
 QUIET = 0.03
 """Heave, 1 sigma, in which nothing can be proved and nothing moves [m]."""
@@ -82,7 +82,7 @@ class MotionProof:
         self.reset()
 
     def reset(self) -> None:
-        """Prove it again: what was said of it holds no more."""
+        """Prove it again: the last result holds no more."""
         self.standing, self.witness, self.fit = Standing.OPEN, "", NO_FIT
         self._waited = 0.0
         self.restart()
@@ -127,7 +127,7 @@ class MotionProof:
         standing, witness = _judged(fits)
         if standing is Standing.OPEN:
             if self.standing not in (Standing.OPEN, Standing.QUIET, Standing.ALONE):
-                return  # what was certain is not forgotten for a record that says nothing
+                return  # a result is not reset by a record without one
             if not fits or self._waited > PATIENCE:
                 standing = Standing.ALONE
             if float(np.std(self._heave.last())) < QUIET:
@@ -157,9 +157,9 @@ class CountCheck:
         self._has_rate = False
 
     def step(self, winch: WinchReading | None) -> Alarm | None:
-        """Take in a report of the drive; return that count, clock and speed contradict one another.
+        """Take in a report of the drive, `winch`; return that count, clock and speed contradict one another.
 
-        A drive that states no speed (0 or NaN for ever) is no witness.
+        A drive that states no speed (0 or NaN for ever) is no cross-check.
         """
         before = self._before
         if winch is None or not math.isfinite(winch.time + winch.encoder_payout):
@@ -201,7 +201,13 @@ class Driven(NamedTuple):
 
 
 class Proven(NamedTuple):
-    """What follows from the proofs of a tick: why compensation may not begin, empty where it may, and what is new."""
+    """What follows from the proofs of a tick.
+
+    Attributes
+    ----------
+    gate : why compensation may not begin, in words; empty where it may
+    alarms : what is new
+    """
 
     gate: str = ""
     alarms: tuple[Alarm, ...] = ()
@@ -218,7 +224,7 @@ class Proofs:
 
     Attributes
     ----------
-    consent : an operator has compensation begin without a witness
+    consent : an operator has compensation begin without a cross-check
     """
 
     def __init__(self, parameters: WinchControllerParameters, cable: CableModel, tick_period: float) -> None:
@@ -236,7 +242,7 @@ class Proofs:
         self.motion.reset()
 
     def ask(self, *, consent: bool) -> None:
-        """Take that an operator asks for a mode, with or without `consent` to begin without a witness."""
+        """Take that an operator asks for a mode, with or without `consent` to begin without a cross-check."""
         self.consent |= consent
         self.brake.acknowledge()
         self._told = Standing.OPEN
@@ -294,7 +300,11 @@ class Proofs:
         """What keeps compensation from beginning."""
         proof, fit = self.motion, self.motion.fit
         if proof.standing is Standing.ALONE:
-            why = f"the {proof.witness} agrees by {fit.correlation:.2f}" if proof.witness else "no witness reads"
+            why = (
+                f"the {proof.witness} agrees by {fit.correlation:.2f}"
+                if proof.witness
+                else "neither load cell nor depth sensor reads"
+            )
             return ALARMS.alarm("MRU_UNPROVED", why=why)
         code = "MRU_REVERSED" if proof.standing is Standing.REVERSED else "MRU_SCALE_UNPROVED"
         numbers = {"scale": fit.scale, "correlation": fit.correlation, "certainty": abs(fit.certainty)}
@@ -304,5 +314,4 @@ class Proofs:
         """Return why compensation may not begin by what is known of the MRU."""
         if self._is_closed:
             return self._alarm.brief
-        is_open = self.motion.standing is Standing.OPEN and not self.consent
-        return "proving the MRU by load cell and depth sensor" if is_open else ""
+        return "proving the MRU by load cell and depth sensor" if self.motion.standing is Standing.OPEN else ""

@@ -37,7 +37,7 @@ SETTLED = 5.0
 """Time under the brake from which on the load cell counts [s]: the stop itself has shaken the load."""
 
 HELD_TIME = 1.0
-"""Time after which it is told whether anything holds the drum [s]."""
+"""Time after which is reported whether anything holds the drum [s]."""
 
 
 class LockedLoad(Protocol):
@@ -66,7 +66,7 @@ class FallingTension:
         self.fall = 0.0
 
     def restart(self) -> None:
-        """Begin anew; how the tension falls without a cause is known on."""
+        """Restart; how the tension falls without a cause stays known."""
         self._rest.clear()
         self._falls, self._slack = 0, 0.0
 

@@ -1,0 +1,142 @@
+"""Proofs before the brake opens, and motion under the brake, in whole loops of shipped scenarios."""
+
+from dataclasses import replace
+
+import pytest
+from heave_bringup.closed_loop import COLUMNS, ClosedLoop, loop_parameters
+from heave_bringup.scenarios import load_scenario
+from heave_node.interface.alarm import Severity
+from winch_controller_node.core.supervision.proofs import MotionProof, Standing
+from winch_controller_node.model.nominal_load import NominalLoad
+
+TICK = 0.05
+REVERSED = tuple(
+    f"wave_vessel.mru.faults.{name}=[{value}]"
+    for name, value in (("kind", "scale"), ("start", "0.0"), ("duration", "0.0"), ("magnitude", "-1.0"))
+)
+NO_DEPTH = ("cable_sim.sensors.depth.fitted=false",)
+
+
+class Run:
+    """A loop of a scenario with settings; `go` runs it on."""
+
+    def __init__(self, scenario, *settings, seed=1):
+        self.loop = ClosedLoop(replace(loop_parameters(load_scenario(scenario, settings=list(settings))), seed=seed))
+        self.delivered, self.modes, self.alarms = [], [], []
+        step = self.loop.controller.step
+
+        def kept(tick, measurements):
+            self.delivered.append(measurements)
+            return step(tick, measurements)
+
+        self.loop.controller.step = kept
+
+    @property
+    def time(self):
+        return self.loop.tick * TICK
+
+    def go(self, until):
+        while self.time < until:
+            outputs, _ = self.loop.step()
+            self.modes.append(outputs.mode)
+            self.alarms += [(self.time, alarm) for alarm in outputs.alarms]
+        return self
+
+    def begins(self):
+        """Return when compensation begins [s]; None: it does not."""
+        return TICK * self.modes.index("compensating") if "compensating" in self.modes else None
+
+    @property
+    def codes(self):
+        return [alarm.code for _, alarm in self.alarms]
+
+
+def proved(delivered, scale, cable, length, witnesses):
+    """Return what a locked winch's readings prove of an MRU that reads `scale` times what it does, by two windows."""
+    load, found = NominalLoad(cable, length, TICK), []
+    for k, one in enumerate(delivered):
+        mru = [one._replace(heave=scale * one.heave, heave_rate=scale * one.heave_rate) for one in one.mru]
+        load.step(tuple(mru), (0.0, 0.0))
+        if k in (400, 800):
+            proof = MotionProof(TICK)
+            found.append(proof)
+        if k >= 400:
+            proof.add(load, *(one.of(name) if name in witnesses else () for name in ("load_cell", "depth")))
+    return [proof.standing for proof in found]
+
+
+CASES = [
+    (scenario, 11 + j, (0.5, 1.0, 2.0, 3.0)[(i + j) % 4])
+    for i, scenario in enumerate(("b2_calm_300", "b3_deep_900", "unit_1500", "b4_limit_900_tp10"))
+    for j in range(5)
+]
+"""Two windows each: forty."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scenario", "seed", "height"), CASES)
+def test_a_sound_mru_is_proved_and_a_reversed_one_refused_in_every_window_by_either_witness(scenario, seed, height):
+    """Of the tip's acceleration times the mass 20 of 40 windows would be reversed: those on 900 m."""
+    sea = (f"system.sea.significant_wave_height={height}", "wave_vessel.ramp=1.0")
+    run = Run(scenario, *sea, "winch_controller.modes.start=standby", seed=seed).go(60.0)
+    controller = run.loop.controller
+    for witnesses in (("load_cell",), ("depth",)):
+        for scale, standing in ((1.0, Standing.PROVED), (-1.0, Standing.REVERSED)):
+            found = proved(run.delivered, scale, controller.design.cable, controller.parameters.length, witnesses)
+            assert found == [standing, standing], witnesses
+
+
+@pytest.mark.parametrize(("scenario", "begins"), [("b2_calm_300", 24.2), ("b10_real_mru_swell", 21.75)])
+def test_the_proof_comes_within_the_time_in_which_compensation_waits_anyway(scenario, begins):
+    """The times are those of the controller without proofs."""
+    assert Run(scenario).go(begins + 1.0).begins() == pytest.approx(begins, abs=0.5 * TICK)
+
+
+@pytest.mark.parametrize("settings", [REVERSED, REVERSED + NO_DEPTH], ids=["depth", "load cell alone"])
+def test_a_reversed_mru_never_moves_the_load_whatever_an_operator_consents_to(settings):
+    run = Run("b2_calm_300", *settings, "winch_controller.entry.accept_unproved=true").go(75.0)
+    assert run.begins() is None
+    assert "MRU_REVERSED" in run.codes
+
+
+def test_without_a_witness_compensation_waits_for_an_operators_consent():
+    bare = (*NO_DEPTH, "cable_sim.sensors.load_cell.fitted=false")
+    run = Run("b2_calm_300", *bare).go(40.0)
+    assert run.begins() is None
+    assert "MRU_UNPROVED" in run.codes
+    run.loop.controller.ask_for_mode("compensating", consent=True)
+    assert run.go(42.0).begins() == pytest.approx(40.0, abs=0.2)
+    assert Run("b2_calm_300", *bare, "winch_controller.entry.accept_unproved=true").go(26.0).begins() is not None
+
+
+def slipped(*settings, faults, seconds=2.5):
+    """Return the alarms of a run in which winch faults begin, with the time and the way of the drum since the last."""
+    run = Run("b2_calm_300", *settings)
+    for kind, begin, magnitude in faults:
+        run.go(begin)
+        run.loop.winch.faults.inject(kind, start=run.time, magnitude=magnitude, duration=0.0)
+    since, way, told = run.time, run.loop.winch.state.payout, []
+    while run.time < since + seconds:
+        outputs, row = run.loop.step()
+        told += [(row[0] - since, row[COLUMNS.index("payout")] - way, alarm) for alarm in outputs.alarms]
+    return told, run.loop.winch.state.payout - way
+
+
+def test_a_brake_that_slips_in_standby_is_told_at_once_and_the_drive_holds_the_load():
+    """0.5 m/s; without supervision 7.5 m in 15 s."""
+    told, way = slipped("winch_controller.modes.start=standby", faults=[("brake_slip", 30.0, 0.5)])
+    time, at, alarm = next(one for one in told if one[2].severity is Severity.CRITICAL)
+    assert alarm.code == "DRUM_RUNS_BRAKED"
+    assert time < 0.3
+    assert at <= 0.05 + 1e-6
+    assert way < 0.1
+    assert "DRUM_HELD_BY_DRIVE" in [one[2].code for one in told]
+
+
+def test_a_brake_that_is_stuck_open_after_a_loss_of_power_is_told_at_once_and_that_nothing_holds_the_load():
+    told, _ = slipped(faults=[("brake_open", 30.0, 0.5), ("emergency_stop", 40.0, 0.0)])
+    time, _, alarm = next(one for one in told if one[2].severity is Severity.CRITICAL)
+    assert alarm.code == "DRUM_RUNS_BRAKED"
+    assert time < 0.3 + 0.4  # of the stop itself, from 0.5 m/s at most
+    (last,) = [one[2] for one in told if one[2].code == "DRUM_NOT_HELD"]
+    assert "emergency stop has taken the drive's power" in str(last)
