@@ -19,9 +19,13 @@ _WITHOUT_ENTRANCES: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrap
 
 
 def _is_writable(folder: Path) -> bool:
-    """Return whether a `folder`, or the nearest one above it that is there, can be written."""
-    there = next((one for one in (folder, *folder.parents) if one.is_dir()), folder)
-    return os.access(there, os.W_OK | os.X_OK)
+    """Return whether a file can be made in a `folder`, which is made where it is missing."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
 
 
 def temporary_cache(sources: Path) -> Path:
@@ -45,10 +49,10 @@ def _provide_cache(here: Path) -> None:
     """Let numba have a cache where it would find none, and this process's children the same."""
     home = Path(os.environ.get("HOME", "/nowhere"), ".cache")
     own = Path(os.environ.get("XDG_CACHE_HOME") or home)
-    if os.environ.get("NUMBA_CACHE_DIR") or _is_writable(here) or _is_writable(own):
+    if os.environ.get("NUMBA_CACHE_DIR") or _is_writable(here / "__pycache__") or _is_writable(own):
         return
     os.environ["NUMBA_CACHE_DIR"] = str(temporary_cache(here.parents[1]))
-    config.reload_config()
+    config.reload_config()  # type: ignore[no-untyped-call]
 
 
 _provide_cache(Path(__file__).parent)
