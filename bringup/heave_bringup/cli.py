@@ -7,6 +7,7 @@ from heave_bringup.interrupts import forget_interrupts, raise_if_interrupted, ra
 # isort: split
 import argparse
 import errno
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,6 +19,7 @@ from heave_node.ros.transport.watchdog import check_memory
 
 from heave_bringup.commands.completion import complete
 from heave_bringup.errors import CommandError, ExitStatus
+from heave_bringup.other_ros import leave_out_other_ros
 from heave_bringup.parser import make_parser
 
 FULL = (errno.ENOSPC, errno.EDQUOT)
@@ -33,6 +35,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     try:
         raise_interrupts()  # nodes are ended in order
+        if words := leave_out_other_ros(os.environ, sys.path):
+            sys.stderr.write(f"heave: {words}\n")
         return _main(arguments)
     except KeyboardInterrupt:
         return _exit_with("interrupted", ExitStatus.INTERRUPTED)

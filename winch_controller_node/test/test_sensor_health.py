@@ -625,3 +625,38 @@ def test_an_mru_whose_heave_stands_while_its_attitude_goes_on_is_frozen_and_not_
     assert lost
     assert 40.0 < lost[0] < 40.0 + within
     assert gate.reason == "frozen"
+
+
+def heave_in_steps(step, seed, amplitude=0.3):
+    """Return heave of a sea of 8 s, 20 readings a second for 420 s, rounded to a `step` [m]."""
+    rng = np.random.default_rng(seed)
+    times, omegas = np.arange(1, 420 * 20 + 1) / 20.0, 2.0 * np.pi / 8.0 * np.linspace(0.6, 1.8, 20)
+    sizes = np.exp(-(((np.linspace(0.6, 1.8, 20) - 1.0) / 0.25) ** 2))
+    sizes *= amplitude * math.sqrt(2.0) / np.linalg.norm(sizes)
+    phases = rng.uniform(0.0, 2.0 * np.pi, 20)
+    return times, np.round(np.sin(np.outer(times, omegas) + phases) @ sizes / step) * step
+
+
+def times_lost(times, heaves):
+    """Return when the MRU was taken for lost, one of heave alone [s]."""
+    gate, lost, was_lost = SensorGate("mru", SensorTiming(DT), HealthParameters()), [], False
+    for time, heave in zip(times, heaves, strict=True):
+        gate.judge(time, time, (heave, 0.0, 0.0, 0.0), "", (heave, 0.0))
+        gate.tick(time)
+        lost += [time] if gate.is_lost and not was_lost else []
+        was_lost = gate.is_lost
+    return lost
+
+
+@pytest.mark.parametrize("step", [0.01, 0.001])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_an_mru_that_reads_in_steps_is_not_frozen_at_the_crests_of_the_sea(step, seed):
+    """A run of equal readings at a crest is longer than chance has it: such a sensor was lost 28 to 71 times."""
+    assert len(times_lost(*heave_in_steps(step, seed))) <= 5
+
+
+@pytest.mark.parametrize("step", [0.01, 0.001])
+def test_an_mru_that_reads_in_steps_and_freezes_is_found_before_prediction_ends(step):
+    times, heaves = heave_in_steps(step, 1)
+    frozen = np.where(times > 300.0, heaves[times <= 300.0][-1], heaves)
+    assert 0.0 < times_lost(times, frozen)[-1] - 300.0 <= 1.5

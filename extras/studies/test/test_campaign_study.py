@@ -107,6 +107,20 @@ def test_a_table_that_could_not_be_written_is_refused_before_the_first_case(camp
         study.run_study(campaign, output=tmp_path / "cases.parquet", processes=1)
 
 
+@pytest.mark.parametrize(
+    ("failure", "words"),
+    [
+        ("its worker was lost: Error during deserialization of the task graph", "the workers need this suite"),
+        ("the cable parted", "none of 8 cases ran; the first: the cable parted"),
+    ],
+)
+def test_a_campaign_of_which_no_case_ran_ends_with_status_1(campaign, monkeypatch, tmp_path, capsys, failure, words):
+    monkeypatch.setattr(executors, "run_task", lambda task: CaseResult(task.case, failure=failure))
+    (tmp_path / "own.yaml").write_text(TEXT)
+    assert main(["campaign", str(tmp_path / "own.yaml"), "--processes", "1"]) == 1
+    assert words in capsys.readouterr().err
+
+
 def test_a_failed_case_is_a_row_and_stops_no_other(campaign, monkeypatch):
     monkeypatch.setattr(executors, "run_task", pretended)
     frame = study.run_study(campaign, processes=1)

@@ -1,7 +1,8 @@
 """The one spin loop of the suite, and what its executor needs of callbacks.
 
-The events executor is three times as fast as the default one. Its `spin` does not dispatch in every release, so the
-loop asks it to spin until a future completes, in slices; between slices a node may check the wall clock.
+The events executor is three times as fast as the default one, which stands in where a release of ROS has none. Its
+`spin` does not dispatch in every release, so the loop asks it to spin until a future completes, in slices; between
+slices a node may check the wall clock.
 """
 
 from __future__ import annotations
@@ -12,11 +13,15 @@ from collections.abc import Callable
 from typing import Any
 
 import rclpy
-from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
 from heave_node.ros.transport.identity import identity_of_sender
+
+try:
+    from rclpy.experimental import EventsExecutor
+except ImportError:  # a release that has it elsewhere, or not at all
+    from rclpy.executors import SingleThreadedExecutor as EventsExecutor
 
 IDLE_PERIOD = 0.2
 """Wall time between two calls of `on_idle` [s]."""

@@ -47,7 +47,6 @@ class ExternalClock:
     Attributes
     ----------
     rule : active; DETECT until the first message
-    latency : as declared [s]
     violation : why what comes does not fit the rule, in words; "" while it fits
     violations : messages that did not fit
     """

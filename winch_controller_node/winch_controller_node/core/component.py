@@ -24,6 +24,7 @@ from winch_controller_node.core.estimation.loop_tick import LoopTick
 from winch_controller_node.core.estimation.observation import Observer
 from winch_controller_node.core.estimation.preview_watch import PreviewWatch
 from winch_controller_node.core.loop_command import LoopCommand, TickCommand
+from winch_controller_node.core.place_of_orders import PlaceOfOrders
 from winch_controller_node.core.state_report import ControllerTick, state_report
 from winch_controller_node.core.supervision.after_stop import AfterStop
 from winch_controller_node.core.supervision.landing import LandingEvent
@@ -100,6 +101,7 @@ class WinchController:
         self._command = LoopCommand(design, law)
         self._winch = WinchWatch(design)
         self.envelope = OrderEnvelope(parameters, design.cable, tick_period)
+        self._place = PlaceOfOrders(tick_period)
         self._load = LoadWatch(parameters.alarms, tick_period=tick_period, rope=rope_strength(parameters))
         self._travel_episodes = Episode(tick_period), Episode(tick_period)
         self._programme = Programme(parameters.programme)
@@ -419,6 +421,7 @@ class WinchController:
         order = self._command.order(command, decision.mode, self._estimation.set_point)
         order = self._leave(order, move, raw, measurements)
         self.proofs.note(order)
+        order = self._with_place(order, loop.payout)
         command = self._command.last
         self._note_kpi(loop)
         does = loop_words(decision.mode.mode, is_damped_blind=decision.is_damped and not loop.knows_tip)
@@ -471,6 +474,16 @@ class WinchController:
             order = changed if math.isfinite(more + faster) else sent
         self._winch.give(order)
         return sent
+
+    def _with_place(self, order: WinchOrder, payout: float) -> WinchOrder:
+        """Return an `order` with the place that belongs to its speed, with the drum at a `payout` [m].
+
+        A nominal winch with a position loop beside its speed, or with nothing else, has its own set-point already.
+        """
+        if not self._command.goes_by_rate or not math.isfinite(order.payout_rate):
+            return order
+        place = self._place.at_end(order.payout_rate, payout, is_braked=order.brake)
+        return order._replace(payout=self.observer.encoder.count_at(place))
 
     def leave_out(self, tick: int) -> tuple[str, ...]:
         """Let tick k pass, predicted: no readings were taken and no order was given, so the winch has kept the last.

@@ -213,6 +213,11 @@ class LoopCommand:
         self._minute.note(self._speed_asked)
         return self.last
 
+    @property
+    def goes_by_rate(self) -> bool:
+        """Whether the nominal winch follows the rate of an order alone."""
+        return not self._is_first_order and self._winch.position_gain == 0.0
+
     def order(self, command: TickCommand, mode: ModeOutput, mean_payout: float) -> WinchOrder:
         """Return the set-points of a command, without those for the crane's lift.
 

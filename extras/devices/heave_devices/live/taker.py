@@ -239,7 +239,7 @@ class Taker:
         return f"with word_order: {order} it reads {value:.2f}"
 
     def jump_in_other_order(self, name: str, jump: float) -> str:
-        """Return in words that the last `jump` of a quantity is a small step in the other order of words, or ""."""
+        """Return in words that the last `jump` of a quantity, `name`, is a small step in the other order, or ""."""
         order, before = self._swapped(name, self._sent[name][0])
         moved = self._factors[name] * (self._swapped(name, self._sent[name][1])[1] - before)
         return f"with word_order: {order} it moved by {moved:+.4f} m" if abs(moved) < 0.1 * abs(jump) else ""

@@ -10,6 +10,7 @@ from types import MappingProxyType
 import pandas
 from heave_bags.analyse import kpi_set
 from heave_bags.record.provenance import git_commit, versions
+from heave_bringup.errors import CommandError
 from heave_bringup.scenarios import named_files
 
 from heave_studies.campaign.plan import Campaign
@@ -26,6 +27,17 @@ OUTCOME = (FAILURE, LOST, REASON, MET, MISSED, BREACHES, SHARE, BASELINE_UNKNOWN
 BASELINE_EFFICIENCY = "baseline_efficiency"
 
 NO_FILES: Mapping[str, KeptFile] = MappingProxyType({})
+
+
+def check_any_ran(frame: pandas.DataFrame) -> None:
+    """Raise CommandError where no case of a `frame` ran."""
+    failures = frame[FAILURE]
+    if not len(failures) or (failures == "").any():
+        return
+    words = str(failures.iloc[0])
+    is_foreign = "deserializ" in words.lower() or "No module named" in words
+    hint = ": the workers need this suite, in the same version" if is_foreign else ""
+    raise CommandError(f"none of {len(failures)} cases ran{hint}; the first: {words}")
 
 
 def case_frame(

@@ -100,6 +100,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_studies.campaign.report import case_table, left_out, remarks, summary_table, to_json, without_scenario
     from heave_studies.campaign.sensitivity import check_enough, influence_table, influences, save_tornado
     from heave_studies.campaign.study import run_study
+    from heave_studies.campaign.table import check_any_ran
 
     for option, value in (("--processes", options.processes), ("--draws", options.draws), ("--seeds", options.seeds)):
         if value is not None and value < 1:
@@ -133,6 +134,7 @@ def execute(options: argparse.Namespace) -> None:
         parts.append(influence_table(found, options.kpi))
         result["influences"] = {"kpi": options.kpi, "parameters": [asdict(one) for one in found]}
     write_result(options, parts, result)
+    check_any_ran(frame)
 
 
 def _write_case(options: argparse.Namespace) -> None:

@@ -118,11 +118,13 @@ def study_cases(
     from heave_bringup.settings import plain_settings
 
     from heave_studies.campaign.study import run_study
+    from heave_studies.campaign.table import check_any_ran
     from heave_studies.tables.case_table import read_cases
 
     if options.cases is None:
         run_study(campaign(plain_settings(options.set)), output=table, processes=options.processes, dask=options.dask)
     frame, facts = read_cases(table)
+    check_any_ran(frame)
     of_table = facts.get("scenario", options.scenario)
     if Path(of_table).stem != Path(options.scenario).stem:
         raise ParameterError(f"{table}: holds cases of {of_table}, not of {options.scenario}: name {of_table}")

@@ -32,6 +32,10 @@ of another is found."""
 HEAVE_SAMENESS = 0.5
 """The same share of heave and rate of an MRU alone, at first: they may be read in steps."""
 
+FEWEST_OF_STEPS, LONGER = 24, 2.0
+"""Equal readings of a sensor that reads in steps that are none of a crest: so many, and this factor over its longest
+run."""
+
 BY_CHANCE = 2e-4
 """Probability of a run of equal readings below which a sensor is frozen: three of one that does not read in steps."""
 
@@ -88,7 +92,8 @@ class Sameness:
     """Reports whether readings have been the same for longer than this sensor's usually are.
 
     Of one that reads in steps two in a row are often the same: a run of n comes by chance with a probability of
-    p^(n - 1), p the share of readings that were like the one before.
+    p^(n - 1), p the share of readings that were like the one before. At a crest of the sea runs are longer than that:
+    one must also be longer than those before.
 
     Parameters
     ----------
@@ -98,15 +103,19 @@ class Sameness:
     def __init__(self, usual: float) -> None:
         self._least = self._usual = usual
         self._run, self._last = 1, tuple[float, ...]()
+        self._longest = 1.0
 
     def stands(self, values: tuple[float, ...], least: int) -> bool:
         """Take a reading's `values` in; tell whether the run of equal ones, of at least so many, is no chance."""
         if values != self._last:
             weight = min(1.0, self._run / SAMENESS_MEMORY)
+            self._longest = max(float(self._run), self._longest * (1.0 - weight / 10.0))
             self._usual += weight * ((self._run - 1) / self._run - self._usual)
             self._run, self._last = 1, values
             return False
         self._run += 1
+        if self._longest >= 2.0:  # it reads in steps
+            least = max(least, FEWEST_OF_STEPS, round(LONGER * self._longest))
         return self._run >= least and max(self._usual, self._least) ** (self._run - 1) < BY_CHANCE
 
 

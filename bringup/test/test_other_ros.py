@@ -1,0 +1,37 @@
+"""A shell in which another ROS is sourced."""
+
+import os
+
+import pytest
+from heave_bringup.other_ros import leave_out_other_ros
+
+
+@pytest.fixture
+def folders(tmp_path):
+    """Folders of modules: of the suite's own ROS, of another one, and of the user's own modules."""
+    for name in ("own/rclpy", "humble/rclpy", "mine"):
+        (tmp_path / name).mkdir(parents=True)
+    return {name: str(tmp_path / name) for name in ("own", "humble", "mine")}
+
+
+def test_another_ros_is_named_and_left_out_here_and_for_the_nodes(folders):
+    environment = {"PYTHONPATH": os.pathsep.join([folders["humble"], folders["mine"]])}
+    path = ["", folders["humble"], folders["mine"], folders["own"]]
+    words = leave_out_other_ros(environment, path)
+    assert folders["humble"] in words
+    assert environment["PYTHONPATH"] == folders["mine"]
+    assert path == ["", folders["mine"], folders["own"]]
+
+
+@pytest.mark.parametrize("given", [[], ["mine"]])
+def test_nothing_is_changed_where_there_is_none(folders, given):
+    environment = {"PYTHONPATH": os.pathsep.join(folders[name] for name in given)} if given else {}
+    before, path = dict(environment), [folders[name] for name in (*given, "own")]
+    assert leave_out_other_ros(environment, path) == ""
+    assert environment == before
+
+
+def test_the_only_ros_there_is_stays(folders):
+    """As colcon builds the suite: all is on PYTHONPATH."""
+    environment = {"PYTHONPATH": folders["humble"]}
+    assert leave_out_other_ros(environment, [folders["humble"], folders["mine"]]) == ""
