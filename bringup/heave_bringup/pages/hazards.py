@@ -78,10 +78,9 @@ def _measured(one: Hazard) -> str:
         return ""
     named, rest = ([float(case[name]) for case in shown] for name in ("named", "rest"))
     never, moving = (sum(map(math.isinf, values)) for values in (named, rest))
-    return (
-        f"{len(shown)} cases; named after {_times(named)}{f', in {never} not' if never else ''}; drum at rest after "
-        f"{_times(rest)}{f', in {moving} it moves on' if moving else ''}"
-    )
+    cases = f"{len(shown)} case" + ("s" if len(shown) > 1 else "")
+    not_named, goes_on = f", in {never} not" if never else "", f", in {moving} it moves on" if moving else ""
+    return f"{cases}; named after {_times(named)}{not_named}; drum at rest after {_times(rest)}{goes_on}"
 
 
 def _times(values: Sequence[float]) -> str:

@@ -131,7 +131,8 @@ def page(campaigns: Sequence[Mapping[str, Any]]) -> str:
 def _bars(campaign: Mapping[str, Any]) -> list[str]:
     shown = [shown_of(row) for row in campaign["rows"]]
     shares = [
-        f"{good} of {asked}, {100.0 * good / max(asked, 1):.1f} %" for good, asked in (kept(bar, shown) for bar in BARS)
+        f"{good} of {asked}, {100.0 * good / asked:.1f} %" if asked else "-"
+        for good, asked in (kept(bar, shown) for bar in BARS)
     ]
     return [campaign["commit"][:10], str(campaign["seed"]), str(len(shown)), *shares]
 

@@ -95,7 +95,8 @@ class SecondFilter:
         said : innovations of the active filter in this tick
         unjudged : measurements that say nothing of who is right
         """
-        self._estimator.step(tick, command, readings)
+        known = self._estimator.measurements
+        self._estimator.step(tick, command, [reading for reading in readings if reading.name in known])
         elapsed = (tick - self._first) * self._dt - self._settling
         if elapsed <= 0.0:
             return
