@@ -142,11 +142,11 @@ def execute(options: argparse.Namespace) -> None:
     scenario = with_envelope(load_scenario(options.scenario, settings=settings), is_asked=options.envelope)
     scenario = replaced.apply(scenario)
     _check(options, scenario, replaced)
-    _announce(options, scenario, required)
     with node_forks(1 if options.composed else len(nodes_to_start(scenario.run, replaced.lockstep))) as forks:
         from heave_bringup.run.run import new_run_folder, run_scenario
 
         folder = new_run_folder(scenario.name, options.bag)
+        _announce(options, scenario, required)
         # What judges the run takes seconds to load: time that the nodes need to find each other.
         judging = [EVALUATION] if options.no_report else [EVALUATION, SPECTRA]
         threading.Thread(target=lambda: [importlib.import_module(module) for module in judging]).start()
