@@ -37,7 +37,7 @@ def test_a_comparison_leaves_the_reports_of_its_runs_as_they_are(runs, capsys):
         assert main(["report", str(runs / "one"), str(runs / "two"), "--json", "-"]) == 0
         written = Path(json.loads(capsys.readouterr().out)["report"])
         assert written == runs / f"comparison-{number:03d}.html"
-        assert "unit heave of all runs" in written.read_text().lower()
+        assert "load heave of all runs" in written.read_text().lower()
     for name in ("one", "two"):
         assert (runs / name / "report.html").read_text() == f"the report of run {name}"
     output = str(runs / "two" / "report.html")

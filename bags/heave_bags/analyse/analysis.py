@@ -37,9 +37,9 @@ class Extreme:
 
     @property
     def shown(self) -> tuple[str, str]:
-        """The value and its unit as people see them, the same as in the table of figures of merit."""
+        """The size and its unit as people see them, the same as in the table of figures of merit."""
         unit, scale = QUANTITIES[self.unit]
-        return f"{scale * self.value:.2f}", unit
+        return f"{scale * abs(self.value):.2f}", unit
 
 
 def analyse(

@@ -28,7 +28,8 @@ def innovation_figure(record: RunRecord) -> Figure | None:
         return None
     figure = Figure(
         "Estimator innovations",
-        "Measurement minus prediction; dotted: two predicted standard deviations, which 95 % should keep within.",
+        "Measurement minus prediction. Good: no trend, no oscillation, and 95 % inside the dotted lines, two predicted "
+        "standard deviations. Wider: model or sensor is worse than stated.",
         layout=time_layout(record, ""),
         height=120 + 190 * len(rows),
     )

@@ -73,9 +73,9 @@ def comparison_figures(records: Sequence[RunRecord], names: Sequence[str]) -> li
     """Return the figures that show the runs `records` together, each by its name among `names`."""
     grey = " Grey: transient, not counted." if transient_band(records[0]) else ""
     heave = Figure(
-        "Unit heave of all runs",
+        "Load heave of all runs",
         f"About the mean of each run.{grey}",
-        layout=time_layout(records[0], "unit heave about the mean [cm]"),
+        layout=time_layout(records[0], "load heave about the mean [cm]"),
     )
     for index, (record, label) in enumerate(zip(records, names, strict=True)):
         colour = RUN_COLOURS[index % len(RUN_COLOURS)]
@@ -90,15 +90,15 @@ def motion_figure(record: RunRecord) -> Figure:
     ribbon = ribbon_traces(record)
     figure = Figure(
         "Motion",
-        "Heave about the mean: the boom tip's heave less the payout is the motion of the cable's top. "
-        "Above: mode of the controller, brake, active winch limits and alarms, in the colours below.",
+        "Heave about the mean: boom tip minus payout is the motion of the rope at the boom tip. "
+        "Above: controller mode, brake, active winch limits and alarms, in the colours below.",
         layout=time_layout(record, "heave about the mean [cm]"),
         height=480,
     )
     figure.traces += [
         line(about_mean(signals.boom_tip_heave), "boom tip", BOOM_TIP),
         line(about_mean(minus_payout), "minus payout", PAYOUT),
-        line(about_mean(signals.unit_heave), "unit", UNIT, width=1.8),
+        line(about_mean(signals.unit_heave), "load", UNIT, width=1.8),
     ]
     figure.legend = ribbon_legend(record)
     if ribbon:
@@ -154,12 +154,12 @@ def unit_figure(record: RunRecord) -> Figure:
     """Unit heave with and without compensation, of the run `record`."""
     signals, source = record.signals, record.sources.get(FREE_HEAVE, TRUE)
     figure = Figure(
-        "Unit heave, compensated and uncompensated",
-        f"Uncompensated: the same sea and cable with the winch locked, {FREE_MOTION[source]}.",
-        layout=time_layout(record, "unit heave about the mean [cm]"),
+        "Load heave, compensated and with the winch locked",
+        f"Winch locked: the same sea and rope, {FREE_MOTION[source]}.",
+        layout=time_layout(record, "load heave about the mean [cm]"),
     )
     figure.traces += [
-        line(about_mean(signals.uncompensated_heave), "uncompensated", UNCOMPENSATED),
+        line(about_mean(signals.uncompensated_heave), "winch locked", UNCOMPENSATED),
         line(about_mean(signals.unit_heave), "compensated", UNIT, width=1.6),
     ]
     return figure

@@ -29,9 +29,8 @@ from winch_controller_node.core.state_report import ControllerTick, state_report
 from winch_controller_node.core.supervision.after_stop import AfterStop
 from winch_controller_node.core.supervision.landing import LandingEvent
 from winch_controller_node.core.supervision.late_commands import LateCommands
-from winch_controller_node.core.supervision.loop_words import loop_words
 from winch_controller_node.core.supervision.mode_machine import ModeMachine
-from winch_controller_node.core.supervision.modes import BRAKED, Mode, ModeError, ModeOutput
+from winch_controller_node.core.supervision.modes import BRAKED, Mode, ModeError, ModeOutput, loop_words
 from winch_controller_node.core.supervision.proofs import Driven, Proofs, Proven
 from winch_controller_node.core.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.core.supervision.supervisor import Decision, Supervisor, WinchSituation
