@@ -30,6 +30,7 @@ class Duty(IntEnum):
     TENSION = 2
     FADE = 3
     STOP = 4
+    DAMP = 5
 
 
 class Phase(IntEnum):

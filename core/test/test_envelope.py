@@ -352,6 +352,12 @@ def test_a_fade_out_ends_in_time_whatever_is_ordered(time, ends):
         assert rig.run(34.0, duty=float(Duty.FADE)).brake == 1.0
 
 
+def test_a_fade_out_that_the_depth_sensor_damps_has_longer_and_ends_too():
+    rig = Rig(bounds={"blind_time": 100.0}).settled()
+    assert rig.run(90.0, duty=float(Duty.DAMP)).phase == Phase.FREE
+    assert rig.run(12.0, duty=float(Duty.DAMP)).cause == Cause.UNSEEN
+
+
 def test_compensation_that_does_not_see_the_ship_ends_in_time():
     rig = Rig().settled()
     blind = {"mru_heave": math.nan, "mru_rate": math.nan}

@@ -86,8 +86,9 @@ void watch_held_drum(const Design &design, State &state, const Readings &reading
 // Fade-out and compensation without the motion reference unit end in time; harm that the load cell shows ends too.
 void watch_duty(const Design &design, State &state, const Readings &readings, double harm) {
     const Bounds &bounds = design.envelope;
-    const bool is_seen = state.mru_age <= bounds.mru_time, moves = readings.brake == 0.0;
-    const bool fades = moves && int(readings.duty) == FADE, follows = moves && int(readings.duty) == FOLLOW;
+    const bool damps = int(readings.duty) == DAMP, moves = readings.brake == 0.0;
+    const bool is_seen = state.mru_age <= bounds.mru_time && !damps;
+    const bool fades = moves && (int(readings.duty) == FADE || damps), follows = moves && int(readings.duty) == FOLLOW;
     state.fade_time = !fades ? 0.0 : is_seen ? state.fade_time + design.tick_period : state.fade_time;
     state.blind_time = is_seen || !(fades || follows) ? 0.0 : state.blind_time + design.tick_period;
     const double longest = fades ? bounds.blind_time : bounds.unseen_time;

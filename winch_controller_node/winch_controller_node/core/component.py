@@ -463,7 +463,8 @@ class WinchController:
         """
         leaving = self._command.with_lift(order)
         leaving = leaving._replace(payout=self.observer.encoder.count_at(leaving.payout))
-        asked = Asked(self.mode, move, self._command.tension_asked, self.crane.lift_speed)
+        tension, is_blind = self._command.tension_asked, self.modes.is_damped_blind
+        asked = Asked(self.mode, move, tension, self.crane.lift_speed, is_damped_blind=is_blind)
         sent, news = self.envelope.step(raw, at_tip, asked, leaving)
         self._alarms += news
         if sent is not leaving:

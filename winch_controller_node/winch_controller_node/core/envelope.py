@@ -63,12 +63,14 @@ class Asked(NamedTuple):
     move : last request for the mean payout
     tension : to hold [N]; NaN: none
     lift_rate : with which a crane lifts the boom tip, as the winch is to make up for it [m/s]
+    is_damped_blind : a fade-out damps the unit by the depth sensor alone
     """
 
     mode: Mode
     move: MoveRequest
     tension: float = math.nan
     lift_rate: float = 0.0
+    is_damped_blind: bool = False
 
 
 def nominal_design(parameters: WinchControllerParameters, cable: CableModel, tick_period: float) -> dict[str, Any]:
@@ -223,9 +225,10 @@ def _readings(
     for cell in raw.of("load_cell"):
         load = cell.value
     move = asked.move
+    duty = Duty.DAMP if asked.is_damped_blind else DUTIES.get(asked.mode, Duty.OPERATE)
     return (
         *(heave, rate, count, float(is_held), load, asked.lift_rate),
-        *(float(DUTIES.get(asked.mode, Duty.OPERATE)), asked.tension),
+        *(float(duty), asked.tension),
         *(float(move.number), float(MOVES[move.kind]), move.distance, move.target, move.reference),
         *(move.speed, move.acceleration, float(is_acknowledged)),
         *(order.payout, order.payout_rate, float(order.brake)),

@@ -107,6 +107,11 @@ class ModeMachine:
         """Tell whether the brake is to be on."""
         return self.mode in BRAKED
 
+    @property
+    def is_damped_blind(self) -> bool:
+        """Tell whether a fade-out damps the unit by the depth sensor alone."""
+        return self.mode is Mode.FADE_OUT and self._situation.is_damped_blind
+
     def set_factor(self, factor: float) -> None:
         """Set the largest authority to `factor`; while compensating, authority goes there over the fade-in time."""
         self.factor = factor
