@@ -143,7 +143,7 @@ class FixedControllerPart(Part):
         if order.brake and not brake:
             self._command = gain * payout
         elif order.rate != sent:
-            self._command += (order.rate - sent) * self._governor.gain(order.rate - sent)
+            self._command += (order.rate - sent) * controller.winch.gain_at(order.rate - sent)
         self.send(topics.WINCH_COMMAND, tick, (tick, order.payout, order.rate, bool(order.brake)))
         self.send(topics.CONTROLLER_STATE, tick, ("standby" if brake else "compensating", self._authority, 0.0))
         return []
