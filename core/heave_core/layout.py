@@ -304,6 +304,7 @@ STATE = _structure(
     Row("unit_heave", "m", "of the nominal cable with the winch locked"),
     Row("unit_rate", "m/s", "of the nominal cable with the winch locked"),
     Row("harm_time", "s", "for which the load cell has shown harm"),
+    Row("left", "N^2", "variance of the load beyond the nominal one as following began; it fades"),
     Row("follow_time", "s", "for which the winch has followed the sea and nothing else"),
     Row("measured", "", "spread of the load cell", SPREAD),
     Row("locked", "", "spread of the nominal cable's tension with the winch locked", SPREAD),

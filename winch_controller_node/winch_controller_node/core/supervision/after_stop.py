@@ -76,7 +76,8 @@ class AfterStop:
             return ()
         swing = free_swing(tick.unit_offset, cable.natural_a)
         locked = free_swing(tick.uncompensated, cable.natural_a)
-        if swing < max(NOTABLE, NOTABLE_SHARE * locked):
+        # one that would slacken the cable is no estimate, but one that has lost its encoder
+        if not max(NOTABLE, NOTABLE_SHARE * locked) < swing < cable.static_tension / cable.stiffness:
             return ()
         decay, sensed = decay_of(swing, cable), tick.sensed
         lost = sorted({"mru", "encoder"} & sensed.lost.keys())
