@@ -54,8 +54,8 @@ def is_missed(record: RunRecord, key: str, value: float) -> bool:
 def why_it_swings(record: RunRecord, values: Mapping[str, float]) -> str:
     """Return why the load swings more than the rope at the boom tip under the baseline law; "": it does not.
 
-    Nothing in that law damps the load. What is left of its swing from before compensation, at its natural period on the
-    rope, dies by drag alone: T = 2 pi sqrt((m + m_a + m_rope / 3) L / EA).
+    Nothing in that law damps the load: its swing from before compensation, and what the rope at the boom tip adds at
+    its natural period, die by drag alone: T = 2 pi sqrt((m + m_a + m_rope / 3) L / EA).
 
     Parameters
     ----------
@@ -75,8 +75,8 @@ def why_it_swings(record: RunRecord, values: Mapping[str, float]) -> str:
     period = 2.0 * math.pi * math.sqrt(moved * length / stiffness) if moved * length > 0.0 < stiffness else math.nan
     own = f" ({period:.0f} s)" if math.isfinite(period) else ""
     return (
-        f"The industrial controller holds the rope at the boom tip but does not damp the load: the swing from before "
-        f"compensation started continues at the load's natural period{own}."
+        "The industrial controller holds the rope at the boom tip but does not damp the load, which keeps swinging at "
+        f"its natural period{own}."
     )
 
 

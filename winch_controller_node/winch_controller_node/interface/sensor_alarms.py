@@ -192,7 +192,7 @@ READINGS = (
         "drum",
         "the count does not change although the winch is commanded to turn: the drum stands, or its encoder is frozen",
         "{loop}. It resumes automatically once the count changes",
-        "Look at the drum. If it stands, check brake, pressure and dead zone of the drive. If it turns, restart the encoder. "
+        "Look at the drum. If it stands, check brake, pressure and dead zone of the drive; else restart the encoder. "
         "Then request compensation",
     ),
     AlarmRow(
