@@ -191,3 +191,17 @@ def test_compensation_does_not_go_on_with_a_sensor_that_comes_and_goes(device, o
     changes = [mode for mode, before in zip(run.modes, ["", *run.modes[:-1]], strict=True) if mode != before]
     assert changes.count("compensating") <= 3
     assert run.modes[-1] in STOPS
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lie", ["encoder", "scale of the MRU"])
+def test_what_is_assumed_makes_no_step_in_the_order(lie):
+    """None larger than 1.5 times the largest change of the minute before in a tick, and 0.3 m/s2 more."""
+    run = Run("b2_calm_300", 1, 80.0)
+    run.loop.adviser = None
+    run.inject(values=INSIDE[lie])
+    run.go(82.5)
+    steps = np.abs(np.diff(run.orders))
+    before, after = steps[round(20.0 / TICK) : round(80.0 / TICK)], steps[round(80.0 / TICK) :]
+    assert run.loop.controller.beliefs.values
+    assert np.max(after) <= 1.5 * np.max(before) + 0.3 * TICK + 1e-9

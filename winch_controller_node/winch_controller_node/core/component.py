@@ -706,6 +706,8 @@ class WinchController:
             self._take_law()
         if self._beliefs.has_moved_tip:
             self._supervisor.reset_sea()
+        if self._beliefs.corrected:
+            self._command.ease()
         for owner in self._beliefs.corrected:
             self._supervisor.guard.allow_correction(owner)
         if "encoder" in self._beliefs.corrected:

@@ -135,6 +135,10 @@ class LoopCommand:
         """Swing of the unit at which a fade-out may end [m]; infinite where the law is not asked to damp it."""
         return math.inf if self._settling is None else self._settling.settled_swing
 
+    def ease(self) -> None:
+        """Let the order make no step for some seconds: something else is assumed."""
+        self._minute.ease()
+
     def begin_tension(self, measured: float) -> None:
         """Begin constant tension at the measured tension [N]."""
         self._tension.begin(measured)
@@ -207,10 +211,13 @@ class LoopCommand:
             tension = tick.sensed.tension if math.isfinite(tick.sensed.tension) else state.static_tension
             within = self._within(decision, knows_tip=tick.knows_tip)
             governed = self.governor.govern(asked.value + tick.mean_command, payout, rate, tension, lift, within)
+            if beyond := self._minute.beyond(governed.sent):
+                less = governed.value - beyond * self._winch.gain_at(beyond)
+                governed = governed._replace(value=less, sent=governed.sent - beyond)
         compensating = governed.value - tick.mean_command
         shares = CommandShares(compensating, governed.value - compensating)
         self.last = TickCommand(asked, governed, standing, shares, lift)
-        self._minute.note(self._speed_asked)
+        self._minute.note(self._speed_asked, governed.sent)
         return self.last
 
     @property

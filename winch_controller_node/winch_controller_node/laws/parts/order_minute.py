@@ -10,6 +10,10 @@ MINUTE = 60.0
 MORE, ROOM = 1.2, 0.1
 """Travel that a fade-out may take: so many times the largest of the last minute, and so much more [m]."""
 
+EASING, QUICKER, MORE_ACCELERATION = 2.0, 1.5, 0.3
+"""Time after a change of what is assumed in which the order makes no larger step [s]: so many times the largest of the
+last minute, and so much more [m/s^2]."""
+
 
 class OrderMinute:
     """Speeds that were ordered and the travel that they make, over a minute: e' = v - e / MINUTE.
@@ -24,14 +28,31 @@ class OrderMinute:
         self._speed = self._travel = 0.0
         self._largest_speed = self._largest_travel = 0.0
         self._fading, self._longest = 0.0, 1.0
+        self._sent = self._largest_step = self._easing = 0.0
 
-    def note(self, speed: float) -> None:
-        """Take in the `speed` that is ordered in a tick [m/s]."""
+    def note(self, speed: float, sent: float) -> None:
+        """Take in the `speed` that is ordered in a tick, and the set-point `sent` for it [m/s]."""
         kept = 1.0 - self._dt / MINUTE
+        step, self._sent = abs(sent - self._sent), sent
+        if self._easing == 0.0:
+            self._largest_step = max(step, kept * self._largest_step)
+        self._easing = max(self._easing - self._dt, 0.0)
         self._speed, self._travel = speed, kept * self._travel + speed * self._dt
         if self._fading == 0.0:
             self._largest_speed = max(abs(speed), kept * self._largest_speed)
             self._largest_travel = max(abs(self._travel), kept * self._largest_travel)
+
+    def ease(self) -> None:
+        """Let the order make no step for a time: something else is assumed."""
+        self._easing = EASING
+
+    def beyond(self, sent: float) -> float:
+        """Return by how much a set-point `sent` is beyond the step that is allowed [m/s]; 0: it is not, or any is."""
+        if self._easing == 0.0:
+            return 0.0
+        allowed = QUICKER * self._largest_step + MORE_ACCELERATION * self._dt
+        step = sent - self._sent
+        return step - min(max(step, -allowed), allowed)
 
     def restart(self) -> None:
         """No fade-out is under way."""
