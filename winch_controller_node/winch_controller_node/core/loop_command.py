@@ -346,10 +346,12 @@ class LoopCommand:
         last = self.last
         if self._is_first_order:  # it goes to its last set-point, and stays
             return LawCommand(last.governed.value - tick.mean_command), last.governed, last.governed.value
-        speed, stood = self._speed_asked, last.standing + last.lift.command
+        stood = last.standing + last.lift.command
+        sent = last.governed.sent + last.governed.lift_sent - stood
+        # of an order that the envelope has replaced its own part goes on
+        speed = self._winch.gain_at(sent) * sent if ENVELOPE in last.governed.active else self._speed_asked
         slower = math.copysign(max(abs(speed) - self._stop_step, 0.0), speed)
         stands = stood + self._winch.position_gain * slower * self._dt
-        sent = last.governed.sent + last.governed.lift_sent - stood
         # what is sent falls with it: a servo that needs more than its speed gets less of that too
         sent *= slower / speed if speed != 0.0 else 0.0
         governed = GovernedCommand(slower + stands - lift.command, (), sent + stands - lift.command, lift.command)
