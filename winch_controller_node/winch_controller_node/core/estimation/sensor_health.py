@@ -109,7 +109,9 @@ class Sameness:
         """Take a reading's `values` in; tell whether the run of equal ones, of at least so many, is no chance."""
         if values != self._last:
             weight = min(1.0, self._run / SAMENESS_MEMORY)
-            self._longest = max(float(self._run), self._longest * (1.0 - weight / 10.0))
+            # one run far longer than all before was a sensor that stood, not one that reads in steps
+            longest = min(float(self._run), 2.0 * self._longest)
+            self._longest = max(longest, self._longest * (1.0 - weight / 10.0))
             self._usual += weight * ((self._run - 1) / self._run - self._usual)
             self._run, self._last = 1, values
             return False
