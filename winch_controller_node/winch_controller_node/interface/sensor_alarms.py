@@ -61,7 +61,7 @@ def _losses_of(sensor: str) -> list[AlarmRow]:
         lost("OUT_OF_ORDER", "readings arrive out of sequence, or twice", "Check the driver and the network"),
     ]
     if sensor != "encoder":
-        found.append(lost("FROZEN", "readings do not change", "Restart the sensor or its driver"))
+        found.append(lost("FROZEN", "readings do not change", "Restart the sensor and its driver"))
         found.append(
             lost(
                 "SPIKES",
