@@ -159,7 +159,8 @@ def test_a_slewing_crane_counts_where_it_heaves_most(tmp_path: Path) -> None:
 
 
 def test_a_strength_that_is_not_stated_is_asked_for(tmp_path: Path) -> None:
-    plan = _plan(tmp_path, HEAD.replace('dynamic_amplification: "<= 1.3"', 'rope_safety_factor: ">= 2"') + LANDING)
+    head = "set: {system.cable.breaking_force: 0.0}\n" + HEAD
+    plan = _plan(tmp_path, head.replace('dynamic_amplification: "<= 1.3"', 'rope_safety_factor: ">= 2"') + LANDING)
     with pytest.raises(ParameterError, match=r"set system\.cable\.breaking_force"):
         phase_limits(plan, plan.phases[0], 9.0, 1.0, Runs())
 
@@ -284,7 +285,7 @@ def test_a_bag_is_judged_by_phase_as_its_unit_gets_deeper(tmp_path: Path) -> Non
     down, low = as_built(plan, _record([10.0, 210.0], [1.2e5, 1.5e5]))
     assert (down.state, low.state) == ("passed", "FAILED")
     assert down.judged[0].value == pytest.approx(1.2, rel=1e-3)
-    assert low.failures[0].startswith("low: Largest tension over static 1.500")
+    assert low.failures[0].startswith("low: Dynamic amplification 1.500")
     assert down.end <= low.start
 
 
@@ -315,7 +316,7 @@ def test_a_ship_without_the_truth_is_judged_by_what_its_sensors_tell(tmp_path: P
     assert by_key["dynamic_amplification"].value == pytest.approx(1.5, rel=0.01)
     assert by_key["rope_safety_factor"].value == pytest.approx(494.0 / 150.0, rel=0.01)  # of the plan's rope
     assert by_key["significant_residual_m"].value == pytest.approx(4.0 * 0.1 / math.sqrt(2.0), rel=0.03)
-    assert by_key["slack_percent"].got == "unknown, it needs the tension at the unit"
+    assert by_key["slack_percent"].got == "unknown, it needs the tension at the load"
     assert "the tension at the unit" in by_key["attachment_safety_factor"].got
     assert low.state == "FAILED"
     assert [words.split(" ")[1] for words in low.failures] == ["Largest"]
