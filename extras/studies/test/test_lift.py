@@ -319,7 +319,7 @@ def test_a_ship_without_the_truth_is_judged_by_what_its_sensors_tell(tmp_path: P
     assert by_key["slack_percent"].got == "unknown, it needs the tension at the load"
     assert "the tension at the load" in by_key["attachment_safety_factor"].got
     assert low.state == "FAILED"
-    assert [words.split(" ")[1] for words in low.failures] == ["Largest"]
+    assert [words.split(" ")[1] for words in low.failures] == ["Dynamic"]
     # from 20 m on: a depth sensor notices the waves of 9 s down to 63 m
     assert down.state == IN_PART
     assert math.isnan(next(one.value for one in down.judged if one.criterion.kpi == "significant_residual_m"))
