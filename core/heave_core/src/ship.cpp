@@ -124,7 +124,9 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.drum_travel += std::abs(sent);
     state.count_age = 0.0;
     // a drive that creeps is ordered against it for good: what was sent drifts, the count does not
-    state.travel_sent += std::min(dt / bounds.bound_window, 1.0) * (state.travel_count - state.travel_sent);
+    const double share = std::min(dt / bounds.bound_window, 1.0);
+    state.travel_sent += share * (state.travel_count - state.travel_sent);
+    state.held_back *= 1.0 - share;
     return 0;
 }
 
