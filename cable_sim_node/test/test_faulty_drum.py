@@ -41,7 +41,7 @@ class Bench:
 
 
 def test_a_drum_that_turns_against_the_command_lets_out_what_is_to_be_hauled_in():
-    """Not supervised: the supervision, which is the default, stops it after 5 cm."""
+    """Without the supervision, which every drive has unless it is taken away."""
     bench = Bench(supervision_time=0.0)
     bench.inject("reverse")
     bench.run(2.0, rate=-0.3)

@@ -293,7 +293,6 @@ STATE = _structure(
     Row("asked_since_count", "m", "travel of the asked move since then"),
     Row("travel_sent", "m", "travel of the nominal drum about the asked move"),
     Row("travel_count", "m", "travel by count about the asked move"),
-    Row("held_back", "m", "of `travel_sent`, what the drum has not gone, by count, while the winch reported a limit"),
     Row("allowance", "m", "further travel that is allowed: constant tension, a move on a soft cable"),
     Row("held_tension", "N", "tension that was last asked for"),
     Row("residual", "m", "count less nominal drum of late"),

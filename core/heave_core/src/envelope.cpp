@@ -14,7 +14,6 @@ namespace {
 
 struct Limits {
     double rate, travel;  // R [m/s], D [m]
-    double sent;          // travel that was sent, less what a limit held back [m]
     double lower, upper;  // of the speed about the asked move [m/s]
     double by_travel;     // the narrower one of those that travel leaves [m/s]
 };
@@ -27,16 +26,14 @@ Limits limits_of(const Design &design, const State &state, const Readings &readi
     const double rate = share * bounds.rate_factor * factor * ship.rate + bounds.rate_margin;
     const double travel = bounds.travel_factor * factor * ship.heave + bounds.travel_margin + state.allowance;
     const double lag = design.winch.delay + design.winch.lag;
-    // a limit that the winch reports explains no more than that bound again: the count may be false
-    const double sent = state.travel_sent - clip(state.held_back, -travel, travel);
-    double out = (travel - sent) / lag, in = (travel + sent) / lag;
+    double out = (travel - state.travel_sent) / lag, in = (travel + state.travel_sent) / lag;
     if (has_count) {
         out = std::min(out, (travel - state.travel_count) / lag);
         in = std::min(in, (travel + state.travel_count) / lag);
     }
     const bool gives_way = bounds.highest_tension > 0.0 && readings.load > bounds.highest_tension;
     if (gives_way) out = rate;
-    return {rate, travel, sent, -clip(in, 0.0, rate), clip(out, 0.0, rate), std::max(std::min(in, out), 0.0)};
+    return {rate, travel, -clip(in, 0.0, rate), clip(out, 0.0, rate), std::max(std::min(in, out), 0.0)};
 }
 
 // Travel beyond the waves that constant tension may have, and a move that takes the unit along, x_0 = a z'' + b z' + z;
@@ -137,8 +134,8 @@ double bounded(const Design &design, State &state, const Limits &limits, const A
     order.value = about;
     order.limit = about > 0.0 ? limits.upper : limits.lower;
     if (state.bound > bounds.bound_time) {
-        const bool by_count = std::abs(state.travel_count) > std::abs(limits.sent);
-        const double travel = by_count ? state.travel_count : limits.sent;
+        const bool by_count = std::abs(state.travel_count) > std::abs(state.travel_sent);
+        const double travel = by_count ? state.travel_count : state.travel_sent;
         enter(state, TAKEN, by_rate ? RATE : TRAVEL, by_rate ? about : travel, by_rate ? limits.rate : limits.travel);
     }
     return move + kept;

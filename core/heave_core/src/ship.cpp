@@ -84,7 +84,6 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const double left = rests ? 1.0 : 1.0 - dt / bounds.travel_time;
     state.travel_sent = left * state.travel_sent + travelled.drum - travelled.move;
     state.travel_count *= left;
-    state.held_back *= left;
     if (!rests) state.residual *= 1.0 - dt / bounds.drum_time;
     state.drum_travel *= 1.0 - dt / bounds.drum_time;
     state.since_count += travelled.drum;
@@ -117,16 +116,13 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
         state.residual = 0.0;
         return COUNT_LOST;
     }
-    if (readings.is_held != 0.0 && !travelled.is_braked && step != 0.0) state.held_back += sent - step;
     // a drum that stops by itself may be anywhere between rest and what was sent
     const double expected = is_held ? clip(step, std::min(sent, 0.0), std::max(sent, 0.0)) : sent;
     state.residual += step - expected;
     state.drum_travel += std::abs(sent);
     state.count_age = 0.0;
     // a drive that creeps is ordered against it for good: what was sent drifts, the count does not
-    const double share = std::min(dt / bounds.bound_window, 1.0);
-    state.travel_sent += share * (state.travel_count - state.travel_sent);
-    state.held_back *= 1.0 - share;
+    state.travel_sent += std::min(dt / bounds.bound_window, 1.0) * (state.travel_count - state.travel_sent);
     return 0;
 }
 
