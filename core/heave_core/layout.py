@@ -293,7 +293,7 @@ STATE = _structure(
     Row("asked_since_count", "m", "travel of the asked move since then"),
     Row("travel_sent", "m", "travel of the nominal drum about the asked move"),
     Row("travel_count", "m", "travel by count about the asked move"),
-    Row("allowance", "m", "further travel that is allowed: constant tension"),
+    Row("allowance", "m", "further travel that is allowed: constant tension, a move on a soft cable"),
     Row("held_tension", "N", "tension that was last asked for"),
     Row("residual", "m", "count less nominal drum of late"),
     Row("drum_travel", "m", "travel of the nominal drum of late"),

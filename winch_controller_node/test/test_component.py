@@ -86,7 +86,7 @@ def test_a_move_of_the_programme_that_is_due_before_the_winch_compensates_is_tol
     ).run()
     first, second = [alarm for time, alarm in record.alarms if time < 5.0]
     assert first.code == second.code == "PROGRAMME_WAITS"
-    assert first.values == {"time": 2.0, "payout": 3.0, "before": "", "mode": "standby"}
+    assert first.values.items() >= {"time": 2.0, "payout": 3.0, "before": "", "mode": "standby"}.items()
     assert (second.values["time"], second.values["payout"]) == (4.0, 5.0)
     assert "3.0 m" in second.values["before"]
     assert record.column("depth_set_point")[-1] == pytest.approx(5.0, abs=0.05)
@@ -517,15 +517,20 @@ UNLEARNT = {"lag.adaptation": False, "guard.hold_time": 600.0, "modes.settling_t
 
 @pytest.mark.parametrize("law", ["lqr", "lqg", "mpc"])
 def test_a_lost_loop_is_given_up_before_the_unit_swings_and_the_winch_comes_to_rest_at_its_mean(law):
-    """A servo of 0.8 s for one of 0.15 s, that nobody assumes and nobody learns: no feedback is stable with it."""
+    """A servo of 0.8 s for one of 0.15 s, that nobody assumes and nobody learns: no feedback is stable with it.
+
+    The envelope comes first where the orders grow beyond the ship's own motion before the unit moves more than locked.
+    """
     parameters = loop_parameters(law=law, duration=120.0, **UNLEARNT)
     record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(time_constant=0.8))).run()
-    assert {alarm.code for _, alarm in record.alarms} & HARMFUL
-    assert record.modes[-1] == "standby"
+    codes = {alarm.code for _, alarm in record.alarms}
+    assert codes & (HARMFUL | {"ORDER_TOO_FAST", "ORDER_TOO_FAR"})
+    assert record.modes[-1] in ("standby", "stopped")
     # the try itself and what is left of it until it has died away; over the whole of a run that is a few percent
     assert record.unit_sigma(20.0) < 1.4 * record.uncompensated_sigma(20.0)
-    # what the lost loop had paid out is taken back during the fade-out
-    assert abs(record.column("payout")[-1]) < 0.2
+    # what the lost loop had paid out is taken back during the fade-out; the envelope stops within its own bounds
+    taken_over = not codes & HARMFUL
+    assert abs(record.column("payout")[-1]) < (0.5 if taken_over else 0.2)
     assert np.max(np.abs(np.diff(record.column("payout_rate")))) <= 1.5 * DT + 1e-9
 
 
@@ -653,7 +658,8 @@ def test_a_controller_that_is_started_anew_on_the_edge_of_a_batch_begins_another
 def test_an_encoder_that_counts_from_elsewhere_is_none_at_fault(zero):
     """Half a metre was harm at once, 2.65 m and more never compensated at all."""
     record = record_with_encoder_fault("jump", 0.0, zero, duration=70.0)
-    assert [alarm.values for _, alarm in record.alarms] == [{"mode": "compensating", "reason": "estimate settled"}]
+    (begun,) = [alarm for _, alarm in record.alarms]
+    assert (begun.values["mode"], begun.values["reason"]) == ("compensating", "estimate settled")
     assert record.unit_sigma(45.0) < 0.005
 
 

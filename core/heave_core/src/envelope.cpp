@@ -36,13 +36,17 @@ Limits limits_of(const Design &design, const State &state, const Readings &readi
     return {rate, travel, -clip(in, 0.0, rate), clip(out, 0.0, rate), std::max(std::min(in, out), 0.0)};
 }
 
-// Travel that constant tension may have, beyond the waves; it is forgotten as the travel is.
+// Travel beyond the waves that constant tension may have, and a move that takes the unit along, x_0 = a z'' + b z' + z;
+// it is forgotten as the travel is.
 void follow_allowance(const Design &design, State &state, const Readings &readings) {
     const Bounds &bounds = design.envelope;
     const bool gives_way = bounds.highest_tension > 0.0 && readings.load > bounds.highest_tension;
     if (gives_way) state.allowance += std::abs(state.drum.rate) * design.tick_period;
     if (int(readings.duty) != TENSION) {
         state.allowance *= 1.0 - design.tick_period / bounds.travel_time;
+        const double inertia = design.cable.inertia * std::max(1.0 + state.position / design.cable.length, 0.01);
+        const bool has_cable = design.cable.length > 0.0;
+        if (has_cable) state.allowance = std::max(state.allowance, inertia * std::abs(state.move.slope));
         state.held_tension = NOT_KNOWN;
         return;
     }

@@ -68,7 +68,7 @@ Ship ship_of(const Design &design, const State &state) {
     if (readings == 0.0) return {0.0, 0.0, 0.0};
     const double mean = sum / readings;
     const double whole = design.envelope.window * (BINS - 1) / BINS;  // a bin is being filled
-    // a unit that was let go while the ship was not seen is caught up with: the bounds are wide again
+    // a unit that was let go, by a stop or while the ship was not seen, is caught up with: the bounds are wide again
     const double seen = state.mru_age > design.envelope.mru_time ? time : std::min(time, state.seen_time);
     return {rate, std::max(highest - mean, mean - lowest), std::min(seen / whole, 1.0)};
 }
@@ -78,6 +78,9 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const Bounds &bounds = design.envelope;
     const double dt = design.tick_period;
     const bool is_held = travelled.is_braked || readings.is_held != 0.0, rests = is_held && state.drum.rate == 0.0;
+    // a unit that is let go by a stop swings, and what takes that out is more than the ship does: as after a lost MRU
+    const bool lets_go = is_held || int(readings.duty) == STOP;
+    if (lets_go && state.drum.rate != 0.0) state.seen_time = 0.0;
     const double left = rests ? 1.0 : 1.0 - dt / bounds.travel_time;
     state.travel_sent = left * state.travel_sent + travelled.drum - travelled.move;
     state.travel_count *= left;
@@ -91,7 +94,8 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const double sent = state.since_count, asked = state.asked_since_count, time = state.time_since_count;
     const double step = readings.count - state.count;
     const bool is_first = !std::isfinite(state.count);
-    const bool is_jump = !is_first && std::abs(step - sent) > design.winch.speed * time + bounds.count_step;
+    const double fastest = std::min(design.winch.speed, bounds.largest_rate);  // a drive without a limit: as the boom tip
+    const bool is_jump = !is_first && std::abs(step - sent) > fastest * time + bounds.count_step;
     state.count = readings.count;
     state.since_count = state.asked_since_count = state.time_since_count = 0.0;
     if (is_first) {
@@ -117,6 +121,8 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.residual += step - expected;
     state.drum_travel += std::abs(sent);
     state.count_age = 0.0;
+    // a drive that creeps is ordered against it for good: what was sent drifts, the count does not
+    state.travel_sent += std::min(dt / bounds.bound_window, 1.0) * (state.travel_count - state.travel_sent);
     return 0;
 }
 

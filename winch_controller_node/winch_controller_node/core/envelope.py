@@ -20,6 +20,7 @@ from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Measurements, WinchOrder
 from winch_controller_node.model.blocks import CableModel
+from winch_controller_node.model.nominal_load import PLAUSIBLE_LOAD
 from winch_controller_node.motion.trajectory import MoveRequest
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.envelope import EnvelopeParameters
@@ -45,10 +46,6 @@ MOVES = {
 
 BOUND = Bit.AT_RATE | Bit.AT_TRAVEL | Bit.AT_STOP
 """Bits of an order that was bounded."""
-
-
-PLAUSIBLE_LOAD = 10.0
-"""Largest reading of the load cell that is used, over the static tension."""
 
 _NOTHING_READ = (math.nan, math.nan, math.nan, 0.0, math.nan)
 """Readings of a tick in which nothing came."""

@@ -67,19 +67,21 @@ def fitted(y: Array, x: Array, step: float, frequency: float) -> Fit:
     if frequency > 0.0:
         beside += [np.cos(frequency * t), np.sin(frequency * t)]
     q, _ = np.linalg.qr(np.stack(beside, axis=1))
+    smallest_x, smallest_y = (1e-12 * float(np.linalg.norm(one)) for one in (x, y))  # rounding is no motion
     x, y = x - q @ (q.T @ x), y - q @ (q.T @ y)
-    xx, yy = float(x @ x), float(y @ y)
-    if xx <= 0.0 or yy <= 0.0:
+    x_size, y_size = float(np.linalg.norm(x)), float(np.linalg.norm(y))
+    if x_size <= smallest_x or y_size <= smallest_y:
         return NO_FIT
-    scale = float(x @ y) / xx
-    rest = y - scale * x
+    x, y = x / x_size, y / y_size
+    correlation = float(x @ y)
+    rest = y - correlation * x
     squares = float(rest @ rest)
-    if squares <= 1e-18 * yy:
-        return Fit(scale, math.copysign(1.0, scale), math.copysign(math.inf, scale))
+    scale = correlation * y_size / x_size
+    if squares <= 1e-18:
+        return Fit(scale, math.copysign(1.0, correlation), math.copysign(math.inf, correlation))
     memory = max(float(rest[1:] @ rest[:-1]) / squares, 0.0)
     independent = len(x) * (1.0 - memory) / (1.0 + memory)
-    error = math.sqrt(squares / xx / max(independent, 1.0))
-    return Fit(scale, float(x @ y) / math.sqrt(xx * yy), scale / error)
+    return Fit(scale, correlation, correlation / math.sqrt(squares / max(independent, 1.0)))
 
 
 class Series:

@@ -27,6 +27,17 @@ UNREAD = 0.5
 FOLLOWED = 0.05
 """Change of the length from which on another cable is taken, relative."""
 
+LARGEST_HEAVE, LARGEST_RATE = 15.0, 6.0
+"""Beyond which a reading of the MRU is not taken [m], [m/s]."""
+
+PLAUSIBLE_LOAD = 10.0
+"""Largest reading of the load cell that is used, over the static tension."""
+
+
+def _is_plausible(reading: MruReading) -> bool:
+    is_rate = math.isnan(reading.heave_rate) or abs(reading.heave_rate) <= LARGEST_RATE
+    return math.isfinite(reading.time) and abs(reading.heave) <= LARGEST_HEAVE and is_rate
+
 
 class NominalLoad:
     """The nominal unit under a locked drum, moved by the raw MRU.
@@ -90,7 +101,7 @@ class NominalLoad:
         readings : of the MRU, at the boom tip, in it
         lift : of a crane that no drum has made up for, and its rate [m], [m/s]
         """
-        read = [one for one in readings if one.status == MruStatus.OK and math.isfinite(one.heave + one.time)]
+        read = [one for one in readings if one.status == MruStatus.OK and _is_plausible(one)]
         if read:
             self._take(read[-1], lift)
         else:

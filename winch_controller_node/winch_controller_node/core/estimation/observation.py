@@ -313,6 +313,8 @@ class Observer:
         is_driven = not winch.brake and winch.fault == WinchFault.NONE
         payout = self.encoder.judge(now, reading, expected_rate, is_driven=is_driven)
         self.payout = payout
+        if not math.isfinite(winch.time):
+            return []
         tick, offset = tick_of(winch.time, self._dt)
         self.count = Measurement("payout", self.encoder.counted(winch.encoder_payout), tick, offset=offset)
         if payout is None or not self._is_taken("encoder"):

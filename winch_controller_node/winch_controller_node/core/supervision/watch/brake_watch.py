@@ -17,6 +17,7 @@ from heave_node.numerics.newest import Newest
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import ScalarReading, WinchReading
 from winch_controller_node.model.blocks import CableModel
+from winch_controller_node.model.nominal_load import PLAUSIBLE_LOAD
 
 STANDING = 0.02
 """A drum slower than this stands [m/s]."""
@@ -142,7 +143,8 @@ class BrakeWatch:
             self._begin = self._count
         has_fallen = False
         for one in tensions[-1:]:
-            has_fallen = self._time > SETTLED and math.isfinite(one.value) and self._tension.add(one.value, load)
+            is_plausible = abs(one.value) <= PLAUSIBLE_LOAD * load.cable.static_tension
+            has_fallen = self._time > SETTLED and is_plausible and self._tension.add(one.value, load)
         if not math.isnan(self._since):
             return self._follow((self._count - before) / self._dt, winch)
         if runs:
