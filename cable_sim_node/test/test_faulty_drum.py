@@ -41,7 +41,8 @@ class Bench:
 
 
 def test_a_drum_that_turns_against_the_command_lets_out_what_is_to_be_hauled_in():
-    bench = Bench()
+    """Without the supervision, which every drive has unless it is taken away."""
+    bench = Bench(supervision_time=0.0)
     bench.inject("reverse")
     bench.run(2.0, rate=-0.3)
     assert bench.state.payout_rate == pytest.approx(0.3, rel=1e-3)

@@ -76,6 +76,9 @@ class _Mode(enum.Enum):
 
 _AT_REST = (_Mode.HOLD, _Mode.CATCH)
 
+_SLOWER = WinchLimit.SPEED | WinchLimit.POWER | WinchLimit.TORQUE | WinchLimit.PRESSURE | WinchLimit.FLOW
+"""Limits of a drive that make the drum slower than ordered."""
+
 
 class WinchState(NamedTuple):
     """State of the winch at the end of a tick.
@@ -225,7 +228,8 @@ class VirtualWinch:
         """Trip the drive where drum or brake do not do what they are ordered, and hold a drum that slips.
 
         It goes by the drive's own feedback: an encoder at the drum that fails is no fault of drum or brake. An order
-        counts from when the drive can have followed it within its acceleration limit.
+        counts from when the drive can have followed it within its acceleration limits; where another limit acts, a drum
+        that goes slower than ordered follows.
 
         Parameters
         ----------
@@ -237,8 +241,12 @@ class VirtualWinch:
             self._reference = self._moved.payout_rate
         else:
             asked = 0.0 if limits & WinchLimit.PAYOUT else self._asked_rate()
-            largest = self._parameters.acceleration_limit * self._parameters.hauling_acceleration_share * duration
-            self._reference += min(max(asked - self._reference, -largest), largest)
+            largest = self._parameters.acceleration_limit * duration
+            hauling = self._parameters.hauling_acceleration_share * largest
+            self._reference += min(max(asked - self._reference, -hauling), largest)
+            if limits & _SLOWER:
+                slowest, fastest = sorted((0.0, self._reference))
+                self._reference = min(max(self._moved.payout_rate, slowest), fastest)
         drum = DrumReading(self._reference, is_braked, self._moved.payout, self._moved.payout_rate, brake)
         found = self._supervision.look(self._now * self._tick_period, drum)
         if found and self._mode is not _Mode.CATCH:
