@@ -78,6 +78,9 @@ class _Mode(enum.Enum):
 
 _AT_REST = (_Mode.HOLD, _Mode.CATCH)
 
+_SLOWER = WinchLimit.SPEED | WinchLimit.POWER | WinchLimit.TORQUE | WinchLimit.PRESSURE | WinchLimit.FLOW
+"""Limits of a drive that make the drum slower than ordered."""
+
 
 class WinchState(NamedTuple):
     """State of the winch at the end of a tick.
