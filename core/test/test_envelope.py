@@ -204,12 +204,15 @@ def test_the_nominal_drum_is_that_of_its_equation():
 def test_travel_is_a_leaky_integral_of_the_drum_about_the_move():
     rig = Rig(amplitude=0.3).settled()
     rig.envelope.state["travel_sent"] = rig.envelope.state["travel_count"] = 0.0
-    drum, travel = [float(rig.envelope.state["drum"]["payout"][0])], []
+    drum, travel, count = [float(rig.envelope.state["drum"]["payout"][0])], [], []
     for _ in range(400):
         rig.step()
         drum.append(float(rig.envelope.state["drum"]["payout"][0]))
         travel.append(float(rig.envelope.state["travel_sent"][0]))
-    expected = lfilter([1.0], [1.0, -(1.0 - DT / 60.0)], np.diff(drum))
+        count.append(float(rig.envelope.state["travel_count"][0]))
+    # it goes with the count's within the bound_window of 12 s
+    kept, taken = 1.0 - DT / 12.0, DT / 12.0
+    expected = lfilter([1.0], [1.0, -kept * (1.0 - DT / 60.0)], kept * np.diff(drum) + taken * np.array(count))
     assert np.allclose(travel, expected, atol=1e-12)
 
 

@@ -37,18 +37,23 @@ def test_a_link_that_is_cut_for_seconds_is_not_a_slow_one():
 
 
 def test_of_a_link_that_is_cut_for_seconds_it_is_told_once_that_the_winch_takes_no_command():
-    """It is in order again after 8 s, and compensation goes on from then on, not while the link is cut."""
+    """It is in order again after 8 s, and compensation goes on from then on, not while the link is cut.
+
+    Besides, the controller tells of the swing in which the stop has left the load.
+    """
     fault = {"kind": "gap", "start": 30.0, "duration": 8.0, "magnitude": 0.0}
     settings = [f"virtual_winch.faults.{name}=[{value}]" for name, value in fault.items()]
     scenario = load_scenario("b4_limit_900_tp8", settings=["all.seed=57", "all.duration=45", *settings])
     told = [(time, alarm) for time, alarm in ClosedLoop(loop_parameters(scenario)).run().alarms if time > 30.0]
-    (_, stopped), (resumed, resumes) = [one for one in told if one[1].code != "COMMANDS_CUT"][:2]
+    beside = ("COMMANDS_CUT", "LOAD_SWINGS")
+    (_, stopped), (resumed, resumes) = [one for one in told if one[1].code not in beside][:2]
     assert (stopped.code, stopped.values["mode"]) == ("COMPENSATION_LOST", "stopped")
     assert "winch took none for 0.50 s" in stopped.values["reason"]
-    assert resumes == Advice.RESUME.alarm
+    assert resumes.code == Advice.RESUME.alarm.code
     assert resumed > 30.0 + 8.0 + WAIT
     assert not {alarm.code for _, alarm in told} & {"COMMANDS_LATE", "COMMANDS_OFTEN_LATE"}
-    assert told[-1][1].values["mode"] == "compensating"
+    modes = [alarm.values["mode"] for _, alarm in told if "mode" in alarm.values]
+    assert modes[-1] == "compensating"
 
 
 def late_in_bursts(burst: int, every: int, ticks: int) -> tuple[LateCommands, list[Alarm]]:
