@@ -36,13 +36,22 @@ Limits limits_of(const Design &design, const State &state, const Readings &readi
     return {rate, travel, -clip(in, 0.0, rate), clip(out, 0.0, rate), std::max(std::min(in, out), 0.0)};
 }
 
-// Travel that constant tension may have, beyond the waves; it is forgotten as the travel is.
+// By how much the drum leads or trails the asked move where the load follows it: of a z'' + b z' + z = -payout [m].
+double lead(const Design &design, const State &state) {
+    const Move &move = state.move;
+    if (int(move.kind) == NONE || int(move.kind) == STAND) return 0.0;
+    const double stretch = std::max(1.0 + state.position / design.cable.length, 0.01), speed = std::abs(move.rate);
+    const double damping = std::max(design.cable.damping, design.cable.drag * speed);
+    return stretch * (design.cable.inertia * move.acceleration + damping * speed);
+}
+
+// Travel that a move and constant tension may have, beyond the waves; it is forgotten as the travel is.
 void follow_allowance(const Design &design, State &state, const Readings &readings) {
     const Bounds &bounds = design.envelope;
     const bool gives_way = bounds.highest_tension > 0.0 && readings.load > bounds.highest_tension;
     if (gives_way) state.allowance += std::abs(state.drum.rate) * design.tick_period;
     if (int(readings.duty) != TENSION) {
-        state.allowance *= 1.0 - design.tick_period / bounds.travel_time;
+        state.allowance = std::max(state.allowance * (1.0 - design.tick_period / bounds.travel_time), lead(design, state));
         state.held_tension = NOT_KNOWN;
         return;
     }
