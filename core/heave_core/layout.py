@@ -294,6 +294,7 @@ STATE = _structure(
     Row("travel_sent", "m", "travel of the nominal drum about the asked move"),
     Row("travel_count", "m", "travel by count about the asked move"),
     Row("allowance", "m", "further travel that is allowed: constant tension"),
+    Row("lead", "m", "further travel that is allowed: of the drum about a move that the load is to follow"),
     Row("held_tension", "N", "tension that was last asked for"),
     Row("residual", "m", "count less nominal drum of late"),
     Row("drum_travel", "m", "travel of the nominal drum of late"),
