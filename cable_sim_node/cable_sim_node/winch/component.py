@@ -44,6 +44,7 @@ from __future__ import annotations
 import enum
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -56,6 +57,7 @@ from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
 from cable_sim_node.winch.choice import make_drive
 from cable_sim_node.winch.command_line import CommandLine, WinchCommand, round_to_tick
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand, DriveState
+from cable_sim_node.winch.drives.speed_servo import SpeedServo
 from cable_sim_node.winch.faulty_drum import FaultyDrum
 from cable_sim_node.winch.installed_drives import SERVO
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
@@ -165,6 +167,7 @@ class VirtualWinch:
         self.faults = FaultSchedule(parameters.faults, name="winch", device="winch")
         self._drum = FaultyDrum(parameters, self.faults)
         self._supervision = MotionSupervision(parameters.supervision_time)
+        self._sound = SpeedServo(replace(parameters, speed_gain=1.0))
         self.encoder = Encoder(parameters.encoder)
         self.refused_commands = 0
         self._now = 0.0  # [ticks]
@@ -175,7 +178,7 @@ class VirtualWinch:
         self._line = CommandLine(parameters, self.faults, tick_period=tick_period, seed=seed)
         self._command = WinchCommand(0)
         self._command_since = 0.0
-        self._caught_at = self._reference = 0.0
+        self._caught_at = 0.0
         reading = self.encoder.read(0.0, 0.0)
         self.state = self._make_state(WinchLimit.NONE, math.nan, (reading, reading))
 
@@ -205,7 +208,7 @@ class VirtualWinch:
         limits = self._advance_to(float(tick + 1), tension)
         reading = self.encoder.read(self._now * self._tick_period, self._moved.payout)
         rate = (reading - self.state.encoder_payout) / (ticks * self._tick_period)
-        self._supervise(limits, ticks * self._tick_period)
+        self._supervise(limits)
         self.state = self._make_state(limits, tension, (reading, rate))
         return self.state
 
@@ -224,30 +227,23 @@ class VirtualWinch:
         """What the drive's supervision tripped for last, in words; "": nothing yet."""
         return self._supervision.found + ("; the drive holds it" if self._mode is _Mode.CATCH else "")
 
-    def _supervise(self, limits: WinchLimit, duration: float) -> None:
+    def _supervise(self, limits: WinchLimit) -> None:
         """Trip the drive where drum or brake do not do what they are ordered, and hold a drum that slips.
 
         It goes by the drive's own feedback: an encoder at the drum that fails is no fault of drum or brake. An order
-        counts from when the drive can have followed it within its acceleration limits; where another limit acts, a drum
-        that goes slower than ordered follows.
+        counts from when a sound drive follows it: with the lag and the limits of this winch, as far as it says. Where a
+        drive with its physics is at a limit, a drum that goes slower than ordered follows.
 
         Parameters
         ----------
         limits : that acted in the last step
-        duration : of that step [s]
         """
         is_braked, brake = self._mode is not _Mode.FOLLOW, float(self._drum.is_brake_engaged)
-        if is_braked:
-            self._reference = self._moved.payout_rate
-        else:
-            asked = 0.0 if limits & WinchLimit.PAYOUT else self._asked_rate()
-            largest = self._parameters.acceleration_limit * duration
-            hauling = self._parameters.hauling_acceleration_share * largest
-            self._reference += min(max(asked - self._reference, -hauling), largest)
-            if limits & _SLOWER:
-                slowest, fastest = sorted((0.0, self._reference))
-                self._reference = min(max(self._moved.payout_rate, slowest), fastest)
-        drum = DrumReading(self._reference, is_braked, self._moved.payout, self._moved.payout_rate, brake)
+        ordered = self._sound.state.payout_rate
+        if limits & _SLOWER:
+            ordered = min(max(self._moved.payout_rate, min(ordered, 0.0)), max(ordered, 0.0))
+            self._sound.state = self._sound.state._replace(payout_rate=ordered)
+        drum = DrumReading(ordered, is_braked, self._moved.payout, self._moved.payout_rate, brake)
         found = self._supervision.look(self._now * self._tick_period, drum)
         if found and self._mode is not _Mode.CATCH:
             self._trip(WinchFault.DRIVE, found)
@@ -257,13 +253,6 @@ class VirtualWinch:
                 and self.latch.fault is not WinchFault.EMERGENCY_STOP
             ):
                 self._mode, self._caught_at = _Mode.CATCH, self._moved.payout
-
-    def _asked_rate(self) -> float:
-        """Return the speed that both set-points together ask of the drum [m/s], less the drive's dead zone."""
-        p, order = self._parameters, self._order()
-        gain, rate = (p.position_rate, 0.0) if p.law == "first_order" else (p.position_gain, order.payout_rate)
-        asked = rate + gain * (order.payout - self._moved.payout)
-        return math.copysign(min(max(abs(asked) - p.speed_deadband, 0.0), p.speed_limit), asked)
 
     def _handle_events(self) -> None:
         """Do what is due now: commands first, so that one at the very deadline is in time; then watchdog and faults."""
@@ -330,6 +319,7 @@ class VirtualWinch:
             self._drive = make_drive(self._parameters, self._tension)
         order = self._order()
         time = self._now * self._tick_period
+        self._follow_soundly(order, duration)
         driven = self._drive.step(self._drum.ordered(order, time, self._moved.payout), duration, self._tension)
         if self._mode is _Mode.STOP and driven.payout_rate == 0.0:
             self._mode = _Mode.HOLD
@@ -338,6 +328,13 @@ class VirtualWinch:
             driven, is_at_rest=is_at_rest, is_held=is_held, time=time, duration=duration, tension=self._tension
         )
         return self._moved.limits
+
+    def _follow_soundly(self, order: DriveCommand, duration: float) -> None:
+        """Move a sound drive from where the drum is for `duration` [s] under an `order`; at rest: as the drum."""
+        state, moved = self._sound.state, self._moved
+        rate = state.payout_rate if self._mode is _Mode.FOLLOW else moved.payout_rate
+        self._sound.state = state._replace(payout=moved.payout, payout_rate=rate)
+        self._sound.step(order, duration, self._tension)
 
     def _order(self) -> DriveCommand:
         if self._mode is _Mode.CATCH:

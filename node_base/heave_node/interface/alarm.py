@@ -118,8 +118,8 @@ class Alarm:
         return " ".join(f"{part.format(**self.values)}." for part in parts if part)
 
     def reported(self, loop: str) -> Alarm:
-        """Return the alarm with what the `loop` does, a sentence without its full stop."""
-        return replace(self, values={**self.values, LOOP: loop})
+        """Return the alarm with what the `loop` does, a sentence without its full stop, where its row says so."""
+        return replace(self, values={**self.values, LOOP: loop}) if f"{{{LOOP}}}" in self.row.consequence else self
 
     @property
     def brief(self) -> str:
