@@ -41,10 +41,10 @@ Limits limits_of(const Design &design, const State &state, const Readings &readi
 // the inertia, as an operator who asks for the other way at once has the swing taken out as well [m].
 double lead(const Design &design, const State &state) {
     const Move &move = state.move;
-    if (int(move.kind) == NONE || int(move.kind) == STAND) return 0.0;
+    if (int(move.kind) == NONE || int(move.kind) == STAND || !(design.cable.length > 0.0)) return 0.0;
     const double stretch = std::max(1.0 + state.position / design.cable.length, 0.01), speed = std::abs(move.rate);
     const double damping = std::max(design.cable.damping, design.cable.drag * speed);
-    return stretch * (2.0 * design.cable.inertia * move.acceleration + damping * speed);
+    return stretch * (2.0 * design.cable.inertia * std::abs(move.slope) + damping * speed);
 }
 
 // Travel that constant tension may have, beyond the waves; it is forgotten as the travel is, and so is that of a move.
