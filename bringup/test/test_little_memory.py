@@ -15,7 +15,7 @@ LIMIT = 700_000 << 10
 COMMANDS = (
     ["run", "b2_calm_300", "--duration", "1"],
     ["record", "bag"],
-    ["operate"],
+    ["operate", "status"],
     ["view"],
     ["check", "--replace", "winch_controller=external"],
     ["adapt", "em3000"],

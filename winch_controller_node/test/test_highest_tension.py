@@ -148,7 +148,7 @@ def test_a_highest_tension_that_waves_exceed_is_refused_at_entry_with_the_least_
     loop = with_highest_tension("b2_calm_300", 1.0, 60.0)
     assert set(loop.run().modes) == {"standby"}
     assert "needs 1.02 times the static tension" in loop.controller.modes.obstacle
-    assert "the limit is 1 times" in loop.controller.modes.obstacle
+    assert "limit 1 times" in loop.controller.modes.obstacle
 
 
 def test_giving_way_does_not_ring_with_the_wire(monkeypatch):

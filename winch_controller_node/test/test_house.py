@@ -134,7 +134,7 @@ def test_a_law_is_named_by_its_own_file_and_nowhere_else():
     assert not named
 
 
-SHELL = ("node", "move_action", "interface", "model", "identification")
+SHELL = ("node", "envelope_node", "move_action", "interface", "model", "identification")
 """ROS messages and the estimator's own records are filled in there."""
 
 LIBRARY = ("self._solver.settings",)

@@ -118,7 +118,7 @@ def test_a_unit_that_stands_without_a_landing_is_known_by_the_mean_tension_over_
             controller.set_mode("constant_tension", 40e3)
     for _ in range(round(10.0 / DT)):
         loop.step()
-    with pytest.raises(ModeError, match="unit's weight"):
+    with pytest.raises(ModeError, match="of the load on average"):
         controller.ask_for_mode("compensating")
     controller.set_mode("constant_tension", 40e3)
     assert controller.mode.value == "constant_tension"

@@ -208,7 +208,7 @@ class VirtualWinch:
         limits = self._advance_to(float(tick + 1), tension)
         reading = self.encoder.read(self._now * self._tick_period, self._moved.payout)
         rate = (reading - self.state.encoder_payout) / (ticks * self._tick_period)
-        self._supervise()
+        self._supervise(limits)
         self.state = self._make_state(limits, tension, (reading, rate))
         return self.state
 
@@ -227,14 +227,22 @@ class VirtualWinch:
         """What the drive's supervision tripped for last, in words; "": nothing yet."""
         return self._supervision.found + ("; the drive holds it" if self._mode is _Mode.CATCH else "")
 
-    def _supervise(self) -> None:
+    def _supervise(self, limits: WinchLimit) -> None:
         """Trip the drive where drum or brake do not do what they are ordered, and hold a drum that slips.
 
         It goes by the drive's own feedback: an encoder at the drum that fails is no fault of drum or brake. An order
-        counts from when a sound drive follows it: with the lag and the limits of this winch, as far as it says.
+        counts from when a sound drive follows it: with the lag and the limits of this winch, as far as it says. Where a
+        drive with its physics is at a limit, a drum that goes slower than ordered follows.
+
+        Parameters
+        ----------
+        limits : that acted in the last step
         """
         is_braked, brake = self._mode is not _Mode.FOLLOW, float(self._drum.is_brake_engaged)
         ordered = self._sound.state.payout_rate
+        if limits & _SLOWER:
+            ordered = min(max(self._moved.payout_rate, min(ordered, 0.0)), max(ordered, 0.0))
+            self._sound.state = self._sound.state._replace(payout_rate=ordered)
         drum = DrumReading(ordered, is_braked, self._moved.payout, self._moved.payout_rate, brake)
         found = self._supervision.look(self._now * self._tick_period, drum)
         if found and self._mode is not _Mode.CATCH:

@@ -23,8 +23,9 @@ Limits limits_of(const Design &design, const State &state, const Readings &readi
     const bool has_count = state.count_age <= bounds.count_time, has_mru = state.mru_age <= bounds.mru_time;
     const double early = 1.0 + (bounds.early_factor - 1.0) * (1.0 - ship.filling);
     const double factor = early * (has_count && has_mru ? 1.0 : bounds.lost_factor);
-    const double rate = share * bounds.rate_factor * factor * ship.rate + bounds.rate_margin;
-    const double travel = bounds.travel_factor * factor * ship.heave + bounds.travel_margin + state.allowance;
+    const double swing = state.lead / std::sqrt(std::max(design.cable.inertia, 1.0));  // at the load's own frequency
+    const double rate = share * (bounds.rate_factor * factor * ship.rate + swing) + bounds.rate_margin;
+    const double travel = bounds.travel_factor * factor * ship.heave + bounds.travel_margin + state.allowance + state.lead;
     const double lag = design.winch.delay + design.winch.lag;
     double out = (travel - state.travel_sent) / lag, in = (travel + state.travel_sent) / lag;
     if (has_count) {
@@ -36,17 +37,24 @@ Limits limits_of(const Design &design, const State &state, const Readings &readi
     return {rate, travel, -clip(in, 0.0, rate), clip(out, 0.0, rate), std::max(std::min(in, out), 0.0)};
 }
 
-// Travel beyond the waves that constant tension may have, and a move that takes the unit along, x_0 = a z'' + b z' + z;
-// it is forgotten as the travel is.
+// By how much the drum leads or trails the asked move where the load follows it: of a z'' + b z' + z = -payout, and twice
+// the inertia, as an operator who asks for the other way at once has the swing taken out as well [m].
+double lead(const Design &design, const State &state) {
+    const Move &move = state.move;
+    if (int(move.kind) == NONE || int(move.kind) == STAND || !(design.cable.length > 0.0)) return 0.0;
+    const double stretch = std::max(1.0 + state.position / design.cable.length, 0.01), speed = std::abs(move.rate);
+    const double damping = std::max(design.cable.damping, design.cable.drag * speed);
+    return stretch * (2.0 * design.cable.inertia * std::abs(move.slope) + damping * speed);
+}
+
+// Travel that constant tension may have, beyond the waves; it is forgotten as the travel is, and so is that of a move.
 void follow_allowance(const Design &design, State &state, const Readings &readings) {
     const Bounds &bounds = design.envelope;
+    state.lead = std::max(state.lead * (1.0 - design.tick_period / bounds.travel_time), lead(design, state));
     const bool gives_way = bounds.highest_tension > 0.0 && readings.load > bounds.highest_tension;
     if (gives_way) state.allowance += std::abs(state.drum.rate) * design.tick_period;
     if (int(readings.duty) != TENSION) {
         state.allowance *= 1.0 - design.tick_period / bounds.travel_time;
-        const double inertia = design.cable.inertia * std::max(1.0 + state.position / design.cable.length, 0.01);
-        const bool has_cable = design.cable.length > 0.0;
-        if (has_cable) state.allowance = std::max(state.allowance, inertia * std::abs(state.move.slope));
         state.held_tension = NOT_KNOWN;
         return;
     }

@@ -121,7 +121,7 @@ class BeliefsInForce:
     def _run_second(self, tick: int) -> None:
         """Run a filter with nominal values beside the active one from a `tick` on, while that has others."""
         if not without_sea(self.beliefs).values:
-            self._estimation.second = None
+            self._estimation.drop_second()
         elif self._estimation.second is None and self._plain is not None:
             self._estimation.begin_second(self._plain, tick - 1)
 
@@ -132,7 +132,7 @@ class BeliefsInForce:
         self.beliefs = without_sea(self.beliefs)
         self.trust.restart()
         # its nominal values are those of before
-        self._estimation.second = None
+        self._estimation.drop_second()
         self._note_plain()
 
     def _note_plain(self) -> None:

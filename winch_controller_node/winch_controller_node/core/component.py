@@ -749,12 +749,12 @@ class WinchController:
         """Name drive or encoder before a `tick`, once a third sensor shows which; `is_frozen`: the count."""
         estimation, reflex = self._estimation, self._encoder
         if not (is_frozen or self.observer.excluded == "encoder"):
-            estimation.by_count = None
+            estimation.drop_by_count()
             reflex.agrees()
         elif estimation.by_count is not None:
             if named := reflex.separate(estimation.by_count):
                 self._alarms.append(named)
-                estimation.by_count = None
+                estimation.drop_by_count()
         elif is_frozen and not reflex.is_separated and self.mode not in BRAKED:
             estimation.compare_count(tick - 1)
 

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pandas
-from heave_bringup.scenarios import load_scenario
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 
 from heave_studies.campaign.plan import Case
 from heave_studies.campaign.table import FAILURE, NOMINAL, SEED, settings_of
 from heave_studies.extremes.of_run import Expected, expected_of_seeds
+from heave_studies.tables.case_scenario import load_case
 from heave_studies.tables.case_table import CASE, read_cases
 
 FEWEST_SEEDS = 3
@@ -63,7 +63,7 @@ def _label(part: pandas.DataFrame, settings: list[str]) -> str:
 
 
 def _of_group(path: Path, part: pandas.DataFrame, duration: float) -> list[Expected]:
-    run = load_scenario(f"{path}:{part[CASE].iloc[0]}", needs_files=False).run
+    run = load_case(path, int(part[CASE].iloc[0])).run
 
     def column(name: str) -> Array:
         return np.asarray(part[name], dtype=float)

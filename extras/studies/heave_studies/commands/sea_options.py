@@ -146,15 +146,14 @@ def study_criteria(
 
     Raises ParameterError where there are none, and for a table of other cases.
     """
-    from heave_bringup.scenarios import load_scenario
-
     from heave_studies.operability.seas import HEIGHT, PERIOD
+    from heave_studies.tables.case_scenario import load_case
     from heave_studies.tables.case_table import CASE
 
     missing = [name for name in (HEIGHT, PERIOD) if name not in frame.columns]
     if missing:
         raise ParameterError(f"{table}: its cases do not vary {missing[0]}: it is no table of {command}")
-    wanted = load_scenario(f"{table}:{frame[CASE].iloc[0]}", needs_files=False).wanted
+    wanted = load_case(table, int(frame[CASE].iloc[0])).wanted
     return with_strengths(frame, criteria_in(wanted, required, without))
 
 

@@ -192,6 +192,14 @@ class LoopEstimation:
         """Have a filter go by the count from after `tick` on, beside the active one, which goes by the commands."""
         self.by_count = SecondFilter(self._design, self._design, self.estimator, tick, settling=0.0)
 
+    def drop_second(self) -> None:
+        """Go by the active filter alone: the second one is not needed any more."""
+        self.second = None
+
+    def drop_by_count(self) -> None:
+        """End the filter that takes the drum to be where it is counted."""
+        self.by_count = None
+
     def _step_by_count(self, number: int, command: CommandShares, readings: list[Measurement]) -> None:
         """Have the filter that goes by the count take in a tick; all but the count says who is right."""
         if self.by_count is None:
