@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from cable_sim_node.winch.installed_drives import installed_drives
 from heave_bringup.cli import main
 from heave_bringup.nodes import NODES
 from heave_bringup.scenarios import load_scenario, make_scenario, shipped_scenarios
@@ -196,7 +197,9 @@ def test_the_stored_scenario_has_every_value_in_force_once_and_runs_again(name, 
     sections = read_sections(file)
     for node, parameters in scenario.parameters.items():
         in_force = {name: value for name, value in flatten(parameters).items() if value != ()}
-        others = set(drives()) - {in_force.get("drive")}  # parameters of drives that are not chosen are left out
+        others = set(installed_drives()) - {
+            in_force.get("drive")
+        }  # parameters of drives that are not chosen are left out
         in_force = {name: value for name, value in in_force.items() if name.partition(".")[0] not in others}
         own, shared = sections.get(f"/**/{node}", {}).keys(), system_names(node, in_force)
         assert own | {mine for name, mine in shared.items() if name in sections["/**"]} == in_force.keys()
