@@ -39,7 +39,7 @@ def test_a_link_that_is_cut_for_seconds_is_not_a_slow_one():
 def test_of_a_link_that_is_cut_for_seconds_it_is_told_once_that_the_winch_takes_no_command():
     """It is in order again after 8 s, and compensation goes on from then on, not while the link is cut.
 
-    Besides, the controller tells of the swing in which the stop has left the load.
+    Besides, the controller reports the swing in which the stop has left the load.
     """
     fault = {"kind": "gap", "start": 30.0, "duration": 8.0, "magnitude": 0.0}
     settings = [f"virtual_winch.faults.{name}=[{value}]" for name, value in fault.items()]
