@@ -273,7 +273,8 @@ class Proofs:
         is_braked = self._sent is None or self._sent.brake
         self._braked_time = self._braked_time + self._dt if is_braked else 0.0
         runs = driven.taken_over == "DRUM_RUNS_BRAKED"
-        alarms = self.brake.step(self.load, is_braked=is_braked, runs=runs, winch=winch, tensions=tensions)
+        felt = tensions if driven.hangs else None
+        alarms = self.brake.step(self.load, is_braked=is_braked, runs=runs, winch=winch, tensions=felt)
         if found := self._count.step(winch):
             alarms += (found,)
         if self._braked_time > AT_REST and driven.hangs and self.load.is_known:

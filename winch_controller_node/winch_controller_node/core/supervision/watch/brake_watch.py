@@ -121,7 +121,7 @@ class BrakeWatch:
         is_braked: bool,
         runs: bool,
         winch: WinchReading | None,
-        tensions: tuple[ScalarReading, ...],
+        tensions: tuple[ScalarReading, ...] | None,
     ) -> tuple[Alarm, ...]:
         """Take in a tick; return what is new.
 
@@ -131,7 +131,7 @@ class BrakeWatch:
         is_braked : the brake is ordered
         runs : the envelope has found by the count that the drum runs all the same
         winch : report of the drive; None: none
-        tensions : readings of the load cell [N]
+        tensions : readings of the load cell [N]; None: the load does not hang, so they fall with the sea
         """
         self._time = self._time + self._dt if is_braked else 0.0
         before, self._count = self._count, math.nan if winch is None else winch.encoder_payout
@@ -142,7 +142,9 @@ class BrakeWatch:
         if math.isnan(self._begin):
             self._begin = self._count
         has_fallen = False
-        for one in tensions[-1:]:
+        if tensions is None:
+            self._tension.restart()
+        for one in (tensions or ())[-1:]:
             is_plausible = abs(one.value) <= PLAUSIBLE_LOAD * load.cable.static_tension
             has_fallen = self._time > SETTLED and is_plausible and self._tension.add(one.value, load)
         if not math.isnan(self._since):
