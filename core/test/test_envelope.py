@@ -470,6 +470,16 @@ def test_whatever_comes_in_a_finite_bounded_order_leaves(pieces, position_gain, 
                 assert abs(order.speed - order.move_rate) <= order.rate_bound + 1e-9
 
 
+@pytest.mark.parametrize("payout", [1e6, -9e307])
+def test_a_payout_beyond_the_reach_of_a_position_loop_is_replaced_and_the_rate_stays_small(payout):
+    """A rate against it was -inf, and cancelled to nothing it was wrong by rounding."""
+    box = envelope({"position_gain": 2.0})
+    for payouts in (0.0, 0.0, 0.0, payout):
+        order = box.step(readings(mru_heave=0.0, mru_rate=0.0, count=0.0, payout=payouts))
+    assert order.payout == pytest.approx(0.0, abs=1e-9)
+    assert abs(order.rate) <= order.rate_bound + 1e-9
+
+
 @given(st.lists(PIECE, min_size=1, max_size=6), st.integers(0, 2))
 def test_whatever_comes_in_what_was_taken_over_ends_at_rest(pieces, which):
     box = envelope()

@@ -84,7 +84,10 @@ void set_speed(const Winch &winch, double speed, double ahead, double &payout, d
     }
     const double wanted = (speed - winch.creep) / winch.gain;
     rate = wanted < 0.0 ? wanted / winch.hauling_gain : wanted;
-    if (winch.position_gain > 0.0) rate -= winch.position_gain * (payout - ahead);
+    if (!(winch.position_gain > 0.0)) return;
+    const double held = winch.position_gain * (payout - ahead);
+    if (std::abs(held) > winch.reach) payout = ahead;  // a payout that no rate makes up for
+    else rate -= held;
 }
 
 // A drum under its brake: how far its count has gone since it came to rest, or became quicker again without. One large
