@@ -401,6 +401,20 @@ def test_constant_tension_has_its_own_travel_and_loses_it_afterwards(crest):
     assert later.travel_bound - plain == pytest.approx(BOUNDS["tension_travel"] * math.exp(-2.0), rel=0.05)
 
 
+@pytest.mark.parametrize("acceleration", [0.05, 0.1])
+def test_a_move_on_a_soft_cable_has_room_for_the_swing_that_turning_it_round_leaves(acceleration):
+    """a z'' + b z' + z = -payout: the drum goes from a z'' ahead to as much behind, at the load's own frequency."""
+    inertia, length = 7.34, 900.0
+    rig = Rig(cable={"inertia": inertia, "length": length}).settled()
+    plain = rig.orders[-1]
+    drive = {"kind": float(MoveKind.DRIVE), "speed": 0.6, "acceleration": acceleration}
+    bounds = [rig.step(request=1.0, **drive) for _ in range(round(4.0 / DT))]
+    travel = max(order.travel_bound for order in bounds) - plain.travel_bound
+    rate = max(order.rate_bound for order in bounds) - plain.rate_bound
+    assert travel == pytest.approx(2.0 * inertia * acceleration, rel=0.05)
+    assert rate == pytest.approx(2.0 * math.sqrt(inertia) * acceleration, rel=0.05)
+
+
 def test_a_winch_of_first_order_is_bounded_by_its_payout_set_point():
     box = envelope({"is_first_order": 1, "lag": 1.0})
     for tick in range(40):
