@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import cast
 
-from heave_node.extras import extra_parts, how_to_install
+from heave_node.extras import extra_parts, missing_extra
 
 from heave_bringup.commands.command import CommandModule
 from heave_bringup.errors import CommandError
@@ -78,5 +78,4 @@ def missing(command: str, error: ModuleNotFoundError | None) -> CommandError:
     extra = EXTRA_OF.get(command) or EXTRA_OF_MODULE.get(module)
     if extra is None:
         raise error or KeyError(command)
-    found = f" (there is no {module})" if module else ""
-    return CommandError(f"heave {command} needs heave[{extra}]{found}; {how_to_install(extra)}")
+    return CommandError(str(missing_extra(f"heave {command}", extra, error)))

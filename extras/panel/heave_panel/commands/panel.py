@@ -7,7 +7,7 @@ import importlib.util
 
 from heave_bringup.commands.arguments import add_namespace, add_network, port_number
 from heave_bringup.errors import CommandError
-from heave_node.extras import how_to_install
+from heave_node.extras import missing_extra
 
 SUMMARY = "Serve an operator's page for a run that is under way in another terminal."
 EXAMPLES = ("heave panel", "heave panel --port 8090", "heave panel --host 0.0.0.0")
@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Serve the page until Ctrl-C, as `options` say."""
     if importlib.util.find_spec("nicegui") is None:  # an installed ROS 2 does not bring it
-        raise CommandError(f"heave panel needs heave[panel]; {how_to_install('panel')}")
+        raise CommandError(str(missing_extra("heave panel", "panel")))
     from heave_bringup.network import set_up_transport
     from heave_bringup.operate.link import RunLink
 

@@ -8,7 +8,7 @@ import sys
 
 from heave_bringup.commands.arguments import add_namespace, add_network, port_number
 from heave_bringup.errors import CommandError
-from heave_node.extras import how_to_install
+from heave_node.extras import missing_extra
 
 SUMMARY = "Stream a run that is under way, or a replayed bag, to Foxglove on this machine, which needs no ROS."
 EXAMPLES = (
@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Serve the stream on this machine until Ctrl-C, as `options` say."""
     if importlib.util.find_spec("foxglove") is None:
-        raise CommandError(f"heave view needs heave[panel]; {how_to_install('panel')}")
+        raise CommandError(str(missing_extra("heave view", "panel")))
     from heave_bringup.network import set_up_transport
 
     from heave_panel.view.stream import Stream, layout_file
