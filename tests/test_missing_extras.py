@@ -3,6 +3,7 @@
 import subprocess
 import sys
 
+import cable_sim_node.winch.parameters  # noqa: F401 - made with the drives that are installed, before any test hides them
 import pytest
 from cable_sim_node.winch import installed_drives as registry
 from domain_coordinator import domain_id
