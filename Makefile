@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PYTHON ?=
 # What a build copies; Python files, scenarios among them, are used where they lie.
-BUILD_INPUTS := pyproject.toml $(wildcard cmake/* core/*.cmake core/heave_core/src/* core/heave_core/layout.py msgs/*.txt msgs/*.xml msgs/msg/* msgs/srv/* msgs/action/* */package.xml */launch/* */config/*)
+BUILD_INPUTS := pyproject.toml $(wildcard cmake/* core/*.cmake core/heave_core/src/* core/heave_core/*.py msgs/*.txt msgs/*.xml msgs/msg/* msgs/srv/* msgs/action/* */package.xml */launch/* */config/*)
 
 # The mark that the ROS wheels leave in the environment belongs to one Python; another must set itself up.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE

@@ -4,19 +4,19 @@ set(heave_core_made "${CMAKE_CURRENT_BINARY_DIR}/heave_core")
 file(MAKE_DIRECTORY "${heave_core_made}")
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 
+file(GLOB heave_core_sources CONFIGURE_DEPENDS "${heave_core_folder}/heave_core/src/*.cpp")
+file(GLOB heave_core_tables CONFIGURE_DEPENDS "${heave_core_folder}/heave_core/*.py")
+
 # One table makes the C++ header here, and the numpy types in Python.
 add_custom_command(
   OUTPUT "${heave_core_made}/layout.h"
-  COMMAND "${Python3_EXECUTABLE}" "${heave_core_folder}/heave_core/layout.py" > "${heave_core_made}/layout.h"
-  DEPENDS "${heave_core_folder}/heave_core/layout.py"
+  COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${heave_core_folder}" PYTHONDONTWRITEBYTECODE=1
+    "${Python3_EXECUTABLE}" -m heave_core.layout > "${heave_core_made}/layout.h"
+  DEPENDS ${heave_core_tables}
   VERBATIM)
 
 add_library(heave_core SHARED
-  "${heave_core_folder}/heave_core/src/drum.cpp"
-  "${heave_core_folder}/heave_core/src/envelope.cpp"
-  "${heave_core_folder}/heave_core/src/interface.cpp"
-  "${heave_core_folder}/heave_core/src/move.cpp"
-  "${heave_core_folder}/heave_core/src/ship.cpp"
+  ${heave_core_sources}
   "${heave_core_made}/layout.h")
 target_include_directories(heave_core PRIVATE "${heave_core_made}" "${heave_core_folder}/heave_core/src")
 target_compile_features(heave_core PRIVATE cxx_std_17)

@@ -1,369 +1,33 @@
-"""The one table of what the core holds: names, units, shapes and meanings, for numpy, for C++ and for the page.
+"""What the core holds, for numpy, for C++ and for the page: names, units, shapes and meanings, in a table by subject.
 
-`python -m heave_core.layout` writes the C++ header, `python -m heave_core.page` the page of the documentation. This
-module imports nothing but the standard library: the build runs it before anything is installed.
+`python -m heave_core.layout` writes the C++ header, `python -m heave_core.page` the page of the documentation. The
+tables import nothing but the standard library: the build runs this before anything is installed.
 
-A structure is a list of rows. Numbers are of eight bytes, counters of four. What a parameter fills, what changes in a
-tick, what comes in and what goes out are structures of their own, so that a copy of the state is a core at that tick.
+What a parameter fills, what changes in a tick, what comes in and what goes out are structures of their own, so that a
+copy of the state is a core at that tick.
 """
 
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
-from enum import IntEnum, IntFlag
 
-KEPT = 512
-"""Orders that are kept for the delay of the winch, in ticks."""
+from heave_core import envelope_table
+from heave_core.rows import COUNTER, NUMBER, Structure
 
-BINS = 60
-"""Bins of the window over which the ship's motion is watched."""
+TABLES = (envelope_table,)
+"""By subject, in the order in which C++ needs them."""
 
-NUMBER, COUNTER = "f8", "i4"
+STRUCTURES = tuple(one for table in TABLES for one in table.STRUCTURES)
+"""In the order in which C++ needs them."""
 
+RECORDS = tuple(one for table in TABLES for one in table.RECORDS)
+"""What Python and C++ hold together."""
 
-class Duty(IntEnum):
-    """What the controller is there for."""
-
-    FOLLOW = 0
-    OPERATE = 1
-    TENSION = 2
-    FADE = 3
-    STOP = 4
-    DAMP = 5
-
-
-class Phase(IntEnum):
-    """Who makes the order: the controller, the envelope with the raw motion, with a ramp to rest, with the brake."""
-
-    FREE = 0
-    TAKEN = 1
-    RAMP = 2
-    HELD = 3
-
-
-class Cause(IntEnum):
-    """Why the envelope took over."""
-
-    NOTHING = 0
-    RATE = 1
-    TRAVEL = 2
-    NOT_FINITE = 3
-    DRUM = 4
-    BRAKE_SLIPS = 5
-    FADE_LONG = 6
-    UNSEEN = 7
-    HARM = 8
-
-
-class MoveKind(IntEnum):
-    """Kind of a request for a move."""
-
-    NONE = 0
-    GO = 1
-    STOP_MOVE = 2
-    HALT = 3
-    DRIVE = 4
-    STAND = 5
-
-
-class Bit(IntFlag):
-    """What acted in a tick."""
-
-    AT_RATE = 1
-    AT_TRAVEL = 2
-    AT_STOP = 4
-    MRU_LOST = 8
-    COUNT_LOST = 16
-    COUNT_JUMPED = 32
-
-
-ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (Duty, Phase, Cause, MoveKind, Bit)
+ENUMERATIONS = tuple(one for table in TABLES for one in table.ENUMERATIONS)
 """Names of numbers, and of bits."""
 
-
-@dataclass(frozen=True)
-class Row:
-    """A field of a structure.
-
-    Attributes
-    ----------
-    name : of the field
-    unit : SI unit; "" for a pure number or a flag
-    meaning : what it is, in one line
-    kind : NUMBER, COUNTER, or the structure that it holds
-    shape : of an array; () of a single one
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    kind: str | Structure = NUMBER
-    shape: tuple[int, ...] = ()
-
-
-@dataclass(frozen=True)
-class Structure:
-    """A structure: its name in C++, what it is, and its rows in their order."""
-
-    name: str
-    meaning: str
-    rows: tuple[Row, ...]
-
-
-def _structure(name: str, meaning: str, *rows: Row) -> Structure:
-    return Structure(name, meaning, rows)
-
-
-WINCH = _structure(
-    "Winch",
-    "The nominal winch, as the parameters state it.",
-    Row("is_first_order", "", "1: u' = K (u_0 - u) by the payout set-point; 0: speed servo", COUNTER),
-    Row("pad", "", "keeps the numbers aligned", COUNTER),
-    Row("lag", "s", "time constant T of the speed servo; 1/K of a first-order winch"),
-    Row("delay", "s", "time from the start of a command's tick to its effect"),
-    Row("position_gain", "1/s", "k_p of the servo's position loop"),
-    Row("gain", "", "speed over set-point while it pays out"),
-    Row("hauling_gain", "", "speed over set-point while it hauls in"),
-    Row("creep", "m/s", "speed at a set-point of 0"),
-    Row("reach", "m/s", "largest set-point that has an effect"),
-    Row("speed", "m/s", "largest speed"),
-    Row("acceleration", "m/s^2", "largest acceleration"),
-    Row("power", "W", "largest product of tension and speed; 0: no limit"),
-)
-
-CABLE = _structure(
-    "Cable",
-    "The nominal two-state cable a z'' + b z' + z = x_0 - payout, tension k (x_0 - payout - z).",
-    Row("inertia", "s^2", "a at `length`"),
-    Row("damping", "s", "b"),
-    Row("drag", "s^2/m", "quadratic drag: the damping is drag |z'| where that is more than b"),
-    Row("stiffness", "N/m", "k at `length`"),
-    Row("length", "m", "unstretched cable at payout 0"),
-    Row("static_tension", "N", "tension at the top at rest; 0: not known"),
-)
-
-BOUNDS = _structure(
-    "Bounds",
-    "Margins and times of the envelope; each is the parameter `envelope.` of the same name.",
-    Row("window", "s", "time over which the ship's motion is watched"),
-    Row("rate_factor", "", "speed about the asked move over the largest rate of the boom tip"),
-    Row("rate_margin", "m/s", "speed beyond that"),
-    Row("travel_factor", "", "travel about the asked move over the largest heave of the boom tip"),
-    Row("travel_margin", "m", "travel beyond that"),
-    Row("travel_time", "s", "time in which travel is forgotten"),
-    Row("early_factor", "", "factor on both while the window is empty"),
-    Row("lost_factor", "", "factor on both while the count or the motion reference unit is lost"),
-    Row("largest_heave", "m", "heave beyond which a reading is implausible"),
-    Row("largest_rate", "m/s", "rate beyond which a reading is implausible"),
-    Row("largest_acceleration", "m/s^2", "change of the rate beyond which two readings do not belong together"),
-    Row("heave_step", "m", "step of the heave beyond its rate that is a jump"),
-    Row("mru_time", "s", "time without a good reading after which the motion reference unit is lost"),
-    Row("frozen_readings", "", "equal readings in a row that are a frozen motion reference unit"),
-    Row("count_time", "s", "time without a good reading after which the count is lost"),
-    Row("count_step", "m", "step of the count beyond the winch's largest speed that is a jump"),
-    Row("frozen_travel", "m", "travel sent without a step of the count after which it is frozen"),
-    Row("frozen_time", "s", "time that this takes at least"),
-    Row("drum_margin", "m", "distance of the count from the nominal drum that is allowed"),
-    Row("drum_share", "", "and the share of the travel of the last `drum_time`"),
-    Row("drum_time", "s", "time in which that distance is forgotten"),
-    Row("brake_margin", "m", "motion of the count under the brake that is allowed; a step of half of it may be a jump"),
-    Row("rest_speed", "m/s", "speed below which a braked drum stands"),
-    Row("bound_time", "s", "time at a bound after which the envelope takes over"),
-    Row("bound_window", "s", "within which that time counts"),
-    Row("takeover_time", "s", "time in which the envelope's own order fades"),
-    Row("damping_time", "s", "time for which it goes on to damp the load by the load cell"),
-    Row("damping_rate", "1/s", "speed over the stretch that the load cell shows beyond its mean"),
-    Row("fade_out_time", "s", "longest fade-out with the motion reference unit"),
-    Row("blind_time", "s", "longest fade-out without it"),
-    Row("unseen_time", "s", "longest compensation without the motion reference unit"),
-    Row("stop_deceleration", "m/s^2", "deceleration of a stop: `modes.stop_deceleration`"),
-    Row("stop_margin", "m/s", "speed about the ramp of a stop that is allowed"),
-    Row("stop_time", "s", "time at the end of the ramp after which the brake goes on"),
-    Row("move_tolerance", "m", "distance of an asked move beyond that by count or depth sensor"),
-    Row("harm_ratio", "", "spread of the load cell over that of the nominal cable with the winch locked"),
-    Row("harm_margin", "", "spread beyond that, over the static tension"),
-    Row("harm_time", "s", "time over which spreads are formed, and for which harm must last"),
-    Row("tension_travel", "m", "travel of constant tension: `tension.travel`"),
-    Row("largest_load", "N", "reading of the load cell beyond which it is implausible; 0: it is not used"),
-    Row("highest_tension", "N", "tension above which the winch gives way; 0: none"),
-    Row("jerk_time", "s", "time in which the acceleration of a move builds up: `move.jerk_time`"),
-)
-
-DESIGN = _structure(
-    "Design",
-    "What parameters and operator state. Nothing that was learnt is in it.",
-    Row("tick_period", "s", "time of a tick"),
-    Row("winch", "", "nominal winch", WINCH),
-    Row("cable", "", "nominal cable", CABLE),
-    Row("envelope", "", "margins and times of the envelope", BOUNDS),
-)
-
-SENT = _structure(
-    "Sent",
-    "An order that was sent, and the move that was asked for then.",
-    Row("payout", "m", "payout set-point"),
-    Row("rate", "m/s", "payout-rate set-point"),
-    Row("brake", "", "1: on"),
-    Row("move", "m/s", "rate of the asked move"),
-)
-
-DRUM = _structure(
-    "Drum",
-    "A nominal drum.",
-    Row("payout", "m", "cable paid out"),
-    Row("rate", "m/s", "speed, positive pays out"),
-)
-
-MOVE = _structure(
-    "Move",
-    "The move that an operator has asked for, generated here.",
-    Row("request", "", "number of the newest request taken"),
-    Row("kind", "", "what goes on: MoveKind"),
-    Row("distance", "m", "to go to the target"),
-    Row("rate", "m/s", "of the mean payout"),
-    Row("slope", "m/s^2", "its acceleration"),
-    Row("speed", "m/s", "largest, or that is asked for"),
-    Row("acceleration", "m/s^2", "largest"),
-)
-
-HELD_DRUM = _structure(
-    "HeldDrum",
-    "A drum under its brake, by count.",
-    Row("time", "s", "for which the brake has acted; 0: it does not"),
-    Row("count", "m", "last reading"),
-    Row("slowest", "m/s", "least speed so far"),
-    Row("rests", "", "1: it has come to rest, or runs on without"),
-    Row("step", "m", "large step that may have been a jump"),
-    Row("runs", "", "1: the last large step was motion"),
-    Row("moved", "m", "since it came to rest"),
-)
-
-BIN = _structure(
-    "Bin",
-    "What the boom tip did within a share of the window.",
-    Row("rate", "m/s", "largest rate"),
-    Row("highest", "m", "largest heave"),
-    Row("lowest", "m", "least heave"),
-    Row("sum", "m", "of all heaves"),
-    Row("readings", "", "number of them"),
-    Row("time", "s", "seen"),
-)
-
-SPREAD = _structure(
-    "Spread",
-    "Mean and variance of a signal, forgotten exponentially.",
-    Row("mean", "N", "of the signal"),
-    Row("variance", "N^2", "of the signal"),
-)
-
-STATE = _structure(
-    "State",
-    "All that a tick of the envelope changes.",
-    Row("tick", "", "ticks so far", COUNTER),
-    Row("bin", "", "bin that is being filled", COUNTER),
-    Row("equal", "", "equal readings of the motion reference unit in a row", COUNTER),
-    Row("pad", "", "keeps the numbers aligned", COUNTER),
-    Row("phase", "", "Phase: who makes the order"),
-    Row("cause", "", "Cause: why the envelope took over; latched until acknowledged"),
-    Row("phase_time", "s", "time in the phase"),
-    Row("value", "", "figure that the cause exceeded, in its unit"),
-    Row("limit", "", "limit of that figure"),
-    Row("ramp", "m/s", "largest speed of a stop that is under way; NaN: none is"),
-    Row("rest_time", "s", "time at the end of the ramp"),
-    Row("fade_time", "s", "time of the fade-out with the motion reference unit"),
-    Row("blind_time", "s", "time of fade-out or compensation without it"),
-    Row("bound", "s", "time at a bound of late"),
-    Row("bound_ticks", "", "ticks at a bound so far"),
-    Row("mru_age", "s", "since the last good reading"),
-    Row("seen_time", "s", "for which the motion reference unit has been good without a loss"),
-    Row("heave", "m", "of the boom tip, jumps taken off"),
-    Row("rate", "m/s", "of the boom tip"),
-    Row("read_heave", "m", "of the last reading; NaN: none yet"),
-    Row("read_rate", "m/s", "of the last reading"),
-    Row("read_age", "s", "since the last reading"),
-    Row("jump", "m", "taken off the heave"),
-    Row("count_age", "s", "since the last good reading"),
-    Row("count", "m", "last reading; NaN: none yet"),
-    Row("position", "m", "count, jumps taken off"),
-    Row("still_travel", "m", "sent without a step of the count"),
-    Row("still_time", "s", "for which that goes on"),
-    Row("since_count", "m", "travel of the nominal drum since the last reading of the count"),
-    Row("time_since_count", "s", "since the last reading of the count"),
-    Row("asked_since_count", "m", "travel of the asked move since then"),
-    Row("travel_sent", "m", "travel of the nominal drum about the asked move"),
-    Row("travel_count", "m", "travel by count about the asked move"),
-    Row("allowance", "m", "further travel that is allowed: constant tension"),
-    Row("lead", "m", "further travel that is allowed: of the drum about a move that the load is to follow"),
-    Row("held_tension", "N", "tension that was last asked for"),
-    Row("residual", "m", "count less nominal drum of late"),
-    Row("drum_travel", "m", "travel of the nominal drum of late"),
-    Row("last_speed", "m/s", "speed of the last order sent"),
-    Row("load", "N", "last reading of the load cell; NaN: none yet"),
-    Row("load_age", "s", "since that reading"),
-    Row("mean_load", "N", "of the load cell, forgotten as travel is"),
-    Row("unit_heave", "m", "of the nominal cable with the winch locked"),
-    Row("unit_rate", "m/s", "of the nominal cable with the winch locked"),
-    Row("harm_time", "s", "for which the load cell has shown harm"),
-    Row("left", "N^2", "variance of the load beyond the nominal one as following began; it fades"),
-    Row("follow_time", "s", "for which the winch has followed the sea and nothing else"),
-    Row("measured", "", "spread of the load cell", SPREAD),
-    Row("locked", "", "spread of the nominal cable's tension with the winch locked", SPREAD),
-    Row("drum", "", "nominal drum driven by what was sent", DRUM),
-    Row("held", "", "drum under its brake", HELD_DRUM),
-    Row("move", "", "asked move", MOVE),
-    Row("bins", "", "what the boom tip did", BIN, (BINS,)),
-    Row("sent", "", "orders of late, by tick", SENT, (KEPT,)),
-)
-
-READINGS = _structure(
-    "Readings",
-    "What comes in at a tick.",
-    Row("mru_heave", "m", "raw heave of the boom tip, positive up; NaN: no good reading came"),
-    Row("mru_rate", "m/s", "raw heave rate; NaN: none came"),
-    Row("count", "m", "raw count of the drum; NaN: none came"),
-    Row("is_held", "", "1: the winch reports its brake, a fault or a limit"),
-    Row("load", "N", "raw load cell; NaN: none came"),
-    Row("lift_rate", "m/s", "rate with which a crane lifts the boom tip, by geometry"),
-    Row("duty", "", "Duty: what the controller is there for"),
-    Row("held_tension", "N", "tension that was asked for; NaN: none"),
-    Row("request", "", "number of the operator's request"),
-    Row("kind", "", "MoveKind"),
-    Row("distance", "m", "to go, as the controller has it"),
-    Row("target", "m", "payout to go to; NaN: none was stated"),
-    Row("reference", "m", "to go, by the raw depth sensor; NaN: none"),
-    Row("speed", "m/s", "largest, or that is asked for"),
-    Row("acceleration", "m/s^2", "largest"),
-    Row("acknowledged", "", "1: an operator acknowledges"),
-    Row("payout", "m", "set-point that the controller orders"),
-    Row("rate", "m/s", "set-point that the controller orders"),
-    Row("brake", "", "1: the controller orders the brake"),
-)
-
-ORDER = _structure(
-    "Order",
-    "What leaves, and why.",
-    Row("payout", "m", "set-point sent"),
-    Row("rate", "m/s", "set-point sent"),
-    Row("brake", "", "1: on"),
-    Row("bits", "", "Bit: what acted in this tick"),
-    Row("phase", "", "Phase"),
-    Row("cause", "", "Cause"),
-    Row("value", "", "figure that the cause, or the bound, is about"),
-    Row("limit", "", "its limit"),
-    Row("rate_bound", "m/s", "largest speed about the asked move"),
-    Row("travel_bound", "m", "largest travel about the asked move"),
-    Row("move_rate", "m/s", "of the asked move"),
-    Row("travel_sent", "m", "by the nominal drum"),
-    Row("travel_count", "m", "by count"),
-    Row("residual", "m", "count less nominal drum of late"),
-    Row("residual_limit", "m", "its limit"),
-    Row("harm", "", "spread of the load cell over its limit; NaN: not judged"),
-    Row("speed", "m/s", "speed that was sent"),
-)
-
-STRUCTURES = (WINCH, CABLE, BOUNDS, DESIGN, SENT, DRUM, HELD_DRUM, MOVE, BIN, SPREAD, STATE, READINGS, ORDER)
-"""In the order in which C++ needs them."""
+SIZES = {name: size for table in TABLES for name, size in table.SIZES.items()}
+"""Sizes of arrays."""
 
 _C_TYPES = {NUMBER: "double", COUNTER: "int"}
 
@@ -381,11 +45,13 @@ def _struct(structure: Structure) -> str:
 
 def _body() -> str:
     """Return the declarations."""
-    sizes = f"enum {{ KEPT = {KEPT}, BINS = {BINS} }};"
+    sizes = f"enum {{ {', '.join(f'{name} = {size}' for name, size in SIZES.items())} }};"
+    held = ", ".join(f"sizeof({record.name})" for record in RECORDS)
+    records = f"// What Python holds as well\nconstexpr long long RECORD_SIZES[] = {{{held}}};"
     names = [
         f"enum {kind.__name__} {{ {', '.join(f'{one.name} = {int(one)}' for one in kind)} }};" for kind in ENUMERATIONS
     ]
-    return "\n\n".join([sizes, *names, *map(_struct, STRUCTURES)])
+    return "\n\n".join([sizes, *names, *map(_struct, STRUCTURES), records])
 
 
 def layout_number() -> int:
@@ -397,7 +63,8 @@ def layout_number() -> int:
 def header() -> str:
     """Return the C++ header."""
     return (
-        "// Made by heave_core/layout.py: change that.\n#pragma once\n\nnamespace heave {\n\n"
+        "// Made by heave_core/layout.py from the tables beside it: change those.\n"
+        "#pragma once\n\nnamespace heave {\n\n"
         f"constexpr long long LAYOUT = {layout_number()};\n\n{_body()}\n\n}}  // namespace heave\n"
     )
 

@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from heave_core import layout
-from heave_core.layout import Structure
+from heave_core.envelope_table import DESIGN, KEPT, READINGS, STATE
+from heave_core.rows import Structure
 
 NAME = "libheave_core.so"
 """Of the library."""
@@ -47,9 +48,8 @@ def _prefixes() -> Iterator[Path]:
 def _check(library: Any, path: Path) -> None:
     """Refuse a library with another layout, in one line."""
     library.heave_core_layout.restype = library.heave_core_size.restype = ctypes.c_longlong
-    structures = (layout.DESIGN, layout.STATE, layout.READINGS, layout.ORDER)
-    sizes = [dtype_of(structure).itemsize for structure in structures]
-    found = [library.heave_core_size(place) for place in range(len(structures))]
+    sizes = [dtype_of(structure).itemsize for structure in layout.RECORDS]
+    found = [library.heave_core_size(place) for place in range(len(layout.RECORDS))]
     number = library.heave_core_layout()
     if number != layout.layout_number() or found != sizes:
         raise LibraryError(
@@ -79,12 +79,12 @@ def library() -> Any:
     return loaded
 
 
-READING_NAMES = tuple(row.name for row in layout.READINGS.rows)
+READING_NAMES = tuple(row.name for row in READINGS.rows)
 """Names of what comes in at a tick, in their order."""
 
 
 class EnvelopeOrder(NamedTuple):
-    """What leaves in a tick, and why: the rows of ORDER in `heave_core.layout`, whose meanings and units these are."""
+    """What leaves in a tick, and why: the rows of ORDER in the envelope's table, with their meanings and units."""
 
     payout: float
     rate: float
@@ -123,7 +123,7 @@ class Envelope:
 
     Parameters
     ----------
-    design : values by the names of DESIGN in `heave_core.layout`, groups as mappings
+    design : values by the names of DESIGN in `heave_core.envelope_table`, groups as mappings
 
     Attributes
     ----------
@@ -134,8 +134,8 @@ class Envelope:
 
     def __init__(self, design: Mapping[str, Any]) -> None:
         self._library = library()
-        self.design = np.zeros(1, dtype_of(layout.DESIGN))
-        self.state = np.zeros(1, dtype_of(layout.STATE))
+        self.design = np.zeros(1, dtype_of(DESIGN))
+        self.state = np.zeros(1, dtype_of(STATE))
         self._readings = np.zeros(len(READING_NAMES))
         self._order = np.zeros(len(EnvelopeOrder._fields))
         self._call = self._library.heave_core_envelope
@@ -146,7 +146,7 @@ class Envelope:
     def take_design(self, design: Mapping[str, Any]) -> None:
         """Go by another `design` from now on."""
         delay, period = design["winch"]["delay"], design["tick_period"]
-        longest = (layout.KEPT - 2) * period
+        longest = (KEPT - 2) * period
         if delay > longest:
             raise ValueError(
                 f"winch.command_delay = {delay:g} s: at ticks of {period:g} s at most {longest:g} s are kept"

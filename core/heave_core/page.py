@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 
-from heave_core.layout import ENUMERATIONS, STRUCTURES, Structure
+from heave_core.layout import ENUMERATIONS, STRUCTURES
+from heave_core.rows import Structure
 
 HEAD = """# The core's layout
 

@@ -8,8 +8,8 @@ import math
 
 import numpy as np
 import pytest
-from heave_core import layout
-from heave_core.layout import Bit, Cause, Duty, MoveKind, Phase
+from heave_core import envelope_table
+from heave_core.envelope_table import Bit, Cause, Duty, MoveKind, Phase
 from heave_core.library import READING_NAMES, Envelope
 from hypothesis import given
 from hypothesis import strategies as st
@@ -507,4 +507,4 @@ def test_a_copy_of_the_state_is_the_envelope_at_that_tick():
 
 
 def test_the_sizes_of_the_layout_are_those_of_its_rows():
-    assert set(BOUNDS) == {row.name for row in layout.BOUNDS.rows}
+    assert set(BOUNDS) == {row.name for row in envelope_table.BOUNDS.rows}

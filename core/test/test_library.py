@@ -5,8 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from heave_core import layout, library
+from heave_core.envelope_table import DRUM
 from heave_core.library import LibraryError, dtype_of
 from heave_core.page import page
+from heave_core.rows import COUNTER, Row, Structure
 
 REPOSITORY = Path(__file__).parents[2]
 
@@ -15,7 +17,7 @@ def test_the_library_has_the_layout_and_the_sizes_of_this_python():
     loaded = library.library()
     assert loaded.heave_core_layout() == layout.layout_number()
     sizes = [loaded.heave_core_size(place) for place in range(5)]
-    kinds = (layout.DESIGN, layout.STATE, layout.READINGS, layout.ORDER)
+    kinds = layout.RECORDS
     assert sizes == [*(dtype_of(kind).itemsize for kind in kinds), 0]
 
 
@@ -48,11 +50,11 @@ def test_another_field_or_kind_makes_another_layout_and_another_meaning_does_not
     *others, last = layout.STRUCTURES
     row = last.rows[0]
     for changed, is_same in (
-        (layout.Row(row.name, row.unit, "other words", row.kind), True),
-        (layout.Row("other", row.unit, row.meaning, row.kind), False),
-        (layout.Row(row.name, row.unit, row.meaning, layout.COUNTER), False),
+        (Row(row.name, row.unit, "other words", row.kind), True),
+        (Row("other", row.unit, row.meaning, row.kind), False),
+        (Row(row.name, row.unit, row.meaning, COUNTER), False),
     ):
-        altered = layout.Structure(last.name, last.meaning, (changed, *last.rows[1:]))
+        altered = Structure(last.name, last.meaning, (changed, *last.rows[1:]))
         monkeypatch.setattr(layout, "STRUCTURES", (*others, altered))
         assert (layout.layout_number() == before) is is_same
 
@@ -65,7 +67,7 @@ def test_every_field_is_where_cpp_has_it():
 
 
 def test_a_design_without_a_value_or_with_an_unknown_one_is_refused():
-    record = np.zeros(1, dtype_of(layout.DRUM))
+    record = np.zeros(1, dtype_of(DRUM))
     with pytest.raises(ValueError, match=r"missing \['rate'\], unknown \['speed'\]"):
         library.fill(record[0], {"payout": 1.0, "speed": 2.0})
 

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from heave_bringup.closed_loop import COLUMNS, ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_core.layout import Cause, Phase
+from heave_core.envelope_table import Cause, Phase
 from winch_controller_node.beliefs.beliefs import Belief, Beliefs, EncoderScale, parameters_under
 from winch_controller_node.design.design import design_controller
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_core.layout import Cause, Phase
+from heave_core.envelope_table import Cause, Phase
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.core.envelope import Asked, OrderEnvelope, nominal_design

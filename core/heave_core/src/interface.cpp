@@ -6,8 +6,8 @@ extern "C" {
 long long heave_core_layout() { return heave::LAYOUT; }
 
 long long heave_core_size(int structure) {
-    const long long sizes[] = {sizeof(heave::Design), sizeof(heave::State), sizeof(heave::Readings), sizeof(heave::Order)};
-    return structure >= 0 && structure < 4 ? sizes[structure] : 0;
+    const int count = sizeof heave::RECORD_SIZES / sizeof *heave::RECORD_SIZES;
+    return structure >= 0 && structure < count ? heave::RECORD_SIZES[structure] : 0;
 }
 
 // Begin: the brake is on, and nothing was read yet.

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
-from heave_core.layout import Bit, Cause, Duty, MoveKind, Phase
+from heave_core.envelope_table import Bit, Cause, Duty, MoveKind, Phase
 from heave_core.library import Envelope, EnvelopeOrder
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import MruStatus, WinchFault

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from cable_sim_node.conversions import WINCH_COMMAND
 from heave_bringup.errors import CommandError
-from heave_core.layout import Duty
+from heave_core.envelope_table import Duty
 from heave_core.library import READING_NAMES, Envelope
 from heave_node.interface import topics
 from heave_node.interface.sensors import DEPTH, MRU, Water, WireReading

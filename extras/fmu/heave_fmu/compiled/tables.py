@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
-from heave_core import layout
+from heave_core.envelope_table import DESIGN, STATE
 from heave_core.library import dtype_of, fill
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import ATMOSPHERIC_PRESSURE
@@ -110,9 +110,9 @@ def design_header(part: FixedControllerPart) -> str:
 
 def bounds_header(part: FixedControllerPart) -> str:
     """Return `bounds.h`: the nominal design of the envelope of a fixed controller, `part`, to the last bit."""
-    record = np.zeros(1, dtype_of(layout.DESIGN))
+    record = np.zeros(1, dtype_of(DESIGN))
     fill(record[0], part.nominal)
-    numbers = dtype_of(layout.STATE).itemsize // 8
+    numbers = dtype_of(STATE).itemsize // 8
     design = f"#define ENVELOPE_DESIGN {_initialiser(record[0])}"
     guard = "HEAVE_BOUNDS_H"
     lines = [f"#ifndef {guard}", f"#define {guard}", "#include <math.h>", _define("ENVELOPE_NUMBERS", numbers), design]
