@@ -2,10 +2,10 @@
 
 A public function, method or class names each of its arguments: in a list under `Parameters` (or `Attributes`), or,
 where there is no such list, in its text. A list names every argument and nothing else. The fields of a dataclass are
-arguments too, unless a string below the field says what it is, or it is a node parameter with its own description. A
-module's docstring may say, after the word `Arguments`, what its functions have in common, or that they are `as in` a
-module beside it, or in one named with dots from a folder above. A docstring that begins with `See` hands over to
-another one.
+arguments too, unless a comment behind the field or above it says what it is, and of a float in which unit (`[-]`: in
+none), or it is a node parameter with its own description. A module's docstring may say, after the word `Arguments`,
+what its functions have in common, or that they are `as in` a module beside it, or in one named with dots from a folder
+above. A docstring that begins with `See` hands over to another one.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ from __future__ import annotations
 import ast
 import doctest
 import importlib
+import io
 import re
+import tokenize
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import zip_longest
@@ -46,6 +48,8 @@ WITH_EXAMPLES = [path for path in SOURCES if ">>> " in path.read_text(encoding="
 _HEADING = re.compile(r"^(\w[\w ]*)\n-{3,}$", re.MULTILINE)
 _ENTRY = re.compile(r"(?:^|; )(\w+(?:, \w+)*) : ")
 _PARAMETER_MAKERS = ("parameter", "group")
+_UNIT = re.compile(r"\[|\bSI\b|in (the|its|their) unit\b|in `unit`|see `")
+"""What the meaning of a float must hold: its unit, that it is in SI, or where the unit is found."""
 
 
 @dataclass(frozen=True)
@@ -55,17 +59,42 @@ class Documented:
     name: str
     text: str
     arguments: tuple[str, ...]
-    others: tuple[str, ...] = ()
-    """Names that a list may hold besides: attributes that are no arguments."""
-    common: str = ""
-    """Docstring of the module, on arguments that its functions have in common."""
+    others: tuple[str, ...] = ()  # names that a list may hold besides: attributes that are no arguments
+    common: str = ""  # docstring of the module, on arguments that its functions have in common
+    without_unit: tuple[str, ...] = ()  # fields that a comment explains without a unit
+
+
+@dataclass(frozen=True)
+class Comments:
+    """The comments of a module: where the meaning of a field may stand."""
+
+    behind: dict[int, str]  # those beside code, by line
+    alone: dict[int, str]  # those on a line of their own, by line
+
+    @classmethod
+    def of(cls, source: str) -> Comments:
+        comments = cls({}, {})
+        for token in tokenize.generate_tokens(io.StringIO(source).readline):
+            if token.type == tokenize.COMMENT:
+                is_behind = bool(token.line[: token.start[1]].strip())
+                (comments.behind if is_behind else comments.alone)[token.start[0]] = token.string
+        return comments
+
+    def meaning(self, field: ast.AnnAssign) -> str:
+        """Return the comment behind a field, or else the one above it."""
+        behind = re.sub(r"# (type: ignore|noqa).*", "", self.behind.get(field.end_lineno or 0, ""))
+        above, line = [], field.lineno - 1
+        while line in self.alone:
+            above.append(self.alone[line])
+            line -= 1
+        return behind or " ".join(reversed(above))
 
 
 def documented(path: Path) -> Iterator[Documented]:
     """Yield the public functions and classes of a module that have a docstring."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    source = path.read_text(encoding="utf-8")
     common = common_arguments(path)
-    for item in _of_body(tree.body, ""):
+    for item in _of_body(ast.parse(source).body, "", Comments.of(source)):
         yield replace(item, common=common)
 
 
@@ -80,7 +109,7 @@ def common_arguments(path: Path) -> str:
     return common + common_arguments(next(folder / file for folder in path.parents if (folder / file).exists()))
 
 
-def _of_body(body: list[ast.stmt], prefix: str) -> Iterator[Documented]:
+def _of_body(body: list[ast.stmt], prefix: str, comments: Comments) -> Iterator[Documented]:
     for node in body:
         if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
             text = ast.get_docstring(node)
@@ -89,8 +118,14 @@ def _of_body(body: list[ast.stmt], prefix: str) -> Iterator[Documented]:
         elif isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
             text = ast.get_docstring(node)
             if text and not text.startswith("See "):
-                yield Documented(prefix + node.name, text, _class_arguments(node), _attributes(node))
-            yield from _of_body(node.body, f"{prefix}{node.name}.")
+                yield Documented(
+                    prefix + node.name,
+                    text,
+                    _class_arguments(node, comments),
+                    _attributes(node),
+                    without_unit=tuple(_without_unit(node, comments)),
+                )
+            yield from _of_body(node.body, f"{prefix}{node.name}.", comments)
 
 
 def _arguments(function: ast.FunctionDef, *, is_method: bool) -> tuple[str, ...]:
@@ -103,7 +138,18 @@ def _arguments(function: ast.FunctionDef, *, is_method: bool) -> tuple[str, ...]
     return tuple(name for name in names if not name.startswith("_"))
 
 
-def _class_arguments(node: ast.ClassDef) -> tuple[str, ...]:
+def _without_unit(node: ast.ClassDef, comments: Comments) -> Iterator[str]:
+    """Yield the public fields of a class that are floats and whose comment names no unit."""
+    for child in node.body:
+        if not isinstance(child, ast.AnnAssign) or not isinstance(child.target, ast.Name):
+            continue
+        is_float = re.fullmatch(r"float( \| None)?", ast.unparse(child.annotation)) is not None
+        meaning = comments.meaning(child)
+        if is_float and meaning and not child.target.id.startswith("_") and not _UNIT.search(meaning):
+            yield child.target.id
+
+
+def _class_arguments(node: ast.ClassDef, comments: Comments) -> tuple[str, ...]:
     """Return the fields of a dataclass that are said nowhere else, or the arguments of `__init__`."""
     if not _is_dataclass(node):
         for child in node.body:
@@ -115,7 +161,8 @@ def _class_arguments(node: ast.ClassDef) -> tuple[str, ...]:
         if not isinstance(child, ast.AnnAssign) or not isinstance(child.target, ast.Name):
             continue
         is_said_below = isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant)
-        if not (is_said_below or _is_class_variable(child) or _is_node_parameter(child)):
+        is_said = is_said_below or bool(comments.meaning(child))
+        if not (is_said or _is_class_variable(child) or _is_node_parameter(child)):
             fields.append(child.target.id)
     return tuple(name for name in fields if not name.startswith("_"))
 
@@ -169,8 +216,9 @@ def listed(text: str) -> list[str] | None:
 def faults_of(item: Documented) -> list[str]:
     """Say what is wrong with a docstring."""
     names = listed(item.text)
+    without_unit = [f"{item.name}: {name} has no unit" for name in item.without_unit]
     if names is None:
-        return [
+        return without_unit + [
             f"{item.name}: {name} is not named"
             for name in item.arguments
             if not re.search(rf"\b{name}\b", item.text) and f"`{name}`" not in item.common
@@ -179,7 +227,8 @@ def faults_of(item: Documented) -> list[str]:
     foreign = [name for name in names if name not in (*item.arguments, *item.others)]
     twice = sorted({name for name in names if names.count(name) > 1})
     return (
-        [f"{item.name}: {name} is not listed" for name in missing]
+        without_unit
+        + [f"{item.name}: {name} is not listed" for name in missing]
         + [f"{item.name}: {name} is listed, but is no argument" for name in foreign]
         + [f"{item.name}: {name} is listed twice" for name in twice]
     )
@@ -207,6 +256,13 @@ def test_the_examples_in_docstrings_run(path):
         ),
         ('class F:\n    """A thing."""\n    def __init__(self, mass): ...', "F: mass is not named"),
         ('@dataclass\nclass F:\n    """A thing."""\n    mass: float', "F: mass is not named"),
+        ('@dataclass\nclass F:\n    """A thing."""\n    mass: float  # of it', "F: mass has no unit"),
+        ('class F(NamedTuple):\n    """A thing."""\n    # of it\n    mass: float = 1.0', "F: mass has no unit"),
+        (
+            '@dataclass\nclass F:\n    """A thing."""\n    mass: float  # of it [kg]\n    name: str',
+            "F: name is not named",
+        ),
+        ('@dataclass\nclass F:\n    """A thing."""\n    mass: float  # noqa: A003', "F: mass is not named"),
     ],
 )
 def test_the_check_finds(tmp_path, function, fault):
