@@ -28,22 +28,13 @@ _LIKE_SIZE = 0.2
 
 @dataclass(frozen=True)
 class Entry:
-    """One cable, unit or winch.
+    """One cable, unit or winch."""
 
-    Attributes
-    ----------
-    kind : cable, unit or winch
-    name : by which a scenario takes it
-    title : what it is
-    sources : where its particulars are from
-    values : by the parameter's name in the group `system.KIND`
-    """
-
-    kind: str
-    name: str
-    title: str
-    sources: tuple[str, ...]
-    values: Mapping[str, object]
+    kind: str  # cable, unit or winch
+    name: str  # by which a scenario takes it
+    title: str  # what it is
+    sources: tuple[str, ...]  # where its particulars are from
+    values: Mapping[str, object]  # by the parameter's name in the group `system.KIND`
 
     @property
     def breaking_force(self) -> float:

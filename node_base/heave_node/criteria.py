@@ -53,18 +53,11 @@ first, and no end is a ratio."""
 
 @dataclass(frozen=True)
 class Criterion:
-    """A figure of merit and the bound that it must keep.
+    """A figure of merit and the bound that it must keep."""
 
-    Attributes
-    ----------
-    kpi : key of the figure as in JSON; its unit is part of it (`unit_sigma_m`)
-    relation : <=, >=, < or >
-    bound : in the unit of the figure
-    """
-
-    kpi: str
-    relation: str
-    bound: float
+    kpi: str  # key of the figure as in JSON; its unit is part of it (`unit_sigma_m`)
+    relation: str  # <=, >=, < or >
+    bound: float  # in the unit of the figure
 
     def is_met(self, value: float) -> bool:
         """Return whether the `value` of the figure keeps the bound; one that could not be computed (NaN) does not."""

@@ -184,22 +184,13 @@ LANDING_GAP = 10.0
 
 @dataclass(frozen=True)
 class Landing:
-    """A unit that came down on the bottom.
+    """A unit that came down on the bottom."""
 
-    Attributes
-    ----------
-    time : of the first contact [s]
-    end : of the last contact [s]
-    speed : downwards, just before the first contact [m/s]
-    rebound : height above the place of first contact that it reached before it left for good [m]
-    lift_offs : how often contact was lost in between
-    """
-
-    time: float
-    end: float
-    speed: float
-    rebound: float
-    lift_offs: int
+    time: float  # of the first contact [s]
+    end: float  # of the last contact [s]
+    speed: float  # downwards, just before the first contact [m/s]
+    rebound: float  # height above the place of first contact that it reached before it left for good [m]
+    lift_offs: int  # how often contact was lost in between
 
 
 def landings(time: ArrayLike, height: ArrayLike, is_touching: ArrayLike) -> list[Landing]:
@@ -247,21 +238,13 @@ def largest_after(time: ArrayLike, values: ArrayLike, events: ArrayLike, within:
 
 @dataclass(frozen=True)
 class WinchPower:
-    """Power at the drum, `T v`. Hauling in under load motors, paying out under load regenerates.
+    """Power at the drum, `T v`. Hauling in under load motors, paying out under load regenerates."""
 
-    Attributes
-    ----------
-    peak : largest |T v| [W]
-    mean_abs : mean |T v| [W]
-    rms : root mean square of T v, by which a motor warms [W]
-    motoring, regenerated : mean power of each sign [W], which is the energy per hour [Wh/h]
-    """
-
-    peak: float
-    mean_abs: float
-    rms: float
-    motoring: float
-    regenerated: float
+    peak: float  # largest |T v| [W]
+    mean_abs: float  # mean |T v| [W]
+    rms: float  # root mean square of T v, by which a motor warms [W]
+    motoring: float  # mean power of positive sign [W], which is the energy per hour [Wh/h]
+    regenerated: float  # mean power of negative sign [W]
 
 
 RATED_SHARE = 0.5
@@ -304,18 +287,11 @@ BENDING_STROKE = 0.01
 
 @dataclass(frozen=True)
 class RopeWear:
-    """What moving costs rope and drive, per hour.
+    """What moving costs rope and drive, per hour."""
 
-    Attributes
-    ----------
-    travel : rope that goes over the sheave, both ways together [m/h]
-    reversals : changes of direction [1/h]
-    bending_cycles : of the piece of rope that is bent most, straight to bent to straight [1/h]
-    """
-
-    travel: float
-    reversals: float
-    bending_cycles: float
+    travel: float  # rope that goes over the sheave, both ways together [m/h]
+    reversals: float  # changes of direction [1/h]
+    bending_cycles: float  # of the piece of rope that is bent most, straight to bent to straight [1/h]
 
 
 def rope_wear(time: ArrayLike, payout: ArrayLike) -> RopeWear:

@@ -37,54 +37,31 @@ class ParameterError(ValueError):
 
 @dataclass(frozen=True)
 class Given:
-    """A value as the user gave it, with what an error message must say about it.
+    """A value as the user gave it, with what an error message must say about it."""
 
-    Attributes
-    ----------
-    value : as read, not yet checked
-    name : name that the user wrote, for example `system.sea.peak_period`
-    where : where it was given: file and section, or the option of the command line
-    reader : node that cannot take the value, where the name alone does not say it
-    """
-
-    value: object
-    name: str
-    where: str
-    reader: str = ""
+    value: object  # as read, not yet checked
+    name: str  # name that the user wrote, for example `system.sea.peak_period`
+    where: str  # where it was given: file and section, or the option of the command line
+    reader: str = ""  # node that cannot take the value, where the name alone does not say it
 
 
 @dataclass(frozen=True)
 class ParameterInfo:
-    """What is known of one parameter: enough for a ROS descriptor, a table in a README, and a check.
+    """What is known of one parameter: enough for a ROS descriptor, a table in a README, and a check."""
 
-    Attributes
-    ----------
-    name : dotted name
-    type : bool, int, float or str; of the elements of a list
-    is_array : whether it is a list
-    default : value where none is given
-    unit : SI unit, "" for a pure number or a string
-    description : what it is, in one sentence
-    minimum, maximum : inclusive bounds, of each element of a list
-    choices : the strings that are allowed; () allows any
-    length : number of elements of a list; None allows any
-    is_live : may be changed while the node runs
-    also, also_words : regular expression of strings that are allowed beside the choices, and what they are; "": none
-    """
-
-    name: str
-    type: type
-    is_array: bool
-    default: Value
-    unit: str
-    description: str
-    minimum: float | None = None
-    maximum: float | None = None
-    choices: tuple[str, ...] = ()
-    length: int | None = None
-    is_live: bool = False
-    also: str = ""
-    also_words: str = ""
+    name: str  # dotted name
+    type: type  # bool, int, float or str; of the elements of a list
+    is_array: bool  # whether it is a list
+    default: Value  # value where none is given
+    unit: str  # SI unit, "" for a pure number or a string
+    description: str  # what it is, in one sentence
+    minimum: float | None = None  # inclusive bound, of each element of a list, in the unit of the parameter
+    maximum: float | None = None  # inclusive bound, of each element of a list, in the unit of the parameter
+    choices: tuple[str, ...] = ()  # the strings that are allowed; () allows any
+    length: int | None = None  # number of elements of a list; None allows any
+    is_live: bool = False  # may be changed while the node runs
+    also: str = ""  # regular expression of strings that are allowed beside the choices; "": none
+    also_words: str = ""  # what these strings are
 
     def allowed(self) -> str:
         """Describe what values are allowed."""

@@ -15,16 +15,10 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Entry:
-    """One line of a registry.
+    """One line of a registry."""
 
-    Attributes
-    ----------
-    location : "module:name" of what builds the thing
-    description : a phrase for the help of the parameter
-    """
-
-    location: str
-    description: str
+    location: str  # "module:name" of what builds the thing
+    description: str  # a phrase for the help of the parameter
 
     def load(self) -> Any:
         """Return what is at the location. Raises ImportError or AttributeError where nothing does."""

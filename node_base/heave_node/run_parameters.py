@@ -151,18 +151,11 @@ class RunParameters:
 
 @dataclass(frozen=True)
 class NodeParameters:
-    """Everything that one node was given, checked.
+    """Everything that one node was given, checked."""
 
-    Attributes
-    ----------
-    run : parameters that all nodes share
-    own : the node's own parameter set
-    wanted : criteria of the run
-    """
-
-    run: RunParameters
-    own: Any
-    wanted: tuple[Criterion, ...]
+    run: RunParameters  # parameters that all nodes share
+    own: Any  # the node's own parameter set
+    wanted: tuple[Criterion, ...]  # criteria of the run
 
 
 def build_node_parameters(

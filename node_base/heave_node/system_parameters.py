@@ -37,16 +37,10 @@ _DEPTH = ("noise", "rate", "latency")
 
 @dataclass(frozen=True)
 class Shared:
-    """A word of the system: one parameter, or a whole group where it ends with a point.
+    """A word of the system: one parameter, or a whole group where it ends with a point."""
 
-    Attributes
-    ----------
-    word : name after `system.`
-    own : what each node calls it; the first node owns the word: it has every parameter of the group
-    """
-
-    word: str
-    own: Mapping[str, str]
+    word: str  # name after `system.`
+    own: Mapping[str, str]  # what each node calls it; the first node owns the word: it has every parameter of the group
 
     @property
     def owner(self) -> str:

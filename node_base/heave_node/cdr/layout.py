@@ -84,20 +84,12 @@ class Field:
 
 @dataclass(frozen=True)
 class Leaf:
-    """Where one primitive value, array or text lies in a message.
+    """Where one primitive value, array or text lies in a message."""
 
-    Attributes
-    ----------
-    name : of the field, dotted
-    offset : in the message [bytes]
-    dtype : of numpy; "" for a text
-    count : of elements; None for a single value
-    """
-
-    name: str
-    offset: int
-    dtype: str
-    count: int | None
+    name: str  # of the field, dotted
+    offset: int  # in the message [bytes]
+    dtype: str  # of numpy; "" for a text
+    count: int | None  # of elements; None for a single value
 
 
 @dataclass
@@ -106,10 +98,9 @@ class Layout:
 
     leaves: list[Leaf] = field(default_factory=list)
     lengths: list[tuple[int, int]] = field(default_factory=list)
+    # padding between values: first byte and the one after the last
     gaps: list[tuple[int, int]] = field(default_factory=list)
-    """Padding between values: first byte and the one after the last."""
-    end: int = 0
-    """Number of bytes of the message."""
+    end: int = 0  # number of bytes of the message
 
 
 def parse_schema(name: str, text: str) -> dict[str, list[Field]]:

@@ -77,17 +77,11 @@ class CraneParameters:
 
 
 class TipPlace(NamedTuple):
-    """The boom tip in the ship's frame.
+    """The boom tip in the ship's frame."""
 
-    Attributes
-    ----------
-    arm : from its place in the reference pose [m]
-    velocity, acceleration : in the ship's frame [m/s], [m/s^2]
-    """
-
-    arm: Vector
-    velocity: Vector
-    acceleration: Vector
+    arm: Vector  # from its place in the reference pose [m]
+    velocity: Vector  # in the ship's frame [m/s]
+    acceleration: Vector  # in the ship's frame [m/s^2]
 
 
 class Crane:

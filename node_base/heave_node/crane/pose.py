@@ -18,18 +18,11 @@ LARGEST = (("slew", 7.0), ("luff", 3.2), ("knuckle", 3.2), ("extension", 100.0))
 
 
 class CranePose(NamedTuple):
-    """Where the joints of a crane are.
+    """Where the joints of a crane are."""
 
-    Attributes
-    ----------
-    time : of the measurement [s]
-    joints : slew, luff, knuckle [rad], extension [m]; NaN: not measured
-    rates : their time derivatives [rad/s], [m/s]; NaN: not measured
-    """
-
-    time: float
-    joints: tuple[float, ...]
-    rates: tuple[float, ...] = (math.nan,) * len(JOINTS)
+    time: float  # of the measurement [s]
+    joints: tuple[float, ...]  # slew, luff, knuckle [rad], extension [m]; NaN: not measured
+    rates: tuple[float, ...] = (math.nan,) * len(JOINTS)  # their time derivatives [rad/s], [m/s]; NaN: not measured
 
 
 def pose_to_wire(pose: CranePose) -> WireReading:

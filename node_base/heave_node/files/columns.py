@@ -86,26 +86,16 @@ class ColumnsError(ValueError):
 
 @dataclass(frozen=True)
 class Columns:
-    """A table of text.
+    """A table of text."""
 
-    Attributes
-    ----------
-    header : headings, in order
-    header_line : number of their line, from 1
-    rows : cells of each row, as many as there are
-    lines : number of each row's line, from 1
-    decimal_comma : numbers have decimal commas
-    units : of each column, as the line below the headings has them; empty where there is none
-    notes : what was found out about the form, one line each
-    """
-
-    header: list[str]
-    header_line: int
-    rows: list[list[str]]
-    lines: list[int]
-    decimal_comma: bool = False
+    header: list[str]  # headings, in order
+    header_line: int  # number of their line, from 1
+    rows: list[list[str]]  # cells of each row, as many as there are
+    lines: list[int]  # number of each row's line, from 1
+    decimal_comma: bool = False  # numbers have decimal commas
+    # of each column, as the line below the headings has them; empty where there is none
     units: list[str] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)  # what was found out about the form, one line each
 
     def number(self, text: str) -> float:
         """Return the `text` of a cell as a number; NaN where it is none."""

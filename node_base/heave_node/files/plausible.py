@@ -18,20 +18,13 @@ from heave_node.numerics.constants import STANDARD_GRAVITY
 
 @dataclass(frozen=True)
 class Plausible:
-    """The range of a quantity, ends included.
+    """The range of a quantity, ends included."""
 
-    Attributes
-    ----------
-    unit : of the ends
-    least, most : ends of the range
-    above, below : the likely cause of a figure beyond either end
-    """
-
-    unit: str
-    least: float
-    most: float
-    above: str
-    below: str = "another unit?"
+    unit: str  # of the ends
+    least: float  # lower end of the range, in `unit`
+    most: float  # upper end of the range, in `unit`
+    above: str  # likely cause of a larger figure
+    below: str = "another unit?"  # likely cause of a smaller figure
 
 
 def _size(unit: str, most: float, above: str) -> Plausible:

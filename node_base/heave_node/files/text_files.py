@@ -18,16 +18,10 @@ class TextFileError(ValueError):
 
 @dataclass(frozen=True)
 class Text:
-    """What a text file holds.
+    """What a text file holds."""
 
-    Attributes
-    ----------
-    lines : without their ends
-    notes : what a reader should know of how it was read, one line each, without the file's name
-    """
-
-    lines: list[str]
-    notes: tuple[str, ...] = ()
+    lines: list[str]  # without their ends
+    notes: tuple[str, ...] = ()  # what a reader should know of how it was read, one line each, without the file's name
 
 
 def read_text(path: Path) -> Text:

@@ -53,25 +53,15 @@ class Severity(enum.IntEnum):
 
 @dataclass(frozen=True)
 class AlarmRow:
-    """A row of a table of alarms.
+    """A row of a table of alarms."""
 
-    Attributes
-    ----------
-    code : stable name in upper case, part first: MRU_STALE
-    severity : priority
-    part : that it is about: mru, winch, cable, adviser
-    state : what is wrong, value with unit against limit; values stand in braces, as in str.format
-    consequence : what follows, or is done by itself; empty where nothing is. `{loop}` is what the loop does, a
-        sentence of its own
-    action : what a person does; empty where nothing has to be done
-    """
-
-    code: str
-    severity: Severity
-    part: str
-    state: str
+    code: str  # stable name in upper case, part first: MRU_STALE
+    severity: Severity  # priority
+    part: str  # that it is about: mru, winch, cable, adviser
+    state: str  # what is wrong, value with unit against limit; values stand in braces, as in str.format
+    # what follows, or is done by itself; empty where nothing is. `{loop}` is what the loop does, a sentence of its own
     consequence: str = ""
-    action: str = ""
+    action: str = ""  # what a person does; empty where nothing has to be done
 
     @cached_property
     def names(self) -> frozenset[str]:

@@ -12,20 +12,12 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class FaultKind:
-    """A kind of fault.
+    """A kind of fault."""
 
-    Attributes
-    ----------
-    meaning : what happens from the start for the duration
-    devices : kinds of device that know it
-    magnitude : what the magnitude is, with its unit; empty: not used
-    own : what happens instead, by kind of device
-    """
-
-    meaning: str
-    devices: tuple[str, ...]
-    magnitude: str = ""
-    own: Mapping[str, str] = field(default_factory=dict)
+    meaning: str  # what happens from the start for the duration
+    devices: tuple[str, ...]  # kinds of device that know it
+    magnitude: str = ""  # what the magnitude is, with its unit; empty: not used
+    own: Mapping[str, str] = field(default_factory=dict)  # what happens instead, by kind of device
 
     def of(self, device: str) -> str:
         """Return what happens to a kind of `device`."""

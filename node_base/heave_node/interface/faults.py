@@ -70,21 +70,13 @@ class WinchFaultParameters(FaultParameters):
 
 @dataclass
 class Fault:
-    """One fault of one device.
+    """One fault of one device."""
 
-    Attributes
-    ----------
-    kind : of FAULTS
-    start, end : simulated time [s]; the fault is active at times t with start <= t < end
-    magnitude : in the unit of its kind
-    is_taken : whether a fault that happens once has happened
-    """
-
-    kind: str
-    start: float
-    end: float
-    magnitude: float
-    is_taken: bool = False
+    kind: str  # of FAULTS
+    start: float  # simulated time [s]; the fault is active at times t with start <= t < end
+    end: float  # simulated time [s]
+    magnitude: float  # in the unit of its kind
+    is_taken: bool = False  # whether a fault that happens once has happened
 
     def has_begun(self, time: float) -> bool:
         """Return whether the fault has begun by simulated `time` [s]."""

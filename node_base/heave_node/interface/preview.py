@@ -11,18 +11,11 @@ _CLOSE = 1e-6  # s: times that differ by less are the same
 
 @dataclass(frozen=True, slots=True)
 class HeavePreview:
-    """Boom-tip heave ahead of a time, as in heave_msgs/HeavePreview.
+    """Boom-tip heave ahead of a time, as in heave_msgs/HeavePreview."""
 
-    Attributes
-    ----------
-    ahead : times after the stamp, ascending [s], shape (m,)
-    heave : about its mean, positive up [m], shape (m,)
-    stamp : simulated time from which `ahead` counts [ns]
-    """
-
-    ahead: Array
-    heave: Array
-    stamp: int = 0
+    ahead: Array  # times after the stamp, ascending [s], shape (m,)
+    heave: Array  # about its mean, positive up [m], shape (m,)
+    stamp: int = 0  # simulated time from which `ahead` counts [ns]
 
     def seen_from(self, now: int) -> HeavePreview:
         """Return the same motion with its times counted from another simulated time, `now` [ns]."""

@@ -51,43 +51,26 @@ STANDARD_WATER = Water(SEAWATER_DENSITY, STANDARD_GRAVITY)
 
 
 class Reading(NamedTuple):
-    """One reading of a sensor on the unit or the cable.
+    """One reading of a sensor on the unit or the cable."""
 
-    Attributes
-    ----------
-    time : of the measurement, simulated [s]
-    value : shape (n,), SI units; NaN under a nan fault
-    sigma : shape (n,), stated standard deviation
-    """
-
-    time: float
-    value: Array
-    sigma: Array
+    time: float  # of the measurement, simulated [s]
+    value: Array  # shape (n,), SI units; NaN under a nan fault
+    sigma: Array  # shape (n,), stated standard deviation
 
 
 class MruReading(NamedTuple):
-    """One sample of the motion reference unit: the boom tip's heave about its mean, positive up, and the attitude.
+    """One sample of the motion reference unit: the boom tip's heave about its mean, positive up, and the attitude."""
 
-    Attributes
-    ----------
-    time : of the measurement as the unit states it [s]
-    heave, heave_rate, heave_acceleration : [m], [m/s], [m/s^2]; NaN of the last two: the unit does not measure them
-    roll, pitch : of the vessel [rad]
-    status : what the unit says of the sample
-    sequence : counts samples from 1; a gap is a lost sample
-    heave_sigma, heave_rate_sigma : accuracy that the unit states, one standard deviation [m], [m/s]
-    """
-
-    time: float
-    heave: float
-    heave_rate: float
-    roll: float = 0.0
-    pitch: float = 0.0
-    status: int = MruStatus.OK
-    sequence: int = 0
-    heave_acceleration: float = np.nan
-    heave_sigma: float = np.nan
-    heave_rate_sigma: float = np.nan
+    time: float  # of the measurement as the unit states it [s]
+    heave: float  # [m]
+    heave_rate: float  # [m/s]; NaN: the unit does not measure it
+    roll: float = 0.0  # of the vessel [rad]
+    pitch: float = 0.0  # of the vessel [rad]
+    status: int = MruStatus.OK  # what the unit says of the sample
+    sequence: int = 0  # counts samples from 1; a gap is a lost sample
+    heave_acceleration: float = np.nan  # [m/s^2]; NaN: the unit does not measure it
+    heave_sigma: float = np.nan  # accuracy that the unit states, one standard deviation [m]
+    heave_rate_sigma: float = np.nan  # accuracy that the unit states, one standard deviation [m/s]
 
 
 class WireReading(NamedTuple):
@@ -114,33 +97,21 @@ def values_alone(numbers: Sequence[float], _: Water) -> Numbers:
 
 @dataclass(frozen=True)
 class Sensor:
-    """A sensor of the suite.
+    """A sensor of the suite."""
 
-    Attributes
-    ----------
-    name : in parameters, faults, health and alarms
-    topic : of its readings; the type is that of the message
-    frame : of the message's header
-    meaning : what a message says, for who writes or reads one: fields, units, frame, sign
-    largest : fields that must be finite, each with the largest magnitude that is plausible in its unit
-    may_be_missing : those of them that are NaN where the sensor does not measure them
-    values : fields of the message that hold the values, in order
-    accuracies : fields that hold their variance or standard deviation
-    constants : fields that always hold the same, with what they hold
-    encode : (reading, water) to the numbers of `values` and `accuracies`
-    decode : (numbers of `values`, assumed water) to the values of the reading
-    """
-
-    name: str
-    topic: Topic
-    frame: str
-    meaning: str
+    name: str  # in parameters, faults, health and alarms
+    topic: Topic  # of its readings; the type is that of the message
+    frame: str  # of the message's header
+    meaning: str  # what a message says, for who writes or reads one: fields, units, frame, sign
+    # fields that must be finite, each with the largest magnitude that is plausible in its unit
     largest: tuple[tuple[str, float], ...]
-    values: tuple[str, ...]
-    may_be_missing: tuple[str, ...] = ()
-    accuracies: tuple[str, ...] = ()
-    constants: tuple[tuple[str, float], ...] = ()
+    values: tuple[str, ...]  # fields of the message that hold the values, in order
+    may_be_missing: tuple[str, ...] = ()  # those of them that are NaN where the sensor does not measure them
+    accuracies: tuple[str, ...] = ()  # fields that hold their variance or standard deviation
+    constants: tuple[tuple[str, float], ...] = ()  # fields that always hold the same, with what they hold
+    # (reading, water) to the numbers of `values` and `accuracies`
     encode: Callable[[Any, Water], Numbers] = values_and_variances
+    # (numbers of `values`, assumed water) to the values of the reading
     decode: Callable[[Sequence[float], Water], Numbers] = values_alone
 
     @property

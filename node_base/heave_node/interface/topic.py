@@ -23,19 +23,11 @@ class Role(Enum):
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic of the suite.
+    """A topic of the suite."""
 
-    Attributes
-    ----------
-    name : relative, or absolute for one that ROS has fixed
-    type : of its messages, for example "heave_msgs/msg/MruSample"
-    publisher : node that publishes it; "" for many
-    role : how it is carried
-    is_needed : the loop does not close without it: where its publisher is external, the start waits for it
-    """
-
-    name: str
-    type: str
-    publisher: str
-    role: Role = Role.STREAM
+    name: str  # relative, or absolute for one that ROS has fixed
+    type: str  # of its messages, for example "heave_msgs/msg/MruSample"
+    publisher: str  # node that publishes it; "" for many
+    role: Role = Role.STREAM  # how it is carried
+    # the loop does not close without it: where its publisher is external, the start waits for it
     is_needed: bool = False

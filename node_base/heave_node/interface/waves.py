@@ -19,26 +19,16 @@ class Waves:
     Elevation at (x, y), a time t after `start`, is r(t) times the sum of a cos(omega_e t - k (x cos d + y sin d) +
     phase), k = omega^2/g and r the `smooth_ramp`.
 
-    Attributes
-    ----------
-    frequency : omega in still water [rad/s], shape (n,), above 0
-    encounter_frequency : omega_e, as met in `world`, which travels with the vessel [rad/s], shape (n,)
-    amplitude : a [m], shape (n,)
-    phase : at `start` [rad], shape (n,)
-    direction : d that the component travels to, from world x towards y [rad], shape (n,)
-    start : simulated time from which t counts, and at which the ramp begins [s]
-    ramp : its duration [s]; 0: there is none
-
     Raises ValueError where arrays differ in length or are too long, or a number is not one of a wave.
     """
 
-    frequency: Array
-    encounter_frequency: Array
-    amplitude: Array
-    phase: Array
-    direction: Array
-    start: float = 0.0
-    ramp: float = 0.0
+    frequency: Array  # omega in still water [rad/s], shape (n,), above 0
+    encounter_frequency: Array  # omega_e, as met in `world`, which travels with the vessel [rad/s], shape (n,)
+    amplitude: Array  # a [m], shape (n,)
+    phase: Array  # at `start` [rad], shape (n,)
+    direction: Array  # d that the component travels to, from world x towards y [rad], shape (n,)
+    start: float = 0.0  # simulated time from which t counts, and at which the ramp begins [s]
+    ramp: float = 0.0  # its duration [s]; 0: there is none
 
     def __post_init__(self) -> None:
         lengths = {len(column) for column in self.columns}

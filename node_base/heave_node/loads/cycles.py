@@ -21,16 +21,10 @@ LEAST_RANGE = 0.01
 
 @dataclass(frozen=True)
 class LoadCycles:
-    """What the cycles of a load come to.
+    """What the cycles of a load come to."""
 
-    Attributes
-    ----------
-    per_hour : cycles whose range is at least LEAST_RANGE of the mean load [1/h]
-    equivalent_range : range of the load that, once a second (1 Hz), does the damage of all cycles [same unit as the
-        load]
-    """
-
-    per_hour: float
+    per_hour: float  # cycles whose range is at least LEAST_RANGE of the mean load [1/h]
+    # range of the load that, once a second (1 Hz), does the damage of all cycles [same unit as the load]
     equivalent_range: float
 
 

@@ -31,22 +31,13 @@ FACTORS = (ROPE, WINCH_PULL, ATTACHMENT)
 
 @dataclass(frozen=True)
 class Strength:
-    """What one part of the lift can carry.
+    """What one part of the lift can carry."""
 
-    Attributes
-    ----------
-    key : of its factor among the figures of merit
-    part : its factor's name for people
-    kind : what the capacity is: breaking force, rated pull
-    capacity : [N]
-    required : least factor [-]
-    """
-
-    key: str
-    part: str
-    kind: str
-    capacity: float
-    required: float
+    key: str  # of its factor among the figures of merit
+    part: str  # its factor's name for people
+    kind: str  # what the capacity is: breaking force, rated pull
+    capacity: float  # [N]
+    required: float  # least factor [-]
 
     def under(self, load: float) -> LoadCheck:
         """Return how the part stands under its largest `load` [N]."""
@@ -55,16 +46,10 @@ class Strength:
 
 @dataclass(frozen=True)
 class LoadCheck:
-    """A part under its largest load.
+    """A part under its largest load."""
 
-    Attributes
-    ----------
-    strength : of the part
-    load : the largest [N]; NaN: unknown
-    """
-
-    strength: Strength
-    load: float
+    strength: Strength  # of the part
+    load: float  # the largest [N]; NaN: unknown
 
     @property
     def factor(self) -> float:

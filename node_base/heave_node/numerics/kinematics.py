@@ -17,18 +17,12 @@ def _zeros() -> Array:
 
 @dataclass
 class PointMotion:
-    """Position, velocity and acceleration of one point at one time, in frame `world` (z up, origin at still water).
+    """Position, velocity and acceleration of one point at one time, in frame `world` (z up, origin at still water)."""
 
-    Attributes
-    ----------
-    time : simulated time [s]
-    position, velocity, acceleration : shape (3,) [m], [m/s], [m/s^2]
-    """
-
-    time: float = 0.0
-    position: Array = field(default_factory=_zeros)
-    velocity: Array = field(default_factory=_zeros)
-    acceleration: Array = field(default_factory=_zeros)
+    time: float = 0.0  # simulated time [s]
+    position: Array = field(default_factory=_zeros)  # shape (3,) [m]
+    velocity: Array = field(default_factory=_zeros)  # shape (3,) [m/s]
+    acceleration: Array = field(default_factory=_zeros)  # shape (3,) [m/s^2]
 
 
 def euler_part(part: str, x: Array, y: Array, z: Array, w: Array) -> Array:

@@ -30,29 +30,18 @@ class ModelError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class LinearModel:
-    """dx/dt = A x + B u + G w, y = C x + D u; or x[k+1] = ... with the step `dt`.
+    """dx/dt = A x + B u + G w, y = C x + D u; or x[k+1] = ... with the step `dt`."""
 
-    Attributes
-    ----------
-    A : shape (n, n)
-    B : shape (n, m), inputs
-    C : shape (p, n), outputs
-    D : shape (p, m)
-    G : shape (n, q), noise inputs of unit intensity (continuous) or unit variance (discrete)
-    state_names, input_names, output_names, noise_names : lengths n, m, p, q
-    dt : step [s]; None: continuous
-    """
-
-    A: Array
-    B: Array
-    C: Array
-    D: Array
-    G: Array
-    state_names: tuple[str, ...]
-    input_names: tuple[str, ...]
-    output_names: tuple[str, ...]
-    noise_names: tuple[str, ...]
-    dt: float | None = None
+    A: Array  # shape (n, n)
+    B: Array  # shape (n, m), inputs
+    C: Array  # shape (p, n), outputs
+    D: Array  # shape (p, m)
+    G: Array  # shape (n, q), noise inputs of unit intensity (continuous) or unit variance (discrete)
+    state_names: tuple[str, ...]  # length n
+    input_names: tuple[str, ...]  # length m
+    output_names: tuple[str, ...]  # length p
+    noise_names: tuple[str, ...]  # length q
+    dt: float | None = None  # step [s]; None: continuous
     _index: dict[str, int] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:

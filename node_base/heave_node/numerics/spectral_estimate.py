@@ -28,18 +28,11 @@ class RecordTooShortError(ValueError):
 
 @dataclass(frozen=True)
 class SpectralEstimate:
-    """The spectrum of a record.
+    """The spectrum of a record."""
 
-    Attributes
-    ----------
-    omega : [rad/s], shape (f,), evenly spaced from 0
-    segments : periodograms [unit^2 s/rad] of the segments, shape (k, f)
-    record_length : time that the segments cover [s]
-    """
-
-    omega: Array
-    segments: Array
-    record_length: float
+    omega: Array  # [rad/s], shape (f,), evenly spaced from 0
+    segments: Array  # periodograms [unit^2 s/rad] of the segments, shape (k, f)
+    record_length: float  # time that the segments cover [s]
 
     @property
     def density(self) -> Array:
@@ -187,21 +180,13 @@ def peak_period_interval(omega: Array, density: Array, drawn: Array, count: int)
 
 @dataclass(frozen=True)
 class HeightAndPeriod:
-    """Height and period of a record of motion, with 95 % intervals.
+    """Height and period of a record of motion, with 95 % intervals."""
 
-    Attributes
-    ----------
-    significant_height : 4 standard deviations [m]: significant wave height of an elevation, double amplitude
-        of a heave
-    significant_height_interval : lower and upper end [m]
-    peak_period : of the highest density [s]
-    peak_period_interval : lower and upper end [s]
-    """
-
+    # 4 standard deviations [m]: significant wave height of an elevation, double amplitude of a heave
     significant_height: float
-    significant_height_interval: tuple[float, float]
-    peak_period: float
-    peak_period_interval: tuple[float, float]
+    significant_height_interval: tuple[float, float]  # lower and upper end [m]
+    peak_period: float  # of the highest density [s]
+    peak_period_interval: tuple[float, float]  # lower and upper end [s]
 
 
 def height_and_period(record: Array, period: float) -> HeightAndPeriod:

@@ -23,20 +23,12 @@ class Level(Enum):
 
 @dataclass(frozen=True)
 class Health:
-    """Health of one part of a node: a sensor, the solver, the tick protocol.
+    """Health of one part of a node: a sensor, the solver, the tick protocol."""
 
-    Attributes
-    ----------
-    part : its name
-    level : severity
-    message : one line for the user
-    values : figures by name
-    """
-
-    part: str
-    level: Level = Level.OK
-    message: str = "ok"
-    values: Mapping[str, str] = field(default_factory=dict)
+    part: str  # its name
+    level: Level = Level.OK  # severity
+    message: str = "ok"  # one line for the user
+    values: Mapping[str, str] = field(default_factory=dict)  # figures by name
 
 
 LEVELS = {

@@ -82,15 +82,10 @@ def expect_sender(identity: str, lawful: str) -> None:
 
 @dataclass
 class ProtocolTimes:
-    """How old the messages of the protocol are.
+    """How old the messages of the protocol are."""
 
-    Attributes
-    ----------
-    sent : when the one that is handled now was sent, by its sender's clock [ns]
-    least_delay : least time that a status of the clock master took, by the clocks of both hosts [s]; 0: none came
-    """
-
-    sent: int = 0
+    sent: int = 0  # when the one that is handled now was sent, by its sender's clock [ns]
+    # least time that a status of the clock master took, by the clocks of both hosts [s]; 0: none came
     least_delay: float = 0.0
 
 

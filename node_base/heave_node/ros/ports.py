@@ -237,16 +237,9 @@ class Input:
 
 @dataclass
 class Ports:
-    """All that a node publishes and reads within ticks.
+    """All that a node publishes and reads within ticks."""
 
-    Attributes
-    ----------
-    outputs, inputs : in the order in which they were added
-    timings : of inputs of external nodes, by topic
-    subscriptions : by resolved topic
-    """
-
-    outputs: list[Output] = field(default_factory=list)
-    inputs: list[Input] = field(default_factory=list)
-    timings: dict[str, InputTiming] = field(default_factory=dict)
-    subscriptions: dict[str, Subscription[Any] | LocalSubscription] = field(default_factory=dict)
+    outputs: list[Output] = field(default_factory=list)  # in the order in which they were added
+    inputs: list[Input] = field(default_factory=list)  # in the order in which they were added
+    timings: dict[str, InputTiming] = field(default_factory=dict)  # of inputs of external nodes, by topic
+    subscriptions: dict[str, Subscription[Any] | LocalSubscription] = field(default_factory=dict)  # by resolved topic

@@ -15,24 +15,14 @@ if TYPE_CHECKING:
 
 
 class View(NamedTuple):
-    """What a sensor without noise would say at one time, and how good it is then.
+    """What a sensor without noise would say at one time, and how good it is then."""
 
-    Attributes
-    ----------
-    value : shape (n,), SI units
-    sigma : standard deviation of the white noise of each value, or of all
-    bias : constant error of each value, or of all
-    extra_latency : of a sample taken now, beyond the sensor's own [s]
-    is_available : False: the sensor cannot measure now
-    resolution : to which each value, or all, is rounded; 0: it is not
-    """
-
-    value: Array
-    sigma: Array | float
-    bias: Array | float = 0.0
-    extra_latency: float = 0.0
-    is_available: bool = True
-    resolution: Sequence[float] | float = 0.0
+    value: Array  # shape (n,), SI units
+    sigma: Array | float  # standard deviation of the white noise of each value, or of all
+    bias: Array | float = 0.0  # constant error of each value, or of all
+    extra_latency: float = 0.0  # of a sample taken now, beyond the sensor's own [s]
+    is_available: bool = True  # False: the sensor cannot measure now
+    resolution: Sequence[float] | float = 0.0  # to which each value, or all, is rounded; 0: it is not
 
 
 @dataclass(frozen=True)

@@ -20,16 +20,10 @@ class ClockRule(Enum):
 
 
 class Stamping(NamedTuple):
-    """How an external node stamps.
+    """How an external node stamps."""
 
-    Attributes
-    ----------
-    rule : of its clock
-    latency : by which what it measures is older than its stamp, or its arrival, says [s]
-    """
-
-    rule: ClockRule = ClockRule.DETECT
-    latency: float = 0.0
+    rule: ClockRule = ClockRule.DETECT  # of its clock
+    latency: float = 0.0  # by which what it measures is older than its stamp, or its arrival, says [s]
 
 
 def parse_clock(text: str) -> tuple[str, Stamping]:

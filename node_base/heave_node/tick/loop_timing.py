@@ -11,16 +11,11 @@ from heave_node.tick.durations import Durations
 
 @dataclass(frozen=True)
 class LoopAge:
-    """Wall time from the start of a tick to its last answer.
+    """Wall time from the start of a tick to its last answer."""
 
-    Attributes
-    ----------
-    p50, p99, max : median, 99th percentile and largest [s]
-    """
-
-    p50: float = 0.0
-    p99: float = 0.0
-    max: float = 0.0
+    p50: float = 0.0  # median [s]
+    p99: float = 0.0  # 99th percentile [s]
+    max: float = 0.0  # largest [s]
 
 
 class LoopTiming:

@@ -15,21 +15,13 @@ _done_packer, _done_unpacker = Packer(_DONE, _DONE_FIELDS), Unpacker(_DONE, _DON
 
 
 class TickStart(NamedTuple):
-    """A tick begins; see heave_msgs/TickStart, whose names these are.
+    """A tick begins; see heave_msgs/TickStart, whose names these are."""
 
-    Attributes
-    ----------
-    epoch, tick : numbers of run and tick
-    flush : the run is over: answer when every message of it is here
-    stamp : start of the tick [ns]
-    published : messages sent so far, per entry of the roster
-    """
-
-    epoch: int = 0
-    tick: int = 0
-    flush: bool = False
-    stamp: int = 0
-    published: Sequence[int] = ()
+    epoch: int = 0  # number of the run
+    tick: int = 0  # number of the tick
+    flush: bool = False  # the run is over: answer when every message of it is here
+    stamp: int = 0  # start of the tick [ns]
+    published: Sequence[int] = ()  # messages sent so far, per entry of the roster
 
     def to_bytes(self) -> bytes:
         """Return the message."""
@@ -43,19 +35,12 @@ class TickStart(NamedTuple):
 
 
 class TickDone(NamedTuple):
-    """A node has done its part of a tick; see heave_msgs/TickDone, whose names these are.
+    """A node has done its part of a tick; see heave_msgs/TickDone, whose names these are."""
 
-    Attributes
-    ----------
-    epoch, tick : numbers of run and tick
-    lost : messages of the run that never came to the node, at the end of one in real time
-    published : messages sent so far, per output of the node
-    """
-
-    epoch: int = 0
-    tick: int = 0
-    lost: int = 0
-    published: Sequence[int] = ()
+    epoch: int = 0  # number of the run
+    tick: int = 0  # number of the tick
+    lost: int = 0  # messages of the run that never came to the node, at the end of one in real time
+    published: Sequence[int] = ()  # messages sent so far, per output of the node
 
     def to_bytes(self) -> bytes:
         """Return the message."""

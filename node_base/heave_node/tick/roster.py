@@ -13,33 +13,20 @@ NOT_WAITED_FOR = 2**32 - 1
 
 @dataclass
 class Participant:
-    """What one node said in its TickJoin, and how far it is.
+    """What one node said in its TickJoin, and how far it is."""
 
-    Attributes
-    ----------
-    name : of the node
-    ready : it waits for the first tick
-    lag : ticks that it may be behind; NOT_WAITED_FOR: any number
-    outputs, inputs : resolved topic names, with the number of peers that each one sees
-    answered : last tick that it has answered
-    published : messages that it has sent so far on each output
-    waiting_for : what it lacks, in its own words
-    lost : messages of the run that never came to it, as it says at the end
-    identity : of its process
-    host : name of its machine
-    """
-
-    name: str
-    ready: bool = False
-    lag: int = 0
+    name: str  # of the node
+    ready: bool = False  # it waits for the first tick
+    lag: int = 0  # ticks that it may be behind; NOT_WAITED_FOR: any number
+    # resolved topic names, with the number of peers that each one sees
     outputs: dict[str, int] = field(default_factory=dict)
-    inputs: dict[str, int] = field(default_factory=dict)
-    answered: int = 0
-    published: Sequence[int] = ()
-    waiting_for: str = ""
-    lost: int = 0
-    identity: str = ""
-    host: str = ""
+    inputs: dict[str, int] = field(default_factory=dict)  # the same of what it takes
+    answered: int = 0  # last tick that it has answered
+    published: Sequence[int] = ()  # messages that it has sent so far on each output
+    waiting_for: str = ""  # what it lacks, in its own words
+    lost: int = 0  # messages of the run that never came to it, as it says at the end
+    identity: str = ""  # of its process
+    host: str = ""  # name of its machine
 
 
 class Roster:

@@ -30,18 +30,11 @@ def stamp_of_seconds(seconds: float) -> Time:
 
 @dataclass(frozen=True)
 class Tick:
-    """Tick `number` of run `epoch`: from t_k = k * period to t_{k+1}.
+    """Tick `number` of run `epoch`: from t_k = k * period to t_{k+1}."""
 
-    Attributes
-    ----------
-    number : k, from 1
-    epoch : number of the run since the master started; a reset makes a new one
-    period_nanoseconds : length of a tick [ns]
-    """
-
-    number: int
-    epoch: int
-    period_nanoseconds: int
+    number: int  # k, from 1
+    epoch: int  # number of the run since the master started; a reset makes a new one
+    period_nanoseconds: int  # length of a tick [ns]
 
     @property
     def start_nanoseconds(self) -> int:

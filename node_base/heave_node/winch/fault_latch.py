@@ -14,18 +14,11 @@ from heave_node.interface.codes import WinchFault, WinchRelease
 
 
 class FaultRule(NamedTuple):
-    """How a fault is ranked and left.
+    """How a fault is ranked and left."""
 
-    Attributes
-    ----------
-    rank : a fault replaces one of a lower rank
-    clears : what must be done before it is released
-    is_automatic : a controller may release it by itself; otherwise an operator requests a mode
-    """
-
-    rank: int
-    clears: str
-    is_automatic: bool
+    rank: int  # a fault replaces one of a lower rank
+    clears: str  # what must be done before it is released
+    is_automatic: bool  # a controller may release it by itself; otherwise an operator requests a mode
 
 
 FAULTS: Mapping[int, FaultRule] = {

@@ -31,21 +31,13 @@ UNSEEN = 1.0
 
 
 class DrumReading(NamedTuple):
-    """What a drum is ordered and what it does.
+    """What a drum is ordered and what it does."""
 
-    Attributes
-    ----------
-    ordered_rate : of the drum [m/s]
-    is_braked : it is ordered to brake
-    payout, payout_rate : measured [m], [m/s]; NaN: not known
-    brake : other than 0: its switch says engaged; NaN: there is none
-    """
-
-    ordered_rate: float
-    is_braked: bool
-    payout: float
-    payout_rate: float
-    brake: float
+    ordered_rate: float  # of the drum [m/s]
+    is_braked: bool  # it is ordered to brake
+    payout: float  # measured [m]; NaN: not known
+    payout_rate: float  # measured [m/s]; NaN: not known
+    brake: float  # other than 0 [-]: its switch says engaged; NaN: there is none
 
 
 class MotionSupervision:

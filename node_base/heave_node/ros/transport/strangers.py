@@ -31,18 +31,11 @@ _MOST = 20
 
 @dataclass
 class Stranger:
-    """One process on one topic that is not its own.
+    """One process on one topic that is not its own."""
 
-    Attributes
-    ----------
-    who : its nodes, process and machine in words
-    refused : messages of it that were refused
-    why : what was wrong with a message of the protocol; "" where the sender was
-    """
-
-    who: str
-    refused: int = 0
-    why: str = ""
+    who: str  # its nodes, process and machine in words
+    refused: int = 0  # messages of it that were refused
+    why: str = ""  # what was wrong with a message of the protocol; "" where the sender was
 
 
 class Strangers:
