@@ -32,26 +32,17 @@ OTHER_WAVES = 1_000_003
 
 @dataclass(frozen=True)
 class WaveVesselOutputs:
-    """What one tick k gives.
+    """What one tick k gives."""
 
-    Attributes
-    ----------
-    mru : the reading delivered at t_k, None if there is none (rate, gap, restart, latency at the start)
-    boom_tip : true motion of the boom tip at t_{k+1}, frame world
-    vessel : true motion of the vessel at t_{k+1}
-    wave_elevation : sea surface below the boom tip at t_{k+1} [m]
-    estimate : a new sea-state estimate from the MRU readings up to t_k, when one is due and the record long enough
-    preview : of the boom tip from t_k on; None: there is none
-    crane : poses of the crane delivered at t_k
-    """
-
+    # the reading delivered at t_k, None if there is none (rate, gap, restart, latency at the start)
     mru: MruReading | None
-    boom_tip: PointMotion
-    vessel: VesselMotion
-    wave_elevation: float
+    boom_tip: PointMotion  # true motion of the boom tip at t_{k+1}, frame world
+    vessel: VesselMotion  # true motion of the vessel at t_{k+1}
+    wave_elevation: float  # sea surface below the boom tip at t_{k+1} [m]
+    # a new sea-state estimate from the MRU readings up to t_k, when one is due and the record long enough
     estimate: SeaStateEstimate | None = None
-    preview: HeavePreview | None = None
-    crane: tuple[CranePose, ...] = ()
+    preview: HeavePreview | None = None  # of the boom tip from t_k on; None: there is none
+    crane: tuple[CranePose, ...] = ()  # poses of the crane delivered at t_k
 
 
 class WaveVessel:

@@ -59,15 +59,10 @@ def _check_recording(parameters: SourceParameters) -> None:
 
 @dataclass(frozen=True)
 class SourceEntry(Entry):
-    """A motion source.
+    """A motion source."""
 
-    Attributes
-    ----------
-    has_sea : a sea with a spectrum moves the vessel: it has a course, and a response to waves
-    check : raises ValueError where the other parameters contradict this source
-    """
-
-    has_sea: bool
+    has_sea: bool  # a sea with a spectrum moves the vessel: it has a course, and a response to waves
+    # raises ValueError where the other parameters contradict this source
     check: Callable[[SourceParameters], None] = _check_nothing
 
 

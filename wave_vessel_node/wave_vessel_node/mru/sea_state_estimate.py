@@ -37,28 +37,18 @@ _FEWEST_LINES = 8  # of the spectrum between drift and ripples: with fewer, read
 
 @dataclass(frozen=True)
 class SeaStateEstimate:
-    """See the message of the same name. Intervals are 95 %.
+    """See the message of the same name. Intervals are 95 %."""
 
-    Attributes
-    ----------
-    time : end of the record used [s]
-    record_length : [s]
-    significant_wave_height, peak_period : of the sea [m], [s], with intervals
-    boom_tip_sigma : standard deviation of the boom-tip heave [m]
-    angular_frequency [rad/s], spectral_density [m^2 s/rad] : spectrum of the boom-tip heave
-    sea_density : spectrum of the sea at the same frequencies, nan where the motion does not tell
-    """
-
-    time: float
-    record_length: float
-    significant_wave_height: float
+    time: float  # end of the record used [s]
+    record_length: float  # [s]
+    significant_wave_height: float  # of the sea [m], with intervals
     significant_wave_height_interval: tuple[float, float]
-    peak_period: float
+    peak_period: float  # of the sea [s], with intervals
     peak_period_interval: tuple[float, float]
-    boom_tip_sigma: float
-    angular_frequency: Array
-    spectral_density: Array
-    sea_density: Array
+    boom_tip_sigma: float  # standard deviation of the boom-tip heave [m]
+    angular_frequency: Array  # of the spectra [rad/s]
+    spectral_density: Array  # spectrum of the boom-tip heave [m^2 s/rad]
+    sea_density: Array  # spectrum of the sea at the same frequencies, nan where the motion does not tell
 
 
 class SeaStateEstimator:

@@ -30,18 +30,11 @@ _DAMPING_START = 0.12  # from here as good a fit was found as from 0.3 too, in 2
 
 @dataclass(frozen=True)
 class FilterFit:
-    """A fitted filter.
+    """A fitted filter."""
 
-    Attributes
-    ----------
-    form : normalised to the peak and the energy of the sea
-    system : the filter at the scale of the sea
-    spectrum : that it models
-    """
-
-    form: FilterForm
-    system: LinearModel
-    spectrum: WaveSpectrum
+    form: FilterForm  # normalised to the peak and the energy of the sea
+    system: LinearModel  # the filter at the scale of the sea
+    spectrum: WaveSpectrum  # that it models
 
     @cached_property
     def quality(self) -> FilterQuality:

@@ -18,33 +18,20 @@ from heave_node.numerics.linear_model import NOISE_INTENSITY, LinearModel, linea
 
 @dataclass(frozen=True)
 class Section:
-    """One pair of poles.
+    """One pair of poles."""
 
-    Attributes
-    ----------
-    frequency : natural frequency over that of the peak
-    damping : damping ratio
-    """
-
-    frequency: float
-    damping: float
+    frequency: float  # natural frequency over that of the peak [-]
+    damping: float  # damping ratio [-]
 
 
 @dataclass(frozen=True)
 class FilterForm:
-    """H(s) = gain s^zeros N(s) / product of (s^2 + 2 zeta omega s + omega^2), normalised to omega_m = 1 and m_0 = 1.
+    """H(s) = gain s^zeros N(s) / product of (s^2 + 2 zeta omega s + omega^2), normalised to omega_m = 1 and m_0 = 1."""
 
-    Attributes
-    ----------
-    gain : of the normalised filter
-    zeros_at_origin : number of zeros at s = 0
-    sections : pairs of poles
-    numerator : free pairs of zeros, written like poles; N(s) is their product, 1 if there are none
-    """
-
-    gain: float
-    zeros_at_origin: int
-    sections: tuple[Section, ...]
+    gain: float  # of the normalised filter [-]
+    zeros_at_origin: int  # number of zeros at s = 0
+    sections: tuple[Section, ...]  # pairs of poles
+    # free pairs of zeros, written like poles; N(s) is their product, 1 if there are none
     numerator: tuple[Section, ...] = ()
 
     def __post_init__(self) -> None:

@@ -19,18 +19,11 @@ LEAK_QUANTILE = 1e-4
 
 @dataclass(frozen=True)
 class FilterQuality:
-    """How well a filter models a spectrum.
+    """How well a filter models a spectrum."""
 
-    Attributes
-    ----------
-    relative_error : sqrt(integral (S_filter - S)^2 / integral S^2)
-    variance_ratio : m_0 of the filter over that of the spectrum
-    leak : energy of the filter below the spectrum's own band (see `low_band_edge`) over m_0; the spectrum itself has
-        1e-4
-    """
-
-    relative_error: float
-    variance_ratio: float
+    relative_error: float  # sqrt(integral (S_filter - S)^2 / integral S^2) [-]
+    variance_ratio: float  # m_0 of the filter over that of the spectrum [-]
+    # energy of the filter below the spectrum's own band (see `low_band_edge`) over m_0; the spectrum itself has 1e-4
     leak: float
 
 

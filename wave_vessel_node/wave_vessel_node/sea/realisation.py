@@ -23,20 +23,12 @@ _BLOCK = 64  # ticks between two exact evaluations of the phases
 
 @dataclass(frozen=True)
 class WaveComponents:
-    """Long-crested components: elevation at (x, y) is the sum of a cos(omega t - k (x cos d + y sin d) + phase).
+    """Long-crested components: elevation at (x, y) is the sum of a cos(omega t - k (x cos d + y sin d) + phase)."""
 
-    Attributes
-    ----------
-    frequency : omega [rad/s], shape (n,), rising
-    amplitude : a [m], shape (n,)
-    phase : [rad], shape (n,)
-    direction : d that the component travels to, from world x, anticlockwise [rad], shape (n,)
-    """
-
-    frequency: Array
-    amplitude: Array
-    phase: Array
-    direction: Array
+    frequency: Array  # omega [rad/s], shape (n,), rising
+    amplitude: Array  # a [m], shape (n,)
+    phase: Array  # [rad], shape (n,)
+    direction: Array  # d that the component travels to, from world x, anticlockwise [rad], shape (n,)
 
     @property
     def wave_number(self) -> Array:

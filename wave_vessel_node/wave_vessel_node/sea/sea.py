@@ -41,31 +41,18 @@ def build_spectrum(parameters: WaveVesselParameters, warnings: list[str]) -> Wav
 
 @dataclass(frozen=True)
 class SeaState:
-    """The sea as it is published; see the message of the same name.
+    """The sea as it is published; see the message of the same name."""
 
-    Attributes
-    ----------
-    spectrum : name of the spectrum or source
-    significant_wave_height : [m]
-    peak_period, zero_crossing_period : [s]
-    peak_enhancement : gamma of JONSWAP, 1 for other spectra
-    heading : direction the waves travel to, from world x, anticlockwise [rad]
-    spreading : exponent s of cos^2s; 0 is long-crested
-    seed : of the realisation
-    angular_frequency : [rad/s], may be empty
-    spectral_density : target at these frequencies [m^2 s/rad]
-    """
-
-    spectrum: str
-    significant_wave_height: float
-    peak_period: float
-    zero_crossing_period: float
-    peak_enhancement: float
-    heading: float
-    spreading: float
-    seed: int
-    angular_frequency: Array = field(default_factory=lambda: np.empty(0))
-    spectral_density: Array = field(default_factory=lambda: np.empty(0))
+    spectrum: str  # name of the spectrum or source
+    significant_wave_height: float  # [m]
+    peak_period: float  # [s]
+    zero_crossing_period: float  # [s]
+    peak_enhancement: float  # gamma of JONSWAP, 1 for other spectra [-]
+    heading: float  # direction the waves travel to, from world x, anticlockwise [rad]
+    spreading: float  # exponent s of cos^2s [-]; 0 is long-crested
+    seed: int  # of the realisation
+    angular_frequency: Array = field(default_factory=lambda: np.empty(0))  # [rad/s], may be empty
+    spectral_density: Array = field(default_factory=lambda: np.empty(0))  # target at these frequencies [m^2 s/rad]
 
 
 def describe_sea(

@@ -120,10 +120,8 @@ class Bretschneider(WaveSpectrum):
     S = (1.25/4) Hs^2 omega_m^4 / omega^5 exp(-1.25 (omega_m / omega)^4).
     """
 
-    height: float
-    """Significant wave height [m]."""
-    period: float
-    """Peak period [s]."""
+    height: float  # significant wave height [m]
+    period: float  # peak period [s]
 
     @classmethod
     def from_parameters(cls, sea: SeaParameters) -> Bretschneider:
@@ -166,17 +164,11 @@ class Jonswap(WaveSpectrum):
     quadrature.
 
     sigma is 0.07 below and 0.09 above the peak.
-
-    Attributes
-    ----------
-    height : significant wave height [m]
-    period : peak period [s]
-    peak_enhancement : gamma
     """
 
-    height: float
-    period: float
-    peak_enhancement: float = 3.3
+    height: float  # significant wave height [m]
+    period: float  # peak period [s]
+    peak_enhancement: float = 3.3  # gamma [-]
 
     @classmethod
     def from_parameters(cls, sea: SeaParameters) -> Jonswap:
@@ -207,18 +199,11 @@ class Jonswap(WaveSpectrum):
 
 @dataclass(frozen=True)
 class OchiHubbleSystem:
-    """One of the two systems of an Ochi-Hubble sea.
+    """One of the two systems of an Ochi-Hubble sea."""
 
-    Attributes
-    ----------
-    height : significant wave height of this system alone [m]
-    period : peak period [s]
-    shape : lambda; 1 is Bretschneider's
-    """
-
-    height: float
-    period: float
-    shape: float = 1.0
+    height: float  # significant wave height of this system alone [m]
+    period: float  # peak period [s]
+    shape: float = 1.0  # lambda [-]; 1 is Bretschneider's
 
 
 @dataclass(frozen=True)
@@ -227,14 +212,10 @@ class OchiHubble(WaveSpectrum):
 
     S_j = (1/4) (l omega_p^4)^lambda / Gamma(lambda) Hs^2 / omega^(4 lambda + 1) exp(-l (omega_p/omega)^4) with
     l = (4 lambda + 1)/4.
-
-    Attributes
-    ----------
-    wind_sea, swell : the two systems; which is which does not matter
     """
 
-    wind_sea: OchiHubbleSystem
-    swell: OchiHubbleSystem
+    wind_sea: OchiHubbleSystem  # the two systems; which is which does not matter
+    swell: OchiHubbleSystem  # the two systems; which is which does not matter
 
     @classmethod
     def from_parameters(cls, sea: SeaParameters) -> OchiHubble:
@@ -269,18 +250,12 @@ class OchiHubble(WaveSpectrum):
 class TabulatedSpectrum(WaveSpectrum):
     """A spectrum given at points, linear between them and zero outside; exact in its moments.
 
-    Attributes
-    ----------
-    frequency : [rad/s], above 0, rising strictly, shape (n,), 3 or more
-    values : [m^2 s/rad], not negative, shape (n,)
-    name : opens the message of an error
-
     Raises SpectrumError for anything else.
     """
 
-    frequency: Sequence[float] | Array
-    values: Sequence[float] | Array
-    name: str = field(default="table")
+    frequency: Sequence[float] | Array  # [rad/s], above 0, rising strictly, shape (n,), 3 or more
+    values: Sequence[float] | Array  # [m^2 s/rad], not negative, shape (n,)
+    name: str = field(default="table")  # opens the message of an error
 
     def __post_init__(self) -> None:
         frequency = np.array(self.frequency, dtype=float)

@@ -21,32 +21,19 @@ class SpectrumFileError(ValueError):
 
 @dataclass(frozen=True)
 class SpectrumRecord:
-    """One measured spectrum.
+    """One measured spectrum."""
 
-    Attributes
-    ----------
-    time : of the observation, UTC
-    spectrum : of the elevation
-    """
-
-    time: datetime
-    spectrum: TabulatedSpectrum
+    time: datetime  # of the observation, UTC
+    spectrum: TabulatedSpectrum  # of the elevation
 
 
 @dataclass(frozen=True)
 class SpectrumFile:
-    """What a file of spectra holds.
+    """What a file of spectra holds."""
 
-    Attributes
-    ----------
-    path : as given
-    records : in order of time
-    warnings : what was repaired or left out, one line each
-    """
-
-    path: str
-    records: tuple[SpectrumRecord, ...]
-    warnings: tuple[str, ...]
+    path: str  # as given
+    records: tuple[SpectrumRecord, ...]  # in order of time
+    warnings: tuple[str, ...]  # what was repaired or left out, one line each
 
     def select(self, index: int) -> SpectrumRecord:
         """Return record number `index`, from 0. Raises SpectrumFileError beyond the last."""

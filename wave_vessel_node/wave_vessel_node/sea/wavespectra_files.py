@@ -61,20 +61,12 @@ _MISSING = 0.1
 
 @dataclass(frozen=True)
 class _Table:
-    """The spectra of one site.
+    """The spectra of one site."""
 
-    Attributes
-    ----------
-    frequency : rising [Hz], shape (f,)
-    density : [m^2/Hz], shape (t, f); NaN where it is missing
-    times : of the spectra, shape (t,)
-    has_tail : they go on beyond their frequencies, as those of a wave model
-    """
-
-    frequency: Array
-    density: Array
-    times: Array
-    has_tail: bool
+    frequency: Array  # rising [Hz], shape (f,)
+    density: Array  # [m^2/Hz], shape (t, f); NaN where it is missing
+    times: Array  # of the spectra, shape (t,)
+    has_tail: bool  # they go on beyond their frequencies, as those of a wave model
 
     def spectrum(self, number: int) -> TabulatedSpectrum:
         """Return spectrum `number`, missing densities filled from their neighbours; raise SpectrumError."""

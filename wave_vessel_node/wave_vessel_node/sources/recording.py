@@ -32,20 +32,12 @@ class RecordingError(ValueError):
 
 @dataclass(frozen=True)
 class Recording:
-    """A record in order of time.
+    """A record in order of time."""
 
-    Attributes
-    ----------
-    path : file or folder that it was read from
-    time : [s] from the first sample, shape (n,)
-    position : x, y, z of the motion, or 0, 0, elevation [m], shape (n, 3), about its mean
-    warnings : what was left out, and what of a bag could not be read
-    """
-
-    path: str
-    time: Array
-    position: Array
-    warnings: tuple[str, ...]
+    path: str  # file or folder that it was read from
+    time: Array  # [s] from the first sample, shape (n,)
+    position: Array  # x, y, z of the motion, or 0, 0, elevation [m], shape (n, 3), about its mean
+    warnings: tuple[str, ...]  # what was left out, and what of a bag could not be read
 
 
 def read_recording(path: str | Path, topic: str = "boom_tip", *, accept_implausible: bool = False) -> Recording:

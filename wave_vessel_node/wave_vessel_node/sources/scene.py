@@ -23,28 +23,16 @@ from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 @dataclass(frozen=True)
 class Scene:
-    """What the parameters describe, read and built once.
+    """What the parameters describe, read and built once."""
 
-    Attributes
-    ----------
-    parameters : as given
-    seed : of sea and drift
-    tick_period : [s]
-    course : of the vessel
-    spectrum : of the sea; None for sources without one
-    rao : of the vessel, where it moves by a table in a sea
-    vessel_fit : the second-order vessel fitted to a table, where the parameters ask for it
-    warnings : what was repaired in the files read; sources add to it
-    """
-
-    parameters: WaveVesselParameters
-    seed: int
-    tick_period: float
-    course: Course
-    spectrum: WaveSpectrum | None
-    rao: ResponseTable | None
-    vessel_fit: VesselFit | None
-    warnings: list[str]
+    parameters: WaveVesselParameters  # as given
+    seed: int  # of sea and drift
+    tick_period: float  # [s]
+    course: Course  # of the vessel
+    spectrum: WaveSpectrum | None  # of the sea; None for sources without one
+    rao: ResponseTable | None  # of the vessel, where it moves by a table in a sea
+    vessel_fit: VesselFit | None  # the second-order vessel fitted to a table, where the parameters ask for it
+    warnings: list[str]  # what was repaired in the files read; sources add to it
 
     @property
     def vessel(self) -> SecondOrderVessel | None:

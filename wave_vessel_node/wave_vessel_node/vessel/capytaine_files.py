@@ -28,24 +28,14 @@ _SAME = 1e-6
 
 @dataclass(frozen=True)
 class _Database:
-    """The coefficients of a database, at frequencies and headings that rise, all finite.
+    """The coefficients of a database, at frequencies and headings that rise, all finite."""
 
-    Attributes
-    ----------
-    omega : [rad/s], shape (f,)
-    heading : 0 to below 2 pi [rad], shape (h,)
-    coefficients : added mass and damping (f, 6, 6), inertia and stiffness (6, 6)
-    excitation : in convention e^{+i omega t}, shape (h, f, 6)
-    is_mirrored : the headings are those of waves from the other side
-    notes : what was left out or changed
-    """
-
-    omega: Array
-    heading: Array
-    coefficients: tuple[Array, Array, Array, Array]
-    excitation: ComplexArray
-    is_mirrored: bool
-    notes: tuple[str, ...]
+    omega: Array  # [rad/s], shape (f,)
+    heading: Array  # 0 to below 2 pi [rad], shape (h,)
+    coefficients: tuple[Array, Array, Array, Array]  # added mass and damping (f, 6, 6), inertia and stiffness (6, 6)
+    excitation: ComplexArray  # in convention e^{+i omega t}, shape (h, f, 6)
+    is_mirrored: bool  # the headings are those of waves from the other side
+    notes: tuple[str, ...]  # what was left out or changed
 
 
 def read_capytaine(

@@ -22,18 +22,12 @@ from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 @dataclass(frozen=True)
 class VesselFit:
-    """A second-order vessel fitted to an RAO.
+    """A second-order vessel fitted to an RAO."""
 
-    Attributes
-    ----------
-    vessel : with the natural frequency, damping and gain found
-    relative_error : sqrt(integral (|H_fit| - |H|)^2 S / integral |H|^2 S): of the amplitude, weighted with the sea
-    sigma_ratio : standard deviation of heave by the fit over that by the RAO, in the sea
-    """
-
-    vessel: SecondOrderVessel
+    vessel: SecondOrderVessel  # with the natural frequency, damping and gain found
+    # sqrt(integral (|H_fit| - |H|)^2 S / integral |H|^2 S) [-]: of the amplitude, weighted with the sea
     relative_error: float
-    sigma_ratio: float
+    sigma_ratio: float  # standard deviation of heave by the fit over that by the RAO, in the sea [-]
 
 
 def boom_tip_heave_response(
@@ -55,22 +49,13 @@ def boom_tip_heave_response(
 
 @dataclass(frozen=True)
 class VesselOnCourse:
-    """A vessel with RAOs that meets the sea at one heading and speed.
+    """A vessel with RAOs that meets the sea at one heading and speed."""
 
-    Attributes
-    ----------
-    rao_file : table of RAOs, as `read_rao` takes it
-    boom_tip_arm : boom tip from the vessel's reference point [m], shape (3,)
-    heading : of the waves relative to the bow [rad]
-    speed : forward speed [m/s]
-    accept_implausible : take implausible RAOs, as `read_rao` does
-    """
-
-    rao_file: str
-    boom_tip_arm: tuple[float, ...]
-    heading: float
-    speed: float
-    accept_implausible: bool = False
+    rao_file: str  # table of RAOs, as `read_rao` takes it
+    boom_tip_arm: tuple[float, ...]  # boom tip from the vessel's reference point [m], shape (3,)
+    heading: float  # of the waves relative to the bow [rad]
+    speed: float  # forward speed [m/s]
+    accept_implausible: bool = False  # take implausible RAOs, as `read_rao` does
 
     def response(self, omega: Array) -> NDArray[np.complex128]:
         """Return boom-tip heave per wave amplitude at `omega` [rad/s], shape (n,); raise RaoError for a wrong file."""

@@ -18,26 +18,20 @@ DEGREES_OF_FREEDOM = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 @dataclass
 class VesselMotion:
-    """Motion of the vessel's reference point about its mean, vessel axes, at one time.
+    """Motion of the vessel's reference point about its mean, vessel axes, at one time."""
 
-    Attributes
-    ----------
-    time : simulated time [s]
-    displacement, velocity, acceleration : surge, sway, heave [m], roll, pitch, yaw [rad] and derivatives, shape (6,)
-    elevation : sea surface above still water below the boom tip [m]
-    heading, turn_rate, turn_acceleration : mean heading from world x [rad] and derivatives
-    speed : mean forward speed [m/s]
-    """
-
-    time: float = 0.0
+    time: float = 0.0  # simulated time [s]
+    # surge, sway, heave [m], roll, pitch, yaw [rad] and derivatives, shape (6,)
     displacement: Array = field(default_factory=lambda: np.zeros(6))
+    # surge, sway, heave [m], roll, pitch, yaw [rad] and derivatives, shape (6,)
     velocity: Array = field(default_factory=lambda: np.zeros(6))
+    # surge, sway, heave [m], roll, pitch, yaw [rad] and derivatives, shape (6,)
     acceleration: Array = field(default_factory=lambda: np.zeros(6))
-    elevation: float = 0.0
-    heading: float = 0.0
-    turn_rate: float = 0.0
-    turn_acceleration: float = 0.0
-    speed: float = 0.0
+    elevation: float = 0.0  # sea surface above still water below the boom tip [m]
+    heading: float = 0.0  # mean heading from world x [rad] and derivatives
+    turn_rate: float = 0.0  # mean heading from world x [rad] and derivatives
+    turn_acceleration: float = 0.0  # mean heading from world x [rad] and derivatives
+    speed: float = 0.0  # mean forward speed [m/s]
 
 
 def lever_arm_matrix(arm: Array) -> Array:

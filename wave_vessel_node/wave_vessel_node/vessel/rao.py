@@ -25,22 +25,14 @@ class RaoError(ValueError):
 
 @dataclass(frozen=True)
 class ResponseTable:
-    """RAOs on a grid.
+    """RAOs on a grid."""
 
-    Attributes
-    ----------
-    speed : forward speeds [m/s], shape (s,), rising
-    heading : relative wave headings [rad], shape (h,), rising, 0 to pi (a symmetric ship, mirrored) or 0 to below 2 pi
-    frequency : wave frequency (not of encounter) [rad/s], shape (f,), rising
-    response : shape (s, h, 6, f), [m/m] for surge, sway, heave and [rad/m] for roll, pitch, yaw
-    warnings : what its reader found out or left out, one line each
-    """
-
-    speed: Array
+    speed: Array  # forward speeds [m/s], shape (s,), rising
+    # relative wave headings [rad], shape (h,), rising, 0 to pi (a symmetric ship, mirrored) or 0 to below 2 pi
     heading: Array
-    frequency: Array
-    response: ComplexArray
-    warnings: tuple[str, ...] = ()
+    frequency: Array  # wave frequency (not of encounter) [rad/s], shape (f,), rising
+    response: ComplexArray  # shape (s, h, 6, f), [m/m] for surge, sway, heave and [rad/m] for roll, pitch, yaw
+    warnings: tuple[str, ...] = ()  # what its reader found out or left out, one line each
 
     def __post_init__(self) -> None:
         shape = (self.speed.size, self.heading.size, 6, self.frequency.size)
@@ -122,18 +114,11 @@ class ResponseTable:
 
 @dataclass(frozen=True)
 class SampledResponse:
-    """RAOs at fixed wave frequencies, as periodic cubic splines in heading; smooth in speed, held beyond its range.
+    """RAOs at fixed wave frequencies, as periodic cubic splines in heading; smooth in speed, held beyond its range."""
 
-    Attributes
-    ----------
-    speed : [m/s], shape (s,)
-    knots : headings all the way round, 0 to 2 pi [rad]
-    coefficients : shape (s, n, cells, 6, 4), highest power first
-    """
-
-    speed: Array
-    knots: Array
-    coefficients: ComplexArray
+    speed: Array  # [m/s], shape (s,)
+    knots: Array  # headings all the way round, 0 to 2 pi [rad]
+    coefficients: ComplexArray  # shape (s, n, cells, 6, 4), highest power first
 
     def speed_weights(self, speed: float) -> Array:
         """Return what each speed of the table counts for at `speed`, shape (s,): a cubic with continuous slope."""

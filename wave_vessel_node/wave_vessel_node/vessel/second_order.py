@@ -12,16 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 @dataclass(frozen=True)
 class SecondOrderVessel:
-    """x0'' + 2 xi_v omega_v x0' + omega_v^2 x0 = K_v omega_v^2 eta.
+    """x0'' + 2 xi_v omega_v x0' + omega_v^2 x0 = K_v omega_v^2 eta."""
 
-    Attributes
-    ----------
-    natural_frequency : omega_v [rad/s]; damping_ratio : xi_v; gain : K_v
-    """
-
-    natural_frequency: float
-    damping_ratio: float
-    gain: float
+    natural_frequency: float  # omega_v [rad/s]
+    damping_ratio: float  # xi_v [-]
+    gain: float  # K_v [-]
 
     def response(self, omega: ArrayLike) -> NDArray[np.complex128]:
         """Return heave per elevation at `omega` [rad/s], convention e^{i omega t}."""
