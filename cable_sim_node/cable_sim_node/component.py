@@ -43,40 +43,22 @@ NO_COMPONENTS = (
 
 
 class PlantState(NamedTuple):
-    """Truth of the plant at one time, frame `world` (z up).
+    """Truth of the plant at one time, frame `world` (z up)."""
 
-    Attributes
-    ----------
-    time : simulated time [s]
-    node_positions : shape (N+1, 3), node 0 is the unit, node N the boom tip [m]
-    segment_tensions : shape (N,), from the unit upwards, never negative [N]
-    top_tension : force on the top end [N]
-    largest_top_tension : largest of it since the tick before [N]
-    unstretched_length : cable below the boom tip [m]
-    slack_segments : number of segments without tension
-    touchdown : the unit or the cable touches the seabed
-    touchdown_force : vertical force of the seabed on the unit, positive up [N]
-    compensator_stroke : extension of a passive compensator [m]
-    unit : motion of the unit
-    uncompensated : motion of the unit of the shadow plant
-    uncompensated_tension, uncompensated_largest_tension : force on the top end of its cable, now and the largest since
-        the tick before [N]
-    """
-
-    time: float
-    node_positions: Array
-    segment_tensions: Array
-    top_tension: float
-    largest_top_tension: float
-    unstretched_length: float
-    slack_segments: int
-    touchdown: bool
-    touchdown_force: float
-    compensator_stroke: float
-    unit: PointMotion
-    uncompensated: PointMotion
-    uncompensated_tension: float
-    uncompensated_largest_tension: float
+    time: float  # simulated time [s]
+    node_positions: Array  # shape (N+1, 3), node 0 is the unit, node N the boom tip [m]
+    segment_tensions: Array  # shape (N,), from the unit upwards, never negative [N]
+    top_tension: float  # force on the top end [N]
+    largest_top_tension: float  # largest of it since the tick before [N]
+    unstretched_length: float  # cable below the boom tip [m]
+    slack_segments: int  # number of segments without tension
+    touchdown: bool  # the unit or the cable touches the seabed
+    touchdown_force: float  # vertical force of the seabed on the unit, positive up [N]
+    compensator_stroke: float  # extension of a passive compensator [m]
+    unit: PointMotion  # motion of the unit
+    uncompensated: PointMotion  # motion of the unit of the shadow plant
+    uncompensated_tension: float  # force on the top end of its cable, now [N]
+    uncompensated_largest_tension: float  # the largest since the tick before [N]
 
 
 class CableSim:

@@ -20,14 +20,12 @@ class LineArrays(NamedTuple):
     The methods are for Python; kernels see the fields alone.
     """
 
-    tiles: Array
-    """Nodes, parts, grid, water and equations along the line."""
-    numbers: Array
-    """Unit, boom tip, counters, what is seen, and settings."""
+    tiles: Array  # nodes, parts, grid, water and equations along the line
+    numbers: Array  # unit, boom tip, counters, what is seen, and settings
+    # rows of the current's profile (depth, u_x, u_y, u_z), of its schedule (time, factor), and of the waves
     water: Array
-    """Rows of the current's profile (depth, u_x, u_y, u_z), of its schedule (time, factor), and of the waves."""
+    # the wide system of a line with bending; three rows more are scratch for a hinge. One row without bending.
     band: Array
-    """The wide system of a line with bending; three rows more are scratch for a hinge. One row without bending."""
 
     @property
     def segments(self) -> int:

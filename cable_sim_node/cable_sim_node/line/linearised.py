@@ -34,38 +34,23 @@ from cable_sim_node.physics.tension_law import strain_at, tangent_stiffness
 
 @dataclass(frozen=True)
 class LineResponse:
-    """Answer to boom-tip motion at each frequency; the last axis is the boom tip's x, y, z.
+    """Answer to boom-tip motion at each frequency; the last axis is the boom tip's x, y, z."""
 
-    Attributes
-    ----------
-    omegas : [rad/s]
-    unit : unit motion over boom-tip motion, shape (k, 3, 3) [-]
-    top_tension : top tension over boom-tip motion, shape (k, 3) [N/m]
-    """
-
-    omegas: Array
-    unit: ComplexArray
-    top_tension: ComplexArray
+    omegas: Array  # [rad/s]
+    unit: ComplexArray  # unit motion over boom-tip motion, shape (k, 3, 3) [-]
+    top_tension: ComplexArray  # top tension over boom-tip motion, shape (k, 3) [N/m]
 
 
 @dataclass(frozen=True)
 class LinearLine:
-    """M x'' + C x' + K x = force, x the displacements of all nodes, x y z of node 0 first, the boom tip's last.
+    """M x'' + C x' + K x = force, x the displacements of all nodes, x y z of node 0 first, the boom tip's last."""
 
-    Attributes
-    ----------
-    mass, damping, stiffness : shape (3N + 3, 3N + 3) [kg], [N s/m], [N/m]; drag makes the last two unsymmetric
-    elastic : the stiffness without drag, symmetric
-    labels : unstretched length from the unit to each node [m]
-    positions : of the equilibrium, shape (N + 1, 3) [m]
-    """
-
-    mass: Array
-    damping: Array
-    stiffness: Array
-    elastic: Array
-    labels: Array
-    positions: Array
+    mass: Array  # shape (3N + 3, 3N + 3) [kg]
+    damping: Array  # the same shape [N s/m]; drag makes it unsymmetric
+    stiffness: Array  # the same shape [N/m]; drag makes it unsymmetric
+    elastic: Array  # the stiffness without drag, symmetric
+    labels: Array  # unstretched length from the unit to each node [m]
+    positions: Array  # of the equilibrium, shape (N + 1, 3) [m]
 
     def natural_frequencies(self, count: int) -> tuple[Array, Array]:
         """Return the lowest undamped frequencies with the boom tip held, and their modes.

@@ -16,72 +16,43 @@ from cable_sim_node.physics.hydrodynamics import box_added_mass, wet_part
 
 @dataclass(frozen=True)
 class CableProperties:
-    """A uniform cable, per unstretched metre.
+    """A uniform cable, per unstretched metre."""
 
-    Attributes
-    ----------
-    axial_stiffness, quadratic, cubic : EA [N] and the coefficients of the tension law, see `tension_law`
-    internal_damping : tension per strain rate [N s]
-    mass, added_mass, displaced_mass : of the cable, added normal to it, and of the displaced fluid [kg/m]
-    weight, weight_in_air : in the fluid and out of it, positive down [N/m]
-    normal_drag, tangential_drag : N and T of `drag` [N s2/m3]
-    bending_stiffness : EI [N m2]
-    """
-
-    axial_stiffness: float
-    quadratic: float
-    cubic: float
-    internal_damping: float
-    mass: float
-    added_mass: float
-    displaced_mass: float
-    weight: float
-    weight_in_air: float
-    normal_drag: float
-    tangential_drag: float
-    bending_stiffness: float
+    axial_stiffness: float  # EA [N]
+    quadratic: float  # coefficient of strain squared in the tension law [-], see `tension_law`
+    cubic: float  # coefficient of strain cubed in the tension law [-], see `tension_law`
+    internal_damping: float  # tension per strain rate [N s]
+    mass: float  # of the cable [kg/m]
+    added_mass: float  # added normal to the cable [kg/m]
+    displaced_mass: float  # of the displaced fluid [kg/m]
+    weight: float  # in the fluid, positive down [N/m]
+    weight_in_air: float  # out of the fluid, positive down [N/m]
+    normal_drag: float  # N of `drag` [N s2/m3]
+    tangential_drag: float  # T of `drag` [N s2/m3]
+    bending_stiffness: float  # EI [N m2]
 
 
 @dataclass(frozen=True)
 class CableSection:
-    """A piece of uniform cable.
+    """A piece of uniform cable."""
 
-    Attributes
-    ----------
-    start : unstretched length from the unit to its lower end [m]
-    length : unstretched [m]; infinite for the main cable, which the winch feeds
-    cable : what it is made of
-    """
-
-    start: float
-    length: float
-    cable: CableProperties
+    start: float  # unstretched length from the unit to its lower end [m]
+    length: float  # unstretched [m]; infinite for the main cable, which the winch feeds
+    cable: CableProperties  # what it is made of
 
 
 @dataclass(frozen=True)
 class UnitProperties:
-    """The unit along x, y, z; each of shape (3,).
+    """The unit along x, y, z; each of shape (3,)."""
 
-    Attributes
-    ----------
-    inertia : mass and added mass [kg]
-    drag : (1/2) rho C_D S [kg/m], each with its own component of the flow
-    body_drag : the same of an isotropic unit, along the flow [kg/m]; one of both is zero
-    force : thrust, and weight less buoyancy [N]
-    fluid : displaced and added mass, which moving water accelerates [kg]
-    mass : in air [kg]
-    buoyancy : [N]
-    wet : share of the unit that is under water [-]
-    """
-
-    inertia: Array
-    drag: Array
-    body_drag: float
-    force: Array
-    fluid: Array
-    mass: float
-    buoyancy: float
-    wet: float
+    inertia: Array  # mass and added mass [kg]
+    drag: Array  # (1/2) rho C_D S [kg/m], each with its own component of the flow
+    body_drag: float  # the same of an isotropic unit, along the flow [kg/m]; one of both is zero
+    force: Array  # thrust, and weight less buoyancy [N]
+    fluid: Array  # displaced and added mass, which moving water accelerates [kg]
+    mass: float  # in air [kg]
+    buoyancy: float  # [N]
+    wet: float  # share of the unit that is under water [-]
 
     @property
     def vertical_drag(self) -> float:
@@ -91,22 +62,14 @@ class UnitProperties:
 
 @dataclass(frozen=True)
 class BodyProperties:
-    """A body clamped on the cable.
+    """A body clamped on the cable."""
 
-    Attributes
-    ----------
-    label : unstretched length from the unit [m]
-    mass, added_mass, displaced_mass : [kg]
-    weight : in the fluid, positive down [N]
-    drag : (1/2) rho C_D A, isotropic [kg/m]
-    """
-
-    label: float
-    mass: float
-    added_mass: float
-    displaced_mass: float
-    weight: float
-    drag: float
+    label: float  # unstretched length from the unit [m]
+    mass: float  # [kg]
+    added_mass: float  # [kg]
+    displaced_mass: float  # [kg]
+    weight: float  # in the fluid, positive down [N]
+    drag: float  # (1/2) rho C_D A, isotropic [kg/m]
 
 
 def cable_sections(parameters: CableSimParameters) -> list[CableSection]:

@@ -39,74 +39,41 @@ SHORTEST_PERIOD = 2.0
 
 @dataclass(frozen=True)
 class HeaveMode:
-    """A mode of vertical motion with the boom tip held, undamped.
+    """A mode of vertical motion with the boom tip held, undamped."""
 
-    Attributes
-    ----------
-    period : [s]
-    labels : unstretched length from the unit [m]
-    shape : heave there, largest 1
-    """
-
-    period: float
-    labels: Array
-    shape: Array
+    period: float  # [s]
+    labels: Array  # unstretched length from the unit [m]
+    shape: Array  # heave there, largest 1
 
 
 @dataclass(frozen=True)
 class LineMode:
-    """A mode of the line in space with the boom tip held.
+    """A mode of the line in space with the boom tip held."""
 
-    Attributes
-    ----------
-    period : without damping [s]
-    damping_ratio : of the mode by itself: its damping over twice its inertia and frequency [-]
-    direction : "heave", or "sway" where most of it is horizontal
-    unit_share : motion of the unit over the largest one of the line [-]
-    shape : displacements, largest 1, shape (N + 1, 3)
-    """
-
-    period: float
-    damping_ratio: float
-    direction: str
-    unit_share: float
-    shape: Array
+    period: float  # without damping [s]
+    damping_ratio: float  # of the mode by itself: its damping over twice its inertia and frequency [-]
+    direction: str  # "heave", or "sway" where most of it is horizontal
+    unit_share: float  # motion of the unit over the largest one of the line [-]
+    shape: Array  # displacements, largest 1, shape (N + 1, 3)
 
 
 @dataclass(frozen=True)
 class ModesReport:
-    """Free and forced small motion of unit and cable.
+    """Free and forced small motion of unit and cable."""
 
-    Attributes
-    ----------
-    length : of cable out [m]
-    amplitude : of the boom tip, for which drag is linearised [m]
-    sea_period : at which the sea is evaluated [s]
-    heave : modes of the exact axial bar
-    line : modes of the line in space, in its current
-    labels : unstretched length from the unit to the nodes of `line` [m]
-    is_stable : whether all free motion of the line dies out in its current
-    response : of unit and top tension to motion of the boom tip, over frequency
-    resonances : motion of the unit over that of the boom tip, over length and frequency
-    natural_periods : of the first heave mode at the lengths of `resonances` [s]
-    critical_length : length at which the first heave mode has `sea_period` [m]; None outside the map
-    critical_estimate : the same by EA/(w^2 (M + Ma)) (thesis 3.3.5) [m]
-    left_out : parameters that are set and have no part in the modes
-    """
-
-    length: float
-    amplitude: float
-    sea_period: float
-    heave: tuple[HeaveMode, ...]
-    line: tuple[LineMode, ...]
-    labels: Array
-    is_stable: bool
-    response: LineResponse
-    resonances: ResonanceMap
-    natural_periods: Array
-    critical_length: float | None
-    critical_estimate: float
-    left_out: tuple[str, ...] = ()
+    length: float  # of cable out [m]
+    amplitude: float  # of the boom tip, for which drag is linearised [m]
+    sea_period: float  # at which the sea is evaluated [s]
+    heave: tuple[HeaveMode, ...]  # modes of the exact axial bar
+    line: tuple[LineMode, ...]  # modes of the line in space, in its current
+    labels: Array  # unstretched length from the unit to the nodes of `line` [m]
+    is_stable: bool  # whether all free motion of the line dies out in its current
+    response: LineResponse  # of unit and top tension to motion of the boom tip, over frequency
+    resonances: ResonanceMap  # motion of the unit over that of the boom tip, over length and frequency
+    natural_periods: Array  # of the first heave mode at the lengths of `resonances` [s]
+    critical_length: float | None  # length at which the first heave mode has `sea_period` [m]; None outside the map
+    critical_estimate: float  # the same by EA/(w^2 (M + Ma)) (thesis 3.3.5) [m]
+    left_out: tuple[str, ...] = ()  # parameters that are set and have no part in the modes
 
     def values(self) -> dict[str, object]:
         """Return the numbers with units in their names, for a machine."""

@@ -18,24 +18,16 @@ from heave_node.sensing.view import SensorParameters, View
 
 
 class SensorTruth(NamedTuple):
-    """What the sensors look at.
+    """What the sensors look at."""
 
-    Attributes
-    ----------
-    position, velocity, acceleration : of the unit, shape (3,), frame `world` [m], [m/s], [m/s^2]
-    drum_tension : of the rope on the drum's side of its sheaves; the top tension where they have no friction [N]
-    static_top_tension : at rest at the start [N]
-    height_above_seabed : of the unit [m]; infinite without a seabed
-    gravity : [m/s^2]
-    """
-
-    position: Array
-    velocity: Array
-    acceleration: Array
+    position: Array  # of the unit, shape (3,), frame `world` [m]
+    velocity: Array  # of the unit [m/s]
+    acceleration: Array  # of the unit [m/s^2]
+    # of the rope on the drum's side of its sheaves; the top tension where they have no friction [N]
     drum_tension: float
-    static_top_tension: float
-    height_above_seabed: float
-    gravity: float
+    static_top_tension: float  # at rest at the start [N]
+    height_above_seabed: float  # of the unit [m]; infinite without a seabed
+    gravity: float  # [m/s^2]
 
 
 @dataclass(frozen=True)

@@ -24,23 +24,15 @@ LARGEST_STEP = 0.01
 
 @dataclass(frozen=True)
 class AxialResponse:
-    """Answer of `simulate_axial`, one value per sample.
+    """Answer of `simulate_axial`, one value per sample."""
 
-    Attributes
-    ----------
-    time : [s], 0 at the first sample
-    unit_heave : elevation of the unit above its still-water equilibrium at the initial length with the boom tip at 0
-        [m], positive up; cable paid out lowers it
-    unit_velocity : [m/s], positive up
-    top_tension : force on the top end of the cable [N]
-    least_tension : smallest tension along the cable [N]; 0 while any part is slack
-    """
-
-    time: Array
+    time: Array  # [s], 0 at the first sample
+    # elevation of the unit above its still-water equilibrium at the initial length with the boom tip at 0 [m], positive
+    # up; cable paid out lowers it
     unit_heave: Array
-    unit_velocity: Array
-    top_tension: Array
-    least_tension: Array
+    unit_velocity: Array  # [m/s], positive up
+    top_tension: Array  # force on the top end of the cable [N]
+    least_tension: Array  # smallest tension along the cable [N]; 0 while any part is slack
 
 
 def simulate_axial(

@@ -62,8 +62,7 @@ class AxialArrays(NamedTuple):
     unit: Array
     nodes: Array
     elements: Array
-    is_linear: bool
-    """True lets an element carry compression, as a linear material would."""
+    is_linear: bool  # true lets an element carry compression, as a linear material would
 
 
 def allocate_nodes(segments: int) -> tuple[Array, Array]:

@@ -18,58 +18,33 @@ from cable_sim_node.vertical import axial_layout as at
 
 @dataclass(frozen=True)
 class AxialSection:
-    """One uniform piece of cable, per unstretched metre.
+    """One uniform piece of cable, per unstretched metre."""
 
-    Attributes
-    ----------
-    length : [m]; the uppermost section continues indefinitely, whatever its length, because the winch feeds it
-    axial_stiffness : EA [N]
-    mass : [kg/m], with the tangential added mass if there is any
-    weight : in water, positive down [N/m]
-    drag : tangential drag over speed squared, (pi/2) rho C_tau d (thesis Eq. 3.1) [N s2/m3]
-    damping_time : of the internal damping, T = EA (strain + damping_time * strain rate) [s]
-    """
-
-    length: float
-    axial_stiffness: float
-    mass: float
-    weight: float
-    drag: float = 0.0
-    damping_time: float = 0.0
+    length: float  # [m]; the uppermost section continues indefinitely, whatever its length, because the winch feeds it
+    axial_stiffness: float  # EA [N]
+    mass: float  # [kg/m], with the tangential added mass if there is any
+    weight: float  # in water, positive down [N/m]
+    drag: float = 0.0  # tangential drag over speed squared, (pi/2) rho C_tau d (thesis Eq. 3.1) [N s2/m3]
+    damping_time: float = 0.0  # of the internal damping, T = EA (strain + damping_time * strain rate) [s]
 
 
 @dataclass(frozen=True)
 class AxialUnit:
-    """The subsea unit in vertical motion.
+    """The subsea unit in vertical motion."""
 
-    Attributes
-    ----------
-    inertia : mass and vertical added mass [kg]
-    weight : in water, positive down [N]
-    drag : over speed squared, rho C_D S / 2 (thesis Eq. 3.3) [N s2/m2]
-    """
-
-    inertia: float
-    weight: float
-    drag: float = 0.0
+    inertia: float  # mass and vertical added mass [kg]
+    weight: float  # in water, positive down [N]
+    drag: float = 0.0  # over speed squared, rho C_D S / 2 (thesis Eq. 3.3) [N s2/m2]
 
 
 @dataclass(frozen=True)
 class AxialClump:
-    """A body clamped on the cable.
+    """A body clamped on the cable."""
 
-    Attributes
-    ----------
-    label : unstretched length from the unit [m]
-    inertia : mass and added mass [kg]
-    weight : in water, positive down [N]
-    drag : over speed squared [N s2/m2]
-    """
-
-    label: float
-    inertia: float
-    weight: float
-    drag: float = 0.0
+    label: float  # unstretched length from the unit [m]
+    inertia: float  # mass and added mass [kg]
+    weight: float  # in water, positive down [N]
+    drag: float = 0.0  # over speed squared [N s2/m2]
 
 
 @dataclass(frozen=True)
@@ -81,19 +56,12 @@ class AxialPiece(AxialSection):
 
 @dataclass(frozen=True)
 class AxialLine:
-    """Cable and unit as the axial models know them.
+    """Cable and unit as the axial models know them."""
 
-    Attributes
-    ----------
-    sections : of cable, from the unit upwards
-    unit : the unit
-    clumps : bodies on the cable, in the order of their labels
-    top_stiffness : of what gives between drum and boom tip, above the cable [N/m]; the linear models alone have it
-    """
-
-    sections: tuple[AxialSection, ...]
-    unit: AxialUnit
-    clumps: tuple[AxialClump, ...] = ()
+    sections: tuple[AxialSection, ...]  # of cable, from the unit upwards
+    unit: AxialUnit  # the unit
+    clumps: tuple[AxialClump, ...] = ()  # bodies on the cable, in the order of their labels
+    # of what gives between drum and boom tip, above the cable [N/m]; the linear models alone have it
     top_stiffness: float = math.inf
 
     def starts(self) -> Array:

@@ -23,34 +23,21 @@ class AxialError(PlantError, ValueError):
 
 
 class AxialInput(NamedTuple):
-    """Motion of the cable's top end at one time.
+    """Motion of the cable's top end at one time."""
 
-    Attributes
-    ----------
-    heave, heave_rate : of the boom tip, positive up [m], [m/s]
-    payout, payout_rate : cable let out beyond the length at payout 0, positive lowers [m], [m/s]
-    """
-
-    heave: float
-    heave_rate: float
-    payout: float
-    payout_rate: float
+    heave: float  # of the boom tip, positive up [m]
+    heave_rate: float  # of the boom tip, positive up [m/s]
+    payout: float  # cable let out beyond the length at payout 0, positive lowers [m]
+    payout_rate: float  # cable let out beyond the length at payout 0, positive lowers [m/s]
 
 
 class AxialState(NamedTuple):
-    """State of unit and cable at one time.
+    """State of unit and cable at one time."""
 
-    Attributes
-    ----------
-    unit_heave : elevation of the unit above its rest at payout 0 with the boom tip at 0, positive up [m]
-    unit_velocity : positive up [m/s]
-    top_tension, least_tension : force on the top end, and the smallest along the cable [N]
-    """
-
-    unit_heave: float
-    unit_velocity: float
-    top_tension: float
-    least_tension: float
+    unit_heave: float  # elevation of the unit above its rest at payout 0 with the boom tip at 0, positive up [m]
+    unit_velocity: float  # positive up [m/s]
+    top_tension: float  # force on the top end [N]
+    least_tension: float  # the smallest along the cable [N]
 
 
 class AxialStepper:

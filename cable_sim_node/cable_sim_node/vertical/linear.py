@@ -39,66 +39,40 @@ NEAR_ROOT = 1e-4
 
 @dataclass(frozen=True)
 class HeaveTransfer:
-    """Transfer function from boom-tip heave at a fixed length.
+    """Transfer function from boom-tip heave at a fixed length."""
 
-    Attributes
-    ----------
-    omegas : [rad/s]
-    unit_heave : complex, unit heave over boom-tip heave (positive phase leads) [-]
-    top_tension : complex, top tension over boom-tip heave [N/m]
-    """
-
-    omegas: Array
-    unit_heave: ComplexArray
-    top_tension: ComplexArray
+    omegas: Array  # [rad/s]
+    unit_heave: ComplexArray  # complex, unit heave over boom-tip heave (positive phase leads) [-]
+    top_tension: ComplexArray  # complex, top tension over boom-tip heave [N/m]
 
 
 @dataclass(frozen=True)
 class ResonanceMap:
-    """Amplitudes over length and frequency.
+    """Amplitudes over length and frequency."""
 
-    Attributes
-    ----------
-    lengths : [m], shape (n,)
-    omegas : [rad/s], shape (k,)
-    unit_heave : over boom-tip heave, shape (n, k) [-]
-    top_tension : over boom-tip heave, shape (n, k) [N/m]
-    """
-
-    lengths: Array
-    omegas: Array
-    unit_heave: Array
-    top_tension: Array
+    lengths: Array  # [m], shape (n,)
+    omegas: Array  # [rad/s], shape (k,)
+    unit_heave: Array  # over boom-tip heave, shape (n, k) [-]
+    top_tension: Array  # over boom-tip heave, shape (n, k) [N/m]
 
 
 class FirstMode(NamedTuple):
     """Unit heave over boom-tip heave by the first mode, what is above it static: 1 - P + P/(1 - a w^2).
 
     Modal superposition of a base excitation (Clough and Penzien, Dynamics of Structures, section 12-7).
-
-    Attributes
-    ----------
-    a : one over the square of the natural frequency [s^2]
-    participation : P, the mode's share of the unit in a motion of the boom tip [-]
     """
 
-    a: float
-    participation: float
+    a: float  # one over the square of the natural frequency [s^2]
+    participation: float  # P, the mode's share of the unit in a motion of the boom tip [-]
 
 
 @dataclass(frozen=True)
 class TwoStateModel:
-    """a x'' + b x' + x = x0 (thesis Eq. 6.2): x unit heave, x0 boom-tip heave.
+    """a x'' + b x' + x = x0 (thesis Eq. 6.2): x unit heave, x0 boom-tip heave."""
 
-    Attributes
-    ----------
-    a : [s2]; b : [s]
-    error : root mean square of the weighted difference of transfer functions over that of the exact one [-]
-    """
-
-    a: float
-    b: float
-    error: float
+    a: float  # [s2]
+    b: float  # [s]
+    error: float  # root mean square of the weighted difference of transfer functions over that of the exact one [-]
 
     def transfer(self, omegas: ArrayLike) -> ComplexArray:
         """Return 1/(1 - a w^2 + i b w) at the frequencies `omegas` [rad/s]."""
@@ -152,18 +126,11 @@ def heave_transfer_function(
 
 @dataclass(frozen=True)
 class March:
-    """What a unit heave of 1 is with along the cable.
+    """What a unit heave of 1 is with along the cable."""
 
-    Attributes
-    ----------
-    heave : at the joints, from the unit upwards, shape (places, k) [-]
-    boom_tip : motion at the boom tip, above what gives in the rope path, shape (k,) [-]
-    top_tension : shape (k,) [N/m]
-    """
-
-    heave: ComplexArray
-    boom_tip: ComplexArray
-    top_tension: ComplexArray
+    heave: ComplexArray  # at the joints, from the unit upwards, shape (places, k) [-]
+    boom_tip: ComplexArray  # motion at the boom tip, above what gives in the rope path, shape (k,) [-]
+    top_tension: ComplexArray  # shape (k,) [N/m]
 
 
 def divide(piece: AxialPiece, size: float) -> list[AxialPiece]:

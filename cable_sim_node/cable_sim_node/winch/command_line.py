@@ -15,19 +15,12 @@ _TICK_ROUNDING = 1e-6
 
 
 class WinchCommand(NamedTuple):
-    """What the winch shall do from the start of its tick on, until the next command.
+    """What the winch shall do from the start of its tick on, until the next command."""
 
-    Attributes
-    ----------
-    sequence : counts commands from 1
-    payout, payout_rate : set-points [m], [m/s]
-    brake : stop within the limits, then hold with the brake
-    """
-
-    sequence: int
-    payout: float = 0.0
-    payout_rate: float = 0.0
-    brake: bool = False
+    sequence: int  # counts commands from 1
+    payout: float = 0.0  # set-point [m]
+    payout_rate: float = 0.0  # set-point [m/s]
+    brake: bool = False  # stop within the limits, then hold with the brake
 
     def is_finite(self) -> bool:
         """Return whether both set-points are finite numbers."""

@@ -83,36 +83,21 @@ _SLOWER = WinchLimit.SPEED | WinchLimit.POWER | WinchLimit.TORQUE | WinchLimit.P
 
 
 class WinchState(NamedTuple):
-    """State of the winch at the end of a tick.
+    """State of the winch at the end of a tick."""
 
-    Attributes
-    ----------
-    time : simulated time [s]
-    command_sequence : number of the newest command taken; 0: none yet
-    payout, payout_rate, payout_acceleration : truth [m], [m/s], [m/s^2]
-    encoder_payout : the encoder's reading [m]
-    encoder_payout_rate : its difference over the tick by the tick [m/s]
-    tension : tension at the drum, as given [N]; NaN: unknown
-    power : -tension*payout_rate, positive when hauling in [W]; NaN: unknown
-    limits_hit : limits that acted within the tick
-    brake : the brake is engaged
-    fault : why the winch stopped by itself
-    release : what a latched fault waits for
-    """
-
-    time: float
-    command_sequence: int
-    payout: float
-    payout_rate: float
-    payout_acceleration: float
-    encoder_payout: float
-    encoder_payout_rate: float
-    tension: float
-    power: float
-    limits_hit: WinchLimit
-    brake: bool
-    fault: WinchFault
-    release: WinchRelease
+    time: float  # simulated time [s]
+    command_sequence: int  # number of the newest command taken; 0: none yet
+    payout: float  # truth [m]
+    payout_rate: float  # truth [m/s]
+    payout_acceleration: float  # truth [m/s^2]
+    encoder_payout: float  # the encoder's reading [m]
+    encoder_payout_rate: float  # its difference over the tick by the tick [m/s]
+    tension: float  # tension at the drum, as given [N]; NaN: unknown
+    power: float  # -tension*payout_rate, positive when hauling in [W]; NaN: unknown
+    limits_hit: WinchLimit  # limits that acted within the tick
+    brake: bool  # the brake is engaged
+    fault: WinchFault  # why the winch stopped by itself
+    release: WinchRelease  # what a latched fault waits for
 
 
 class Encoder:

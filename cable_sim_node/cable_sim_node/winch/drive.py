@@ -108,31 +108,21 @@ def _stay_in_range(
 
 
 class DriveSettings(NamedTuple):
-    """What holds for a drive at all times.
+    """What holds for a drive at all times."""
 
-    Attributes
-    ----------
-    speed_limit, acceleration_limit, stop_deceleration : [m/s], [m/s^2], [m/s^2]
-    time_constant, position_gain, position_rate : T [s], k_p [1/s], K [1/s]
-    u_min, u_max : payout range [m]
-    speed_gain, deadband : of the servo: what it makes of a set-point [-], and below which one it does nothing [m/s]
-    hauling_speed_share, hauling_acceleration_share : limits towards hauling in over those towards paying out [-]
-    creep : speed at a set-point of 0 [m/s]
-    """
-
-    speed_limit: float
-    acceleration_limit: float
-    stop_deceleration: float
-    time_constant: float
-    position_gain: float
-    position_rate: float
-    u_min: float
-    u_max: float
-    speed_gain: float
-    deadband: float
-    hauling_speed_share: float
-    hauling_acceleration_share: float
-    creep: float
+    speed_limit: float  # [m/s]
+    acceleration_limit: float  # [m/s^2]
+    stop_deceleration: float  # [m/s^2]
+    time_constant: float  # T [s]
+    position_gain: float  # k_p [1/s]
+    position_rate: float  # K [1/s]
+    u_min: float  # least payout [m]
+    u_max: float  # largest payout [m]
+    speed_gain: float  # of the servo: rate over set-point [-]
+    deadband: float  # of the servo: it does nothing for a smaller set-point [m/s]
+    hauling_speed_share: float  # speed limit of hauling in over that of paying out [-]
+    hauling_acceleration_share: float  # acceleration limit of hauling in over that of paying out [-]
+    creep: float  # speed at a set-point of 0 [m/s]
 
 
 def settings_of(parameters: WinchParameters) -> DriveSettings:

@@ -21,18 +21,13 @@ EXTRA_OF = dict.fromkeys(("electric", "pump_controlled", "valve_controlled"), "d
 
 
 class DriveEntry(NamedTuple):
-    """A drive that an extra brings.
+    """A drive that an extra brings."""
 
-    Attributes
-    ----------
-    parameters : its parameter set, a group of the winch's under the name of the drive
-    make : makes it, a `Drive` (`cable_sim_node.winch.drives.interface`), from the winch's parameters, its own, and the
-        tension [N] under which it is at rest; raises ValueError where it cannot hold that
-    check : refuses by ValueError what does not fit together: the winch's parameters, and its own
-    """
-
-    parameters: type
+    parameters: type  # its parameter set, a group of the winch's under the name of the drive
+    # makes it, a `Drive` (`cable_sim_node.winch.drives.interface`), from the winch's parameters, its own, and the
+    # tension [N] under which it is at rest; raises ValueError where it cannot hold that
     make: Callable[[Any, Any, float], Any]
+    # refuses by ValueError what does not fit together: the winch's parameters, and its own
     check: Callable[[Any, Any], None]
 
 

@@ -171,10 +171,9 @@ class WinchParameters(WinchFigures):
         "orders for so long, or the drum has moved by 0.05 m with its brake engaged or since it stood; 0 means none.",
     )
     encoder: EncoderParameters = group(EncoderParameters)
-    drift: WinchDriftParameters = group(WinchDriftParameters)
-    """Speed servo only."""
+    drift: WinchDriftParameters = group(WinchDriftParameters)  # speed servo only
+    # faults of the command line (`gap`, `delay`), of the drive (`drive`), and the `emergency_stop`
     faults: FaultParameters = group(WinchFaultParameters)
-    """Faults of the command line (`gap`, `delay`), of the drive (`drive`), and the `emergency_stop`."""
 
     def __post_init__(self) -> None:
         """Refuse what is out of range, and a set that contradicts itself."""

@@ -18,18 +18,12 @@ from heave_node.interface.codes import WinchLimit
 class DriveCommand:
     """Set-points, held over a step.
 
-    Attributes
-    ----------
-    payout_rate : [m/s], positive pays out
-    payout : [m]; has an effect only where the drive has a position gain
-    brake : the service brake stops the drum at a bounded deceleration and holds it
-
     Raises ValueError for a set-point that is not a finite number.
     """
 
-    payout_rate: float = 0.0
-    payout: float = 0.0
-    brake: bool = False
+    payout_rate: float = 0.0  # [m/s], positive pays out
+    payout: float = 0.0  # [m]; has an effect only where the drive has a position gain
+    brake: bool = False  # the service brake stops the drum at a bounded deceleration and holds it
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.payout_rate) and math.isfinite(self.payout)):
@@ -37,42 +31,25 @@ class DriveCommand:
 
 
 class DriveState(NamedTuple):
-    """State at the end of a step.
+    """State at the end of a step."""
 
-    Attributes
-    ----------
-    payout, payout_rate, payout_acceleration : of the rope [m], [m/s], [m/s^2], positive pays out
-    power : -tension*payout_rate at the end, positive when hauling in [W]
-    supply_power : drawn from the ship's supply, mean over the step [W]; negative where the drive feeds it back
-    limits : limits that acted within the step
-    brake : the brake holds the drum
-    """
-
-    payout: float
-    payout_rate: float
-    payout_acceleration: float
-    power: float
-    supply_power: float
-    limits: WinchLimit
-    brake: bool
+    payout: float  # of the rope, positive pays out [m]
+    payout_rate: float  # of the rope [m/s]
+    payout_acceleration: float  # of the rope [m/s^2]
+    power: float  # -tension*payout_rate at the end, positive when hauling in [W]
+    supply_power: float  # drawn from the ship's supply, mean over the step [W]; negative where the drive feeds it back
+    limits: WinchLimit  # limits that acted within the step
+    brake: bool  # the brake holds the drum
 
 
 @dataclass(frozen=True)
 class DriveEnergy:
-    """Energy since the start [J]: what went in is what was lost and what is stored.
+    """Energy since the start [J]: what went in is what was lost and what is stored."""
 
-    Attributes
-    ----------
-    supplied : by the ship's supply, net
-    from_load : by the rope, the integral of tension times payout rate
-    lost : as heat, in motor, fluid, friction and brake
-    stored : kinetic, in compressed fluid and gas; less what was stored at the start
-    """
-
-    supplied: float
-    from_load: float
-    lost: float
-    stored: float
+    supplied: float  # by the ship's supply, net [J]
+    from_load: float  # by the rope, the integral of tension times payout rate [J]
+    lost: float  # as heat, in motor, fluid, friction and brake [J]
+    stored: float  # kinetic, in compressed fluid and gas [J]; less what was stored at the start
 
     @property
     def imbalance(self) -> float:
