@@ -45,72 +45,52 @@ def _signal() -> Signal:
 
 @dataclass
 class RunSignals:
-    """What the KPIs of a run are computed from; a signal that was not recorded stays empty, and its KPIs are NaN.
+    """What the KPIs of a run are computed from; a signal that was not recorded stays empty, and its KPIs are NaN."""
 
-    Attributes
-    ----------
-    unit_heave, uncompensated_heave, boom_tip_heave : vertical position, positive up [m]
-    payout, payout_rate, payout_acceleration : of the drum, positive pays out [m], [m/s], [m/s^2]
-    tension : top tension [N]
-    largest_tension : largest of it since the sample before, at the same times [N]; empty when unknown
-    unit_tension : of the cable at the unit [N]
-    slack : 1 where any part of the cable carries no tension
-    limits_hit : sum of the WinchLimit flags of the limits that act, as the winch itself reports it
-    compensating : 1 where the controller compensates or holds a tension
-    unit_height : vertical position of the unit as it was recorded, programme of depth and all, positive up [m]
-    touchdown : 1 where the bottom carries the unit
-    holds_tension : 1 where the controller holds a tension
-    mode_changes : 1 where the controller has just changed its mode
-    losses : 1 where compensation has just ended that nobody had asked to end
-    nis_in_band : 1 where the normalised innovation squared lies inside its 95 % band
-    execution_time : wall time that the controller computed for a tick [s]; empty in lockstep, where it is not reported
-    uncompensated_tension, uncompensated_largest_tension : the same with the winch locked, or following the programme of
-        depth only [N]
-    static_tension : top tension at rest [N], one sample where the deployed length stays; empty takes the mean tension
-    speed_limit, acceleration_limit, power_limit : of the winch [m/s], [m/s^2], [W]; infinite when unknown or none
-    strengths : what the parts of the lift can carry, as far as it is stated
-    driving_omega : angular frequency of a driven scenario [rad/s]; NaN if the scenario is not driven by one
-        regular motion
-    sensor_bound, actuator_bound : the two bounds in kappa [m]; NaN when unknown
-    baseline : the same sea and seed under the baseline law; None when unknown
-    real_time_factor, missed_deadlines : of the run as a whole; NaN when unknown
-    late_commands : commands that took effect later than the controller's model says; NaN when unknown
-    loop_age : start of a tick to its last answer, wall time: p50, p99 and largest [s]; NaN when unknown
-    """
-
-    unit_heave: Signal = field(default_factory=_signal)
-    uncompensated_heave: Signal = field(default_factory=_signal)
-    boom_tip_heave: Signal = field(default_factory=_signal)
-    payout: Signal = field(default_factory=_signal)
-    payout_rate: Signal = field(default_factory=_signal)
-    payout_acceleration: Signal = field(default_factory=_signal)
-    tension: Signal = field(default_factory=_signal)
+    unit_heave: Signal = field(default_factory=_signal)  # vertical position, positive up [m]
+    uncompensated_heave: Signal = field(default_factory=_signal)  # vertical position, positive up [m]
+    boom_tip_heave: Signal = field(default_factory=_signal)  # vertical position, positive up [m]
+    payout: Signal = field(default_factory=_signal)  # of the drum, positive pays out [m]
+    payout_rate: Signal = field(default_factory=_signal)  # of the drum, positive pays out [m/s]
+    payout_acceleration: Signal = field(default_factory=_signal)  # of the drum, positive pays out [m/s^2]
+    tension: Signal = field(default_factory=_signal)  # top tension [N]
+    # largest of it since the sample before, at the same times [N]; empty when unknown
     largest_tension: Signal = field(default_factory=_signal)
+    # the same with the winch locked, or following the programme of depth only [N]
     uncompensated_tension: Signal = field(default_factory=_signal)
+    # the same with the winch locked, or following the programme of depth only [N]
     uncompensated_largest_tension: Signal = field(default_factory=_signal)
+    # top tension at rest [N], one sample where the deployed length stays; empty takes the mean tension
     static_tension: Signal = field(default_factory=_signal)
-    unit_tension: Signal = field(default_factory=_signal)
-    slack: Signal = field(default_factory=_signal)
+    unit_tension: Signal = field(default_factory=_signal)  # of the cable at the unit [N]
+    slack: Signal = field(default_factory=_signal)  # 1 where any part of the cable carries no tension
+    # sum of the WinchLimit flags of the limits that act, as the winch itself reports it
     limits_hit: Signal = field(default_factory=_signal)
-    compensating: Signal = field(default_factory=_signal)
+    compensating: Signal = field(default_factory=_signal)  # 1 where the controller compensates or holds a tension
+    # vertical position of the unit as it was recorded, programme of depth and all, positive up [m]
     unit_height: Signal = field(default_factory=_signal)
-    touchdown: Signal = field(default_factory=_signal)
-    holds_tension: Signal = field(default_factory=_signal)
-    mode_changes: Signal = field(default_factory=_signal)
-    losses: Signal = field(default_factory=_signal)
+    touchdown: Signal = field(default_factory=_signal)  # 1 where the bottom carries the unit
+    holds_tension: Signal = field(default_factory=_signal)  # 1 where the controller holds a tension
+    mode_changes: Signal = field(default_factory=_signal)  # 1 where the controller has just changed its mode
+    losses: Signal = field(default_factory=_signal)  # 1 where compensation has just ended that nobody had asked to end
+    # 1 where the normalised innovation squared lies inside its 95 % band
     nis_in_band: Signal = field(default_factory=_signal)
+    # wall time that the controller computed for a tick [s]; empty in lockstep, where it is not reported
     execution_time: Signal = field(default_factory=_signal)
-    speed_limit: float = math.inf
-    acceleration_limit: float = math.inf
-    power_limit: float = math.inf
-    strengths: tuple[Strength, ...] = ()
+    speed_limit: float = math.inf  # of the winch [m/s]; infinite: unknown or none
+    acceleration_limit: float = math.inf  # of the winch [m/s^2]; infinite: unknown or none
+    power_limit: float = math.inf  # of the winch [W]; infinite: unknown or none
+    strengths: tuple[Strength, ...] = ()  # what the parts of the lift can carry, as far as it is stated
+    # angular frequency of a driven scenario [rad/s]; NaN if the scenario is not driven by one regular motion
     driving_omega: float = math.nan
-    sensor_bound: float = math.nan
-    actuator_bound: float = math.nan
-    baseline: RunSignals | None = None
-    real_time_factor: float = math.nan
-    missed_deadlines: float = math.nan
+    sensor_bound: float = math.nan  # the sensors' bound in kappa [m]; NaN: unknown
+    actuator_bound: float = math.nan  # the winch's bound in kappa [m]; NaN: unknown
+    baseline: RunSignals | None = None  # the same sea and seed under the baseline law; None when unknown
+    real_time_factor: float = math.nan  # of the run as a whole [-]; NaN when unknown
+    missed_deadlines: float = math.nan  # of the run as a whole [-]; NaN when unknown
+    # commands that took effect later than the controller's model says [-]; NaN when unknown
     late_commands: float = math.nan
+    # start of a tick to its last answer, wall time: p50, p99 and largest [s]; NaN when unknown
     loop_age: tuple[float, float, float] = (math.nan, math.nan, math.nan)
 
     def peak_tension(self) -> Signal:

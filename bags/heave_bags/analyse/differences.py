@@ -85,20 +85,13 @@ def changes(record: RunRecord) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class ScheduledFault:
-    """A fault that the parameters of a run schedule.
+    """A fault that the parameters of a run schedule."""
 
-    Attributes
-    ----------
-    device : in words
-    kind, magnitude : as stated
-    start, duration : simulated time [s]; a duration of 0 is until cleared, or to the end
-    """
-
-    device: str
-    kind: str
-    magnitude: str
-    start: float
-    duration: float
+    device: str  # in words
+    kind: str  # as stated
+    magnitude: str  # as stated
+    start: float  # simulated time [s]
+    duration: float  # [s]; 0: until cleared, or to the end
 
     def __str__(self) -> str:
         size = f" {self.magnitude}" if self.magnitude else ""

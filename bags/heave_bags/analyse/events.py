@@ -61,10 +61,8 @@ class Interval:
     start: float
     end: float
     name: str
-    level: int = 0
-    """0 plain, 1 warning, 2 error."""
-    reason: str = ""
-    """Reason of a mode, in the controller's words."""
+    level: int = 0  # 0 plain, 1 warning, 2 error
+    reason: str = ""  # reason of a mode, in the controller's words
 
 
 def words(code: WinchFault | WinchLimit | SensorLevel) -> str:

@@ -31,53 +31,34 @@ ESTIMATED, RECONSTRUCTED, MEASURED, TRUE = SOURCES
 
 @dataclass
 class RunRecord:
-    """A run as its bag records it.
+    """A run as its bag records it."""
 
-    Attributes
-    ----------
-    name : of the bag
-    signals : what the KPIs are computed from
-    start, end : evaluation window [s]: after the transient, to the end
-    modes, alarms, limits : what held when
-    waits : when the controller did not compensate, and why
-    requests : what an operator asked for, and when: factor, speed, depth
-    innovations : per measurement of the estimator
-    run, outcome : the bag's own words on the run
-    losses : what of the bag could not be read
-    notes : what a reader of the figures must know
-    sources : where each motion comes from: TRUE, MEASURED, RECONSTRUCTED or ESTIMATED
-    parameters : of the run's nodes, as far as they are known: node -> dotted name -> value
-    wanted : criteria of the scenario that the bag carries
-    timings : histograms of durations in wall time by name, real time only: upper edge [ms] -> count
-    is_past_transient : the run went on after its transient; False: the figures are of its start-up
-    largest_strain : of the cable in the whole run, as the plant reported it [-]; NaN: it did not
-    title, description : of the lift, as the scenario states them; "": it does not
-    reconstruction : of the run from its sensors alone; None: there is none
-    """
-
-    name: str
-    signals: RunSignals
-    start: float
-    end: float
-    modes: list[Interval] = field(default_factory=list)
-    alarms: list[Interval] = field(default_factory=list)
-    limits: list[Interval] = field(default_factory=list)
-    waits: list[Interval] = field(default_factory=list)
-    requests: list[Interval] = field(default_factory=list)
-    innovations: list[Innovation] = field(default_factory=list)
-    run: Mapping[str, str] = field(default_factory=dict)
-    outcome: Mapping[str, str] = field(default_factory=dict)
-    losses: list[Loss] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    name: str  # of the bag
+    signals: RunSignals  # what the KPIs are computed from
+    start: float  # of the evaluation window [s]: after the transient
+    end: float  # of the evaluation window [s]: the end of the run
+    modes: list[Interval] = field(default_factory=list)  # what held when
+    alarms: list[Interval] = field(default_factory=list)  # what held when
+    limits: list[Interval] = field(default_factory=list)  # what held when
+    waits: list[Interval] = field(default_factory=list)  # when the controller did not compensate, and why
+    requests: list[Interval] = field(default_factory=list)  # what an operator asked for, and when: factor, speed, depth
+    innovations: list[Innovation] = field(default_factory=list)  # per measurement of the estimator
+    run: Mapping[str, str] = field(default_factory=dict)  # the bag's own words on the run
+    outcome: Mapping[str, str] = field(default_factory=dict)  # the bag's own words on the run
+    losses: list[Loss] = field(default_factory=list)  # what of the bag could not be read
+    notes: list[str] = field(default_factory=list)  # what a reader of the figures must know
+    # where each motion comes from: TRUE, MEASURED, RECONSTRUCTED or ESTIMATED
     sources: dict[str, str] = field(default_factory=dict)
+    # of the run's nodes, as far as they are known: node -> dotted name -> value
     parameters: NodeParameters = field(default_factory=dict)
-    wanted: tuple[Criterion, ...] = ()
+    wanted: tuple[Criterion, ...] = ()  # criteria of the scenario that the bag carries
+    # histograms of durations in wall time by name, real time only: upper edge [ms] -> count
     timings: dict[str, dict[str, int]] = field(default_factory=dict)
-    is_past_transient: bool = True
-    largest_strain: float = math.nan
-    title: str = ""
-    description: str = ""
-    reconstruction: Reconstruction | None = None
+    is_past_transient: bool = True  # the run went on after its transient; False: the figures are of its start-up
+    largest_strain: float = math.nan  # of the cable in the whole run, as the plant reported it [-]; NaN: it did not
+    title: str = ""  # of the lift, as the scenario states them; "": it does not
+    description: str = ""  # of the lift, as the scenario states them; "": it does not
+    reconstruction: Reconstruction | None = None  # of the run from its sensors alone; None: there is none
 
     @property
     def moves_winch(self) -> bool:

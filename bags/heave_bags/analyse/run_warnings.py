@@ -60,20 +60,13 @@ def warnings(record: RunRecord, values: Mapping[str, float]) -> list[str]:
 
 @dataclass
 class Worse:
-    """A time in which the load moved more than with the winch locked, over a window about each moment of it.
+    """A time in which the load moved more than with the winch locked, over a window about each moment of it."""
 
-    Attributes
-    ----------
-    start, end : the middle of its first and of its last window [s]
-    ratio, at : largest standard deviation over that with the winch locked, and the middle of that window [s]
-    mode : of the controller at that time
-    """
-
-    start: float
-    end: float
-    ratio: float
-    at: float
-    mode: str = ""
+    start: float  # middle of its first window [s]
+    end: float  # middle of its last window [s]
+    ratio: float  # largest standard deviation over that with the winch locked [-]
+    at: float  # middle of that window [s]
+    mode: str = ""  # of the controller at that time
 
     @property
     def most(self) -> str:

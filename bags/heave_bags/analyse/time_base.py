@@ -45,18 +45,11 @@ ABOUT_MEAN = "; about its mean over the run, positive up"
 
 
 class Column(NamedTuple):
-    """What a column of a table is.
+    """What a column of a table is."""
 
-    Attributes
-    ----------
-    unit : of its values; empty for counts, flags and words
-    meaning : what it is, with its sign and where it comes from
-    signal : of the run that it is (`heave_bags.signals.RunSignals`); empty: none of them
-    """
-
-    unit: str
-    meaning: str
-    signal: str = ""
+    unit: str  # of its values; empty for counts, flags and words
+    meaning: str  # what it is, with its sign and where it comes from
+    signal: str = ""  # of the run that it is (`heave_bags.signals.RunSignals`); empty: none of them
 
 
 TIME_S = Column("s", "time of the row; simulated time, or that of the recorded stamps")

@@ -90,33 +90,22 @@ class Judged:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of a run.
+    """What became of a run."""
 
-    Attributes
-    ----------
-    judged : the criteria of the scenario
-    required : those of the command line
-    time_in_modes : share of the evaluation window in each mode of the controller, 0 to 1; empty: none was recorded
-    share : of the evaluation window in which compensation was active, 0 to 1, not counting the time in which it
-        rested since somebody had asked for that; NaN: unknown, or not required
-    alarms : number of errors that came
-    is_judged : the run is longer than its transient
-    strain : largest of the cable in the whole run [-]; NaN: unknown
-    loads : how the parts whose strength is stated stood under their largest load of the whole run
-    has_rope : the strength of the rope is stated
-    seed : of the sea that was run; "": unknown
-    """
-
-    judged: tuple[Judged, ...]
-    required: tuple[Judged, ...]
+    judged: tuple[Judged, ...]  # the criteria of the scenario
+    required: tuple[Judged, ...]  # those of the command line
+    # share of the evaluation window in each mode of the controller, 0 to 1; empty: none was recorded
     time_in_modes: Mapping[str, float]
+    # of the evaluation window in which compensation was active, 0 to 1, not counting the time in which it rested since
+    # somebody had asked for that [-]; NaN: unknown, or not required
     share: float
-    alarms: int = 0
-    is_judged: bool = True
-    strain: float = math.nan
+    alarms: int = 0  # number of errors that came
+    is_judged: bool = True  # the run is longer than its transient
+    strain: float = math.nan  # largest of the cable in the whole run [-]; NaN: unknown
+    # how the parts whose strength is stated stood under their largest load of the whole run
     loads: tuple[LoadCheck, ...] = ()
-    has_rope: bool = True
-    seed: str = ""
+    has_rope: bool = True  # the strength of the rope is stated
+    seed: str = ""  # of the sea that was run; "": unknown
 
     @property
     def criteria(self) -> list[Judged]:

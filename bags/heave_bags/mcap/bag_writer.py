@@ -47,18 +47,11 @@ class Attachment:
 
 @dataclass(frozen=True)
 class BagPolicy:
-    """How a bag is written.
+    """How a bag is written."""
 
-    Attributes
-    ----------
-    chunks : size, span and compression of chunks
-    max_file_bytes : a new file is started after this many bytes; 0: never
-    max_file_span : a new file is started after this much log time [ns]; 0: never
-    """
-
-    chunks: ChunkPolicy = field(default_factory=ChunkPolicy)
-    max_file_bytes: int = 0
-    max_file_span: int = 0
+    chunks: ChunkPolicy = field(default_factory=ChunkPolicy)  # size, span and compression of chunks
+    max_file_bytes: int = 0  # a new file is started after this many bytes; 0: never
+    max_file_span: int = 0  # a new file is started after this much log time [ns]; 0: never
 
 
 @dataclass
@@ -66,24 +59,16 @@ class _Topic:
     summary: TopicSummary
     schema: str
     canonical: Callable[[bytes], bytes] | None = None
-    channel: int = 0
-    """Id in the present file; 0: not yet registered there."""
+    channel: int = 0  # id in the present file; 0: not yet registered there
 
 
 @dataclass
 class _Lack:
-    """What is known of messages that a bag should hold and does not.
+    """What is known of messages that a bag should hold and does not."""
 
-    Attributes
-    ----------
-    refusal : of the disk; from then on nothing is written
-    loss : what is missing
-    saved : what the bag holds, once it was closed without being complete
-    """
-
-    refusal: StorageError | None = None
-    loss: RecordedLoss | None = None
-    saved: BagSummary | None = None
+    refusal: StorageError | None = None  # of the disk; from then on nothing is written
+    loss: RecordedLoss | None = None  # what is missing
+    saved: BagSummary | None = None  # what the bag holds, once it was closed without being complete
 
     def to_custom_data(self) -> dict[str, str]:
         """Return the loss as the bag states it; nothing where there is none."""

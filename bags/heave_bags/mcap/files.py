@@ -39,55 +39,32 @@ COMPLETE, SNAPSHOT = "complete", "snapshot"
 
 @dataclass
 class TopicSummary:
-    """One topic of a bag.
+    """One topic of a bag."""
 
-    Attributes
-    ----------
-    name : of the topic
-    type : `package/msg/Type`
-    qos : offered by its publishers
-    type_hash : RIHS01; "" if not known
-    message_count : in the bag
-    """
-
-    name: str
-    type: str
-    qos: tuple[OfferedQos, ...] = ()
-    type_hash: str = ""
-    message_count: int = 0
+    name: str  # of the topic
+    type: str  # `package/msg/Type`
+    qos: tuple[OfferedQos, ...] = ()  # offered by its publishers
+    type_hash: str = ""  # RIHS01; "" if not known
+    message_count: int = 0  # in the bag
 
 
 class ListedFile(NamedTuple):
-    """A file of a bag, as its description lists it.
+    """A file of a bag, as its description lists it."""
 
-    Attributes
-    ----------
-    name : without its folder
-    start, end : log times of its first and last message [ns]; None where that is not known
-    messages : in it; None where that is not known
-    """
-
-    name: str
-    start: int | None = None
-    end: int | None = None
-    messages: int | None = None
+    name: str  # without its folder
+    start: int | None = None  # log time of its first message [ns]; None: not known
+    end: int | None = None  # log time of its last message [ns]; None: not known
+    messages: int | None = None  # in it; None where that is not known
 
 
 @dataclass
 class BagSummary:
-    """What `metadata.yaml` says of a bag.
+    """What `metadata.yaml` says of a bag."""
 
-    Attributes
-    ----------
-    files, topics : in their order
-    custom_data : names and values of the recorder's own
-    ros_distro : it was recorded under
-    """
-
-    files: list[ListedFile] = field(default_factory=list)
-    topics: list[TopicSummary] = field(default_factory=list)
-    custom_data: Mapping[str, str] = field(default_factory=dict)
-    ros_distro: str = ""
+    files: list[ListedFile] = field(default_factory=list)  # in their order
+    topics: list[TopicSummary] = field(default_factory=list)  # in their order
+    custom_data: Mapping[str, str] = field(default_factory=dict)  # names and values of the recorder's own
+    ros_distro: str = ""  # it was recorded under
 
     def to_mapping(self) -> dict[str, Any]:
         """Return what rosbag2 writes of a bag: into its files as it is, into `metadata.yaml` below METADATA_ROOT."""

@@ -27,23 +27,15 @@ LONGEST_REASON = 500
 
 @dataclass(frozen=True)
 class Loss:
-    """A part of a file that could not be read.
+    """A part of a file that could not be read."""
 
-    Attributes
-    ----------
-    file, position : where it begins [bytes]; the position is None where it is no one place
-    reason : what is wrong there
-    start, end : log times between which messages are missing [ns]; None where it cannot be known, such as the end of
-        what a cut has taken
-    messages : how many were lost; None where it cannot be known
-    """
-
-    file: Path
-    position: int | None
-    reason: str
-    start: int | None = None
+    file: Path  # where it is
+    position: int | None  # where it begins [bytes]; None where it is no one place
+    reason: str  # what is wrong there
+    start: int | None = None  # log time after which messages are missing [ns]; None: not known
+    # log time before which they are missing [ns]; None: not known, such as the end of what a cut has taken
     end: int | None = None
-    messages: int | None = None
+    messages: int | None = None  # how many were lost; None where it cannot be known
 
     def __str__(self) -> str:
         if self.start is None:
@@ -156,19 +148,12 @@ def _joined(losses: list[Loss], messages: int) -> Loss:
 
 @dataclass(frozen=True)
 class RecordedLoss:
-    """Messages that a recorder should have written and did not.
+    """Messages that a recorder should have written and did not."""
 
-    Attributes
-    ----------
-    reason : in words
-    messages : how many
-    start, end : log times between which they lie [ns]
-    """
-
-    reason: str
-    messages: int
-    start: int
-    end: int
+    reason: str  # in words
+    messages: int  # how many
+    start: int  # first log time [ns]
+    end: int  # last log time [ns]
 
     def joined(self, other: RecordedLoss | None) -> RecordedLoss:
         """Return this loss and the `other` one as one."""

@@ -62,20 +62,12 @@ class Sink(Protocol):
 
 @dataclass(frozen=True)
 class ChunkPolicy:
-    """When a chunk closes, and how it is compressed.
+    """When a chunk closes, and how it is compressed."""
 
-    Attributes
-    ----------
-    size : uncompressed bytes from which a chunk closes
-    span : log time that a chunk may cover [ns]
-    compression : "zstd", "lz4" or "" (none)
-    level : of zstd
-    """
-
-    size: int = 192 * 1024
-    span: int = 2_000_000_000
-    compression: str = "zstd"
-    level: int = 1
+    size: int = 192 * 1024  # uncompressed bytes from which a chunk closes
+    span: int = 2_000_000_000  # log time that a chunk may cover [ns]
+    compression: str = "zstd"  # "zstd", "lz4" or "" (none)
+    level: int = 1  # of zstd
 
     def __post_init__(self) -> None:
         if self.compression not in COMPRESSIONS:
@@ -90,10 +82,9 @@ class _OpenChunk:
     size: int = 0
     start: int = 0
     end: int = 0
+    # per channel: log time and offset of each message, alternating
     index: dict[int, list[int]] = field(default_factory=dict)
-    """Per channel: log time and offset of each message, alternating."""
-    definitions: list[bytes] = field(default_factory=list)
-    """Schemas and channels that are here for the first time."""
+    definitions: list[bytes] = field(default_factory=list)  # schemas and channels that are here for the first time
 
     def append(self, data: bytes) -> None:
         self.parts.append(data)

@@ -28,28 +28,17 @@ _SECOND = 1_000_000_000
 
 @dataclass(frozen=True)
 class PlaybackOptions:
-    """What is played, and how fast.
+    """What is played, and how fast."""
 
-    Attributes
-    ----------
-    rate : bag time per wall time
-    start, duration : part of the bag that is played, from its beginning [s]; a duration of infinity plays to the end
-    loop : start again at the end
-    paused : wait for `resume` or `step` before the first message
-    topics, exclude : patterns of topics to play and to leave out; no `topics` means all
-    nodes : only topics that these nodes published; none means all
-    remap : new names of topics
-    """
-
-    rate: float = 1.0
-    start: float = 0.0
-    duration: float = math.inf
-    loop: bool = False
-    paused: bool = False
-    topics: Sequence[str] = ()
-    exclude: Sequence[str] = ()
-    nodes: Sequence[str] = ()
-    remap: Mapping[str, str] = field(default_factory=dict)
+    rate: float = 1.0  # bag time per wall time [-]
+    start: float = 0.0  # of the part that is played, from the bag's beginning [s]
+    duration: float = math.inf  # of that part [s]; infinity plays to the end
+    loop: bool = False  # start again at the end
+    paused: bool = False  # wait for `resume` or `step` before the first message
+    topics: Sequence[str] = ()  # patterns of topics to play; none means all
+    exclude: Sequence[str] = ()  # patterns of topics to leave out
+    nodes: Sequence[str] = ()  # only topics that these nodes published; none means all
+    remap: Mapping[str, str] = field(default_factory=dict)  # new names of topics
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.rate) and self.rate > 0.0):

@@ -44,18 +44,11 @@ CLOCK = "/clock"
 
 @dataclass(frozen=True)
 class Played:
-    """What a player has done.
+    """What a player has done."""
 
-    Attributes
-    ----------
-    messages : number published
-    left_out : topics that were not, with the reason
-    notes : what of the bag could not be read, and what else a reader must know; one line each
-    """
-
-    messages: int
-    left_out: Mapping[str, str]
-    notes: Sequence[str] = ()
+    messages: int  # number published
+    left_out: Mapping[str, str]  # topics that were not, with the reason
+    notes: Sequence[str] = ()  # what of the bag could not be read, and what else a reader must know; one line each
 
 
 class Player(Node):

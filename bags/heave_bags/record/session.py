@@ -68,8 +68,7 @@ class _KnownTopic:
     type: str
     qos: tuple[OfferedQos, ...]
     latched: bool = False
-    last: tuple[int, bytes] | None = None
-    """The last message of a latched topic: a bag begun later starts with it."""
+    last: tuple[int, bytes] | None = None  # the last message of a latched topic: a bag begun later starts with it
 
 
 @dataclass
@@ -77,8 +76,7 @@ class SessionState:
     """How recording goes: messages `written` and `unwritten`, and `problems` in words."""
 
     written: int = 0
-    unwritten: int = 0
-    """Messages that came while a bag should have been written and could not be."""
+    unwritten: int = 0  # messages that came while a bag should have been written and could not be
     problems: list[str] = field(default_factory=list)
 
 

@@ -37,23 +37,15 @@ MAXIMUM_SAMPLES = 200_000
 
 @dataclass
 class Figure:
-    """One figure. Figures over time zoom together.
+    """One figure. Figures over time zoom together."""
 
-    Attributes
-    ----------
-    title, caption : its name, and a line that explains it
-    traces, layout : of plotly
-    is_over_time : its x axis is the time of the run
-    height : on the page [pixels]
-    legend : names with the colours that mean them, below the caption: of what has no name beside its trace
-    """
-
-    title: str
-    caption: str
-    traces: list[dict[str, Any]] = field(default_factory=list)
-    layout: dict[str, Any] = field(default_factory=dict)
-    is_over_time: bool = True
-    height: int = 380
+    title: str  # its name
+    caption: str  # a line that explains it
+    traces: list[dict[str, Any]] = field(default_factory=list)  # of plotly
+    layout: dict[str, Any] = field(default_factory=dict)  # of plotly
+    is_over_time: bool = True  # its x axis is the time of the run
+    height: int = 380  # on the page [pixels]
+    # names with the colours that mean them, below the caption: of what has no name beside its trace
     legend: list[tuple[str, str]] = field(default_factory=list)
 
     def to_mapping(self) -> dict[str, Any]:

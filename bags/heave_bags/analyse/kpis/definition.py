@@ -39,36 +39,22 @@ SHOWN: Mapping[str, tuple[str, float, int]] = {
 
 @dataclass(frozen=True)
 class KpiDefinition:
-    """One figure of merit.
+    """One figure of merit."""
 
-    Attributes
-    ----------
-    key : its name in JSON, which ends in the SI unit
-    title : its name for people, in words alone
-    unit : in which a table shows it
-    group : under which heading a report shows it
-    formula : its value over a `Window` of a run, or over what another table of figures is made from; NaN where it
-        cannot be known
-    scale, digits : a table shows `scale` times the value, with `digits` decimals
-    is_count : a whole number
-    heading : its name in a table of windows; "" keeps it out of there
-    is_seldom : people see it only where it is not 0
-    needs : what a run must have for it to be known, in words; "": nothing that people could miss
-    symbols : the formula in the symbols of the field, for those who know them; "": the title says it all
-    """
-
-    key: str
-    title: str
-    unit: str
-    group: str
+    key: str  # its name in JSON, which ends in the SI unit
+    title: str  # its name for people, in words alone
+    unit: str  # in which a table shows it
+    group: str  # under which heading a report shows it
+    # its value over a `Window` of a run, or over what another table of figures is made from; NaN where it cannot be
+    # known
     formula: Callable[[Any], float]
-    scale: float = 1.0
-    digits: int = 3
-    is_count: bool = False
-    heading: str = ""
-    is_seldom: bool = False
-    needs: str = ""
-    symbols: str = ""
+    scale: float = 1.0  # a table shows `scale` times the value [-]
+    digits: int = 3  # decimals in a table
+    is_count: bool = False  # a whole number
+    heading: str = ""  # its name in a table of windows; "" keeps it out of there
+    is_seldom: bool = False  # people see it only where it is not 0
+    needs: str = ""  # what a run must have for it to be known, in words; "": nothing that people could miss
+    symbols: str = ""  # the formula in the symbols of the field, for those who know them; "": the title says it all
 
     def text(self, value: float) -> str:
         """Return the value as a table shows it; a dash for one that could not be computed."""

@@ -16,19 +16,12 @@ NIS_BAND = (0.000982069, 5.02388619)
 
 @dataclass
 class Innovation:
-    """Innovations of one measurement, its `name`.
+    """Innovations of one measurement, its `name`."""
 
-    Attributes
-    ----------
-    name : of the measurement
-    time : shape (n,) [s]
-    value, sigma : innovation and its predicted standard deviation, shape (n,), in the unit of the measurement
-    """
-
-    name: str
-    time: Array
-    value: Array
-    sigma: Array
+    name: str  # of the measurement
+    time: Array  # shape (n,) [s]
+    value: Array  # innovation, shape (n,), in the unit of the measurement
+    sigma: Array  # its predicted standard deviation, shape (n,), in the same unit
 
 
 def innovations(state: Fields) -> list[Innovation]:

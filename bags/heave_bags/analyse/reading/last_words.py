@@ -23,18 +23,12 @@ TIMING_PREFIX = "timing "
 
 @dataclass
 class LastWords:
-    """What the diagnostics at the end of a bag say of the whole run.
+    """What the diagnostics at the end of a bag say of the whole run."""
 
-    Attributes
-    ----------
-    timings : histograms of durations in wall time by name: upper edge [ms] -> count
-    late_commands : number of them; NaN: not reported
-    largest_strain : of the cable [-]; NaN: not reported
-    """
-
+    # histograms of durations in wall time by name: upper edge [ms] -> count
     timings: dict[str, dict[str, int]] = field(default_factory=dict)
-    late_commands: float = math.nan
-    largest_strain: float = math.nan
+    late_commands: float = math.nan  # number of them [-]; NaN: not reported
+    largest_strain: float = math.nan  # of the cable [-]; NaN: not reported
 
 
 def last_words(bag: Bag, *, is_paced: bool) -> LastWords:

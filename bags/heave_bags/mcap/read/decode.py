@@ -40,16 +40,10 @@ _LONGEST_IDL = 1 << 20
 
 @dataclass
 class BagTopic(TopicSummary):
-    """One topic of a bag.
+    """One topic of a bag."""
 
-    Attributes
-    ----------
-    schema : definition of its type, `ros2msg`; "" if there is none
-    problem : why there is none
-    """
-
-    schema: str = ""
-    problem: str = ""
+    schema: str = ""  # definition of its type, `ros2msg`; "" if there is none
+    problem: str = ""  # why there is none
 
 
 def definition(channel: Channel, schema: Schema | None) -> tuple[str, str]:

@@ -24,18 +24,11 @@ _LEFT_BY_OTHERS = "._"
 
 @dataclass
 class BagFiles:
-    """What is in a folder.
+    """What is in a folder."""
 
-    Attributes
-    ----------
-    files : MCAP files, by name
-    losses : files that hold nothing of what they should
-    notes : on files that do not belong to the bag
-    """
-
-    files: list[Path]
-    losses: list[Loss] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    files: list[Path]  # MCAP files, by name
+    losses: list[Loss] = field(default_factory=list)  # files that hold nothing of what they should
+    notes: list[str] = field(default_factory=list)  # on files that do not belong to the bag
 
 
 def is_bag(path: Path) -> bool:

@@ -58,26 +58,16 @@ class FoundMessage(NamedTuple):
 
 @dataclass
 class FileContents:
-    """What a scan has found in a file beside its messages.
+    """What a scan has found in a file beside its messages."""
 
-    Attributes
-    ----------
-    schemas, channels : by id
-    metadata, attachments : in the order of the file
-    losses : what could not be read
-    is_own : this project has written the file
-    is_packed : its messages are compressed one by one
-    complete : the end of the data section was reached
-    """
-
-    schemas: dict[int, Schema] = field(default_factory=dict)
-    channels: dict[int, Channel] = field(default_factory=dict)
-    metadata: list[Metadata] = field(default_factory=list)
-    attachments: list[Attachment] = field(default_factory=list)
-    losses: list[Loss] = field(default_factory=list)
-    is_own: bool = False
-    is_packed: bool = False
-    complete: bool = False
+    schemas: dict[int, Schema] = field(default_factory=dict)  # by id
+    channels: dict[int, Channel] = field(default_factory=dict)  # by id
+    metadata: list[Metadata] = field(default_factory=list)  # in the order of the file
+    attachments: list[Attachment] = field(default_factory=list)  # in the order of the file
+    losses: list[Loss] = field(default_factory=list)  # what could not be read
+    is_own: bool = False  # this project has written the file
+    is_packed: bool = False  # its messages are compressed one by one
+    complete: bool = False  # the end of the data section was reached
 
 
 class Numbering:

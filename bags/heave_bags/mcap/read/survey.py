@@ -22,20 +22,12 @@ from heave_bags.mcap.summary import MAGIC, read_summary
 
 @dataclass
 class Survey:
-    """What a file holds.
+    """What a file holds."""
 
-    Attributes
-    ----------
-    path : of the file
-    contents : beside messages
-    counts : messages by channel
-    span : first and last log time [ns]; None without messages
-    """
-
-    path: Path
-    contents: FileContents
-    counts: dict[int, int]
-    span: tuple[int, int] | None
+    path: Path  # of the file
+    contents: FileContents  # beside messages
+    counts: dict[int, int]  # messages by channel
+    span: tuple[int, int] | None  # first and last log time [ns]; None without messages
 
     @property
     def message_count(self) -> int:
