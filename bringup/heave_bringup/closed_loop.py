@@ -56,37 +56,24 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class LoopParameters:
-    """Parameters of the loop in one process.
+    """Parameters of the loop in one process."""
 
-    Attributes
-    ----------
-    sea, plant, winch, controller : of the components
-    tick_period, duration : [s]
-    seed : of every random number
-    """
-
-    sea: WaveVesselParameters
-    plant: CableSimNodeParameters
-    winch: WinchParameters
-    controller: WinchControllerParameters
-    tick_period: float = 0.05
-    duration: float = 600.0
-    seed: int = 1
+    sea: WaveVesselParameters  # of the components
+    plant: CableSimNodeParameters  # of the components
+    winch: WinchParameters  # of the components
+    controller: WinchControllerParameters  # of the components
+    tick_period: float = 0.05  # [s]
+    duration: float = 600.0  # [s]
+    seed: int = 1  # of every random number
 
 
 @dataclass
 class LoopRecord:
-    """What a run left: one row per tick (t_k), columns by name, and the changes of mode.
+    """What a run left: one row per tick (t_k), columns by name, and the changes of mode."""
 
-    Attributes
-    ----------
-    rows : shape (ticks, len(COLUMNS)), SI units, heave positive up
-    modes : mode at each tick; alarms : time [s] and alarm
-    """
-
-    rows: Array
-    modes: list[str] = field(default_factory=list)
-    alarms: list[tuple[float, Alarm]] = field(default_factory=list)
+    rows: Array  # shape (ticks, len(COLUMNS)), SI units, heave positive up
+    modes: list[str] = field(default_factory=list)  # mode at each tick
+    alarms: list[tuple[float, Alarm]] = field(default_factory=list)  # time [s] and alarm
 
     def column(self, name: str, *, after: float = 0.0) -> Array:
         """Return a column of the record.

@@ -21,18 +21,11 @@ ADVISER = "winch_adviser"
 
 @dataclass(frozen=True)
 class NodeEntry:
-    """A node of the suite.
+    """A node of the suite."""
 
-    Attributes
-    ----------
-    name : node name
-    node : its class, as "module:class"; the module runs it (`python -m module`)
-    parameters : its parameter set, as "module:class"
-    """
-
-    name: str
-    node: str
-    parameters: str
+    name: str  # node name
+    node: str  # its class, as "module:class"; the module runs it (`python -m module`)
+    parameters: str  # its parameter set, as "module:class"
 
     @property
     def module(self) -> str:

@@ -30,20 +30,13 @@ FILE_WIDTH = 1000
 
 @dataclass(frozen=True)
 class FittedTable:
-    """A table that leaves out what a terminal has no room for, and says so.
+    """A table that leaves out what a terminal has no room for, and says so."""
 
-    Attributes
-    ----------
-    columns, rows, texts : as `make_table` takes them
-    optional : columns that may be left out, the last one first
-    elsewhere : where they are then, in words
-    """
-
-    columns: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    texts: Collection[str] = ()
-    optional: Sequence[str] = ()
-    elsewhere: str = ""
+    columns: Sequence[str]  # as `make_table` takes them
+    rows: Sequence[Sequence[str]]  # as `make_table` takes them
+    texts: Collection[str] = ()  # as `make_table` takes them
+    optional: Sequence[str] = ()  # columns that may be left out, the last one first
+    elsewhere: str = ""  # where they are then, in words
 
     def fitted(self, console: Console) -> list[str | Table]:
         """Return the table as wide as the `console`, and a line with what is not in it."""

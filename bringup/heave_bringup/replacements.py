@@ -43,20 +43,14 @@ FORMER = {
 
 @dataclass(frozen=True)
 class Replacements:
-    """What takes the places of nodes.
+    """What takes the places of nodes."""
 
-    Attributes
-    ----------
-    external : outside the ticks, NODE or NODE=CLOCK[:LATENCY] each; a sensor's topic may stand for NODE
-    lockstep : nodes in whose place somebody else's program takes part in each tick
-    programs : module and arguments that are started in the place of a node, by node
-    left_out : nodes in whose place there is nothing
-    """
-
+    # outside the ticks, NODE or NODE=CLOCK[:LATENCY] each; a sensor's topic may stand for NODE
     external: tuple[str, ...] = ()
-    lockstep: tuple[str, ...] = ()
+    lockstep: tuple[str, ...] = ()  # nodes in whose place somebody else's program takes part in each tick
+    # module and arguments that are started in the place of a node, by node
     programs: Mapping[str, list[str]] = field(default_factory=dict)
-    left_out: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()  # nodes in whose place there is nothing
 
     @property
     def in_ticks(self) -> list[str]:

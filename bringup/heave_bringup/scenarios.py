@@ -46,25 +46,16 @@ Values = dict[str, dict[str, Given]]
 
 @dataclass(frozen=True)
 class Scenario:
-    """A checked scenario.
+    """A checked scenario."""
 
-    Attributes
-    ----------
-    name, path : of the file
-    run : parameters that all nodes share
-    parameters : parameter set of each node, by node name
-    wanted : criteria that a run should meet
-    quality_of_service : what a node's section changes of it, `qos_overrides.`, by node and dotted name
-    changed : places of the parameters that were changed on top of the file
-    """
-
-    name: str
-    path: Path
-    run: RunParameters
-    parameters: Mapping[str, Any]
-    wanted: tuple[Criterion, ...] = ()
+    name: str  # of the file
+    path: Path  # of the file
+    run: RunParameters  # parameters that all nodes share
+    parameters: Mapping[str, Any]  # parameter set of each node, by node name
+    wanted: tuple[Criterion, ...] = ()  # criteria that a run should meet
+    # what a node's section changes of it, `qos_overrides.`, by node and dotted name
     quality_of_service: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
-    changed: tuple[str, ...] = ()
+    changed: tuple[str, ...] = ()  # places of the parameters that were changed on top of the file
 
     @property
     def moves_winch(self) -> bool:

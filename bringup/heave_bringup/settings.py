@@ -28,20 +28,12 @@ MOST_PLACES = 3
 
 @dataclass(frozen=True)
 class Setting:
-    """One change: a parameter, its new value, and where the change comes from.
+    """One change: a parameter, its new value, and where the change comes from."""
 
-    Attributes
-    ----------
-    target : node, or `/**` for what all nodes share
-    name : dotted name of the parameter
-    value : not yet checked
-    source : what the user wrote, to be named where the value is wrong
-    """
-
-    target: str
-    name: str
-    value: object
-    source: str
+    target: str  # node, or `/**` for what all nodes share
+    name: str  # dotted name of the parameter
+    value: object  # not yet checked
+    source: str  # what the user wrote, to be named where the value is wrong
 
     @property
     def place(self) -> str:

@@ -23,43 +23,27 @@ REACTION = 1.5
 
 @dataclass
 class Heard:
-    """What came on one topic.
+    """What came on one topic."""
 
-    Attributes
-    ----------
-    publishers : names of the nodes that publish it, each with its host-wide unique namespace
-    types : of these publishers
-    refusals : quality of service that does not match, in words
-    arrivals, stamps, clock : of each message [s]: wall time, its stamp, simulated time when it came
-    bad : fields that were no plausible number, with how often
-    counter : values of the field that counts
-    """
-
+    # names of the nodes that publish it, each with its host-wide unique namespace
     publishers: list[str] = field(default_factory=list)
-    types: list[str] = field(default_factory=list)
-    refusals: list[str] = field(default_factory=list)
-    arrivals: list[float] = field(default_factory=list)
-    stamps: list[float] = field(default_factory=list)
-    clock: list[float] = field(default_factory=list)
-    bad: dict[str, int] = field(default_factory=dict)
-    counter: list[int] = field(default_factory=list)
+    types: list[str] = field(default_factory=list)  # of these publishers
+    refusals: list[str] = field(default_factory=list)  # quality of service that does not match, in words
+    arrivals: list[float] = field(default_factory=list)  # wall time of each message [s]
+    stamps: list[float] = field(default_factory=list)  # stamp of each message [s]
+    clock: list[float] = field(default_factory=list)  # simulated time when each message came [s]
+    bad: dict[str, int] = field(default_factory=dict)  # fields that were no plausible number, with how often
+    counter: list[int] = field(default_factory=list)  # values of the field that counts
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One line of the table.
+    """One line of the table."""
 
-    Attributes
-    ----------
-    topic, what : that was looked at, and what of it
-    is_good : it is as the contract says
-    words : what was found
-    """
-
-    topic: str
-    what: str
-    is_good: bool
-    words: str
+    topic: str  # that was looked at
+    what: str  # what of it
+    is_good: bool  # it is as the contract says
+    words: str  # what was found
 
 
 def judge_topic(port: Port, heard: Heard, rule: ClockRule = ClockRule.DETECT) -> list[Finding]:
@@ -142,38 +126,25 @@ def is_plausible(value: float, largest: float) -> bool:
 
 @dataclass(frozen=True)
 class WinchTrial:
-    """What a winch reported at one time while it was braked, released, and left without commands.
+    """What a winch reported at one time while it was braked, released, and left without commands."""
 
-    Attributes
-    ----------
-    time : since the trial began [s]
-    reported : sequence number of the newest command sent
-    taken : number of the newest command it has taken
-    brake, fault, release : as it says
-    """
-
-    time: float
-    reported: int
-    taken: int
-    brake: bool
-    fault: int
-    release: int
+    time: float  # since the trial began [s]
+    reported: int  # sequence number of the newest command sent
+    taken: int  # number of the newest command it has taken
+    brake: bool  # as it says
+    fault: int  # as it says
+    release: int  # as it says
 
 
 @dataclass(frozen=True)
 class Plan:
-    """When a winch is braked, released, left alone, braked and released again.
+    """When a winch is braked, released, left alone, braked and released again."""
 
-    Attributes
-    ----------
-    braked, released, silent, acknowledged, end : ends of these phases, in this order [s]
-    """
-
-    braked: float
-    released: float
-    silent: float
-    acknowledged: float
-    end: float
+    braked: float  # end of this phase [s]
+    released: float  # end of this phase [s]
+    silent: float  # end of this phase [s]
+    acknowledged: float  # end of this phase [s]
+    end: float  # end of this phase [s]
 
     def phase(self, time: float) -> str:
         """Return the phase at `time` [s]."""

@@ -36,49 +36,29 @@ COAST, RESUME = MODES.coast_time, MODES.resume_time
 
 @dataclass(frozen=True)
 class Port:
-    """A topic of an external node.
+    """A topic of an external node."""
 
-    Attributes
-    ----------
-    topic : its name, type and role
-    rate : lowest rate at which the loop works well [Hz]; 0: none is required
-    is_required : the run does not begin without it
-    meaning : what it says, in words
-    numbers : fields that must be finite numbers, each with the largest magnitude that is plausible in its unit
-    counter : field that counts up by one; "" for none
-    may_be_missing : those of the numbers that are NaN where they are not measured
-    """
-
-    topic: Topic
-    rate: float
-    is_required: bool
-    meaning: str
+    topic: Topic  # its name, type and role
+    rate: float  # lowest rate at which the loop works well [Hz]; 0: none is required
+    is_required: bool  # the run does not begin without it
+    meaning: str  # what it says, in words
+    # fields that must be finite numbers, each with the largest magnitude that is plausible in its unit
     numbers: tuple[tuple[str, float], ...] = ()
-    counter: str = ""
-    may_be_missing: tuple[str, ...] = ()
+    counter: str = ""  # field that counts up by one; "" for none
+    may_be_missing: tuple[str, ...] = ()  # those of the numbers that are NaN where they are not measured
 
 
 @dataclass(frozen=True)
 class Contract:
-    """What takes the place of one node.
+    """What takes the place of one node."""
 
-    Attributes
-    ----------
-    node : of the suite that is replaced
-    what : takes its place, in words
-    publishes, hears : topics out and in
-    when_late : what happens when its messages are late or stop
-    handshake : how it and its fellow agree on brake and faults; "" where there is nothing to agree on
-    advice : what the tables do not say and a newcomer would trip over
-    """
-
-    node: str
-    what: str
-    publishes: tuple[Port, ...]
-    hears: tuple[Port, ...]
-    when_late: str
-    handshake: str = ""
-    advice: str = ""
+    node: str  # of the suite that is replaced
+    what: str  # takes its place, in words
+    publishes: tuple[Port, ...]  # topics out
+    hears: tuple[Port, ...]  # topics in
+    when_late: str  # what happens when its messages are late or stop
+    handshake: str = ""  # how it and its fellow agree on brake and faults; "" where there is nothing to agree on
+    advice: str = ""  # what the tables do not say and a newcomer would trip over
 
 
 CLOCK = Port(topics.CLOCK, 1.0 / TICK, False, "simulated time: the start of each tick, used for stamps")

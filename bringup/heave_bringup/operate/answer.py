@@ -7,16 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Answer:
-    """A definite answer, in one line.
+    """A definite answer, in one line."""
 
-    Attributes
-    ----------
-    text : what was done, or why it was not
-    is_refused : it was not done
-    """
-
-    text: str
-    is_refused: bool = False
+    text: str  # what was done, or why it was not
+    is_refused: bool = False  # it was not done
 
 
 def refusal(text: str) -> Answer:

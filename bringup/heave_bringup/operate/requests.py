@@ -40,24 +40,14 @@ def plain_answer(response: Any) -> Answer:
 
 @dataclass(frozen=True)
 class Request:
-    """A request to one service.
+    """A request to one service."""
 
-    Attributes
-    ----------
-    kind : type of the service
-    service : its relative name
-    message : what is asked
-    node : that serves it
-    bound : wall time in which it must answer [s]
-    judge : makes the answer in words of the service's response
-    """
-
-    kind: type[Any]
-    service: str
-    message: Any
-    node: str
-    bound: float = ANSWER_TIME
-    judge: Callable[[Any], Answer] = plain_answer
+    kind: type[Any]  # type of the service
+    service: str  # its relative name
+    message: Any  # what is asked
+    node: str  # that serves it
+    bound: float = ANSWER_TIME  # wall time in which it must answer [s]
+    judge: Callable[[Any], Answer] = plain_answer  # makes the answer in words of the service's response
 
 
 def request_mode(mode: str, tension: float = 0.0, *, unproved: bool = False) -> Request:
@@ -96,18 +86,12 @@ def request_factor(factor: float) -> Request:
 
 @dataclass(frozen=True)
 class WinchLimits:
-    """Limits of the winch as the controller assumes them; NaN: unknown.
+    """Limits of the winch as the controller assumes them; NaN: unknown."""
 
-    Attributes
-    ----------
-    speed, acceleration : largest [m/s], [m/s^2]
-    payout_minimum, payout_maximum : of the drum, positive lowers [m]
-    """
-
-    speed: float = math.nan
-    acceleration: float = math.nan
-    payout_minimum: float = math.nan
-    payout_maximum: float = math.nan
+    speed: float = math.nan  # largest [m/s]
+    acceleration: float = math.nan  # largest [m/s^2]
+    payout_minimum: float = math.nan  # least, of the drum, positive lowers [m]
+    payout_maximum: float = math.nan  # largest, of the drum, positive lowers [m]
 
 
 LIMIT_NAMES = ("winch.speed_limit", "winch.acceleration_limit", "winch.payout_minimum", "winch.payout_maximum")

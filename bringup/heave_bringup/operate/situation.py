@@ -14,75 +14,44 @@ UNKNOWN = math.nan
 
 @dataclass
 class RunStatus:
-    """How the run goes, as reported by its clock master.
+    """How the run goes, as reported by its clock master."""
 
-    Attributes
-    ----------
-    state : WAITING, RUNNING, PAUSED, ENDED or FAILED
-    reason : what is waited for, or why it failed
-    tick : number of the tick that is under way
-    time : simulated [s]
-    real_time_factor : simulated over wall time [-]
-    missed_deadlines : ticks whose inputs were not there in time
-    """
-
-    state: int
-    reason: str = ""
-    tick: int = 0
-    time: float = 0.0
-    real_time_factor: float = 0.0
-    missed_deadlines: int = 0
+    state: int  # WAITING, RUNNING, PAUSED, ENDED or FAILED
+    reason: str = ""  # what is waited for, or why it failed
+    tick: int = 0  # number of the tick that is under way
+    time: float = 0.0  # simulated [s]
+    real_time_factor: float = 0.0  # simulated over wall time [-]
+    missed_deadlines: int = 0  # ticks whose inputs were not there in time
 
 
 @dataclass
 class ControllerStatus:
-    """What the controller says of a tick.
+    """What the controller says of a tick."""
 
-    Attributes
-    ----------
-    time : simulated time of the tick [s]
-    mode, law, reason : as in heave_msgs/ControllerState
-    authority : authority of compensation, 0 to 1
-    unit_heave, boom_tip_heave, uncompensated_heave : estimated, about their means, positive up [m]
-    unit_error : standard deviation of the error of that of the unit, by the filter [m]
-    mean_payout : about which compensation works, positive lowers [m]
-    limits : that shape the command
-    """
-
-    time: float
-    mode: str
-    law: str = ""
-    reason: str = ""
-    authority: float = 0.0
-    unit_heave: float = UNKNOWN
-    boom_tip_heave: float = UNKNOWN
-    uncompensated_heave: float = UNKNOWN
-    mean_payout: float = UNKNOWN
-    limits: tuple[str, ...] = ()
-    unit_error: float = UNKNOWN
+    time: float  # simulated time of the tick [s]
+    mode: str  # as in heave_msgs/ControllerState
+    law: str = ""  # as in heave_msgs/ControllerState
+    reason: str = ""  # as in heave_msgs/ControllerState
+    authority: float = 0.0  # authority of compensation, 0 to 1 [-]
+    unit_heave: float = UNKNOWN  # estimated, about their means, positive up [m]
+    boom_tip_heave: float = UNKNOWN  # estimated, about their means, positive up [m]
+    uncompensated_heave: float = UNKNOWN  # estimated, about their means, positive up [m]
+    mean_payout: float = UNKNOWN  # about which compensation works, positive lowers [m]
+    limits: tuple[str, ...] = ()  # that shape the command
+    unit_error: float = UNKNOWN  # standard deviation of the error of that of the unit, by the filter [m]
 
 
 @dataclass
 class WinchStatus:
-    """What the winch reports of itself.
+    """What the winch reports of itself."""
 
-    Attributes
-    ----------
-    time : simulated [s]
-    payout, rate : of the encoder, positive lowers [m], [m/s]
-    acceleration : change of that rate since the state before [m/s^2]
-    tension : at the drum [N]
-    brake : whether it is on
-    fault : code, as in heave_msgs/WinchState; 0 for none
-    """
-
-    time: float
-    payout: float = UNKNOWN
-    rate: float = UNKNOWN
-    tension: float = UNKNOWN
-    brake: bool = False
-    fault: int = 0
-    acceleration: float = UNKNOWN
+    time: float  # simulated [s]
+    payout: float = UNKNOWN  # of the encoder, positive lowers [m]
+    rate: float = UNKNOWN  # of the encoder, positive lowers [m/s]
+    tension: float = UNKNOWN  # at the drum [N]
+    brake: bool = False  # whether it is on
+    fault: int = 0  # code, as in heave_msgs/WinchState; 0 for none
+    acceleration: float = UNKNOWN  # change of that rate since the state before [m/s^2]
 
     def since(self, before: WinchStatus | None) -> WinchStatus:
         """Return this with its acceleration, by the rate that was read `before`."""
@@ -93,39 +62,23 @@ class WinchStatus:
 
 @dataclass
 class Figures:
-    """The controller's rolling figures of merit, from its estimates.
+    """The controller's rolling figures of merit, from its estimates."""
 
-    Attributes
-    ----------
-    window : over which they are taken [s]
-    unit_sigma : standard deviation of the unit's heave [m]
-    uncompensated_sigma : the same with the winch locked [m]
-    winch_speed_max : [m/s]
-    tension_min, tension_max : measured [N]
-    """
-
-    window: float
-    unit_sigma: float
-    uncompensated_sigma: float = UNKNOWN
-    winch_speed_max: float = UNKNOWN
-    tension_min: float = UNKNOWN
-    tension_max: float = UNKNOWN
+    window: float  # over which they are taken [s]
+    unit_sigma: float  # standard deviation of the unit's heave [m]
+    uncompensated_sigma: float = UNKNOWN  # the same with the winch locked [m]
+    winch_speed_max: float = UNKNOWN  # [m/s]
+    tension_min: float = UNKNOWN  # measured [N]
+    tension_max: float = UNKNOWN  # measured [N]
 
 
 @dataclass(frozen=True)
 class Trouble:
-    """A part of a node that is not well.
+    """A part of a node that is not well."""
 
-    Attributes
-    ----------
-    part : node and part
-    message : what is wrong
-    is_error : an alarm; else a warning
-    """
-
-    part: str
-    message: str
-    is_error: bool
+    part: str  # node and part
+    message: str  # what is wrong
+    is_error: bool  # an alarm; else a warning
 
     def __str__(self) -> str:
         return f"{self.part}: {self.message}"
@@ -133,25 +86,18 @@ class Trouble:
 
 @dataclass
 class Situation:
-    """The newest of each; None where nothing has come yet.
+    """The newest of each; None where nothing has come yet."""
 
-    Attributes
-    ----------
-    run, controller, winch, figures : from the run's topics
-    depth : estimated mean depth of the unit, positive down [m]; NaN where the controller does not know it
-    load_cell : top tension as the load cell measures it [N]; NaN where there is none
-    simulated : devices that a node of the run simulates, so that faults can be injected; None: not known yet
-    troubles : by part, what /diagnostics says is not well now
-    """
-
-    run: RunStatus | None = None
-    controller: ControllerStatus | None = None
-    winch: WinchStatus | None = None
-    figures: Figures | None = None
+    run: RunStatus | None = None  # from the run's topics
+    controller: ControllerStatus | None = None  # from the run's topics
+    winch: WinchStatus | None = None  # from the run's topics
+    figures: Figures | None = None  # from the run's topics
+    # estimated mean depth of the unit, positive down [m]; NaN where the controller does not know it
     depth: float = UNKNOWN
-    load_cell: float = UNKNOWN
+    load_cell: float = UNKNOWN  # top tension as the load cell measures it [N]; NaN where there is none
+    # devices that a node of the run simulates, so that faults can be injected; None: not known yet
     simulated: tuple[str, ...] | None = None
-    troubles: dict[str, Trouble] = field(default_factory=dict)
+    troubles: dict[str, Trouble] = field(default_factory=dict)  # by part, what /diagnostics says is not well now
 
     @property
     def tension(self) -> float:

@@ -38,15 +38,10 @@ class Task(Protocol):
 
 
 class Move(Task, Protocol):
-    """A move that was requested.
+    """A move that was requested."""
 
-    Attributes
-    ----------
-    is_under_way : the controller has begun it
-    progress : mean depth [m], rate [m/s] and time to go [s], newest; None before the first
-    """
-
-    is_under_way: bool
+    is_under_way: bool  # the controller has begun it
+    # mean depth [m], rate [m/s] and time to go [s], newest; None before the first
     progress: tuple[float, float, float] | None
 
 

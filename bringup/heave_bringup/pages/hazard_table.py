@@ -20,30 +20,17 @@ WINCH, MODES = WinchParameters(), ModeParameters()
 
 @dataclass(frozen=True)
 class Hazard:
-    """A hazard, and the protective measures against it.
+    """A hazard, and the protective measures against it."""
 
-    Attributes
-    ----------
-    name : the hazardous event, and whom or what it harms
-    causes : faults by kind of device
-    others : causes that are no fault of a simulated device, in words
-    alarms : codes by which it is detected; `*` stands for any letters
-    events : of the table of modes, to which the controller reacts
-    reaction : besides the changes of mode, in words
-    time : from the cause to the reaction, with its source
-    residual : risk that remains
-    tests : `file::function` of tests that show it
-    """
-
-    name: str
-    causes: Mapping[str, tuple[str, ...]]
-    alarms: tuple[str, ...]
-    reaction: str
-    time: str
-    residual: str
-    tests: tuple[str, ...]
-    others: str = ""
-    events: tuple[Event, ...] = ()
+    name: str  # the hazardous event, and whom or what it harms
+    causes: Mapping[str, tuple[str, ...]]  # faults by kind of device
+    alarms: tuple[str, ...]  # codes by which it is detected; `*` stands for any letters
+    reaction: str  # besides the changes of mode, in words
+    time: str  # from the cause to the reaction, with its source
+    residual: str  # risk that remains
+    tests: tuple[str, ...]  # `file::function` of tests that show it
+    others: str = ""  # causes that are no fault of a simulated device, in words
+    events: tuple[Event, ...] = ()  # of the table of modes, to which the controller reacts
 
 
 _C = "winch_controller_node/test/"

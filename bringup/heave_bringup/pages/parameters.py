@@ -45,18 +45,11 @@ assumes of it at once: `--set system.PARAM=VALUE`. Units are SI.
 
 @dataclass(frozen=True)
 class Row:
-    """One parameter of one node.
+    """One parameter of one node."""
 
-    Attributes
-    ----------
-    node : its name, or "all" for the run
-    info : what is known of the parameter
-    shared : its name under `system.`; "" where it has none
-    """
-
-    node: str
-    info: ParameterInfo
-    shared: str = ""
+    node: str  # its name, or "all" for the run
+    info: ParameterInfo  # what is known of the parameter
+    shared: str = ""  # its name under `system.`; "" where it has none
 
     @property
     def meaning(self) -> str:

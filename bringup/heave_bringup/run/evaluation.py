@@ -41,24 +41,14 @@ def check_complete(bag: Path, status: TickStatus) -> None:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What a run gave.
+    """What a run gave."""
 
-    Attributes
-    ----------
-    headline : the figures of merit that sum the run up, as a table
-    table : of all figures of merit
-    figures : the same for a machine
-    losses : of compensation, each in words
-    warnings : what a reader of the figures must be warned of
-    verdict : by the criteria of the scenario and of the command line
-    """
-
-    headline: str
-    table: str
-    figures: dict[str, object]
-    losses: list[str]
-    warnings: list[str]
-    verdict: Verdict
+    headline: str  # the figures of merit that sum the run up, as a table
+    table: str  # of all figures of merit
+    figures: dict[str, object]  # the same for a machine
+    losses: list[str]  # of compensation, each in words
+    warnings: list[str]  # what a reader of the figures must be warned of
+    verdict: Verdict  # by the criteria of the scenario and of the command line
 
 
 def evaluate(

@@ -34,20 +34,12 @@ Without it a node gives pages back to the system and asks for them again in ever
 
 @dataclass
 class NodeProcess:
-    """One process.
+    """One process."""
 
-    Attributes
-    ----------
-    name : of the node in it, or of what it holds
-    process : that runs it
-    log : file with all that it prints
-    nodes : names of those in it
-    """
-
-    name: str
-    process: subprocess.Popen[bytes] | Forked
-    log: Path
-    nodes: Sequence[str]
+    name: str  # of the node in it, or of what it holds
+    process: subprocess.Popen[bytes] | Forked  # that runs it
+    log: Path  # file with all that it prints
+    nodes: Sequence[str]  # names of those in it
 
     @property
     def grace(self) -> float:

@@ -25,21 +25,13 @@ EXTRA_OF = dict.fromkeys((KAPPA, BASELINE, WHATIF), "studies")
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked beside the figures of a bag.
+    """What is asked beside the figures of a bag."""
 
-    Attributes
-    ----------
-    bag : folder or file
-    name : of the scenario that the command line gives; "": the bag's own
-    scenario : the same, read
-    transient : start of the evaluation window [s]; None takes what the bag says
-    parts : what is asked of each extra: True all that it has, None what costs no time, False nothing
-    """
-
-    bag: Path
-    name: str = ""
-    scenario: Scenario | None = None
-    transient: float | None = None
+    bag: Path  # folder or file
+    name: str = ""  # of the scenario that the command line gives; "": the bag's own
+    scenario: Scenario | None = None  # the same, read
+    transient: float | None = None  # start of the evaluation window [s]; None takes what the bag says
+    # what is asked of each extra: True all that it has, None what costs no time, False nothing
     parts: Mapping[str, bool | None] | None = None
 
     def asks(self, part: str) -> bool | None:

@@ -47,19 +47,13 @@ itself; one that still runs is ended, and the run fails unless its recorder has 
 
 @dataclass
 class RunFolder:
-    """Where a run leaves its files.
+    """Where a run leaves its files."""
 
-    Attributes
-    ----------
-    path : the folder
-    bag, report, scenario, logs : what lies in it
-    """
-
-    path: Path
-    bag: Path = field(init=False)
-    report: Path = field(init=False)
-    scenario: Path = field(init=False)
-    logs: Path = field(init=False)
+    path: Path  # the folder
+    bag: Path = field(init=False)  # what lies in it
+    report: Path = field(init=False)  # what lies in it
+    scenario: Path = field(init=False)  # what lies in it
+    logs: Path = field(init=False)  # what lies in it
 
     def __post_init__(self) -> None:
         self.bag = self.path / "bag"
@@ -98,18 +92,11 @@ def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run went.
+    """How a run went."""
 
-    Attributes
-    ----------
-    status : last status of the clock master
-    alarms : errors that the nodes reported, in order
-    strangers : processes that published where only others may; none of them was obeyed
-    """
-
-    status: TickStatus
-    alarms: list[str]
-    strangers: list[str]
+    status: TickStatus  # last status of the clock master
+    alarms: list[str]  # errors that the nodes reported, in order
+    strangers: list[str]  # processes that published where only others may; none of them was obeyed
 
     @property
     def lost(self) -> list[str]:
