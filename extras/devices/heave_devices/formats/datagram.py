@@ -51,20 +51,12 @@ _COMPUTE: Mapping[str, Callable[[bytes], int]] = {"crc32": zlib.crc32, "crc16": 
 
 @dataclass(frozen=True)
 class Layout:
-    """The layout of a datagram.
+    """The layout of a datagram."""
 
-    Attributes
-    ----------
-    fields : kinds by name, in their order
-    marks : numbers that must be there, by name
-    check : of `crc`, at the end; "": none
-    byte_order : big, little
-    """
-
-    fields: Mapping[str, str]
-    marks: Mapping[str, int]
-    check: str = ""
-    byte_order: str = "big"
+    fields: Mapping[str, str]  # kinds by name, in their order
+    marks: Mapping[str, int]  # numbers that must be there, by name
+    check: str = ""  # of `crc`, at the end; "": none
+    byte_order: str = "big"  # big, little
 
     @property
     def size(self) -> int:

@@ -27,22 +27,13 @@ _NAME = re.compile(
 
 @dataclass(frozen=True)
 class Register:
-    """One number among the registers of a PLC.
+    """One number among the registers of a PLC."""
 
-    Attributes
-    ----------
-    name : as the map has it, without a bit
-    table : coil, discrete, input, holding
-    address : of its first register, from 0
-    kind : of number_kinds
-    order : of its words, big or little; "": that of the map
-    """
-
-    name: str
-    table: str
-    address: int
-    kind: str
-    order: str = ""
+    name: str  # as the map has it, without a bit
+    table: str  # coil, discrete, input, holding
+    address: int  # of its first register, from 0
+    kind: str  # of number_kinds
+    order: str = ""  # of its words, big or little; "": that of the map
 
     @property
     def count(self) -> int:
@@ -71,18 +62,12 @@ def register_of(text: str) -> Register:
 
 @dataclass(frozen=True)
 class Block:
-    """Registers that one request reads or writes.
+    """Registers that one request reads or writes."""
 
-    Attributes
-    ----------
-    table, address, count : where they are
-    registers : the numbers in them
-    """
-
-    table: str
-    address: int
-    count: int
-    registers: tuple[Register, ...]
+    table: str  # Modbus table
+    address: int  # of the first of them
+    count: int  # how many
+    registers: tuple[Register, ...]  # the numbers in them
 
 
 def blocks_of(registers: Iterable[Register]) -> list[Block]:

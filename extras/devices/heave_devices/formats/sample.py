@@ -35,52 +35,32 @@ class TimeBase(Enum):
 
 @dataclass(frozen=True)
 class Sample:
-    """One sentence, frame or message of a device.
+    """One sentence, frame or message of a device."""
 
-    Attributes
-    ----------
-    kind : name of the sentence or frame, such as PSXN23
-    values : finite numbers by quantity, SI units, the suite's signs
-    invalid : quantities that the device itself calls invalid; they are not among the values
-    status : whether the motion has settled, as the device says
-    time : of the device's own clock [s]; None: the sample has none
-    time_base : what that time counts from
-    words : fields that hold other text than a number, by name: what a validity may be read from
-    """
-
-    kind: str
-    values: Mapping[str, float]
+    kind: str  # name of the sentence or frame, such as PSXN23
+    values: Mapping[str, float]  # finite numbers by quantity, SI units, the suite's signs
+    # quantities that the device itself calls invalid; they are not among the values
     invalid: frozenset[str] = frozenset()
-    status: MruStatus = MruStatus.OK
-    time: float | None = None
-    time_base: TimeBase = TimeBase.NONE
+    status: MruStatus = MruStatus.OK  # whether the motion has settled, as the device says
+    time: float | None = None  # of the device's own clock [s]; None: the sample has none
+    time_base: TimeBase = TimeBase.NONE  # what that time counts from
+    # fields that hold other text than a number, by name: what a validity may be read from
     words: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass
 class Counters:
-    """What came on a line, counted.
+    """What came on a line, counted."""
 
-    Attributes
-    ----------
-    bytes : received
-    samples : sentences or frames that were read
-    checksum_errors : whose checksum does not fit, or is missing
-    malformed : whose content is not as the format has it
-    incomplete_lines : that were begun and not ended
-    unknown : sentences that no table knows, by name
-    lost, repeated, late : numbered datagrams that never came, came twice, or came after a newer one
-    """
-
-    bytes: int = 0
-    samples: int = 0
-    checksum_errors: int = 0
-    malformed: int = 0
-    incomplete_lines: int = 0
-    unknown: dict[str, int] = field(default_factory=dict)
-    lost: int = 0
-    repeated: int = 0
-    late: int = 0
+    bytes: int = 0  # received
+    samples: int = 0  # sentences or frames that were read
+    checksum_errors: int = 0  # whose checksum does not fit, or is missing
+    malformed: int = 0  # whose content is not as the format has it
+    incomplete_lines: int = 0  # that were begun and not ended
+    unknown: dict[str, int] = field(default_factory=dict)  # sentences that no table knows, by name
+    lost: int = 0  # numbered datagrams that never came
+    repeated: int = 0  # numbered datagrams that came twice
+    late: int = 0  # numbered datagrams that came after a newer one
 
     def note_unknown(self, name: str) -> None:
         """Count a sentence `name` that no table knows; of more than 50 names the rest is one."""

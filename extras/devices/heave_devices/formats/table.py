@@ -15,20 +15,12 @@ _ATTITUDE = ("roll", "pitch", "heading")
 
 @dataclass(frozen=True)
 class Format:
-    """A format.
+    """A format."""
 
-    Attributes
-    ----------
-    make : returns a new decoder
-    fields : of each sentence or frame, by its name
-    is_text : lines, of which a log may have a stamp before each
-    meaning : one line for the list of formats
-    """
-
-    make: Callable[[], Decoder]
-    fields: Mapping[str, tuple[str, ...]]
-    meaning: str
-    is_text: bool = True
+    make: Callable[[], Decoder]  # returns a new decoder
+    fields: Mapping[str, tuple[str, ...]]  # of each sentence or frame, by its name
+    meaning: str  # one line for the list of formats
+    is_text: bool = True  # lines, of which a log may have a stamp before each
 
 
 FORMATS: Mapping[str, Format] = {

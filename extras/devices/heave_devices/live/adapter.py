@@ -35,22 +35,14 @@ _PLAIN = {sensors.DEPTH.topic.name: "pressure", sensors.LOAD_CELL.topic.name: "t
 
 
 class WinchReading(NamedTuple):
-    """What a drive reports of itself; NaN where it does not.
+    """What a drive reports of itself; NaN where it does not."""
 
-    Attributes
-    ----------
-    stamp : [ns]; 0: the time of arrival counts
-    payout, payout_rate : [m], [m/s]
-    tension : [N]
-    brake, fault : other than 0: engaged, tripped
-    """
-
-    stamp: int
-    payout: float
-    payout_rate: float
-    tension: float
-    brake: float
-    fault: float
+    stamp: int  # [ns]; 0: the time of arrival counts
+    payout: float  # [m]
+    payout_rate: float  # [m/s]
+    tension: float  # [N]
+    brake: float  # other than 0 [-]: engaged
+    fault: float  # other than 0 [-]: tripped
 
 
 class Adapter:

@@ -29,20 +29,12 @@ DEFAULT_PERIOD = 300.0
 
 @dataclass
 class Taken:
-    """Quantities of one sample or message.
+    """Quantities of one sample or message."""
 
-    Attributes
-    ----------
-    time : of the measurement, by one clock [s]
-    values : by quantity, SI units, the suite's signs
-    invalid : quantities of the map that the device calls invalid
-    status : whether the motion has settled
-    """
-
-    time: float
-    values: dict[str, float] = field(default_factory=dict)
-    invalid: set[str] = field(default_factory=set)
-    status: MruStatus = MruStatus.OK
+    time: float  # of the measurement, by one clock [s]
+    values: dict[str, float] = field(default_factory=dict)  # by quantity, SI units, the suite's signs
+    invalid: set[str] = field(default_factory=set)  # quantities of the map that the device calls invalid
+    status: MruStatus = MruStatus.OK  # whether the motion has settled
 
 
 class Recent:
@@ -71,22 +63,14 @@ class Recent:
 
 @dataclass
 class TakeCounters:
-    """What was not used, counted.
+    """What was not used, counted."""
 
-    Attributes
-    ----------
-    invalid : samples of which something is called invalid, by the device or for its size
-    implausible : values larger than the quantity can be, by quantity
-    missing : fields that a message does not have, in words
-    worst : in words, the last implausible value
-    unavailable : values that stand for "not available" now, as sent, by quantity
-    """
-
-    invalid: int = 0
+    invalid: int = 0  # samples of which something is called invalid, by the device or for its size
+    # values that stand for "not available" now, as sent, by quantity
     unavailable: dict[str, float] = field(default_factory=dict)
-    implausible: dict[str, int] = field(default_factory=dict)
-    missing: dict[str, int] = field(default_factory=dict)
-    worst: str = ""
+    implausible: dict[str, int] = field(default_factory=dict)  # values larger than the quantity can be, by quantity
+    missing: dict[str, int] = field(default_factory=dict)  # fields that a message does not have, in words
+    worst: str = ""  # in words, the last implausible value
 
 
 class Taker:

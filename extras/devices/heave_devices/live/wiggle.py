@@ -26,30 +26,19 @@ DURATION = 2.0 * MOVE_TIME + 3.0 * REST_TIME
 
 
 class Reading(NamedTuple):
-    """What the winch said of itself.
+    """What the winch said of itself."""
 
-    Attributes
-    ----------
-    time : since the wiggle began [s]
-    payout, payout_rate : [m], [m/s]; NaN: not known
-    """
-
-    time: float
-    payout: float
-    payout_rate: float
+    time: float  # since the wiggle began [s]
+    payout: float  # [m]; NaN: not known
+    payout_rate: float  # [m/s]; NaN: not known
 
 
 class Verdict(NamedTuple):
-    """One line of the result.
+    """One line of the result."""
 
-    Attributes
-    ----------
-    what, is_good, words : what was looked at, whether it is right, and what was found
-    """
-
-    what: str
-    is_good: bool
-    words: str
+    what: str  # what was looked at
+    is_good: bool  # whether it is right
+    words: str  # what was found
 
 
 def move_at(time: float, distance: float) -> tuple[float, float]:

@@ -20,19 +20,12 @@ AT_REST = 0.01
 
 
 class WinchOrder(NamedTuple):
-    """What is asked of the drive.
+    """What is asked of the drive."""
 
-    Attributes
-    ----------
-    payout, payout_rate : set-points [m], [m/s]
-    brake : stop, and hold with the brake
-    sequence : number of the command
-    """
-
-    payout: float
-    payout_rate: float
-    brake: bool
-    sequence: int
+    payout: float  # set-point [m]
+    payout_rate: float  # set-point [m/s]
+    brake: bool  # stop, and hold with the brake
+    sequence: int  # number of the command
 
 
 class WinchHandshake:

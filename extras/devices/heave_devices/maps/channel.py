@@ -33,59 +33,41 @@ def placed(where: str) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Channel:
-    """Where one quantity is found.
+    """Where one quantity is found."""
 
-    Attributes
-    ----------
-    topic, field : of a bag or a live run, such as "/imu/data", "linear_acceleration.z"; `field` may be a quaternion if
-        `part` is given. Without a topic, `field` is that of a sentence, such as "PSXN23.heave", or of the pattern's own
-    type : of the topic's messages, for a live run
-    column : of a CSV log
-    part : "roll", "pitch" or "yaw" of a quaternion [rad]
-    turned_by : of a vector's component, such as "twist.twist.linear.z", the quaternion of the same message that turns
-        it into the map's frame, such as "pose.pose.orientation"; "": it is in that frame; "none": the same, though the
-        standard of its type says otherwise (`with_standard_turn`)
-    unit : of the value, such as "deg" or "kN"; "": SI
-    positive : which way is, such as "down" or "bow up"; "": as the suite has it
-    sign_field, negative : field of the same line that holds the sign as a letter, such as "side", and the words of it
-        that make the value negative, such as ("P",); of a map `sign: {field: side, negative: [P]}`
-    scale, offset : quantity = scale * value + offset, in SI units after `unit` and `positive`
-    velocity : the value is a velocity [m/s]; it is integrated
-    acceleration : the value is an acceleration [m/s^2]; of a record it is integrated twice
-    high_pass : live, motion slower than this period is taken out [s], as of a height over the sea bed; 0: none
-    cut_off : what is slower is then taken out [rad/s]
-    valid : field of the same topic or sentence, or column, that calls each sample valid by a number other than 0 or a
-        word such as `true`; what is not valid is a gap. "": of a log, a column named after this one with `_valid`, or
-        `valid`
-    valid_values : `valid` must be one of these numbers or words instead
-    invalid_bits : `valid` is a status instead, and a sample with one of these bits set is not valid
-    invalid_values : numbers, as sent, that stand for "not available", besides those of `fill_values`
-    sigma : accuracy that is stated with a live sample, one standard deviation, SI; NaN: none
-    zero_at_start : the first usable live value counts as 0
-    """
-
-    topic: str = ""
+    topic: str = ""  # of a bag or a live run, such as "/imu/data"
+    # such as "linear_acceleration.z", a quaternion if `part` is given; without a topic, that of a sentence, such as
+    # "PSXN23.heave", or of the pattern's own
     field: str = "data"
-    type: str = ""
-    column: str = ""
-    part: str = ""
+    type: str = ""  # of the topic's messages, for a live run
+    column: str = ""  # of a CSV log
+    part: str = ""  # "roll", "pitch" or "yaw" of a quaternion [rad]
+    # of a vector's component, such as "twist.twist.linear.z", the quaternion of the same message that turns it into the
+    # map's frame, such as "pose.pose.orientation"; "": it is in that frame; "none": the same, though the standard of
+    # its type says otherwise (`with_standard_turn`)
     turned_by: str = ""
-    unit: str = ""
-    positive: str = ""
+    unit: str = ""  # of the value, such as "deg" or "kN"; "": SI
+    positive: str = ""  # which way is, such as "down" or "bow up"; "": as the suite has it
+    # field of the same line that holds the sign as a letter, such as "side"; of a map `sign: {field: side, negative:
+    # [P]}`
     sign_field: str = ""
-    negative: tuple[str, ...] = ()
-    scale: float = 1.0
-    offset: float = 0.0
-    velocity: bool = False
-    acceleration: bool = False
+    negative: tuple[str, ...] = ()  # words of that field that make the value negative, such as ("P",)
+    scale: float = 1.0  # quantity = scale * value + offset, in SI units after `unit` and `positive`
+    offset: float = 0.0  # see `scale`
+    velocity: bool = False  # the value is a velocity [m/s]; it is integrated
+    acceleration: bool = False  # the value is an acceleration [m/s^2]; of a record it is integrated twice
+    # live, motion slower than this period is taken out [s], as of a height over the sea bed; 0: none
     high_pass: float = 0.0
-    cut_off: float = DEFAULT_CUT_OFF
+    cut_off: float = DEFAULT_CUT_OFF  # what is slower is then taken out [rad/s]
+    # field of the same topic or sentence, or column, that calls each sample valid by a number other than 0 or a word
+    # such as `true`; what is not valid is a gap. "": of a log, a column named after this one with `_valid`, or `valid`
     valid: str = ""
-    valid_values: tuple[float | str, ...] = ()
-    invalid_bits: int = 0
+    valid_values: tuple[float | str, ...] = ()  # `valid` must be one of these numbers or words instead
+    invalid_bits: int = 0  # `valid` is a status instead, and a sample with one of these bits set is not valid
+    # numbers, as sent, that stand for "not available", besides those of `fill_values`
     invalid_values: tuple[float, ...] = ()
-    sigma: float = math.nan
-    zero_at_start: bool = False
+    sigma: float = math.nan  # accuracy that is stated with a live sample, one standard deviation, SI; NaN: none
+    zero_at_start: bool = False  # the first usable live value counts as 0
 
     @property
     def is_component(self) -> bool:

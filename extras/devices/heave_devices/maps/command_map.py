@@ -28,44 +28,27 @@ _EXAMPLE = dict.fromkeys(ORDERS, 0) | {"payout": 1.0, "payout_rate": 0.5, "seque
 
 @dataclass(frozen=True)
 class Order:
-    """One entry of what is sent to a winch by a message, a datagram or registers.
+    """One entry of what is sent to a winch by a message, a datagram or registers."""
 
-    Attributes
-    ----------
-    path : where in the message; field of the datagram, register or node
-    quantity : one of ORDERS
-    factor : entry = factor * quantity
-    """
-
-    path: str
-    quantity: str
-    factor: float = 1.0
+    path: str  # where in the message; field of the datagram, register or node
+    quantity: str  # one of ORDERS
+    factor: float = 1.0  # entry = factor * quantity [-]
 
 
 @dataclass(frozen=True)
 class CommandMap:
-    """What is sent to a winch for each command of the controller.
+    """What is sent to a winch for each command of the controller."""
 
-    Attributes
-    ----------
-    link : where lines and datagrams go; None: back on the line that the device speaks on
-    line : text with {NAME} for each of ORDERS; "": something else
-    checksum : is added to the line: `xor`, as NMEA 0183 has it, or none
-    layout : of a datagram; None: something else
-    topic, type : of a message; "": something else
-    orders : what is set in the message, in the datagram, or in the registers or nodes of the map's source
-    timeout : without a command for so long the winch is ordered to stop and brake [s]
-    supervision : where drum or brake do not follow their orders for so long it is stopped and braked [s]; 0: not done
-    """
-
-    link: Link | None = None
-    line: str = ""
-    checksum: str = ""
-    layout: Layout | None = None
-    topic: str = ""
-    type: str = ""
+    link: Link | None = None  # where lines and datagrams go; None: back on the line that the device speaks on
+    line: str = ""  # text with {NAME} for each of ORDERS; "": something else
+    checksum: str = ""  # is added to the line: `xor`, as NMEA 0183 has it, or none
+    layout: Layout | None = None  # of a datagram; None: something else
+    topic: str = ""  # of a message; "": something else
+    type: str = ""  # of a message; "": something else
+    # what is set in the message, in the datagram, or in the registers or nodes of the map's source
     orders: tuple[Order, ...] = ()
-    timeout: float = 0.5
+    timeout: float = 0.5  # without a command for so long the winch is ordered to stop and brake [s]
+    # where drum or brake do not follow their orders for so long it is stopped and braked [s]; 0: not done
     supervision: float = 1.0
 
     @property

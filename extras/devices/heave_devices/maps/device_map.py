@@ -40,59 +40,35 @@ LONGEST_ARM = 300.0
 
 @dataclass(frozen=True)
 class RecordForm:
-    """What a record needs besides: see `heave_devices.records.sea_mapping.SeaMapping`.
+    """What a record needs besides: see `heave_devices.records.sea_mapping.SeaMapping`."""
 
-    Attributes
-    ----------
-    time_column, time_scale, date_order : of a log in columns
-    rate : samples per second of the result
-    sample_rate : of sentences without any time [Hz], live too: see `counted_time`; 0: they have one
-    """
-
-    time_column: str | Sequence[str] = ""
-    time_scale: float = 1.0
-    date_order: str = ""
-    rate: float = 20.0
-    sample_rate: float = 0.0
+    time_column: str | Sequence[str] = ""  # of a log in columns
+    time_scale: float = 1.0  # of a log in columns [s]
+    date_order: str = ""  # of a log in columns
+    rate: float = 20.0  # samples per second of the result [1/s]
+    sample_rate: float = 0.0  # of sentences without any time [Hz], live too: see `counted_time`; 0: they have one
 
 
 @dataclass(frozen=True)
 class DeviceMap:
-    """A map.
+    """A map."""
 
-    Attributes
-    ----------
-    name : of the file, without its ending
-    channels : by quantity
-    lever_arm : boom tip from the sensor, x forward, y to port, z up [m]
-    link : how the device is reached; None: by the topics of its channels, or not live
-    format, pattern, checksum, needs_checksum : how its lines are read: see `formats`, `pattern`, `nmea`
-    layout : of its datagrams; None: it sends something else
-    clock : "receipt", or "own": the device's own time is the stamp
-    timeout : silence after which the device is stale [s]
-    latency : by which what it measures is older than its stamp, or its arrival, says [s]
-    boom_tip : the map's MRU also moves the simulated boom tip
-    boom_tip_height : of the boom tip at rest above still water [m]
-    command : what is sent to a winch; None: nothing
-    record : what a record needs besides
-    """
-
-    name: str
-    channels: Mapping[str, Channel]
-    lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    link: Link | None = None
-    format: str = ""
-    pattern: str = ""
-    checksum: str = ""
-    needs_checksum: bool = True
-    layout: Layout | None = None
-    clock: str = "receipt"
-    timeout: float = 1.0
-    latency: float = 0.0
-    boom_tip: bool = True
-    boom_tip_height: float = 0.0
-    command: CommandMap | None = None
-    record: RecordForm = field(default_factory=RecordForm)
+    name: str  # of the file, without its ending
+    channels: Mapping[str, Channel]  # by quantity
+    lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  # boom tip from the sensor, x forward, y to port, z up [m]
+    link: Link | None = None  # how the device is reached; None: by the topics of its channels, or not live
+    format: str = ""  # how its lines are read: see `formats`, `pattern`, `nmea`
+    pattern: str = ""  # how its lines are read: see `formats`, `pattern`, `nmea`
+    checksum: str = ""  # how its lines are read: see `formats`, `pattern`, `nmea`
+    needs_checksum: bool = True  # how its lines are read: see `formats`, `pattern`, `nmea`
+    layout: Layout | None = None  # of its datagrams; None: it sends something else
+    clock: str = "receipt"  # "receipt", or "own": the device's own time is the stamp
+    timeout: float = 1.0  # silence after which the device is stale [s]
+    latency: float = 0.0  # by which what it measures is older than its stamp, or its arrival, says [s]
+    boom_tip: bool = True  # the map's MRU also moves the simulated boom tip
+    boom_tip_height: float = 0.0  # of the boom tip at rest above still water [m]
+    command: CommandMap | None = None  # what is sent to a winch; None: nothing
+    record: RecordForm = field(default_factory=RecordForm)  # what a record needs besides
 
     @property
     def outputs(self) -> tuple[str, ...]:

@@ -21,26 +21,15 @@ _FORMS = (
 
 @dataclass(frozen=True)
 class Link:
-    """How a device is reached.
+    """How a device is reached."""
 
-    Attributes
-    ----------
-    kind : of KINDS_OF_LINK
-    place : name of the serial port, host, or endpoint of OPC UA
-    number : baud rate, or port
-    unit : of Modbus, unit identifier
-    word_order : of Modbus, `big`: the most significant word of a number comes first, or `little`
-    period : of a polled link, wall time between two readings [s]
-    sender : of udp, address of the one host that is heard; "": any
-    """
-
-    kind: str
-    place: str
-    number: int
-    unit: int = 1
-    word_order: str = "big"
-    period: float = 0.02
-    sender: str = ""
+    kind: str  # of KINDS_OF_LINK
+    place: str  # name of the serial port, host, or endpoint of OPC UA
+    number: int  # baud rate, or port
+    unit: int = 1  # of Modbus, unit identifier
+    word_order: str = "big"  # of Modbus, `big`: the most significant word of a number comes first, or `little`
+    period: float = 0.02  # of a polled link, wall time between two readings [s]
+    sender: str = ""  # of udp, address of the one host that is heard; "": any
 
     def __str__(self) -> str:
         if self.kind == "opcua":

@@ -15,17 +15,11 @@ from heave_node.crane.pose import RATES
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity.
+    """A quantity."""
 
-    Attributes
-    ----------
-    dimension : name in `heave_node.files.units.UNITS`
-    largest : magnitude beyond which a value is not used, in the SI unit
-    ways : words for a positive direction, with the sign that turns it into the suite's
-    """
-
-    dimension: str
-    largest: float
+    dimension: str  # name in `heave_node.files.units.UNITS`
+    largest: float  # magnitude beyond which a value is not used, in the SI unit
+    # words for a positive direction, with the sign that turns it into the suite's
     ways: Mapping[str, float] = field(default_factory=dict)
 
     @property

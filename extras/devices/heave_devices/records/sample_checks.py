@@ -25,18 +25,11 @@ _FILL_VALUES = 2
 
 @dataclass
 class Findings:
-    """What is said of a record, and what is asked.
+    """What is said of a record, and what is asked."""
 
-    Attributes
-    ----------
-    accepts : implausible figures are taken as they are, and noted
-    notes : what was found out, left out or bridged, one line each
-    questions : implausible figures, one line each
-    """
-
-    accepts: bool = False
-    notes: list[str] = field(default_factory=list)
-    questions: list[str] = field(default_factory=list)
+    accepts: bool = False  # implausible figures are taken as they are, and noted
+    notes: list[str] = field(default_factory=list)  # what was found out, left out or bridged, one line each
+    questions: list[str] = field(default_factory=list)  # implausible figures, one line each
     _invalid: dict[str, int] = field(default_factory=dict)
 
     def ask(self, question: str) -> None:

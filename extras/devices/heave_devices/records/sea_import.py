@@ -38,20 +38,12 @@ ACCEPT = "--accept-implausible"
 
 @dataclass
 class ImportedSea:
-    """Boom-tip motion about its mean.
+    """Boom-tip motion about its mean."""
 
-    Attributes
-    ----------
-    time : from 0 [s]
-    position : shape (n, 3) [m]
-    notes : what is left out or bridged
-    start : time of the record at which it begins [s]: Unix time, where the record has that
-    """
-
-    time: Array
-    position: Array
-    notes: list[str] = field(default_factory=list)
-    start: float = 0.0
+    time: Array  # from 0 [s]
+    position: Array  # shape (n, 3) [m]
+    notes: list[str] = field(default_factory=list)  # what is left out or bridged
+    start: float = 0.0  # time of the record at which it begins [s]: Unix time, where the record has that
 
 
 def import_sea(

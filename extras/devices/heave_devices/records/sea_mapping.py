@@ -19,25 +19,16 @@ MOTIONS = ("surge", "sway", "heave", "roll", "pitch")
 
 @dataclass(frozen=True)
 class SeaMapping:
-    """How a record becomes boom-tip motion.
+    """How a record becomes boom-tip motion."""
 
-    Attributes
-    ----------
-    channels : per motion (surge, sway, heave, roll, pitch), of a sea; heave there must be
-    lever_arm : boom tip from the sensor, x forward, y to port, z up [m]
-    time_column, time_scale : of a log: its heading, or those of date and time or of GPS week and seconds ("": found by
-        its name); numbers are seconds after the scale, or found out: see `ship_time`
-    date_order : of dates with the year last, dmy or mdy; "": as the dates themselves show
-    rate : samples per second of the result
-    device : the whole map, where the record is what a device sent, line by line; None: a bag, or columns
-    """
-
-    channels: Mapping[str, Channel]
-    lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    channels: Mapping[str, Channel]  # per motion (surge, sway, heave, roll, pitch), of a sea; heave there must be
+    lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  # boom tip from the sensor, x forward, y to port, z up [m]
+    # of a log: its heading, or those of date and time or of GPS week and seconds; "": found by its name
     time_column: str | Sequence[str] = ""
-    time_scale: float = 1.0
-    date_order: str = ""
-    rate: float = 20.0
+    time_scale: float = 1.0  # numbers are seconds after the scale, or found out: see `ship_time`
+    date_order: str = ""  # of dates with the year last, dmy or mdy; "": as the dates themselves show
+    rate: float = 20.0  # samples per second of the result [1/s]
+    # the whole map, where the record is what a device sent, line by line; None: a bag, or columns
     device: DeviceMap | None = None
 
 

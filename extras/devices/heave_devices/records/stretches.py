@@ -22,17 +22,12 @@ _GAP = 2.5
 class Window:
     """What of a record is wanted.
 
-    Attributes
-    ----------
-    start, end : seconds from the start of the record, or a time in ISO 8601; "": its own start and end
-    bridge : longest gap that is interpolated over [s]
-
     Raises BagError for a bridge that is not above 0, or above LONGEST_BRIDGE.
     """
 
-    start: str = ""
-    end: str = ""
-    bridge: float = DEFAULT_BRIDGE
+    start: str = ""  # seconds from the start of the record, or a time in ISO 8601; "": its own start
+    end: str = ""  # seconds from the start of the record, or a time in ISO 8601; "": its own end
+    bridge: float = DEFAULT_BRIDGE  # longest gap that is interpolated over [s]
 
     def __post_init__(self) -> None:
         """Check the longest gap."""
