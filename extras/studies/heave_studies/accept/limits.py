@@ -23,20 +23,13 @@ _ROUNDING = 1e-6
 
 @dataclass(frozen=True)
 class Limits:
-    """What a nominal winch can do; percentages of a procedure are of its speed and its acceleration.
+    """What a nominal winch can do; percentages of a procedure are of its speed and its acceleration."""
 
-    Attributes
-    ----------
-    speed : [m/s]
-    acceleration : [m/s^2]
-    payout : lower and upper end of its range, from where a test begins [m]
-    strengths : of the parts that carry the load, as far as they are stated
-    """
-
-    speed: float = math.nan
-    acceleration: float = math.nan
+    speed: float = math.nan  # [m/s]
+    acceleration: float = math.nan  # [m/s^2]
+    # lower and upper end of its range, from where a test begins [m]
     payout: tuple[float, float] = (-math.inf, math.inf)
-    strengths: Sequence[Strength] = ()
+    strengths: Sequence[Strength] = ()  # of the parts that carry the load, as far as they are stated
 
     def refuse(self, signal: SetSignal, load: float, acceleration: float, where: str) -> None:
         """Raise ParameterError, naming `where` it stands, for what the winch cannot do.

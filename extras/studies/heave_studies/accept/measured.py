@@ -27,20 +27,12 @@ STEADY = 1.0
 
 
 class Following(NamedTuple):
-    """How a winch followed its orders: rate(t) = gain ordered(t - lag) + what is left.
+    """How a winch followed its orders: rate(t) = gain ordered(t - lag) + what is left."""
 
-    Attributes
-    ----------
-    lag : [s]
-    gain : over the whole window [-]
-    least_gain : smallest of those of its fifths [-]
-    error : standard deviation of what is left over that of the rate [-]
-    """
-
-    lag: float = math.nan
-    gain: float = math.nan
-    least_gain: float = math.nan
-    error: float = math.nan
+    lag: float = math.nan  # [s]
+    gain: float = math.nan  # over the whole window [-]
+    least_gain: float = math.nan  # smallest of those of its fifths [-]
+    error: float = math.nan  # standard deviation of what is left over that of the rate [-]
 
 
 @dataclass(frozen=True)
@@ -54,33 +46,23 @@ class Nominal:
 
 @dataclass
 class Measured:
-    """What a step left, and the window of it that is judged.
+    """What a step left, and the window of it that is judged."""
 
-    Attributes
-    ----------
-    run : signals that figures of merit are computed from
-    start, end : of the window [s]
-    ordered_rate : ordered payout rate [m/s], positive pays out; an order holds until the next
-    event, event_end : of what was done to the part [s]; NaN: nothing was
-    alarms : time [s] and code of each; of what a controller holds of a sensor or a winch, its words
-    readings : of each sensor, by name: heave [m] of the MRU, depth [m], tension [N], payout [m] and rate [m/s] of the
-        encoder; of a run the payout of its signals is about the programme of depth, that of the encoder is not
-    nominal : the winch as it should be
-    notes : what a reader must know
-    lacks : why nothing over the window can be met, in words; "": all of it was recorded
-    """
-
-    run: RunSignals
-    start: float
-    end: float
+    run: RunSignals  # signals that figures of merit are computed from
+    start: float  # of the window [s]
+    end: float  # of the window [s]
+    # ordered payout rate [m/s], positive pays out; an order holds until the next
     ordered_rate: Signal = field(default_factory=Signal)
-    event: float = math.nan
-    event_end: float = math.nan
+    event: float = math.nan  # beginning of what was done to the part [s]; NaN: nothing was
+    event_end: float = math.nan  # its end [s]; NaN: nothing was done
+    # time [s] and code of each; of what a controller holds of a sensor or a winch, its words
     alarms: Sequence[tuple[float, str]] = ()
+    # of each sensor, by name: heave [m] of the MRU, depth [m], tension [N], payout [m] and rate [m/s] of the encoder;
+    # of a run the payout of its signals is about the programme of depth, that of the encoder is not
     readings: Mapping[str, Signal] = field(default_factory=dict)
-    nominal: Nominal = field(default_factory=Nominal)
-    notes: list[str] = field(default_factory=list)
-    lacks: str = ""
+    nominal: Nominal = field(default_factory=Nominal)  # the winch as it should be
+    notes: list[str] = field(default_factory=list)  # what a reader must know
+    lacks: str = ""  # why nothing over the window can be met, in words; "": all of it was recorded
 
     def reading(self, sensor: str) -> Signal:
         """Return what a `sensor` read within the window; empty where it read nothing."""

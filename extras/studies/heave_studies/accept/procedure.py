@@ -34,42 +34,25 @@ class WinchTest:
 
 @dataclass(frozen=True)
 class RunTest:
-    """The whole loop.
+    """The whole loop."""
 
-    Attributes
-    ----------
-    scenario : shipped name or file; "": that of the procedure
-    settings : changes by place
-    duration, transient : [s]; None: those of the scenario
-    seed : None: that of the scenario
-    """
-
-    scenario: str = ""
-    settings: Mapping[str, object] = field(default_factory=dict)
-    duration: float | None = None
-    transient: float | None = None
-    seed: int | None = None
+    scenario: str = ""  # shipped name or file; "": that of the procedure
+    settings: Mapping[str, object] = field(default_factory=dict)  # changes by place
+    duration: float | None = None  # [s]; None: that of the scenario
+    transient: float | None = None  # [s]; None: that of the scenario
+    seed: int | None = None  # None: that of the scenario
 
 
 @dataclass(frozen=True)
 class Event:
-    """What is done to a part during a step.
+    """What is done to a part during a step."""
 
-    Attributes
-    ----------
-    device : key of FAULTS_OF
-    fault : kind of fault (`heave_node.interface.faults`), COMMAND_LOSS or BRAKE
-    at, duration : [s]; 0: to the end
-    magnitude : of the fault
-    ask : what a person does where the part is real; "": the test does it itself
-    """
-
-    device: str
-    fault: str
-    at: float
-    duration: float = 0.0
-    magnitude: float = 0.0
-    ask: str = ""
+    device: str  # key of FAULTS_OF
+    fault: str  # kind of fault (`heave_node.interface.faults`), COMMAND_LOSS or BRAKE
+    at: float  # [s]
+    duration: float = 0.0  # [s]; 0: to the end
+    magnitude: float = 0.0  # in the unit of its kind
+    ask: str = ""  # what a person does where the part is real; "": the test does it itself
 
     @property
     def words(self) -> str:
@@ -79,25 +62,15 @@ class Event:
 
 @dataclass(frozen=True)
 class Step:
-    """A step.
+    """A step."""
 
-    Attributes
-    ----------
-    name, what : for people
-    wanted : criteria, all of which it must meet
-    test : what is done; None: it can be judged on a record alone
-    event : what happens during it; None: nothing
-    alarms : codes of which one must come after the event
-    window : of a record that is judged [s] from its start
-    """
-
-    name: str
-    what: str
-    wanted: tuple[Criterion, ...]
-    test: WinchTest | RunTest | None
-    event: Event | None = None
-    alarms: tuple[str, ...] = ()
-    window: tuple[float, float] = (0.0, math.inf)
+    name: str  # for people
+    what: str  # for people
+    wanted: tuple[Criterion, ...]  # criteria, all of which it must meet
+    test: WinchTest | RunTest | None  # what is done; None: it can be judged on a record alone
+    event: Event | None = None  # what happens during it; None: nothing
+    alarms: tuple[str, ...] = ()  # codes of which one must come after the event
+    window: tuple[float, float] = (0.0, math.inf)  # of a record that is judged [s] from its start
 
     @property
     def slug(self) -> str:
@@ -107,23 +80,13 @@ class Step:
 
 @dataclass(frozen=True)
 class Procedure:
-    """A procedure, read and checked.
+    """A procedure, read and checked."""
 
-    Attributes
-    ----------
-    path, text : of its file
-    title, description : for people
-    scenario : shipped name or file
-    settings : changes of the scenario, by place
-    signatures : who signs
-    steps : in order
-    """
-
-    path: Path
-    text: bytes
-    title: str
-    scenario: str
-    steps: tuple[Step, ...]
-    description: str = ""
-    settings: Mapping[str, object] = field(default_factory=dict)
-    signatures: tuple[str, ...] = ()
+    path: Path  # of its file
+    text: bytes  # of its file
+    title: str  # for people
+    scenario: str  # shipped name or file
+    steps: tuple[Step, ...]  # in order
+    description: str = ""  # for people
+    settings: Mapping[str, object] = field(default_factory=dict)  # changes of the scenario, by place
+    signatures: tuple[str, ...] = ()  # who signs

@@ -64,16 +64,11 @@ def find_procedure(name: str) -> Path:
 
 @dataclass(frozen=True)
 class Head:
-    """A procedure's file before its steps are read: they need the nominal winch of its scenario.
+    """A procedure's file before its steps are read: they need the nominal winch of its scenario."""
 
-    Attributes
-    ----------
-    path, text, content : of the file
-    """
-
-    path: Path
-    text: bytes
-    content: Mapping[str, Any]
+    path: Path  # of the file
+    text: bytes  # of the file
+    content: Mapping[str, Any]  # of the file
 
     @property
     def scenario(self) -> str:

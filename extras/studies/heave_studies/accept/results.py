@@ -22,30 +22,17 @@ NOT_DONE = "not done"
 
 @dataclass(frozen=True)
 class StepResult:
-    """What became of a step.
+    """What became of a step."""
 
-    Attributes
-    ----------
-    step : of the procedure
-    judged : its criteria
-    breaches : what fails any run, in words
-    failure : why it could not be done; "": it could
-    values : every figure that is known
-    measured : its signals; None: it was not done
-    file : what it left, a bag or a table; None: nothing
-    digest : of that file
-    part : what it was run against, in words
-    """
-
-    step: Step
-    judged: tuple[Judged, ...] = ()
-    breaches: tuple[str, ...] = ()
-    failure: str = ""
-    values: Mapping[str, float] = field(default_factory=dict)
-    measured: Measured | None = None
-    file: Path | None = None
-    digest: str = ""
-    part: str = ""
+    step: Step  # of the procedure
+    judged: tuple[Judged, ...] = ()  # its criteria
+    breaches: tuple[str, ...] = ()  # what fails any run, in words
+    failure: str = ""  # why it could not be done; "": it could
+    values: Mapping[str, float] = field(default_factory=dict)  # every figure that is known
+    measured: Measured | None = None  # its signals; None: it was not done
+    file: Path | None = None  # what it left, a bag or a table; None: nothing
+    digest: str = ""  # of that file
+    part: str = ""  # what it was run against, in words
 
     @property
     def state(self) -> str:
@@ -77,22 +64,13 @@ class StepResult:
 
 @dataclass(frozen=True)
 class Acceptance:
-    """A procedure and its results.
+    """A procedure and its results."""
 
-    Attributes
-    ----------
-    procedure : that was run
-    results : of its steps
-    parts : what was tested, by name: a winch by its map, a record
-    began : Unix time [s]
-    facts : what identifies it: digests, versions, host
-    """
-
-    procedure: Procedure
-    results: Sequence[StepResult]
-    parts: Mapping[str, str]
-    began: float
-    facts: Mapping[str, str]
+    procedure: Procedure  # that was run
+    results: Sequence[StepResult]  # of its steps
+    parts: Mapping[str, str]  # what was tested, by name: a winch by its map, a record
+    began: float  # Unix time [s]
+    facts: Mapping[str, str]  # what identifies it: digests, versions, host
 
     @property
     def is_passed(self) -> bool:

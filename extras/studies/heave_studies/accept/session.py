@@ -37,20 +37,13 @@ WHOLE = ""
 
 @dataclass(frozen=True)
 class Parts:
-    """What is tested in the place of virtual parts.
+    """What is tested in the place of virtual parts."""
 
-    Attributes
-    ----------
-    winch : map of a real winch; None: the virtual one of the scenario
-    external : real parts in runs, as `external_settings` takes them
-    records : by name of the step, or WHOLE; where there is one nothing is run
-    mapping : of the records; None: they are the suite's own
-    """
-
-    winch: DeviceMap | None = None
-    external: tuple[str, ...] = ()
+    winch: DeviceMap | None = None  # map of a real winch; None: the virtual one of the scenario
+    external: tuple[str, ...] = ()  # real parts in runs, as `external_settings` takes them
+    # by name of the step, or WHOLE; where there is one nothing is run
     records: Mapping[str, Path] = field(default_factory=dict)
-    mapping: Path | None = None
+    mapping: Path | None = None  # of the records; None: they are the suite's own
 
     @property
     def words(self) -> dict[str, str]:

@@ -19,20 +19,12 @@ COMPONENTS = 200
 
 @dataclass(frozen=True)
 class SetSignal:
-    """What a winch is ordered to do.
+    """What a winch is ordered to do."""
 
-    Attributes
-    ----------
-    duration : [s]
-    rate : ordered payout rate [m/s] at times from 0 [s], shapes (n,); positive pays out
-    is_braked : the brake is requested all the time
-    words : what it is, for people
-    """
-
-    duration: float
-    rate: Callable[[Array], Array]
-    words: str
-    is_braked: bool = False
+    duration: float  # [s]
+    rate: Callable[[Array], Array]  # ordered payout rate [m/s] at times from 0 [s], shapes (n,); positive pays out
+    words: str  # what it is, for people
+    is_braked: bool = False  # the brake is requested all the time
 
 
 def steps(speeds: Sequence[float], hold: float) -> SetSignal:
@@ -122,18 +114,11 @@ def brake(duration: float) -> SetSignal:
 
 @dataclass(frozen=True)
 class SignalKind:
-    """A kind of set signal.
+    """A kind of set signal."""
 
-    Attributes
-    ----------
-    make : makes it
-    arguments : of that, each with its dimension
-    defaults : of some of them
-    """
-
-    make: Callable[..., SetSignal]
-    arguments: Mapping[str, str]
-    defaults: Mapping[str, float]
+    make: Callable[..., SetSignal]  # makes it
+    arguments: Mapping[str, str]  # of that, each with its dimension
+    defaults: Mapping[str, float]  # of some of them
 
 
 KINDS: Mapping[str, SignalKind] = {

@@ -21,20 +21,13 @@ Link = Mapping[str, tuple[object, ...]]
 
 @dataclass(frozen=True)
 class Case:
-    """One run of a campaign.
+    """One run of a campaign."""
 
-    Attributes
-    ----------
-    number : counted from 1
-    seed : of the run
-    settings : values by place (`system.sea.peak_period`) by which it differs from the other cases
-    is_nominal : the scenario itself, without the changes that every other case has
-    """
-
-    number: int
-    seed: int
+    number: int  # counted from 1
+    seed: int  # of the run
+    # values by place (`system.sea.peak_period`) by which it differs from the other cases
     settings: Mapping[str, object]
-    is_nominal: bool = False
+    is_nominal: bool = False  # the scenario itself, without the changes that every other case has
 
     @property
     def label(self) -> str:
@@ -47,32 +40,20 @@ class Case:
 
 @dataclass(frozen=True)
 class Campaign:
-    """A campaign, read and checked.
+    """A campaign, read and checked."""
 
-    Attributes
-    ----------
-    path : of its file
-    scenario : shipped name or file
-    duration : simulated time of a case [s]; None takes the scenario's
-    seeds : of every combination and draw
-    common : changes of the scenario in every case but nominal ones, by place (`system.sea.peak_period`)
-    wanted : criteria of every case, nominal ones too, by figure of merit; they replace the scenario's of that name
-    vary : of each entry the parameters move together; every combination of entries is a case
-    draws : random cases; None: there are none
-    has_nominal : whether the scenario itself runs before the draws
-    duration_source : option that set the duration in the place of the file
-    """
-
-    path: Path
-    scenario: str
-    duration: float | None = None
-    seeds: tuple[int, ...] = (1,)
+    path: Path  # of its file
+    scenario: str  # shipped name or file
+    duration: float | None = None  # simulated time of a case [s]; None takes the scenario's
+    seeds: tuple[int, ...] = (1,)  # of every combination and draw
+    # changes of the scenario in every case but nominal ones, by place (`system.sea.peak_period`)
     common: Mapping[str, object] = field(default_factory=dict)
+    # criteria of every case, nominal ones too, by figure of merit; they replace the scenario's of that name
     wanted: Mapping[str, str] = field(default_factory=dict)
-    vary: tuple[Link, ...] = ()
-    draws: Draws | None = None
-    has_nominal: bool = False
-    duration_source: str = ""
+    vary: tuple[Link, ...] = ()  # of each entry the parameters move together; every combination of entries is a case
+    draws: Draws | None = None  # random cases; None: there are none
+    has_nominal: bool = False  # whether the scenario itself runs before the draws
+    duration_source: str = ""  # option that set the duration in the place of the file
 
     def settings_of(self, case: Case) -> list[Setting]:
         """Return a case as changes of the scenario; raises ParameterError for an unknown parameter."""

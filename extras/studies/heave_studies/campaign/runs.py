@@ -31,18 +31,11 @@ WITH_THE_END = 0.2
 
 @dataclass(frozen=True)
 class Task:
-    """A case that is ready to run, here or in another process.
+    """A case that is ready to run, here or in another process."""
 
-    Attributes
-    ----------
-    case : of the campaign
-    scenario : checked
-    has_baseline : the same case is run under the baseline law as well
-    """
-
-    case: Case
-    scenario: Scenario
-    has_baseline: bool = False
+    case: Case  # of the campaign
+    scenario: Scenario  # checked
+    has_baseline: bool = False  # the same case is run under the baseline law as well
 
     @property
     def text(self) -> str:
@@ -63,28 +56,17 @@ class Task:
 
 @dataclass(frozen=True)
 class CaseResult:
-    """What a case came to: its KPIs, or why it failed.
+    """What a case came to: its KPIs, or why it failed."""
 
-    Attributes
-    ----------
-    case : what was run
-    kpis : figures of merit by key
-    failure : why it could not be run; "" where it could
-    compensating : share of the time after the transient in which the winch compensated or held a tension; NaN under
-        law off
-    reason : why it was lost; "" where it was not
-    missed : breaches and criteria that it does not meet, one line each
-    baseline_unknown : why there is no baseline, where one was asked for; "" elsewhere
-    breaches : those of `missed` that fail any run, see `heave_bags.analyse.verdict.Verdict.breaches`
-    """
-
-    case: Case
-    kpis: Mapping[str, float] = field(default_factory=dict)
-    failure: str = ""
+    case: Case  # what was run
+    kpis: Mapping[str, float] = field(default_factory=dict)  # figures of merit by key
+    failure: str = ""  # why it could not be run; "" where it could
+    # share of the time after the transient in which the winch compensated or held a tension [-]; NaN under law off
     compensating: float = math.nan
-    reason: str = ""
-    missed: tuple[str, ...] = ()
-    baseline_unknown: str = ""
+    reason: str = ""  # why it was lost; "" where it was not
+    missed: tuple[str, ...] = ()  # breaches and criteria that it does not meet, one line each
+    baseline_unknown: str = ""  # why there is no baseline, where one was asked for; "" elsewhere
+    # those of `missed` that fail any run, see `heave_bags.analyse.verdict.Verdict.breaches`
     breaches: tuple[str, ...] = ()
 
     @property

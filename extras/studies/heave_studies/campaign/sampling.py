@@ -35,26 +35,16 @@ METHODS: Mapping[str, Callable[[int, int, int], Array]] = {"random": _random, "l
 
 @dataclass(frozen=True)
 class Draws:
-    """Random values of parameters.
+    """Random values of parameters."""
 
-    Attributes
-    ----------
-    count : of draws; Latin hypercubes and Sobol sequences depend on it
-    seed : fixes them
-    method : key of METHODS
-    uniform : smallest and largest value by place
-    log_uniform : the same, even in the logarithm; both above 0
-    choose : values of which one is taken, by place
-    first : only so many of them are used; None: all
-    """
-
-    count: int
-    seed: int = 1
-    method: str = "random"
-    uniform: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    count: int  # of draws; Latin hypercubes and Sobol sequences depend on it
+    seed: int = 1  # fixes them
+    method: str = "random"  # key of METHODS
+    uniform: Mapping[str, tuple[float, float]] = field(default_factory=dict)  # smallest and largest value by place
+    # the same, even in the logarithm; both above 0
     log_uniform: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    choose: Mapping[str, tuple[object, ...]] = field(default_factory=dict)
-    first: int | None = None
+    choose: Mapping[str, tuple[object, ...]] = field(default_factory=dict)  # values of which one is taken, by place
+    first: int | None = None  # only so many of them are used; None: all
 
     def __post_init__(self) -> None:
         if self.count < 1:

@@ -32,22 +32,14 @@ SPREAD = 1.06
 
 @dataclass(frozen=True)
 class Influence:
-    """How much a figure follows a parameter.
+    """How much a figure follows a parameter."""
 
-    Attributes
-    ----------
-    place : of the parameter
-    correlation : Spearman's, -1 to 1
-    low, high : ends of its confidence interval
-    at_low, at_high : median of the figure in the lowest and in the highest quarter of the parameter, SI
-    """
-
-    place: str
-    correlation: float
-    low: float
-    high: float
-    at_low: float
-    at_high: float
+    place: str  # of the parameter
+    correlation: float  # Spearman's, -1 to 1 [-]
+    low: float  # lower end of its confidence interval [-]
+    high: float  # upper end of its confidence interval [-]
+    at_low: float  # median of the figure in the lowest quarter of the parameter, SI
+    at_high: float  # the same in the highest quarter [-]
 
     @property
     def is_shown(self) -> bool:

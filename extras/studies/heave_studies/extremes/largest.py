@@ -45,19 +45,12 @@ FLAT = 1e-9
 
 @dataclass(frozen=True)
 class Largest:
-    """Generalised extreme-value distribution of the largest value in a time.
+    """Generalised extreme-value distribution of the largest value in a time."""
 
-    Attributes
-    ----------
-    location, scale : in the unit of the value
-    shape : xi; above 0 a heavy tail, below 0 an upper end
-    duration : the time [s]
-    """
-
-    location: float
-    scale: float
-    shape: float
-    duration: float
+    location: float  # in the unit of the value
+    scale: float  # in the unit of the value
+    shape: float  # xi [-]; above 0 a heavy tail, below 0 an upper end
+    duration: float  # the time [s]
 
     def within(self, duration: float) -> Largest:
         """Return the distribution of the largest value within another `duration` [s]; it is of the same kind."""
@@ -85,25 +78,15 @@ class Largest:
 
 @dataclass(frozen=True)
 class Estimate:
-    """What is to be expected of the largest deviation from the mean.
+    """What is to be expected of the largest deviation from the mean."""
 
-    Attributes
-    ----------
-    method : how it was found
-    sample : number of values that it was fitted to
-    most_probable : root of the most probable square, sigma sqrt(2 ln n) of n Rayleigh crests
-    p90 : 90th percentile
-    most_probable_range, p90_range : confidence intervals of the two
-    warnings : why to take it with caution
-    """
-
-    method: str
-    sample: int
-    most_probable: float
-    most_probable_range: tuple[float, float]
-    p90: float
-    p90_range: tuple[float, float]
-    warnings: tuple[str, ...] = ()
+    method: str  # how it was found
+    sample: int  # number of values that it was fitted to
+    most_probable: float  # root of the most probable square, sigma sqrt(2 ln n) of n Rayleigh crests, SI
+    most_probable_range: tuple[float, float]  # confidence interval of `most_probable`
+    p90: float  # 90th percentile [SI]
+    p90_range: tuple[float, float]  # confidence interval of `p90`
+    warnings: tuple[str, ...] = ()  # why to take it with caution
 
 
 def l_moments(values: Array) -> tuple[float, float, float]:

@@ -17,18 +17,11 @@ PEAK_SHARE = 0.15
 
 @dataclass(frozen=True)
 class Peaks:
-    """Peaks over a threshold, one for each group of cycles above it.
+    """Peaks over a threshold, one for each group of cycles above it."""
 
-    Attributes
-    ----------
-    excess : over the threshold, shape (n,)
-    threshold : in the unit of the record
-    duration : of the record [s]
-    """
-
-    excess: Array
-    threshold: float
-    duration: float
+    excess: Array  # over the threshold, shape (n,)
+    threshold: float  # in the unit of the record
+    duration: float  # of the record [s]
 
 
 def cycle_maxima(values: Array) -> Array:

@@ -17,24 +17,15 @@ from heave_studies.extremes.maxima import block_maxima, cycle_maxima, peaks_over
 
 @dataclass(frozen=True)
 class Expected:
-    """What is to be expected of a quantity.
+    """What is to be expected of a quantity."""
 
-    Attributes
-    ----------
-    name, unit : of the quantity; SI
-    mean : about which it deviates
-    sign : -1 where the smallest value is meant
-    seen : the extreme of the records, in the unit
-    estimates : of its deviation from the mean, one for each method
-    without_a_seed : smallest and largest of the most probable deviations when any one seed is left out; None of one run
-    """
-
-    name: str
-    unit: str
-    mean: float
-    sign: float
-    seen: float
-    estimates: tuple[Estimate, ...]
+    name: str  # of the quantity
+    unit: str  # of the quantity; SI
+    mean: float  # about which it deviates, SI
+    sign: float  # -1 where the smallest value is meant [-]
+    seen: float  # the extreme of the records, in its unit, SI
+    estimates: tuple[Estimate, ...]  # of its deviation from the mean, one for each method
+    # smallest and largest of the most probable deviations when any one seed is left out; None of one run
     without_a_seed: tuple[float, float] | None = None
 
     def value(self, deviation: float) -> float:

@@ -22,26 +22,16 @@ ANNOUNCED = kpi.WORSE_WINDOW
 
 @dataclass(frozen=True)
 class Minute:
-    """The worst minute of a case.
+    """The worst minute of a case."""
 
-    Attributes
-    ----------
-    ratio : s(z) / s(z_off); 0: every minute was announced
-    start : of it [s]; NaN: there is none
-    alarms : codes that came in the whole run, each once
-    failure : why the case could not be run; "": it could
-    of_all : s(z) / s(z_off) of the worst of all minutes after the transient, announced or not: `worst_minute` of a bag
-    of_all_start : of that one [s]; NaN: there is none
-    announced_by : codes that announced that one, each once
-    """
-
-    ratio: float
-    start: float = math.nan
-    alarms: tuple[str, ...] = ()
-    failure: str = ""
+    ratio: float  # s(z) / s(z_off) [-]; 0: every minute was announced
+    start: float = math.nan  # of it [s]; NaN: there is none
+    alarms: tuple[str, ...] = ()  # codes that came in the whole run, each once
+    failure: str = ""  # why the case could not be run; "": it could
+    # s(z) / s(z_off) of the worst of all minutes after the transient, announced or not [-]: `worst_minute` of a bag
     of_all: float = 0.0
-    of_all_start: float = math.nan
-    announced_by: tuple[str, ...] = ()
+    of_all_start: float = math.nan  # of that one [s]; NaN: there is none
+    announced_by: tuple[str, ...] = ()  # codes that announced that one, each once
 
     @property
     def of_all_words(self) -> str:

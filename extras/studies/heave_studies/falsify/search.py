@@ -44,18 +44,11 @@ class _OverError(Exception):
 
 @dataclass(frozen=True)
 class Found:
-    """A case that was run.
+    """A case that was run."""
 
-    Attributes
-    ----------
-    number : in the order in which it was asked for first, from 1
-    values : by place
-    minute : its worst
-    """
-
-    number: int
-    values: Mapping[str, object]
-    minute: Minute
+    number: int  # in the order in which it was asked for first, from 1
+    values: Mapping[str, object]  # by place
+    minute: Minute  # its worst
 
 
 class Search:

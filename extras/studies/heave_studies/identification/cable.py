@@ -30,31 +30,19 @@ class IdentificationError(ValueError):
 
 @dataclass(frozen=True)
 class Identification:
-    """What was found.
+    """What was found."""
 
-    Attributes
-    ----------
-    drag : "linear" (Eq. 6.2) or "quadratic" (Eq. 6.3)
-    a : [s^2]; b : [s], or [s^2/m] where drag is quadratic
-    covariance : of (a, b), shape (2, 2); it allows for the time correlation of the residual
-    fit : 1 - norm(residual)/norm(response about its mean); 1 is perfect
-    residual_sigma : [m]
-    iterations : steps taken
-    time, measured, model : the record and the model's answer [s], [m], [m]
-    note : reservation about the figures, in words; empty: none
-    """
-
-    drag: str
-    a: float
-    b: float
-    covariance: Array
-    fit: float
-    residual_sigma: float
-    iterations: int
-    time: Array
-    measured: Array
-    model: Array
-    note: str = ""
+    drag: str  # "linear" (Eq. 6.2) or "quadratic" (Eq. 6.3)
+    a: float  # [s^2]
+    b: float  # [s], or [s^2/m] where drag is quadratic
+    covariance: Array  # of (a, b), shape (2, 2); it allows for the time correlation of the residual
+    fit: float  # 1 - norm(residual)/norm(response about its mean) [-]; 1 is perfect
+    residual_sigma: float  # [m]
+    iterations: int  # steps taken
+    time: Array  # of the record [s]
+    measured: Array  # the record [m]
+    model: Array  # the model's answer [m]
+    note: str = ""  # reservation about the figures, in words; empty: none
 
     def summary(self) -> str:
         """Return the result in two lines, and the note."""

@@ -28,19 +28,12 @@ SHOWN = 200.0
 
 @dataclass(frozen=True)
 class LengthPoint:
-    """a [1/s] and b [1/s^2] at one deployed length.
+    """What was identified at one deployed length, beside the linearised plant."""
 
-    Attributes
-    ----------
-    length : deployed [m]
-    identified : from the simulated response
-    linearised_a, linearised_b : of the linearised plant
-    """
-
-    length: float
-    identified: Identification
-    linearised_a: float
-    linearised_b: float
+    length: float  # deployed [m]
+    identified: Identification  # from the simulated response
+    linearised_a: float  # a of the linearised plant [s^2]
+    linearised_b: float  # b of the linearised plant [s]
 
 
 def identify_simulated(

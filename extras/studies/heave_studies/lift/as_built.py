@@ -38,19 +38,12 @@ OVER_STATIC = ("dynamic_amplification", "tension_ratio_min")
 
 @dataclass(frozen=True)
 class AsBuilt:
-    """What became of a phase.
+    """What became of a phase."""
 
-    Attributes
-    ----------
-    phase : of the plan
-    start, end : in the bag [s]; NaN: it is not in it
-    judged : its criteria; a value that the bag cannot tell is NaN
-    """
-
-    phase: Phase
-    start: float = math.nan
-    end: float = math.nan
-    judged: tuple[Judged, ...] = ()
+    phase: Phase  # of the plan
+    start: float = math.nan  # in the bag [s]; NaN: not in it
+    end: float = math.nan  # in the bag [s]; NaN: not in it
+    judged: tuple[Judged, ...] = ()  # its criteria; a value that the bag cannot tell is NaN
 
     @property
     def state(self) -> str:

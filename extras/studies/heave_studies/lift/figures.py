@@ -41,20 +41,12 @@ SIGNIFICANT = 2.0
 
 
 class Swing(NamedTuple):
-    """How a signal swings.
+    """How a signal swings."""
 
-    Attributes
-    ----------
-    sigma : standard deviation
-    rate : upward crossings of its mean [1/s]
-    width : of its spectrum, sqrt(1 - m1^2/(m0 m2)): small where crests come in groups [-]
-    shape : of its distribution
-    """
-
-    sigma: float
-    rate: float
-    width: float = 1.0
-    shape: Shape = GAUSSIAN
+    sigma: float  # standard deviation [m]
+    rate: float  # upward crossings of its mean [1/s]
+    width: float = 1.0  # of its spectrum, sqrt(1 - m1^2/(m0 m2)): small where crests come in groups [-]
+    shape: Shape = GAUSSIAN  # of its distribution
 
     @property
     def mirrored(self) -> Swing:
@@ -70,20 +62,13 @@ STILL = Swing(0.0, 0.1)
 
 
 class Motion(NamedTuple):
-    """How unit, cable and winch swing.
+    """How unit, cable and winch swing."""
 
-    Attributes
-    ----------
-    tension, attachment : the top tension, and that at the unit [N]
-    unit : heave of the unit [m]
-    winch_speed, winch_acceleration : of compensation [m/s], [m/s^2]
-    """
-
-    tension: Swing
-    attachment: Swing
-    unit: Swing
-    winch_speed: Swing = STILL
-    winch_acceleration: Swing = STILL
+    tension: Swing  # top tension [N]
+    attachment: Swing  # tension at the unit [N]
+    unit: Swing  # heave of the unit [m]
+    winch_speed: Swing = STILL  # of compensation [m/s]
+    winch_acceleration: Swing = STILL  # of compensation [m/s^2]
 
     def times(self, factor: float) -> Motion:
         """Return the same motion a `factor` larger."""
@@ -92,24 +77,14 @@ class Motion(NamedTuple):
 
 @dataclass(frozen=True)
 class Place:
-    """A place on the way of a phase, and how unit and cable move there.
+    """A place on the way of a phase, and how unit and cable move there."""
 
-    Attributes
-    ----------
-    duration : that the unit spends there [s]
-    static : top tension at rest [N]
-    drag : of the mean motion, added to it: negative while lowering [N]
-    weight : of the unit in water, which its attachment carries at rest [N]
-    speed : mean speed of the unit, positive downwards [m/s]
-    motion : about that
-    """
-
-    duration: float
-    static: float
-    drag: float
-    weight: float
-    speed: float
-    motion: Motion
+    duration: float  # that the unit spends there [s]
+    static: float  # top tension at rest [N]
+    drag: float  # of the mean motion, added to it: negative while lowering [N]
+    weight: float  # of the unit in water, which its attachment carries at rest [N]
+    speed: float  # mean speed of the unit, positive downwards [m/s]
+    motion: Motion  # about that
 
 
 Capacity = Mapping[str, float]

@@ -28,19 +28,12 @@ from heave_studies.operability.record import HS, TP, SeaRecord, read_record
 
 @dataclass(frozen=True)
 class Window:
-    """When a phase takes place.
+    """When a phase takes place."""
 
-    Attributes
-    ----------
-    phase : its name
-    start : of it; None: there is no window
-    waiting : before it [h]
-    utilisation : largest forecast height over what is allowed, in its reference period; NaN without a window
-    """
-
-    phase: str
-    start: pandas.Timestamp | None = None
-    waiting: float = math.nan
+    phase: str  # its name
+    start: pandas.Timestamp | None = None  # of it; None: there is no window
+    waiting: float = math.nan  # before it [h]
+    # largest forecast height over what is allowed, in its reference period [-]; NaN without a window
     utilisation: float = math.nan
 
     def to_json(self) -> Mapping[str, Any]:

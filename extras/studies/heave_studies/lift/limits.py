@@ -40,35 +40,21 @@ Values = Mapping[str, float]
 
 @dataclass(frozen=True)
 class Limit:
-    """A largest sea.
+    """A largest sea."""
 
-    Attributes
-    ----------
-    height : significant wave height [m]
-    governs : figure that ends it; "": nothing does up to this height
-    values : figures at the height of the plan
-    """
-
-    height: float
-    governs: str = ""
-    values: Values = field(default_factory=dict)
+    height: float  # significant wave height [m]
+    governs: str = ""  # figure that ends it; "": nothing does up to this height
+    values: Values = field(default_factory=dict)  # figures at the height of the plan
 
 
 @dataclass(frozen=True)
 class PeriodLimits:
-    """What one phase may do in seas of one peak period.
+    """What one phase may do in seas of one peak period."""
 
-    Attributes
-    ----------
-    phase : its name
-    period : [s]
-    locked, compensated : limits; None where compensation is not looked at
-    """
-
-    phase: str
-    period: float
-    locked: Limit
-    compensated: Limit | None = None
+    phase: str  # its name
+    period: float  # [s]
+    locked: Limit  # limit with the winch locked
+    compensated: Limit | None = None  # limit with compensation; None where that is not looked at
 
     def planned(self, phase: Phase) -> Limit:
         """Return the limit that counts for its `phase`, by whether the plan is to compensate in it."""

@@ -42,18 +42,12 @@ SWING = 0.3
 
 @dataclass(frozen=True)
 class Compensated:
-    """What a run of the loop gave.
+    """What a run of the loop gave."""
 
-    Attributes
-    ----------
-    motion : at Hs = 1 m; None: compensation was lost in every height that was tried
-    held : largest height at which it was seen to hold, where it was lost in a higher sea [m]; infinite: never lost
-    share : of the boom tip's heave that is left at the top of the cable, by standard deviations [-]
-    """
-
-    motion: Motion | None
+    motion: Motion | None  # at Hs = 1 m; None: compensation was lost in every height that was tried
+    # largest height at which it was seen to hold, where it was lost in a higher sea [m]; infinite: never lost
     held: float
-    share: float = 1.0
+    share: float = 1.0  # of the boom tip's heave that is left at the top of the cable, by standard deviations [-]
 
 
 class Runs:

@@ -100,20 +100,12 @@ class PlanParameters:
 
 @dataclass(frozen=True)
 class Phase:
-    """A phase of a lift.
+    """A phase of a lift."""
 
-    Attributes
-    ----------
-    name : of it
-    does : what it does
-    settings : changes of the scenario in this phase
-    criteria : that hold in it, on figures that are known where it takes place
-    """
-
-    name: str
-    does: PhaseParameters
-    settings: tuple[Setting, ...]
-    criteria: tuple[Criterion, ...]
+    name: str  # of it
+    does: PhaseParameters  # what it does
+    settings: tuple[Setting, ...]  # changes of the scenario in this phase
+    criteria: tuple[Criterion, ...]  # that hold in it, on figures that are known where it takes place
 
     @property
     def kind(self) -> str:
@@ -135,24 +127,14 @@ class Phase:
 
 @dataclass(frozen=True)
 class Plan:
-    """A lift, read and checked.
+    """A lift, read and checked."""
 
-    Attributes
-    ----------
-    path : of its file
-    title : of the lift
-    scenario : shipped name or file
-    settings : changes of the scenario in every phase
-    whole : what holds for the whole lift
-    phases : in their order
-    """
-
-    path: Path
-    title: str
-    scenario: str
-    settings: tuple[Setting, ...]
-    whole: PlanParameters
-    phases: tuple[Phase, ...] = field(default_factory=tuple)
+    path: Path  # of its file
+    title: str  # of the lift
+    scenario: str  # shipped name or file
+    settings: tuple[Setting, ...]  # changes of the scenario in every phase
+    whole: PlanParameters  # what holds for the whole lift
+    phases: tuple[Phase, ...] = field(default_factory=tuple)  # in their order
 
     def with_settings(self, settings: Sequence[Setting] = ()) -> Scenario:
         """Return the scenario of the lift, with further `settings`."""

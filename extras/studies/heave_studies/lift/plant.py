@@ -48,24 +48,14 @@ LARGEST_CHANGE = 0.1
 
 @dataclass(frozen=True)
 class Way:
-    """Everything about a run but the height of its sea.
+    """Everything about a run but the height of its sea."""
 
-    Attributes
-    ----------
-    plant : cable and unit at the start
-    strengths : of the parts of the lift
-    speed : of the winch, positive pays out [m/s]
-    step : from one motion of the boom tip to the next [s]
-    tips : motion of the boom tip by step at Hs = 1 m
-    waves : at Hs = 1 m that act on unit and cable
-    """
-
-    plant: CableSimNodeParameters
-    strengths: tuple[Strength, ...]
-    speed: float
-    step: float
-    tips: Sequence[PointMotion]
-    waves: Waves = NO_WAVES
+    plant: CableSimNodeParameters  # cable and unit at the start
+    strengths: tuple[Strength, ...]  # of the parts of the lift
+    speed: float  # of the winch, positive pays out [m/s]
+    step: float  # from one motion of the boom tip to the next [s]
+    tips: Sequence[PointMotion]  # motion of the boom tip by step at Hs = 1 m
+    waves: Waves = NO_WAVES  # at Hs = 1 m that act on unit and cable
 
 
 def crossings(plan: Plan, scene: PhaseScene, seeds: Sequence[int], segments: int = COARSE) -> list[Way]:

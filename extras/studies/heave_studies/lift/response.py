@@ -36,24 +36,14 @@ HEIGHT, PERIOD = "system.sea.significant_wave_height", "system.sea.peak_period"
 
 @dataclass(frozen=True)
 class PhaseScene:
-    """A phase in seas of one peak period.
+    """A phase in seas of one peak period."""
 
-    Attributes
-    ----------
-    phase : of the plan
-    period : peak period [s]
-    scenario : of the plan with the settings of the phase and a sea of 1 m
-    lengths : of cable out at the places of the phase [m]
-    arm : boom tip from the vessel's reference point, in the pose that heaves most [m]
-    density : spectrum of the boom tip's heave at Hs = 1 m, in that pose [m^2 s/rad], at OMEGAS
-    """
-
-    phase: Phase
-    period: float
-    scenario: Scenario
-    lengths: Array
-    arm: tuple[float, ...]
-    density: Array
+    phase: Phase  # of the plan
+    period: float  # peak period [s]
+    scenario: Scenario  # of the plan with the settings of the phase and a sea of 1 m
+    lengths: Array  # of cable out at the places of the phase [m]
+    arm: tuple[float, ...]  # boom tip from the vessel's reference point, in the pose that heaves most [m]
+    density: Array  # spectrum of the boom tip's heave at Hs = 1 m, in that pose [m^2 s/rad], at OMEGAS
 
     @property
     def still_crane(self) -> dict[tuple[str, str], object]:

@@ -21,25 +21,16 @@ from heave_studies.workers.pool import worker_pool
 
 @dataclass(frozen=True)
 class LiftStudy:
-    """A lift, its limits, its weather, and what became of it.
+    """A lift, its limits, its weather, and what became of it."""
 
-    Attributes
-    ----------
-    plan : of the lift
-    height, period : of the sea in which figures are listed [m], [s]
-    limits : of each phase by name, one for each of the plan's periods and that of the sea
-    forecast : the seas to come; None: none
-    windows : when phases can take place; empty without a forecast
-    built : what the bag says of each phase; empty without one
-    """
-
-    plan: Plan
-    height: float
-    period: float
+    plan: Plan  # of the lift
+    height: float  # of the sea in which figures are listed [m]
+    period: float  # of the sea in which figures are listed [s]
+    # of each phase by name, one for each of the plan's periods and that of the sea
     limits: Mapping[str, Sequence[PeriodLimits]]
-    forecast: SeaRecord | None = None
-    windows: Sequence[Window] = field(default_factory=tuple)
-    built: Sequence[AsBuilt] = field(default_factory=tuple)
+    forecast: SeaRecord | None = None  # the seas to come; None: none
+    windows: Sequence[Window] = field(default_factory=tuple)  # when phases can take place; empty without a forecast
+    built: Sequence[AsBuilt] = field(default_factory=tuple)  # what the bag says of each phase; empty without one
 
     def planned(self, phase: Phase) -> Limit:
         """Return the limit of a `phase` in seas of its period, the way that it is planned, with the figures in it."""

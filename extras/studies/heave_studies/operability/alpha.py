@@ -17,18 +17,11 @@ from heave_node.parameters import ParameterError
 
 @dataclass(frozen=True)
 class AlphaTable:
-    """Factors by planned duration and design wave height.
+    """Factors by planned duration and design wave height."""
 
-    Attributes
-    ----------
-    hours : planned durations, rising, shape (n,) [h]
-    heights : design significant wave heights, rising, shape (m,) [m]
-    factors : above 0, at most 1, shape (n, m)
-    """
-
-    hours: Array
-    heights: Array
-    factors: Array
+    hours: Array  # planned durations, rising, shape (n,) [h]
+    heights: Array  # design significant wave heights, rising, shape (m,) [m]
+    factors: Array  # above 0, at most 1, shape (n, m)
 
     def factor(self, hours: float, heights: Array) -> Array:
         """Return the factor.

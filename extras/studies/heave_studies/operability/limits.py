@@ -57,16 +57,10 @@ UNCOMPENSATED = {
 
 @dataclass(frozen=True)
 class SeedLimit:
-    """The limit of one seed at one period.
+    """The limit of one seed at one period."""
 
-    Attributes
-    ----------
-    height : largest significant wave height in which every criterion holds [m]
-    governs : figure of merit that ends it; "" where nothing does up to the largest height of the grid
-    """
-
-    height: float
-    governs: str
+    height: float  # largest significant wave height in which every criterion holds [m]
+    governs: str  # figure of merit that ends it; "" where nothing does up to the largest height of the grid
 
 
 def situations(frame: pandas.DataFrame) -> list[tuple[str, pandas.DataFrame]]:
@@ -202,18 +196,11 @@ def figure(cases: pandas.DataFrame, kpi: str, *, locked: bool) -> Array | None:
 
 @dataclass(frozen=True)
 class Course:
-    """How a figure goes with the sea, in terms that are linear in the height of the waves.
+    """How a figure goes with the sea, in terms that are linear in the height of the waves."""
 
-    Attributes
-    ----------
-    values : of the cases, shape (n,)
-    calm : in a calm sea
-    criterion : that is to hold of them
-    """
-
-    values: Array
-    calm: float
-    criterion: Criterion
+    values: Array  # of the cases, shape (n,)
+    calm: float  # in a calm sea, SI
+    criterion: Criterion  # that is to hold of them
 
 
 def course_of(cases: pandas.DataFrame, criterion: Criterion, *, locked: bool = False) -> Course | None:

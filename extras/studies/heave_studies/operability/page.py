@@ -29,18 +29,11 @@ Waiting times count from every moment of the record to the next start of a windo
 
 @dataclass(frozen=True)
 class About:
-    """Head of the page of a study.
+    """Head of the page of a study."""
 
-    Attributes
-    ----------
-    title : of the page
-    table : file of the cases; None: they were not kept
-    facts : provenance by name
-    """
-
-    title: str
-    table: Path | None
-    facts: Mapping[str, str]
+    title: str  # of the page
+    table: Path | None  # file of the cases; None: they were not kept
+    facts: Mapping[str, str]  # provenance by name
 
 
 def render(about: About, found: Sequence[Situation], criteria: Sequence[Criterion], place: Place | None) -> str:

@@ -27,21 +27,14 @@ MOST_STEPS = 2_000_000
 
 @dataclass(frozen=True)
 class SeaRecord:
-    """The seas of a place.
+    """The seas of a place."""
 
-    Attributes
-    ----------
-    name : of the file
-    states : columns hs [m], tp [s] and share (of the time); of a record with the time (UTC) as index, at equal steps,
-        NaN where nothing was measured
-    step : between two states [h]; NaN of a scatter diagram, which knows no order
-    warnings : what was repaired or left out
-    """
-
-    name: str
+    name: str  # of the file
+    # columns hs [m], tp [s] and share (of the time); of a record with the time (UTC) as index, at equal steps, NaN
+    # where nothing was measured
     states: pandas.DataFrame
-    step: float
-    warnings: tuple[str, ...] = ()
+    step: float  # between two states [h]; NaN of a scatter diagram, which knows no order
+    warnings: tuple[str, ...] = ()  # what was repaired or left out
 
     @property
     def has_order(self) -> bool:

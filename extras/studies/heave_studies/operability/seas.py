@@ -20,21 +20,13 @@ PERIODS = (6.0, 8.0, 10.0, 13.0, 17.0)
 
 @dataclass(frozen=True)
 class SeaGrid:
-    """The seas of a study: every combination, with each seed.
+    """The seas of a study: every combination, with each seed."""
 
-    Attributes
-    ----------
-    heights : significant wave heights [m]
-    periods : peak periods [s]
-    headings : of the vessel, anticlockwise from world x [deg]; empty: the scenario's own
-    seeds : of every sea
-    vary : values of other parameters by place, for example of depth or current
-    """
-
-    heights: tuple[float, ...] = HEIGHTS
-    periods: tuple[float, ...] = PERIODS
-    headings: tuple[float, ...] = ()
-    seeds: tuple[int, ...] = (1, 2)
+    heights: tuple[float, ...] = HEIGHTS  # significant wave heights [m]
+    periods: tuple[float, ...] = PERIODS  # peak periods [s]
+    headings: tuple[float, ...] = ()  # of the vessel, anticlockwise from world x [deg]; empty: the scenario's own
+    seeds: tuple[int, ...] = (1, 2)  # of every sea
+    # values of other parameters by place, for example of depth or current
     vary: Mapping[str, Sequence[object]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -22,60 +22,37 @@ WINDOWS = (6.0, 12.0, 24.0)
 
 @dataclass(frozen=True)
 class Place:
-    """The seas of a place, and what is asked of them.
+    """The seas of a place, and what is asked of them."""
 
-    Attributes
-    ----------
-    record : of the place
-    windows : lengths of weather windows [h]
-    alpha : factors on the limit; None: the forecast is trusted
-    """
-
-    record: SeaRecord
-    windows: tuple[float, ...] = WINDOWS
-    alpha: AlphaTable | None = None
+    record: SeaRecord  # of the place
+    windows: tuple[float, ...] = WINDOWS  # lengths of weather windows [h]
+    alpha: AlphaTable | None = None  # factors on the limit; None: the forecast is trusted
 
 
 @dataclass(frozen=True)
 class Exposure:
-    """A limit curve at a place.
+    """A limit curve at a place."""
 
-    Attributes
-    ----------
-    share, cautious : of the measured seas within the mean limit, and within the lower end of its confidence; NaN where
-        the seeds show none
-    outside : share of the seas whose period the study has not run
-    by_month : workable share; empty of a scatter diagram, as are the following
-    windows : waiting times by length of window and month [h]
-    spells : how long workable seas and the others last [h]
-    """
-
-    share: float
-    cautious: float
-    outside: float
+    share: float  # of the measured seas within the mean limit [-]
+    cautious: float  # of those within the lower end of its confidence [-]; NaN where the seeds show none
+    outside: float  # share of the seas whose period the study has not run [-]
+    # workable share; empty of a scatter diagram, as are the following
     by_month: pandas.Series = field(default_factory=lambda: pandas.Series(dtype=float))
+    # waiting times by length of window and month [h]
     windows: pandas.DataFrame = field(default_factory=pandas.DataFrame)
-    spells: pandas.DataFrame = field(default_factory=pandas.DataFrame)
+    spells: pandas.DataFrame = field(default_factory=pandas.DataFrame)  # how long workable seas and the others last [h]
 
 
 @dataclass(frozen=True)
 class Situation:
-    """What a study found for one heading, depth, ... : limits, and what they mean at a place.
+    """What a study found for one heading, depth, ... : limits, and what they mean at a place."""
 
-    Attributes
-    ----------
-    name : "" where only the sea was varied
-    cases : rows of the campaign's table
-    limit, locked_limit : by period, with the law of the scenario and with the winch locked
-    exposure, locked_exposure : at the place; None without one
-    """
-
-    name: str
-    cases: pandas.DataFrame
-    limit: pandas.DataFrame
-    locked_limit: pandas.DataFrame
-    exposure: Exposure | None
-    locked_exposure: Exposure | None
+    name: str  # "" where only the sea was varied
+    cases: pandas.DataFrame  # rows of the campaign's table
+    limit: pandas.DataFrame  # by period, with the law of the scenario
+    locked_limit: pandas.DataFrame  # by period, with the winch locked
+    exposure: Exposure | None  # at the place; None without one
+    locked_exposure: Exposure | None  # the same with the winch locked
 
 
 def study_situations(frame: pandas.DataFrame, criteria: Sequence[Criterion], place: Place | None) -> list[Situation]:

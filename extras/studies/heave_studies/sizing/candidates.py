@@ -15,23 +15,14 @@ SPEED, ACCELERATION, POWER, DELAY = "speed", "acceleration", "power", "delay"
 
 @dataclass(frozen=True)
 class Particular:
-    """A particular of a winch that a buyer pays for.
+    """A particular of a winch that a buyer pays for."""
 
-    Attributes
-    ----------
-    name : of it
-    place : of its parameter, for the winch and for the controller's belief of it
-    unit, scale : in which people see it, and that over the SI unit
-    costs_when_small : a small value is the dear one, as of a delay
-    shares : of the scenario's value, tried where none are given
-    """
-
-    name: str
-    place: str
-    unit: str
-    shares: tuple[float, ...]
-    scale: float = 1.0
-    costs_when_small: bool = False
+    name: str  # of it
+    place: str  # of its parameter, for the winch and for the controller's belief of it
+    unit: str  # in which people see it
+    shares: tuple[float, ...]  # of the scenario's value, tried where none are given
+    scale: float = 1.0  # that unit over the SI unit
+    costs_when_small: bool = False  # a small value is the dear one, as of a delay
 
     def text(self, value: float) -> str:
         """Return a `value` as people see it."""
@@ -59,19 +50,13 @@ PLACES = (*(particular.place for particular in PARTICULARS), STOP)
 
 @dataclass(frozen=True)
 class Candidate:
-    """A winch that one might buy.
+    """A winch that one might buy."""
 
-    Attributes
-    ----------
-    speed, acceleration, power, delay : its limits [m/s, m/s^2, W; infinite: none] and the delay of its commands [s]
-    sweep : name of the particular in which it differs from the scenario's own winch; "" is that one
-    """
-
-    speed: float
-    acceleration: float
-    power: float
-    delay: float
-    sweep: str = ""
+    speed: float  # its limit [m/s]; infinite: none
+    acceleration: float  # its limit [m/s^2]; infinite: none
+    power: float  # its limit [W]; infinite: none
+    delay: float  # of its commands [s]
+    sweep: str = ""  # name of the particular in which it differs from the scenario's own winch; "" is that one
 
     def value(self, particular: Particular) -> float:
         """Return its value of a `particular`."""

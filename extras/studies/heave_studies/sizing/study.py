@@ -38,93 +38,58 @@ EVEN_STEPS = 25
 
 @dataclass(frozen=True)
 class Prices:
-    """What an hour is charged with.
+    """What an hour is charged with."""
 
-    Attributes
-    ----------
-    efficiency : of the drive, either way, 0 to 1
-    regeneration : share of the regenerated energy that the ship can use, 0 to 1; the rest becomes heat
-    energy : price of a kWh in any currency
-    """
-
-    efficiency: float = 0.8
+    efficiency: float = 0.8  # of the drive, either way, 0 to 1 [-]
+    # share of the regenerated energy that the ship can use, 0 to 1 [-]; the rest becomes heat
     regeneration: float = 0.0
-    energy: float = 0.3
+    energy: float = 0.3  # price of a kWh in any currency [1/kWh]
 
 
 @dataclass(frozen=True)
 class Duty:
     """What an hour of compensation asks of a winch, as a mean over the seas in which it can work; NaN where there are
     none.
-
-    Attributes
-    ----------
-    peak : largest power in any of these seas [W]
-    rms : root mean square of the power [W]
-    motoring, regenerated : energy at the drum [Wh/h]
-    electric : energy bought, less what is fed back [Wh/h]
-    heat : lost in the drive and burnt in resistors [Wh/h]
-    cost : of the energy, in the currency of its price [1/h]
-    travel, reversals, bending_cycles : of the rope [m/h, 1/h, 1/h]
-    loaded : share of time above half of rated speed or power [%]
-    tension_cycles : of the top tension [1/h]
-    tension_range : of the top tension, that once a second does the damage of all cycles in the seas' mix [N]
     """
 
-    peak: float
-    rms: float
-    motoring: float
-    regenerated: float
-    electric: float
-    heat: float
-    cost: float
-    travel: float
-    reversals: float
-    bending_cycles: float
-    loaded: float
-    tension_cycles: float
-    tension_range: float
+    peak: float  # largest power in any of these seas [W]
+    rms: float  # root mean square of the power [W]
+    motoring: float  # energy at the drum [Wh/h]
+    regenerated: float  # energy at the drum [Wh/h]
+    electric: float  # energy bought, less what is fed back [Wh/h]
+    heat: float  # lost in the drive and burnt in resistors [Wh/h]
+    cost: float  # of the energy, in the currency of its price [1/h]
+    travel: float  # of the rope [m/h]
+    reversals: float  # of the rope [1/h]
+    bending_cycles: float  # of the rope [1/h]
+    loaded: float  # share of time above half of rated speed or power [%]
+    tension_cycles: float  # of the top tension [1/h]
+    tension_range: float  # of the top tension, that once a second does the damage of all cycles in the seas' mix [N]
 
 
 @dataclass(frozen=True)
 class Sized:
-    """What a study found of one winch.
+    """What a study found of one winch."""
 
-    Attributes
-    ----------
-    winch : the candidate
-    cases : its rows of the campaign's table
-    limit : by period, as `limit_curve` gives it
-    share, lower, upper : of the place's seas that are workable, and the ends of its confidence
-    duty : of an hour
-    """
-
-    winch: Candidate
-    cases: pandas.DataFrame
-    limit: pandas.DataFrame
-    share: float
-    lower: float
-    upper: float
-    duty: Duty
+    winch: Candidate  # the candidate
+    cases: pandas.DataFrame  # its rows of the campaign's table
+    limit: pandas.DataFrame  # by period, as `limit_curve` gives it
+    share: float  # of the place's seas that are workable [-]
+    lower: float  # lower end of its confidence [-]
+    upper: float  # upper end of its confidence [-]
+    duty: Duty  # of an hour
 
 
 @dataclass(frozen=True)
 class Knee:
-    """Where more of a particular gains little.
+    """Where more of a particular gains little."""
 
-    Attributes
-    ----------
-    particular : of the winch
-    value : that gives ENOUGH of the best, linear between the values tried; NaN where only winches without a limit do
-    share, best : workable share at the scenario's own value and at the best one
-    is_open : the least (of a delay the largest) value tried gives enough already: the knee lies beyond it
-    """
-
-    particular: Particular
+    particular: Particular  # of the winch
+    # that gives ENOUGH of the best, linear between the values tried, SI; NaN where only winches without a limit do
     value: float
-    share: float
-    best: float
-    is_open: bool
+    share: float  # workable share at the scenario's own value [-]
+    best: float  # workable share at the best value [-]
+    is_open: bool  # the least (of a delay the largest) value tried gives enough already: the knee lies beyond it
 
     @property
     def text(self) -> str:

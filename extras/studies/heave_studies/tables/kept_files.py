@@ -37,20 +37,12 @@ _DIGEST = re.compile(r"[0-9a-f]{64}")
 
 @dataclass(frozen=True)
 class KeptFile:
-    """A file, or a folder as a bag is one, that cases read.
+    """A file, or a folder as a bag is one, that cases read."""
 
-    Attributes
-    ----------
-    name : its own, without the folder that it lay in
-    digest : as `digest_of` gives it
-    size : of its contents [bytes]
-    packed : the contents as a ZIP archive; empty where they were too large to be kept
-    """
-
-    name: str
-    digest: str
-    size: int
-    packed: bytes = b""
+    name: str  # its own, without the folder that it lay in
+    digest: str  # as `digest_of` gives it
+    size: int  # of its contents [bytes]
+    packed: bytes = b""  # the contents as a ZIP archive; empty where they were too large to be kept
 
 
 def digest_of(path: Path) -> str:

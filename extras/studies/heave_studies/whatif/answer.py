@@ -50,22 +50,13 @@ POSSIBLE = {"unit_efficiency": (-math.inf, 1.0), "time_at_limit_percent": (0.0, 
 
 @dataclass(frozen=True)
 class Figures:
-    """Figures of one loop, by the names in KEYS.
+    """Figures of one loop, by the names in KEYS."""
 
-    Attributes
-    ----------
-    values : as predicted
-    bands : of 90 %, lower and upper end
-    unit : heave of the unit about its mean depth at each tick of the window (n,) [m]
-    lost_at : time at which compensation was given up [s]; infinite: never
-    cause : alarm with which it was
-    """
-
-    values: Mapping[str, float]
-    unit: Array = field(repr=False)
-    bands: Mapping[str, Band] = field(default_factory=dict)
-    lost_at: float = math.inf
-    cause: str = ""
+    values: Mapping[str, float]  # as predicted
+    unit: Array = field(repr=False)  # heave of the unit about its mean depth at each tick of the window (n,) [m]
+    bands: Mapping[str, Band] = field(default_factory=dict)  # of 90 %, lower and upper end
+    lost_at: float = math.inf  # time at which compensation was given up [s]; infinite: never
+    cause: str = ""  # alarm with which it was
 
     def beside(self, base: Figures) -> dict[str, float]:
         """Return by how much each figure is other than that of a `base`."""
@@ -140,22 +131,15 @@ def lost(done: Replayed) -> tuple[float, str]:
 
 @dataclass(frozen=True)
 class Spread:
-    """What bands are made of.
+    """What bands are made of."""
 
-    Attributes
-    ----------
-    loops : what changes in the figures where the loop is closed over other plants and winches that the record allows
-    plants : what changes in them where the same payout acts on other plants that it allows
-    added : standard deviation of the motion that the twins add to the record [m]
-    locked : the same of the winch locked [m]
-    model : relative error of the twins in both [-]
-    """
-
+    # what changes in the figures where the loop is closed over other plants and winches that the record allows
     loops: Sequence[Mapping[str, float]]
+    # what changes in them where the same payout acts on other plants that it allows
     plants: Sequence[Mapping[str, float]]
-    added: float
-    locked: float
-    model: float
+    added: float  # standard deviation of the motion that the twins add to the record [m]
+    locked: float  # the same of the winch locked [m]
+    model: float  # relative error of the twins in both [-]
 
     def half(self, key: str) -> float:
         """Return half the width of a band of the figure `key`, by what the record allows."""

@@ -20,20 +20,12 @@ CONTROLLER, WINCH = "winch_controller", "virtual_winch"
 
 @dataclass(frozen=True)
 class Wish:
-    """What is asked.
+    """What is asked."""
 
-    Attributes
-    ----------
-    scenario : of the run, a file or a shipped name
-    law : of the first answer; empty: that of the record
-    settings : changes, as for `--set`
-    compare : further laws
-    """
-
-    scenario: Path | str
-    law: str = ""
-    settings: Sequence[str] = ()
-    compare: Sequence[str] = ()
+    scenario: Path | str  # of the run, a file or a shipped name
+    law: str = ""  # of the first answer; empty: that of the record
+    settings: Sequence[str] = ()  # changes, as for `--set`
+    compare: Sequence[str] = ()  # further laws
 
 
 def nominal_of(scenario: Path | str) -> tuple[WinchControllerParameters, Any]:

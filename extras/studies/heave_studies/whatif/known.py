@@ -73,36 +73,21 @@ LOOKS = 3
 
 @dataclass(frozen=True)
 class Known:
-    """What a record has shown.
+    """What a record has shown."""
 
-    Attributes
-    ----------
-    nominal : parameters of the controller in the run
-    again : the same law again
-    fit : cable and unit
-    past : the record with its twins
-    unexplained : motion of the unit
-    snapped : share of that from the time on at which the cable was first slack: another loop does not have it (n,) [m]
-    left : standard deviation of the motion that the twin does not explain under a taut cable [m]
-    set_point : mean payout at each tick [m]
-    off : the winch locked
-    window : ticks that are judged
-    by_tip : standard deviation of the unit's motion by what is not known of the boom tip [m]
-    evidence : of the record
-    """
-
-    nominal: WinchControllerParameters
-    again: Again
-    fit: CableFit
-    past: Past
-    unexplained: Disturbance
+    nominal: WinchControllerParameters  # parameters of the controller in the run
+    again: Again  # the same law again
+    fit: CableFit  # cable and unit
+    past: Past  # the record with its twins
+    unexplained: Disturbance  # motion of the unit
+    # share of that from the time on at which the cable was first slack: another loop does not have it (n,) [m]
     snapped: Array
-    left: float
-    set_point: Array
-    off: Replayed
-    window: slice
-    by_tip: float
-    evidence: Evidence = field(repr=False)
+    left: float  # standard deviation of the motion that the twin does not explain under a taut cable [m]
+    set_point: Array  # mean payout at each tick [m]
+    off: Replayed  # the winch locked
+    window: slice  # ticks that are judged
+    by_tip: float  # standard deviation of the unit's motion by what is not known of the boom tip [m]
+    evidence: Evidence = field(repr=False)  # of the record
 
     def unexplained_in(self, payout: Array) -> Disturbance:
         """Return the motion that the twin of a loop does not explain, whose `payout` at each tick is given [m]."""

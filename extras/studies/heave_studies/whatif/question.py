@@ -34,29 +34,17 @@ MOST_DRAWS = 100
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked of a record.
+    """What is asked of a record."""
 
-    Attributes
-    ----------
-    law : of the first answer; empty: that of the record
-    compare : further laws
-    settings : changes, as for `--set`
-    know : what is known better than the parameters say, as for `--know`
-    scenario : of the run, a file or a shipped name; empty: the one in the bag
-    transient : initial time that is left out [s]; None: the scenario's
-    end : time at which the record is cut off [s]; None: it is not
-    draws, seed : plants that are tried for the bands
-    """
-
-    law: str = ""
-    compare: Sequence[str] = ()
-    settings: Sequence[str] = ()
-    know: Sequence[str] = ()
-    scenario: Path | str = ""
-    transient: float | None = None
-    end: float | None = None
-    draws: int = DRAWS
-    seed: int = 1
+    law: str = ""  # of the first answer; empty: that of the record
+    compare: Sequence[str] = ()  # further laws
+    settings: Sequence[str] = ()  # changes, as for `--set`
+    know: Sequence[str] = ()  # what is known better than the parameters say, as for `--know`
+    scenario: Path | str = ""  # of the run, a file or a shipped name; empty: the one in the bag
+    transient: float | None = None  # initial time that is left out [s]; None: the scenario's
+    end: float | None = None  # time at which the record is cut off [s]; None: it is not
+    draws: int = DRAWS  # plants that are tried for the bands
+    seed: int = 1  # of these plants
 
     def __post_init__(self) -> None:
         """Raise ParameterError for a number that says nothing."""

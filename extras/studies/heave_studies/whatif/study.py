@@ -21,24 +21,14 @@ from heave_studies.whatif.work import HERE, Show, Work, quiet, show_some
 
 @dataclass(frozen=True)
 class Answer:
-    """What one loop would have done.
+    """What one loop would have done."""
 
-    Attributes
-    ----------
-    asked : for it
-    figures : with their bands
-    done : motions
-    plants : number of plants over which it was closed
-    lost : number of them on which it gives up compensation, or never begins
-    cause : the alarm with which it does; empty: it does not
-    """
-
-    asked: Asked
-    figures: Figures
-    done: Replayed = field(repr=False)
-    plants: int
-    lost: int
-    cause: str
+    asked: Asked  # for it
+    figures: Figures  # with their bands
+    done: Replayed = field(repr=False)  # motions
+    plants: int  # number of plants over which it was closed
+    lost: int  # number of them on which it gives up compensation, or never begins
+    cause: str  # the alarm with which it does; empty: it does not
 
     @property
     def fade_out(self) -> float:

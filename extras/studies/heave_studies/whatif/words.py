@@ -30,24 +30,14 @@ EXPERIMENTAL = "whatif is experimental: compared with simulated runs alone (docs
 
 @dataclass(frozen=True)
 class Result:
-    """All that a command has to say.
+    """All that a command has to say."""
 
-    Attributes
-    ----------
-    settings : changes that were asked for, as for `--set`
-    notes : on the record as it was read, a line each
-    known : by the record
-    recorded : figures of the record itself
-    answers : the first asked first
-    payout_error : of the same law again, standard deviation and largest [m]
-    """
-
-    settings: Sequence[str]
-    notes: Sequence[str]
-    known: Known
-    recorded: Figures
-    answers: Sequence[Answer]
-    payout_error: tuple[float, float]
+    settings: Sequence[str]  # changes that were asked for, as for `--set`
+    notes: Sequence[str]  # on the record as it was read, a line each
+    known: Known  # by the record
+    recorded: Figures  # figures of the record itself
+    answers: Sequence[Answer]  # the first asked first
+    payout_error: tuple[float, float]  # of the same law again, standard deviation and largest [m]
 
     @property
     def warnings(self) -> list[str]:

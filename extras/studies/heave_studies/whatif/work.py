@@ -28,16 +28,10 @@ def show_some(show: Show, words: str, of: int, done: int) -> None:
 
 @dataclass(frozen=True)
 class Work:
-    """What does independent parts of some work.
+    """What does independent parts of some work."""
 
-    Attributes
-    ----------
-    pool : of other processes; None: this one does it
-    show : called with what is done, and the share of it
-    """
-
-    pool: ProcessPoolExecutor | None
-    show: Show
+    pool: ProcessPoolExecutor | None  # of other processes; None: this one does it
+    show: Show  # called with what is done, and the share of it
 
     def done(self, words: str, function: Callable[..., Any], tasks: Sequence[Sequence[Any]]) -> list[Any]:
         """Return what a `function` returns for the arguments in each of some `tasks`; `words` are shown."""

@@ -37,18 +37,11 @@ _WINCH = topics.WINCH_STATE.name
 
 @dataclass(frozen=True)
 class RunDone:
-    """A run of a step.
+    """A run of a step."""
 
-    Attributes
-    ----------
-    measured : what it left
-    breaches : what fails any run, in words
-    record : of the run
-    """
-
-    measured: Measured
-    breaches: tuple[str, ...]
-    record: RunRecord
+    measured: Measured  # what it left
+    breaches: tuple[str, ...]  # what fails any run, in words
+    record: RunRecord  # of the run
 
 
 def scenario_of(procedure: Procedure, test: RunTest, event: Event | None, external: Sequence[str] = ()) -> Scenario:

@@ -99,18 +99,11 @@ class VirtualPart:
 
 @dataclass
 class Trace:
-    """What a test of a winch left, with times from the first order on.
+    """What a test of a winch left, with times from the first order on."""
 
-    Attributes
-    ----------
-    rows : time, ordered rate, payout, rate, brake, fault; shape (n, 6), SI units
-    event : time of the event [s]; NaN: there was none
-    silent : time of the last report of a winch that fell silent [s]; NaN: it did not
-    """
-
-    rows: Array
-    event: float = math.nan
-    silent: float = math.nan
+    rows: Array  # time, ordered rate, payout, rate, brake, fault; shape (n, 6), SI units
+    event: float = math.nan  # time of the event [s]; NaN: there was none
+    silent: float = math.nan  # time of the last report of a winch that fell silent [s]; NaN: it did not
 
     HEADER = ("time_s", "ordered_rate_mps", "payout_m", "payout_rate_mps", "brake", "fault")
 

@@ -64,26 +64,15 @@ TELLS = 0.5
 
 @dataclass(frozen=True)
 class CableFit:
-    """What the record says of cable, unit and MRU.
+    """What the record says of cable, unit and MRU."""
 
-    Attributes
-    ----------
-    values : about what is assumed, by name: factors [-], delay [s], lever arm [m]
-    covariance : of the logarithms of the factors, and of the others, in that order
-    prior : what was known before
-    source : of the boom tip
-    loss : at the values [nats]
-    chi2 : mean square of what is left of the depth readings over their noise [-]
-    end : time up to which the record was judged [s]
-    """
-
-    values: Mapping[str, float]
-    covariance: Array = field(repr=False)
-    prior: Prior
-    source: TipSource = field(repr=False)
-    loss: float
-    chi2: float
-    end: float
+    values: Mapping[str, float]  # about what is assumed, by name: factors [-], delay [s], lever arm [m]
+    covariance: Array = field(repr=False)  # of the logarithms of the factors, and of the others, in that order
+    prior: Prior  # what was known before
+    source: TipSource = field(repr=False)  # of the boom tip
+    loss: float  # at the values [nats]
+    chi2: float  # mean square of what is left of the depth readings over their noise [-]
+    end: float  # time up to which the record was judged [s]
 
     def sigma(self, name: str) -> float:
         """Standard deviation of the value `name`: relative for a factor, else in its unit."""
@@ -110,20 +99,12 @@ class CableFit:
 
 
 class Point(NamedTuple):
-    """A point of the search.
+    """A point of the search."""
 
-    Attributes
-    ----------
-    x : logarithms of the factors, the others as they are
-    gap : what the twin leaves of the readings there (m, k)
-    left : the same, whitened (k, m)
-    loss : there [nats]
-    """
-
-    x: Array
-    gap: ComplexArray
-    left: ComplexArray
-    loss: float
+    x: Array  # logarithms of the factors, the others as they are
+    gap: ComplexArray  # what the twin leaves of the readings there (m, k)
+    left: ComplexArray  # the same, whitened (k, m)
+    loss: float  # there [nats]
 
 
 def point_of(values: Values) -> Array:

@@ -45,26 +45,15 @@ Values = Mapping[str, float]
 
 @dataclass(frozen=True)
 class Evidence:
-    """A record, and what cable, unit and MRU are judged by in it.
+    """A record, and what cable, unit and MRU are judged by in it."""
 
-    Attributes
-    ----------
-    record : of the sensors
-    nominal : parameters of the controller
-    assumed : cable and unit as those have them
-    source : of the boom tip
-    winch : what the drum did
-    depth_scale : reading over truth [-]
-    end : time up to which it is judged [s]: the cable is taut
-    """
-
-    record: SensorRecord
-    nominal: WinchControllerParameters
-    assumed: AxialLine
-    source: TipSource
-    winch: PastWinch
-    depth_scale: float
-    end: float
+    record: SensorRecord  # of the sensors
+    nominal: WinchControllerParameters  # parameters of the controller
+    assumed: AxialLine  # cable and unit as those have them
+    source: TipSource  # of the boom tip
+    winch: PastWinch  # what the drum did
+    depth_scale: float  # reading over truth [-]
+    end: float  # time up to which it is judged [s]: the cable is taut
 
     @property
     def start(self) -> float:

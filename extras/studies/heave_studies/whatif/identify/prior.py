@@ -32,16 +32,10 @@ LEAST_SPREAD = 1e-4
 
 
 class Prior(NamedTuple):
-    """What is known before the record.
+    """What is known before the record."""
 
-    Attributes
-    ----------
-    sigma : standard deviation of each quantity, by name in USUAL
-    centre : and where it is: logarithm of a factor, the others as they are; 0 where none is given
-    """
-
-    sigma: Mapping[str, float]
-    centre: Mapping[str, float]
+    sigma: Mapping[str, float]  # standard deviation of each quantity, by name in USUAL
+    centre: Mapping[str, float]  # and where it is: logarithm of a factor, the others as they are; 0 where none is given
 
 
 def prior_of(nominal: WinchControllerParameters, texts: Iterable[str] = ()) -> Prior:

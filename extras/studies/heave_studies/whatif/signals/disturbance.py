@@ -15,22 +15,13 @@ WAVES = (0.2, 4.0)
 
 
 class Disturbance(NamedTuple):
-    """Motion of the unit that its twin does not explain.
+    """Motion of the unit that its twin does not explain."""
 
-    Attributes
-    ----------
-    heave : at each tick, about its mean, positive up (n,) [m]
-    waves : standard deviation of it where waves are [m]
-    left : standard deviation of the sensor's noise that is in it [m]
-    noise : standard deviation of a depth reading [m]
-    chi2 : mean square of the twin's error over that of the noise, where waves are [-]
-    """
-
-    heave: Array
-    waves: float
-    left: float
-    noise: float
-    chi2: float
+    heave: Array  # at each tick, about its mean, positive up (n,) [m]
+    waves: float  # standard deviation of it where waves are [m]
+    left: float  # standard deviation of the sensor's noise that is in it [m]
+    noise: float  # standard deviation of a depth reading [m]
+    chi2: float  # mean square of the twin's error over that of the noise, where waves are [-]
 
 
 def disturbance(readings: Array, time: Array, twin: Array, stated_noise: float) -> Disturbance:

@@ -142,18 +142,11 @@ def _orders(columns: Columns, period: int) -> dict[int, WinchOrder]:
 
 
 class Gate(NamedTuple):
-    """What the controller's gate of a sensor says in each of its ticks.
+    """What the controller's gate of a sensor says in each of its ticks."""
 
-    Attributes
-    ----------
-    stamps : start of the tick (n,) [ns]
-    judged : readings in it (n,)
-    newest : stamp of the newest accepted reading so far (n,) [ns]; 0: none yet
-    """
-
-    stamps: Stamps
-    judged: Stamps
-    newest: Stamps
+    stamps: Stamps  # start of the tick (n,) [ns]
+    judged: Stamps  # readings in it (n,)
+    newest: Stamps  # stamp of the newest accepted reading so far (n,) [ns]; 0: none yet
 
 
 def _gates(state: Columns) -> dict[str, Gate]:

@@ -24,49 +24,30 @@ LOST = 1.0
 
 
 class Loss(NamedTuple):
-    """A time in which the controller did not use a sensor.
+    """A time in which the controller did not use a sensor."""
 
-    Attributes
-    ----------
-    sensor : by name
-    start, end : [s]
-    reason : in its words
-    """
-
-    sensor: str
-    start: float
-    end: float
-    reason: str
+    sensor: str  # by name
+    start: float  # [s]
+    end: float  # [s]
+    reason: str  # in its words
 
 
 @dataclass(frozen=True)
 class SensorRecord:
-    """A record of n ticks in a row.
+    """A record of n ticks in a row."""
 
-    Attributes
-    ----------
-    tick_period : [s]
-    first : number of the first tick; tick k is at k tick_period
-    measurements : delivered to the controller in each tick, (n,)
-    orders : that it gave to the winch in each, (n,); None: it left the tick out, being behind in real time
-    set_points : mean payout that it worked about in each, (n,) [m]; NaN: not known
-    modes : of the controller in each, (n,); "": not known
-    has_adviser : the controller had one
-    late : ticks whose observations it answered too late
-    requests : of an operator that the controller found in a tick, in order, by the tick's number
-    losses : of sensors, by the controller
-    """
-
-    tick_period: float
-    first: int
-    measurements: tuple[Measurements, ...]
+    tick_period: float  # [s]
+    first: int  # number of the first tick; tick k is at k tick_period
+    measurements: tuple[Measurements, ...]  # delivered to the controller in each tick, (n,)
+    # that it gave to the winch in each, (n,); None: it left the tick out, being behind in real time
     orders: tuple[WinchOrder | None, ...]
-    set_points: Array
-    modes: tuple[str, ...]
-    has_adviser: bool = True
-    late: frozenset[int] = frozenset()
+    set_points: Array  # mean payout that it worked about in each, (n,) [m]; NaN: not known
+    modes: tuple[str, ...]  # of the controller in each, (n,); "": not known
+    has_adviser: bool = True  # the controller had one
+    late: frozenset[int] = frozenset()  # ticks whose observations it answered too late
+    # of an operator that the controller found in a tick, in order, by the tick's number
     requests: Mapping[int, tuple[Request, ...]] = field(default_factory=dict)
-    losses: tuple[Loss, ...] = ()
+    losses: tuple[Loss, ...] = ()  # of sensors, by the controller
 
     @property
     def ticks(self) -> int:

@@ -26,24 +26,14 @@ LEAST_QUIET = 20
 
 
 class Smoothed(NamedTuple):
-    """What stands above the noise in a series of n values.
+    """What stands above the noise in a series of n values."""
 
-    Attributes
-    ----------
-    values : of the series without its noise (n,)
-    omega : angular frequencies (n,) [rad/s]
-    power : of the series at each, of which the sum is that of the squares of its values (n,)
-    smooth : the same, smoothed (n,)
-    kept : share of each frequency that was kept (n,) [-]
-    noise : variance of a value by white noise
-    """
-
-    values: Array
-    omega: Array
-    power: Array
-    smooth: Array
-    kept: Array
-    noise: float
+    values: Array  # of the series without its noise (n,)
+    omega: Array  # angular frequencies (n,) [rad/s]
+    power: Array  # of the series at each, of which the sum is that of the squares of its values (n,)
+    smooth: Array  # the same, smoothed (n,)
+    kept: Array  # share of each frequency that was kept (n,) [-]
+    noise: float  # variance of a value by white noise [m^2]
 
 
 def smoothed(values: Array, period: float, stated: float = 0.0, highest: float = math.inf) -> Smoothed:

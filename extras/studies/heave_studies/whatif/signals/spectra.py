@@ -92,15 +92,10 @@ def noise_level(power: Array) -> float:
 
 
 class Speeds(NamedTuple):
-    """Standard deviation of the vertical speed of the cable's ends, by which drag is linearised.
+    """Standard deviation of the vertical speed of the cable's ends, by which drag is linearised."""
 
-    Attributes
-    ----------
-    unit, top : lower end, and the end at the outlet [m/s]
-    """
-
-    unit: float
-    top: float
+    unit: float  # of the lower end [m/s]
+    top: float  # of the end at the outlet [m/s]
 
 
 def gains_over_top(line: AxialLine, length: float, omegas: Array, speeds: Speeds) -> ComplexArray:

@@ -21,30 +21,18 @@ SLOWEST = 0.12
 
 
 class Tip(NamedTuple):
-    """The boom tip's heave about its mean at each tick, positive up.
+    """The boom tip's heave about its mean at each tick, positive up."""
 
-    Attributes
-    ----------
-    heave, rate : [m], [m/s]
-    sigma : standard deviation of what is not known of the heave [m]
-    """
-
-    heave: Array
-    rate: Array
-    sigma: float
+    heave: Array  # [m]
+    rate: Array  # [m/s]
+    sigma: float  # standard deviation of what is not known of the heave [m]
 
 
 class HighPass(NamedTuple):
-    """Second-order high-pass of an MRU.
+    """Second-order high-pass of an MRU."""
 
-    Attributes
-    ----------
-    period : cut-off [s]; 0: none
-    damping : ratio [-]
-    """
-
-    period: float = 0.0
-    damping: float = 0.7071
+    period: float = 0.0  # cut-off [s]; 0: none
+    damping: float = 0.7071  # ratio [-]
 
     def response(self, omega: Array) -> ComplexArray:
         """Return reading over truth at angular frequencies `omega` [rad/s]."""

@@ -20,23 +20,14 @@ TURNS = 1e-3
 
 @dataclass(frozen=True)
 class TipSource:
-    """What the MRU has read of the boom tip, smoothed.
+    """What the MRU has read of the boom tip, smoothed."""
 
-    Attributes
-    ----------
-    time : of each tick (n,) [s]
-    plain : boom tip under what is assumed of the MRU
-    assumed : of the MRU
-    high_pass : that the MRU has
-    pitch, pitch_rate : of the vessel at each tick, about its mean (n,) [rad], [rad/s]
-    """
-
-    time: Array
-    plain: Tip
-    assumed: Correction
-    high_pass: HighPass
-    pitch: Array
-    pitch_rate: Array
+    time: Array  # of each tick (n,) [s]
+    plain: Tip  # boom tip under what is assumed of the MRU
+    assumed: Correction  # of the MRU
+    high_pass: HighPass  # that the MRU has
+    pitch: Array  # of the vessel at each tick, about its mean (n,) [rad]
+    pitch_rate: Array  # of the vessel at each tick (n,) [rad/s]
 
     @property
     def turns(self) -> bool:

@@ -19,24 +19,16 @@ REPRODUCED = 1e-9
 
 @dataclass(frozen=True)
 class Again:
-    """What the same controller makes of a record.
+    """What the same controller makes of a record."""
 
-    Attributes
-    ----------
-    beliefs : of the adviser at the end; nominal where there was none
-    parted : time at which its orders or its mode are first other than those of the record [s]; infinite: never; NaN:
-        not asked, as the record's controller was another one
-    mode, was : mode there, and that of the record
-    alarms : that it raised, with their times [s]
-    refused : requests of the operator that it did not take, in words
-    """
-
-    beliefs: Beliefs
+    beliefs: Beliefs  # of the adviser at the end; nominal where there was none
+    # time at which its orders or its mode are first other than those of the record [s]; infinite: never; NaN: not
+    # asked, as the record's controller was another one
     parted: float
-    mode: str = ""
-    was: str = ""
-    alarms: tuple[tuple[float, Alarm], ...] = field(default=(), repr=False)
-    refused: tuple[str, ...] = ()
+    mode: str = ""  # mode there
+    was: str = ""  # mode in the record
+    alarms: tuple[tuple[float, Alarm], ...] = field(default=(), repr=False)  # that it raised, with their times [s]
+    refused: tuple[str, ...] = ()  # requests of the operator that it did not take, in words
 
     @property
     def is_same(self) -> bool:

@@ -21,20 +21,12 @@ SEGMENTS, SUBSTEPS = 12, 4
 
 @dataclass(frozen=True)
 class PlantFactors:
-    """What cable and unit are, over what the parameters say.
+    """What cable and unit are, over what the parameters say."""
 
-    Attributes
-    ----------
-    inertia : on a, the unit's inertia over the cable's stiffness [-]
-    damping : on the drag of the unit [-]
-    cable_drag : on the drag of the cable [-]
-    stiffness : on EA [-]; masses and drag go with it, so that the motion stays and the tension grows
-    """
-
-    inertia: float = 1.0
-    damping: float = 1.0
-    cable_drag: float = 1.0
-    stiffness: float = 1.0
+    inertia: float = 1.0  # on a, the unit's inertia over the cable's stiffness [-]
+    damping: float = 1.0  # on the drag of the unit [-]
+    cable_drag: float = 1.0  # on the drag of the cable [-]
+    stiffness: float = 1.0  # on EA [-]; masses and drag go with it, so that the motion stays and the tension grows
 
 
 def nominal_line(parameters: WinchControllerParameters) -> AxialLine:
@@ -112,19 +104,12 @@ class TwinPlant:
 
 @dataclass(frozen=True)
 class PlantMotion:
-    """Motion of the plant at each tick.
+    """Motion of the plant at each tick."""
 
-    Attributes
-    ----------
-    unit, velocity : heave of the unit about its rest at payout 0, positive up, and its rate (n,) [m], [m/s]
-    tension : at the top (n,) [N]
-    least_tension : the smallest along the cable (n,) [N]
-    """
-
-    unit: Array
-    velocity: Array
-    tension: Array
-    least_tension: Array
+    unit: Array  # heave of the unit about its rest at payout 0, positive up (n,) [m]
+    velocity: Array  # its rate (n,) [m/s]
+    tension: Array  # at the top (n,) [N]
+    least_tension: Array  # the smallest along the cable (n,) [N]
 
     @property
     def acceleration(self) -> Array:
@@ -133,21 +118,14 @@ class PlantMotion:
 
 
 class Drive(NamedTuple):
-    """What moves a plant.
+    """What moves a plant."""
 
-    Attributes
-    ----------
-    line, length, tip : as for TwinPlant
-    payout, rate : of the cable at each tick (n,) [m], [m/s]
-    tick_period : [s]
-    """
-
-    line: AxialLine
-    length: float
-    tip: Tip
-    payout: Array
-    rate: Array
-    tick_period: float
+    line: AxialLine  # as for TwinPlant
+    length: float  # as for TwinPlant [m]
+    tip: Tip  # as for TwinPlant
+    payout: Array  # of the cable at each tick (n,) [m]
+    rate: Array  # of the cable at each tick (n,) [m/s]
+    tick_period: float  # [s]
 
 
 def driven(line: AxialLine, length: float, tip: Tip, payout: Array, rate: Array, tick_period: float) -> PlantMotion:

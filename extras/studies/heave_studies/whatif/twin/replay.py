@@ -29,29 +29,19 @@ from heave_studies.whatif.twin.winch import PastWinch, TwinWinch
 
 @dataclass(frozen=True)
 class Past:
-    """What a record has become: everything that another loop is closed over.
+    """What a record has become: everything that another loop is closed over."""
 
-    Attributes
-    ----------
-    record : of the sensors
-    line, length : cable and unit as identified, and the cable's length at payout 0 [m]
-    tip : the boom tip
-    winch : what the drum did; winch_parameters : what it is
-    plant : motion of the twin under that
-    moved : what the readings of the unit and the load cell show of it: the twin, and what a slack cable left
-    encoder_scale, depth_scale : reading over truth [-]
-    """
-
-    record: SensorRecord
-    line: AxialLine
-    length: float
-    tip: Tip
-    winch: PastWinch
-    winch_parameters: WinchParameters
-    plant: PlantMotion
+    record: SensorRecord  # of the sensors
+    line: AxialLine  # cable and unit as identified
+    length: float  # of the cable at payout 0 [m]
+    tip: Tip  # the boom tip
+    winch: PastWinch  # what the drum did
+    winch_parameters: WinchParameters  # what it is
+    plant: PlantMotion  # motion of the twin under that
+    # what the readings of the unit and the load cell show of it: the twin, and what a slack cable left
     moved: PlantMotion
-    encoder_scale: float = 1.0
-    depth_scale: float = 1.0
+    encoder_scale: float = 1.0  # reading over truth [-]
+    depth_scale: float = 1.0  # reading over truth [-]
 
     def drive(self, payout: Array, rate: Array) -> Drive:
         """Return what moves cable and unit under another `payout` and its `rate` at each tick (n,) [m], [m/s]."""
@@ -60,51 +50,30 @@ class Past:
 
 @dataclass(frozen=True)
 class Replayed:
-    """What a loop has done over a record.
+    """What a loop has done over a record."""
 
-    Attributes
-    ----------
-    time : of each tick (n,) [s]
-    payout, rate : of the cable at each tick (n,) [m], [m/s]
-    set_point : mean payout that the controller worked about (n,) [m]
-    unit, tension : of the twin at each tick (n,) [m], [N]
-    authority : authority of compensation (n,) [-]
-    modes, alarms : of the controller in each tick; and time [s] and alarm
-    refused : requests of the operator that the controller did not take, in words
-    limits_hit : of the winch in each tick, sums of WinchLimit (n,)
-    order_error : largest difference of the rate set-point from that of the record so far (n,) [m/s]
-    """
-
-    time: Array
-    payout: Array
-    rate: Array
-    set_point: Array
-    unit: Array
-    tension: Array
-    authority: Array
-    modes: tuple[str, ...]
-    alarms: tuple[tuple[float, Alarm], ...]
-    limits_hit: Flags
-    order_error: Array
-    refused: tuple[str, ...] = ()
+    time: Array  # of each tick (n,) [s]
+    payout: Array  # of the cable at each tick (n,) [m]
+    rate: Array  # of the cable at each tick (n,) [m/s]
+    set_point: Array  # mean payout that the controller worked about (n,) [m]
+    unit: Array  # of the twin at each tick (n,) [m]
+    tension: Array  # of the twin at each tick (n,) [N]
+    authority: Array  # authority of compensation (n,) [-]
+    modes: tuple[str, ...]  # of the controller in each tick
+    alarms: tuple[tuple[float, Alarm], ...]  # time [s] and alarm
+    limits_hit: Flags  # of the winch in each tick, sums of WinchLimit (n,)
+    order_error: Array  # largest difference of the rate set-point from that of the record so far (n,) [m/s]
+    refused: tuple[str, ...] = ()  # requests of the operator that the controller did not take, in words
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What is to be tried in a record.
+    """What is to be tried in a record."""
 
-    Attributes
-    ----------
-    name : of it, for tables
-    controller : parameters of the controller
-    winch : parameters of the winch; None: as it is
-    has_adviser : the loop identifies what is other than nominal, as on a ship
-    """
-
-    name: str
-    controller: WinchControllerParameters
-    winch: WinchParameters | None = None
-    has_adviser: bool = True
+    name: str  # of it, for tables
+    controller: WinchControllerParameters  # parameters of the controller
+    winch: WinchParameters | None = None  # parameters of the winch; None: as it is
+    has_adviser: bool = True  # the loop identifies what is other than nominal, as on a ship
 
 
 COLUMNS = 7

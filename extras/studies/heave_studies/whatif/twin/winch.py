@@ -72,21 +72,13 @@ class TwinWinch:
 
 @dataclass(frozen=True)
 class PastWinch:
-    """What the drum did in a record.
+    """What the drum did in a record."""
 
-    Attributes
-    ----------
-    payout, rate : of the cable at each tick, (n,) [m], [m/s]
-    modelled : payout of the model of the winch under the orders of the record, (n,) [m]
-    modelled_rate : and its rate (n,) [m/s]
-    error : standard deviation of payout about the model's where waves are and above [m]
-    """
-
-    payout: Array
-    rate: Array
-    modelled: Array
-    modelled_rate: Array
-    error: float
+    payout: Array  # of the cable at each tick (n,) [m]
+    rate: Array  # of the cable at each tick (n,) [m/s]
+    modelled: Array  # payout of the model of the winch under the orders of the record, (n,) [m]
+    modelled_rate: Array  # and its rate (n,) [m/s]
+    error: float  # standard deviation of payout about the model's where waves are and above [m]
 
 
 def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale: float = 1.0) -> PastWinch:
