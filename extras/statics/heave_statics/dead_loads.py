@@ -109,17 +109,11 @@ def _search(
 
 @dataclass(frozen=True)
 class EndCondition:
-    """What is asked of the other end of the cable, or of the tension at this one.
+    """What is asked of the other end of the cable, or of the tension at this one."""
 
-    Attributes
-    ----------
-    origin : position of node 0 [m]
-    span : wanted position of the other end relative to it [m]; only axes that are not `known` count
-    known : which components of the tension vector at node 0 are given; none of them if left out
-    """
-
-    origin: Array
-    span: Array
+    origin: Array  # position of node 0 [m]
+    span: Array  # wanted position of the other end relative to it [m]; only axes that are not `known` count
+    # which components of the tension vector at node 0 are given; none of them if left out
     known: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(3, dtype=np.bool_))
 
 

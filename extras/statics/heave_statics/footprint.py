@@ -27,62 +27,38 @@ THRUST_LEVELS = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.0)
 
 @dataclass(frozen=True)
 class FootprintLimits:
-    """What bounds the footprint.
+    """What bounds the footprint."""
 
-    Attributes
-    ----------
-    thrust : largest horizontal thruster force [N]
-    tension : largest tension at the boom tip [N]
-    vertical_pull : largest vertical pull that the unit can take without lifting off, its weight in water and what its
-        thrusters add [N]; the least is 0, where the cable starts along the bottom
-    """
-
-    thrust: float
-    tension: float
+    thrust: float  # largest horizontal thruster force [N]
+    tension: float  # largest tension at the boom tip [N]
+    # largest vertical pull that the unit can take without lifting off, its weight in water and what its thrusters add
+    # [N]; the least is 0, where the cable starts along the bottom
     vertical_pull: float
 
 
 @dataclass(frozen=True)
 class FootprintPoint:
-    """A place on the boundary.
+    """A place on the boundary."""
 
-    Attributes
-    ----------
-    offset : from the boom tip's foot, x, y [m]
-    thrust : x, y [N]
-    vertical_pull : of the cable on the unit [N]
-    length : unstretched length out [m]
-    tension : at the boom tip [N]
-    strain : largest of the cable that is out [-]
-    """
-
-    offset: Array
-    thrust: Array
-    vertical_pull: float
-    length: float
-    tension: float
-    strain: float
+    offset: Array  # from the boom tip's foot, x, y [m]
+    thrust: Array  # x, y [N]
+    vertical_pull: float  # of the cable on the unit [N]
+    length: float  # unstretched length out [m]
+    tension: float  # at the boom tip [N]
+    strain: float  # largest of the cable that is out [-]
 
 
 @dataclass(frozen=True)
 class Footprint:
-    """Boundary of the reachable area.
+    """Boundary of the reachable area."""
 
-    Attributes
-    ----------
-    points : one for each direction of thrust, in order around the boundary
-    headings : [rad] from x towards y
-    radius : farthest reachable distance from the boom tip's foot along each heading [m], 0 where `is_reachable` is
-        False: strong current can carry the whole area away from under the ship
-    largest_strain : of the cable anywhere on the boundary [-]
-    is_reachable : whether the heading meets the area at all
-    """
-
-    points: tuple[FootprintPoint, ...]
-    headings: Array
+    points: tuple[FootprintPoint, ...]  # one for each direction of thrust, in order around the boundary
+    headings: Array  # [rad] from x towards y
+    # farthest reachable distance from the boom tip's foot along each heading [m], 0 where `is_reachable` is False:
+    # strong current can carry the whole area away from under the ship
     radius: Array
-    is_reachable: NDArray[np.bool_]
-    largest_strain: float
+    is_reachable: NDArray[np.bool_]  # whether the heading meets the area at all
+    largest_strain: float  # of the cable anywhere on the boundary [-]
 
 
 def footprint(

@@ -28,24 +28,14 @@ DIRECTION_ITERATIONS = 2000
 
 @dataclass(frozen=True)
 class Laying:
-    """A steady lay.
+    """A steady lay."""
 
-    Attributes
-    ----------
-    touchdown : from the ship, x, y [m]
-    suspended_length : unstretched length between ship and bottom [m]
-    tension : at the ship [N]
-    departure_angle : of the cable at the ship from the horizontal [rad]
-    strain : largest of the cable that hangs [-]
-    shape : positions from the touchdown at (0, 0, -depth) up to the ship, shape (k, 3) [m]
-    """
-
-    touchdown: Array
-    suspended_length: float
-    tension: float
-    departure_angle: float
-    strain: float
-    shape: Array
+    touchdown: Array  # from the ship, x, y [m]
+    suspended_length: float  # unstretched length between ship and bottom [m]
+    tension: float  # at the ship [N]
+    departure_angle: float  # of the cable at the ship from the horizontal [rad]
+    strain: float  # largest of the cable that hangs [-]
+    shape: Array  # positions from the touchdown at (0, 0, -depth) up to the ship, shape (k, 3) [m]
 
 
 def critical_angle(section: StaticSection, speed: float) -> float:

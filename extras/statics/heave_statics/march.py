@@ -37,26 +37,16 @@ LOCAL_TOLERANCE = 1e-13
 class SegmentState(NamedTuple):
     """One segment on the way: what is known at its start, and what is found for it."""
 
-    position: Array
-    """Position of the segment's start [m]."""
-    tension: Array
-    """Tension vector at its start [N]."""
-    span: Array
-    """From its start to its end [m]."""
-    force: Array
-    """Drag on the segment [N/m]."""
-    load: Array
-    """Drag and weight of the segment [N/m]."""
-    by_tension: Array
-    """Derivative of the span by the tension, shape (3, 3) [m/N]."""
-    by_load: Array
-    """Derivative of the span by the load, shape (3, 3) [m^2/N]."""
-    by_chord: Array
-    """Derivative of the drag by the span, that of its middle's depth included, shape (3, 3) [N/m^2]."""
-    by_depth: Array
-    """Derivative of the drag by the depth of the start, shape (3,) [N/m^2]."""
-    matrix: Array
-    """I - by_load by_chord, shape (3, 3)."""
+    position: Array  # position of the segment's start [m]
+    tension: Array  # tension vector at its start [N]
+    span: Array  # from its start to its end [m]
+    force: Array  # drag on the segment [N/m]
+    load: Array  # drag and weight of the segment [N/m]
+    by_tension: Array  # derivative of the span by the tension, shape (3, 3) [m/N]
+    by_load: Array  # derivative of the span by the load, shape (3, 3) [m^2/N]
+    by_chord: Array  # derivative of the drag by the span, that of its middle's depth included, shape (3, 3) [N/m^2]
+    by_depth: Array  # derivative of the drag by the depth of the start, shape (3,) [N/m^2]
+    matrix: Array  # I - by_load by_chord, shape (3, 3)
 
 
 @inner_kernel

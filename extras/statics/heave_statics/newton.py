@@ -23,14 +23,10 @@ SMALLEST_STEP = 2.0**-8
 
 @dataclass(frozen=True)
 class Equations:
-    """Three equations for three unknowns.
+    """Three equations for three unknowns."""
 
-    Attributes
-    ----------
-    evaluate : (unknowns, current factor, guess of the segments' drag) to (residuals over scale, their exact Jacobian,
-        shape), None where impossible
-    """
-
+    # (unknowns, current factor, guess of the segments' drag) to (residuals over scale, their exact Jacobian, shape),
+    # None where impossible
     evaluate: Callable[[Array, float, Array | None], tuple[Array, Array, StaticShape] | None]
 
 

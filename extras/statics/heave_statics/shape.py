@@ -17,28 +17,17 @@ from heave_statics.tables import LENGTH, STIFFNESS, CableTables, allocate_shape
 
 @dataclass(frozen=True)
 class StaticShape:
-    """An equilibrium; frame z up, vectors in newtons and metres, one row per node from s = 0.
+    """An equilibrium; frame z up, vectors in newtons and metres, one row per node from s = 0."""
 
-    Attributes
-    ----------
-    cable : what was solved
-    positions : shape (n + 1, 3) [m]
-    lower, upper : shape (n, 3), tension vectors at the two ends of each segment, pointing along increasing s [N]
-    drag : shape (n, 3), drag on each segment per unstretched metre [N/m]
-    start_force, end_force : forces that hold the cable at s = 0 and at s = L, point loads there not included [N]
-    partials : shape (6, 6): (position at s = L, end_force) by (position at s = 0, minus start_force)
-    energy : complementary energy [N m]
-    """
-
-    cable: StaticCable
-    positions: Array
-    lower: Array
-    upper: Array
-    drag: Array
-    start_force: Array
-    end_force: Array
-    partials: Array
-    energy: float
+    cable: StaticCable  # what was solved
+    positions: Array  # shape (n + 1, 3) [m]
+    lower: Array  # shape (n, 3), tension vector at the lower end of each segment, pointing along increasing s [N]
+    upper: Array  # the same at the upper end [N]
+    drag: Array  # shape (n, 3), drag on each segment per unstretched metre [N/m]
+    start_force: Array  # force that holds the cable at s = 0, point loads there not included [N]
+    end_force: Array  # the same at s = L [N]
+    partials: Array  # shape (6, 6): (position at s = L, end_force) by (position at s = 0, minus start_force)
+    energy: float  # complementary energy [N m]
 
     @property
     def tension(self) -> Array:
@@ -95,20 +84,12 @@ class StaticShape:
 
 @dataclass(frozen=True)
 class Crossing:
-    """Where a shape, followed from s = 0, first reaches a height.
+    """Where a shape, followed from s = 0, first reaches a height."""
 
-    Attributes
-    ----------
-    label : unstretched length from s = 0 [m]
-    position : [m]
-    tension : tension vector there [N]
-    strain : largest from s = 0 up to there, its whole segment taken in [-]
-    """
-
-    label: float
-    position: Array
-    tension: Array
-    strain: float
+    label: float  # unstretched length from s = 0 [m]
+    position: Array  # [m]
+    tension: Array  # tension vector there [N]
+    strain: float  # largest from s = 0 up to there, its whole segment taken in [-]
 
 
 def cut_at_height(shape: StaticShape, height: float) -> Crossing | None:

@@ -26,57 +26,35 @@ from heave_statics.tables import (
 
 @dataclass(frozen=True)
 class StaticSection:
-    """A uniform piece of cable; all properties per unstretched metre.
+    """A uniform piece of cable; all properties per unstretched metre."""
 
-    Attributes
-    ----------
-    length : unstretched [m]
-    axial_stiffness : EA [N]
-    weight : in water, positive down [N/m]; negative floats, 0 is neutrally buoyant
-    normal_drag : (1/2) rho C_N d (thesis Eq. 2.46) [N s2/m3]
-    tangential_drag : (pi/2) rho C_tau d (thesis Eq. 2.47) [N s2/m3]
-    """
-
-    length: float
-    axial_stiffness: float
-    weight: float
-    normal_drag: float = 0.0
-    tangential_drag: float = 0.0
+    length: float  # unstretched [m]
+    axial_stiffness: float  # EA [N]
+    weight: float  # in water, positive down [N/m]; negative floats, 0 is neutrally buoyant
+    normal_drag: float = 0.0  # (1/2) rho C_N d (thesis Eq. 2.46) [N s2/m3]
+    tangential_drag: float = 0.0  # (pi/2) rho C_tau d (thesis Eq. 2.47) [N s2/m3]
 
 
 @dataclass(frozen=True)
 class PointLoad:
-    """A load at one point of the cable.
+    """A load at one point of the cable."""
 
-    Attributes
-    ----------
-    label : unstretched length from the end s = 0 [m]; the ends themselves are allowed
-    force : steady force x, y, z [N]; a body's weight in water is (0, 0, -weight)
-    axis_drag : (1/2) rho C_D S of a unit along x, y, z, each with its own component of the current [N s2/m2]
-    body_drag : (1/2) rho C_D S of an isotropic body [N s2/m2]
-    """
-
-    label: float
+    label: float  # unstretched length from the end s = 0 [m]; the ends themselves are allowed
+    # steady force x, y, z [N]; a body's weight in water is (0, 0, -weight)
     force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    # (1/2) rho C_D S of a unit along x, y, z, each with its own component of the current [N s2/m2]
     axis_drag: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    body_drag: float = 0.0
+    body_drag: float = 0.0  # (1/2) rho C_D S of an isotropic body [N s2/m2]
 
 
 @dataclass(frozen=True)
 class StaticCable:
-    """A cable cut into segments, ready to be solved; make it with `static_cable`.
+    """A cable cut into segments, ready to be solved; make it with `static_cable`."""
 
-    Attributes
-    ----------
-    labels : unstretched length from s = 0 to each node, shape (n + 1,) [m]
-    segments, nodes : see `tables`
-    feed : speed at which the cable runs along itself towards s = 0 [m/s]
-    """
-
-    labels: Array
-    segments: Array
-    nodes: Array
-    feed: float = 0.0
+    labels: Array  # unstretched length from s = 0 to each node, shape (n + 1,) [m]
+    segments: Array  # see `tables`
+    nodes: Array  # see `tables`
+    feed: float = 0.0  # speed at which the cable runs along itself towards s = 0 [m/s]
 
     @property
     def length(self) -> float:

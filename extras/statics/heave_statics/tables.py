@@ -20,35 +20,24 @@ NODE_COLUMNS = 7
 class CableTables(NamedTuple):
     """A cable, the water around it, and how its drag is taken."""
 
-    segments: Array
-    """Shape (n, SEGMENT_COLUMNS)."""
-    nodes: Array
-    """Shape (n + 1, NODE_COLUMNS)."""
-    current: Array
-    """Profile of `physics.current`."""
-    factor: float
-    """Factor on the current."""
-    feed: float
-    """Speed at which the cable runs along itself towards s = 0 [m/s], as when it is laid."""
+    segments: Array  # shape (n, SEGMENT_COLUMNS)
+    nodes: Array  # shape (n + 1, NODE_COLUMNS)
+    current: Array  # profile of `physics.current`
+    factor: float  # factor on the current [-]
+    feed: float  # speed at which the cable runs along itself towards s = 0 [m/s], as when it is laid
+    # true takes the segments' drag from `ShapeTables.drag` as a dead load, False computes it and leaves it there
     frozen: bool
-    """True takes the segments' drag from `ShapeTables.drag` as a dead load, False computes it and leaves it there."""
 
 
 class ShapeTables(NamedTuple):
     """A shape, as `march` fills it."""
 
-    positions: Array
-    """Shape (n + 1, 3) [m]."""
-    lower: Array
-    """Tension vector at each segment's lower end, shape (n, 3) [N]."""
-    upper: Array
-    """Tension vector at each segment's upper end, shape (n, 3) [N]."""
-    drag: Array
-    """Drag on each segment, shape (n, 3) [N/m]."""
-    end: Array
-    """Tension vector beyond node n, shape (3,): the force that holds the other end [N]."""
-    partials: Array
-    """(position of node n, `end`) by (origin, start), shape (6, 6)."""
+    positions: Array  # shape (n + 1, 3) [m]
+    lower: Array  # tension vector at each segment's lower end, shape (n, 3) [N]
+    upper: Array  # tension vector at each segment's upper end, shape (n, 3) [N]
+    drag: Array  # drag on each segment, shape (n, 3) [N/m]
+    end: Array  # tension vector beyond node n, shape (3,): the force that holds the other end [N]
+    partials: Array  # (position of node n, `end`) by (origin, start), shape (6, 6)
 
 
 def allocate_shape(count: int) -> ShapeTables:

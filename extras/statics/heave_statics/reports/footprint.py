@@ -23,20 +23,12 @@ HEADINGS = 24
 
 @dataclass(frozen=True)
 class FootprintReport:
-    """The area that the unit can reach.
+    """The area that the unit can reach."""
 
-    Attributes
-    ----------
-    depth : of the unit below still water [m]
-    limits : of thrust, tension and vertical pull
-    area : boundary of the area, about the point below the boom tip
-    flow : current at that depth [m/s], shape (3,)
-    """
-
-    depth: float
-    limits: FootprintLimits
-    area: Footprint
-    flow: Array
+    depth: float  # of the unit below still water [m]
+    limits: FootprintLimits  # of thrust, tension and vertical pull
+    area: Footprint  # boundary of the area, about the point below the boom tip
+    flow: Array  # current at that depth [m/s], shape (3,)
 
     @property
     def largest_tension(self) -> float:

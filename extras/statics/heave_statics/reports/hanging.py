@@ -27,31 +27,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class HangingReport:
-    """Static equilibrium of unit and cable under the boom tip, winch locked.
+    """Static equilibrium of unit and cable under the boom tip, winch locked."""
 
-    Attributes
-    ----------
-    shape : the whole shape, s = 0 at the unit
-    boom_tip, unit : positions, z up [m]
-    boom_tip_force : force by which the ship holds the cable [N]
-    unit_weight : weight of the unit less its buoyancy [N]
-    unit_wet : share of the unit that is under water [-]
-    unit_pull : force of the cable on the unit [N]
-    seabed_depth : [m] below the origin, None without a seabed
-    clearance : height of the unit above the seabed below it [m], None without a seabed
-    pressure_shortening : by how much the water's pressure shortens the cable [m], see `pressure_shortening`; the shape
-        is without it
-    """
-
-    shape: StaticShape
-    boom_tip: Array
-    unit: Array
-    boom_tip_force: Array
-    unit_weight: float
-    unit_wet: float
-    unit_pull: Array
-    seabed_depth: float | None
-    clearance: float | None
+    shape: StaticShape  # the whole shape, s = 0 at the unit
+    boom_tip: Array  # position, z up [m]
+    unit: Array  # position, z up [m]
+    boom_tip_force: Array  # force by which the ship holds the cable [N]
+    unit_weight: float  # weight of the unit less its buoyancy [N]
+    unit_wet: float  # share of the unit that is under water [-]
+    unit_pull: Array  # force of the cable on the unit [N]
+    seabed_depth: float | None  # [m] below the origin, None without a seabed
+    clearance: float | None  # height of the unit above the seabed below it [m], None without a seabed
+    # by how much the water's pressure shortens the cable [m], see `pressure_shortening`; the shape is without it
     pressure_shortening: float
 
     @property

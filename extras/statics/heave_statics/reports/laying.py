@@ -22,24 +22,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LaidCable:
-    """The lay at one speed of the ship.
+    """The lay at one speed of the ship."""
 
-    Attributes
-    ----------
-    speed : of the ship [m/s]
-    behind, sideways : where the cable touches the bottom, from the ship along and across its course, positive astern
-        and to port [m]
-    critical_angle : from the horizontal, of a straight line in still water without tangential drag [rad]
-    payout : speed of the cable [m/s]
-    laying : the steady shape
-    """
-
-    speed: float
-    behind: float
-    sideways: float
-    critical_angle: float
-    payout: float
-    laying: Laying
+    speed: float  # of the ship [m/s]
+    behind: float  # where the cable touches the bottom, from the ship along its course, positive astern [m]
+    sideways: float  # the same across its course, positive to port [m]
+    critical_angle: float  # from the horizontal, of a straight line in still water without tangential drag [rad]
+    payout: float  # speed of the cable [m/s]
+    laying: Laying  # the steady shape
 
     def values(self) -> dict[str, float]:
         """Return the numbers with units in their names."""
@@ -57,18 +47,11 @@ class LaidCable:
 
 @dataclass(frozen=True)
 class LayingReport:
-    """The lay at several speeds.
+    """The lay at several speeds."""
 
-    Attributes
-    ----------
-    depth : of the bottom [m]
-    course : of the ship, from x towards y [rad]
-    lays : one for each speed
-    """
-
-    depth: float
-    course: float
-    lays: tuple[LaidCable, ...]
+    depth: float  # of the bottom [m]
+    course: float  # of the ship, from x towards y [rad]
+    lays: tuple[LaidCable, ...]  # one for each speed
 
     @property
     def largest_tension(self) -> float:

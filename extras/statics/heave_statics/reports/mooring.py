@@ -27,23 +27,14 @@ LIES_BELOW = 1e-3
 
 @dataclass(frozen=True)
 class MooredCable:
-    """The cable at one place of the ship.
+    """The cable at one place of the ship."""
 
-    Attributes
-    ----------
-    offset : of the boom tip from above the lower end, in the direction of the ship's drift [m]
-    pull : horizontal force on the cable in that direction at the boom tip [N]
-    anchor_tension, anchor_angle : of the cable at its lower end, the angle from the vertical [N], [rad]
-    below : how far the cable sags below its lower end [m]
-    shape : s = 0 at the lower end
-    """
-
-    offset: float
-    pull: float
-    anchor_tension: float
-    anchor_angle: float
-    below: float
-    shape: StaticShape
+    offset: float  # of the boom tip from above the lower end, in the direction of the ship's drift [m]
+    pull: float  # horizontal force on the cable in that direction at the boom tip [N]
+    anchor_tension: float  # of the cable at its lower end [N]
+    anchor_angle: float  # of the cable at its lower end, from the vertical [rad]
+    below: float  # how far the cable sags below its lower end [m]
+    shape: StaticShape  # s = 0 at the lower end
 
     def values(self) -> dict[str, float]:
         """Return the numbers with units in their names."""
@@ -60,18 +51,11 @@ class MooredCable:
 
 @dataclass(frozen=True)
 class MooringReport:
-    """The moored cable at several places of the ship.
+    """The moored cable at several places of the ship."""
 
-    Attributes
-    ----------
-    depth : of the lower end [m]
-    direction : in which the ship drifts or pulls, from x towards y [rad]
-    cables : one for each place
-    """
-
-    depth: float
-    direction: float
-    cables: tuple[MooredCable, ...]
+    depth: float  # of the lower end [m]
+    direction: float  # in which the ship drifts or pulls, from x towards y [rad]
+    cables: tuple[MooredCable, ...]  # one for each place
 
     @property
     def largest_tension(self) -> float:

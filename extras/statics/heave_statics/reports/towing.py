@@ -28,22 +28,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class TowedUnit:
-    """The tow at one speed of the ship.
+    """The tow at one speed of the ship."""
 
-    Attributes
-    ----------
-    speed : of the ship [m/s]
-    depth : of the unit below still water [m]
-    layback : how far the unit is behind the boom tip, along the course [m]
-    sideways : how far it is beside the course, positive to port [m]
-    shape : of the cable, s = 0 at the unit
-    """
-
-    speed: float
-    depth: float
-    layback: float
-    sideways: float
-    shape: StaticShape
+    speed: float  # of the ship [m/s]
+    depth: float  # of the unit below still water [m]
+    layback: float  # how far the unit is behind the boom tip, along the course [m]
+    sideways: float  # how far it is beside the course, positive to port [m]
+    shape: StaticShape  # of the cable, s = 0 at the unit
 
     def values(self) -> dict[str, float]:
         """Return the numbers with units in their names."""
@@ -60,18 +51,11 @@ class TowedUnit:
 
 @dataclass(frozen=True)
 class TowingReport:
-    """The tow at several speeds.
+    """The tow at several speeds."""
 
-    Attributes
-    ----------
-    course : direction in which the ship steams, from x towards y [rad]
-    boom_tip : [m]
-    tows : one for each speed
-    """
-
-    course: float
-    boom_tip: Array
-    tows: tuple[TowedUnit, ...]
+    course: float  # direction in which the ship steams, from x towards y [rad]
+    boom_tip: Array  # [m]
+    tows: tuple[TowedUnit, ...]  # one for each speed
 
     @property
     def largest_tension(self) -> float:
