@@ -37,37 +37,21 @@ SIZE = OWN + 3
 
 
 class ElectricPlant(NamedTuple):
-    """The electric drive in numbers.
+    """The electric drive in numbers."""
 
-    Attributes
-    ----------
-    inertia : about the drum's axis, of the drum and of what turns with it, motor included [kg m^2]
-    load_mass : rigidly on the rope [kg]
-    gear_ratio : turns of the motor for one of the drum [-]
-    torque_limit : of the motor [N m]
-    motoring_limit, regeneration_limit : largest power that the motor gives to the shaft, and takes from it [W]
-    torque_time : lag of the torque [s]
-    copper_loss : at torque_limit [W]; it goes with the torque squared
-    acceleration_limit : of the reference, at the rope [m/s^2]
-    reference_time : lag of the reference behind the set-point [s]
-    bandwidth : of the speed loop [1/s]
-    integral_time : of the speed loop [s]
-    feed_forward : share of the tension that is fed forward [-]
-    """
-
-    inertia: float
-    load_mass: float
-    gear_ratio: float
-    torque_limit: float
-    motoring_limit: float
-    regeneration_limit: float
-    torque_time: float
-    copper_loss: float
-    acceleration_limit: float
-    reference_time: float
-    bandwidth: float
-    integral_time: float
-    feed_forward: float
+    inertia: float  # about the drum's axis, of the drum and of what turns with it, motor included [kg m^2]
+    load_mass: float  # rigidly on the rope [kg]
+    gear_ratio: float  # turns of the motor for one of the drum [-]
+    torque_limit: float  # of the motor [N m]
+    motoring_limit: float  # largest power that the motor gives to the shaft [W]
+    regeneration_limit: float  # largest power that it takes from the shaft [W]
+    torque_time: float  # lag of the torque [s]
+    copper_loss: float  # at torque_limit [W]; it goes with the torque squared
+    acceleration_limit: float  # of the reference, at the rope [m/s^2]
+    reference_time: float  # lag of the reference behind the set-point [s]
+    bandwidth: float  # of the speed loop [1/s]
+    integral_time: float  # of the speed loop [s]
+    feed_forward: float  # share of the tension that is fed forward [-]
 
 
 @inner_kernel

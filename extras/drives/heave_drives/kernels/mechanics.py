@@ -38,21 +38,13 @@ BOOST_TIME = 0.1
 
 
 class Bounds(NamedTuple):
-    """What the rope's motion is kept within.
+    """What the rope's motion is kept within."""
 
-    Attributes
-    ----------
-    speed : that set-points are kept to, in both directions [m/s]
-    overspeed : at which the brake catches the drum, in both directions [m/s]
-    payout_minimum, payout_maximum : end stops [m]
-    deceleration : of the brake, and of the approach to an end stop [m/s^2]
-    """
-
-    speed: float
-    overspeed: float
-    payout_minimum: float
-    payout_maximum: float
-    deceleration: float
+    speed: float  # that set-points are kept to, in both directions [m/s]
+    overspeed: float  # at which the brake catches the drum, in both directions [m/s]
+    payout_minimum: float  # end stop [m]
+    payout_maximum: float  # end stop [m]
+    deceleration: float  # of the brake, and of the approach to an end stop [m/s^2]
 
 
 class Friction(NamedTuple):
@@ -77,19 +69,12 @@ def friction_of(parameters: FrictionParameters) -> Friction:
 
 
 class Order(NamedTuple):
-    """A command in numbers.
+    """A command in numbers."""
 
-    Attributes
-    ----------
-    payout_rate, payout : set-points [m/s], [m], positive pays out
-    position_gain : from payout error to speed [1/s]; 0: the payout set-point has no effect
-    brake : is to be on
-    """
-
-    payout_rate: float
-    payout: float
-    position_gain: float
-    brake: bool
+    payout_rate: float  # set-point, positive pays out [m/s]
+    payout: float  # set-point, positive pays out [m]
+    position_gain: float  # from payout error to speed [1/s]; 0: the payout set-point has no effect
+    brake: bool  # is to be on
 
 
 @inner_kernel

@@ -38,44 +38,24 @@ SIZE = OWN + 4
 
 
 class PumpPlant(NamedTuple):
-    """The pump-controlled drive in numbers.
+    """The pump-controlled drive in numbers."""
 
-    Attributes
-    ----------
-    mass : that the rope feels [kg]
-    flow : of the pump at full swash [m^3/s]
-    area : flow of the motors per rope speed at full displacement [m^2]
-    stiffness : of the fluid, pressure per volume [Pa/m^3]
-    swash_time : lag of the swash plate [s]
-    swash_input_limit : largest input of the swash's servo, over full swash [-]
-    leakage : of pump and motors [m^3/s/Pa]
-    efficiency : of motors and gear, mechanical [-]
-    is_passive : what efficiency takes is friction; false: it is a constant factor
-    relief_pressure : at which the relief valves open, in both directions [Pa]
-    power_limit : of the pump, hydraulic [W]
-    motor_minimum : smallest displacement of the motors over full [-]; 1 is a fixed motor
-    motor_time : lag of the motors' displacement [s]
-    overdrive : times the speed limit that a set-point may demand [-]
-    gain : of the speed loop, from speed error over full speed to swash [-]
-    integral_time : of the speed loop [s]
-    """
-
-    mass: float
-    flow: float
-    area: float
-    stiffness: float
-    swash_time: float
-    swash_input_limit: float
-    leakage: float
-    efficiency: float
-    is_passive: bool
-    relief_pressure: float
-    power_limit: float
-    motor_minimum: float
-    motor_time: float
-    overdrive: float
-    gain: float
-    integral_time: float
+    mass: float  # that the rope feels [kg]
+    flow: float  # of the pump at full swash [m^3/s]
+    area: float  # flow of the motors per rope speed at full displacement [m^2]
+    stiffness: float  # of the fluid, pressure per volume [Pa/m^3]
+    swash_time: float  # lag of the swash plate [s]
+    swash_input_limit: float  # largest input of the swash's servo, over full swash [-]
+    leakage: float  # of pump and motors [m^3/s/Pa]
+    efficiency: float  # of motors and gear, mechanical [-]
+    is_passive: bool  # what efficiency takes is friction; false: it is a constant factor
+    relief_pressure: float  # at which the relief valves open, in both directions [Pa]
+    power_limit: float  # of the pump, hydraulic [W]
+    motor_minimum: float  # smallest displacement of the motors over full [-]; 1 is a fixed motor
+    motor_time: float  # lag of the motors' displacement [s]
+    overdrive: float  # times the speed limit that a set-point may demand [-]
+    gain: float  # of the speed loop, from speed error over full speed to swash [-]
+    integral_time: float  # of the speed loop [s]
 
 
 @inner_kernel

@@ -18,20 +18,12 @@ from heave_drives.parameters.spool import SpoolParameters
 
 
 class Spool(NamedTuple):
-    """The same in numbers.
+    """The same in numbers."""
 
-    Attributes
-    ----------
-    full : rope on the drum at which each layer is full [m], shape (layers,)
-    radius : of the rope's centre line in each layer [m], shape (layers,)
-    rope_at_zero : rope on the drum at payout 0 [m]
-    falls : parts of rope that carry the load [-]
-    """
-
-    full: Array
-    radius: Array
-    rope_at_zero: float
-    falls: float
+    full: Array  # rope on the drum at which each layer is full [m], shape (layers,)
+    radius: Array  # of the rope's centre line in each layer [m], shape (layers,)
+    rope_at_zero: float  # rope on the drum at payout 0 [m]
+    falls: float  # parts of rope that carry the load [-]
 
 
 def make_spool(parameters: SpoolParameters, payout_minimum: float, payout_maximum: float) -> Spool:

@@ -43,61 +43,34 @@ DRY_SHARE = 0.01
 
 
 class Fluid(NamedTuple):
-    """Oil with trapped air.
+    """Oil with trapped air."""
 
-    Attributes
-    ----------
-    bulk_modulus : of the oil alone [Pa]
-    air : share of air in the volume, at atmospheric pressure [-]
-    """
-
-    bulk_modulus: float
-    air: float
+    bulk_modulus: float  # of the oil alone [Pa]
+    air: float  # share of air in the volume, at atmospheric pressure [-]
 
 
 class ValvePlant(NamedTuple):
-    """The valve-controlled drive in numbers.
+    """The valve-controlled drive in numbers."""
 
-    Attributes
-    ----------
-    mass : that the rope feels [kg]
-    area : flow of the motors per rope speed [m^2]
-    line_volume : of each of the two lines [m^3]
-    leakage : of the motors [m^3/s/Pa]
-    valve_gain : flow of an edge over the root of the pressure drop, fully open [m^3/s/Pa^0.5]
-    valve_frequency, valve_damping : natural frequency [rad/s] and damping ratio [-] of the spool
-    spool_input_limit : largest spool set-point over full [-]
-    laminar_pressure : drop below which an edge's flow turns linear [Pa]
-    gain, feed_forward : spool over full per speed error, and per speed set-point [s/m]
-    integral_time : of the speed loop [s]
-    supply_pressure : set pressure of the supply [Pa]
-    pump_flow : largest flow of the pump [m^3/s]
-    pump_rate : reciprocal of the lag of the pump's flow [1/s]
-    droop : so far below its set pressure the pump gives all it can [Pa]
-    accumulator_volume : of the gas at precharge [m^3]; 0: the supply's pressure is constant
-    precharge : pressure of the gas in the empty accumulator, above atmospheric [Pa]
-    fullest : oil in the accumulator at which the supply's relief valve opens [m^3]
-    """
-
-    mass: float
-    area: float
-    line_volume: float
-    leakage: float
-    valve_gain: float
-    valve_frequency: float
-    valve_damping: float
-    spool_input_limit: float
-    laminar_pressure: float
-    gain: float
-    feed_forward: float
-    integral_time: float
-    supply_pressure: float
-    pump_flow: float
-    pump_rate: float
-    droop: float
-    accumulator_volume: float
-    precharge: float
-    fullest: float
+    mass: float  # that the rope feels [kg]
+    area: float  # flow of the motors per rope speed [m^2]
+    line_volume: float  # of each of the two lines [m^3]
+    leakage: float  # of the motors [m^3/s/Pa]
+    valve_gain: float  # flow of an edge over the root of the pressure drop, fully open [m^3/s/Pa^0.5]
+    valve_frequency: float  # natural frequency of the spool [rad/s]
+    valve_damping: float  # damping ratio of the spool [-]
+    spool_input_limit: float  # largest spool set-point over full [-]
+    laminar_pressure: float  # drop below which an edge's flow turns linear [Pa]
+    gain: float  # spool over full per speed error [s/m]
+    feed_forward: float  # spool over full per speed set-point [s/m]
+    integral_time: float  # of the speed loop [s]
+    supply_pressure: float  # set pressure of the supply [Pa]
+    pump_flow: float  # largest flow of the pump [m^3/s]
+    pump_rate: float  # reciprocal of the lag of the pump's flow [1/s]
+    droop: float  # so far below its set pressure the pump gives all it can [Pa]
+    accumulator_volume: float  # of the gas at precharge [m^3]; 0: the supply's pressure is constant
+    precharge: float  # pressure of the gas in the empty accumulator, above atmospheric [Pa]
+    fullest: float  # oil in the accumulator at which the supply's relief valve opens [m^3]
 
 
 @inner_kernel
