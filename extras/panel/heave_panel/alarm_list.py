@@ -19,30 +19,17 @@ ROWS: dict[str, AlarmRow] = {code: row for table in TABLES.values() for code, ro
 
 @dataclass(frozen=True)
 class Alarm:
-    """An alarm and what has become of it.
+    """An alarm and what has become of it."""
 
-    Attributes
-    ----------
-    key : node and code, or part of /diagnostics where what it reports has no code
-    title : code as words
-    severity : priority
-    text : what is wrong, and what follows
-    action : what to do; empty where that is not known
-    since : simulated time at which it was raised [s]; NaN: not known yet
-    is_older : it was raised at some time before that: it was there when the list began
-    is_active : it still holds
-    is_acknowledged : somebody has seen it
-    """
-
-    key: str
-    title: str
-    severity: Severity
-    text: str
-    action: str = ""
-    since: float = math.nan
-    is_older: bool = False
-    is_active: bool = True
-    is_acknowledged: bool = False
+    key: str  # node and code, or part of /diagnostics where what it reports has no code
+    title: str  # code as words
+    severity: Severity  # priority
+    text: str  # what is wrong, and what follows
+    action: str = ""  # what to do; empty where that is not known
+    since: float = math.nan  # simulated time at which it was raised [s]; NaN: not known yet
+    is_older: bool = False  # it was raised at some time before that: it was there when the list began
+    is_active: bool = True  # it still holds
+    is_acknowledged: bool = False  # somebody has seen it
 
 
 def alarms_of(trouble: Trouble) -> Iterator[Alarm]:

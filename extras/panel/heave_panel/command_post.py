@@ -12,18 +12,11 @@ ASKING_TIME = 30.0
 
 @dataclass
 class CommandPost:
-    """Viewers by number, in the order in which they came.
+    """Viewers by number, in the order in which they came."""
 
-    Attributes
-    ----------
-    viewers : those that have the page open
-    commander : who is in command; None where nobody is
-    asking : who asks for the command; None where nobody does
-    """
-
-    viewers: list[int] = field(default_factory=list)
-    commander: int | None = None
-    asking: int | None = None
+    viewers: list[int] = field(default_factory=list)  # those that have the page open
+    commander: int | None = None  # who is in command; None where nobody is
+    asking: int | None = None  # who asks for the command; None where nobody does
     _asked_at: float = 0.0
     _numbers: count[int] = field(default_factory=lambda: count(1))
     _viewer_of: dict[str, int] = field(default_factory=dict)

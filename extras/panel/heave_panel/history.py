@@ -17,17 +17,11 @@ LENGTH = 240
 
 @dataclass(frozen=True)
 class Line:
-    """A signal that is drawn.
+    """A signal that is drawn."""
 
-    Attributes
-    ----------
-    chart, name : where, and what it is called there
-    value : of a situation in the unit of its chart; NaN where it is not known
-    """
-
-    chart: str
-    name: str
-    value: Callable[[Situation], float]
+    chart: str  # where
+    name: str  # what it is called there
+    value: Callable[[Situation], float]  # of a situation in the unit of its chart; NaN where it is not known
 
 
 def _controller(value: Callable[[ControllerStatus], float]) -> Callable[[Situation], float]:

@@ -30,23 +30,15 @@ Begin = Callable[[Link, str], Task]
 
 @dataclass(frozen=True)
 class Command:
-    """What a button does.
+    """What a button does."""
 
-    Attributes
-    ----------
-    name : on the button
-    begin : makes the task of what was typed
-    question : for what is to be typed; "" where nothing is
-    is_confirmed : asks before it begins: the winch moves, or stops moving
-    check : raises ValueError, in words, for what was typed wrongly; nobody is asked whether that is meant
-    is_of_simulation : acts on what is simulated, or on the clock of a simulation; no part of operating a winch
-    """
-
-    name: str
-    begin: Begin
-    question: str = ""
-    is_confirmed: bool = False
+    name: str  # on the button
+    begin: Begin  # makes the task of what was typed
+    question: str = ""  # for what is to be typed; "" where nothing is
+    is_confirmed: bool = False  # asks before it begins: the winch moves, or stops moving
+    # raises ValueError, in words, for what was typed wrongly; nobody is asked whether that is meant
     check: Callable[[str], object] = str
+    # acts on what is simulated, or on the clock of a simulation; no part of operating a winch
     is_of_simulation: bool = False
 
 

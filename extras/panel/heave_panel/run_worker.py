@@ -40,25 +40,15 @@ class Entry:
 
 @dataclass
 class Picture:
-    """What the pages show: a copy, which the thread replaces and never changes.
+    """What the pages show: a copy, which the thread replaces and never changes."""
 
-    Attributes
-    ----------
-    situation : of the run
-    heard_at : monotonic wall time of the last word of the run [s]
-    alarms : the gravest first
-    under_way : names of what was requested and is not done
-    log : answers, the newest first
-    limits : of the winch as the controller assumes them
-    efficiency : over the last minutes, in words [%], and simulated time over which it is taken [s]
-    """
-
-    situation: Situation = field(default_factory=Situation)
-    heard_at: float = 0.0
-    alarms: tuple[Alarm, ...] = ()
-    under_way: tuple[str, ...] = ()
-    log: tuple[Entry, ...] = ()
-    limits: WinchLimits = field(default_factory=WinchLimits)
+    situation: Situation = field(default_factory=Situation)  # of the run
+    heard_at: float = 0.0  # monotonic wall time of the last word of the run [s]
+    alarms: tuple[Alarm, ...] = ()  # the gravest first
+    under_way: tuple[str, ...] = ()  # names of what was requested and is not done
+    log: tuple[Entry, ...] = ()  # answers, the newest first
+    limits: WinchLimits = field(default_factory=WinchLimits)  # of the winch as the controller assumes them
+    # over the last minutes, in words [%], and simulated time over which it is taken [s]
     efficiency: tuple[str, float] = ("-", 0.0)
 
     @property
