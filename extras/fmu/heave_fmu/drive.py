@@ -46,18 +46,11 @@ _LARGEST_INTEGER = 2**31 - 1
 
 @dataclass(frozen=True)
 class DriveMap:
-    """Which FMU is the drive.
+    """Which FMU is the drive."""
 
-    Attributes
-    ----------
-    file : the FMU
-    variables : its names by those of the messages, where they differ
-    start : values that it begins with, by its names
-    """
-
-    file: Path
-    variables: Mapping[str, str] = field(default_factory=dict)
-    start: Mapping[str, Any] = field(default_factory=dict)
+    file: Path  # the FMU
+    variables: Mapping[str, str] = field(default_factory=dict)  # its names by those of the messages, where they differ
+    start: Mapping[str, Any] = field(default_factory=dict)  # values that it begins with, by its names
 
 
 def program(node: str, file: str) -> list[str]:

@@ -59,20 +59,12 @@ def unit_definitions(names: Iterable[str]) -> Element:
 
 
 class Variable(NamedTuple):
-    """A scalar variable.
+    """A scalar variable."""
 
-    Attributes
-    ----------
-    name : of the FMU
-    kind : REAL, INTEGER, BOOLEAN or STRING
-    unit : SI; "" for none
-    meaning : what it is, in words, with sign and frame
-    """
-
-    name: str
-    kind: str
-    unit: str
-    meaning: str
+    name: str  # of the FMU
+    kind: str  # REAL, INTEGER, BOOLEAN or STRING
+    unit: str  # SI; "" for none
+    meaning: str  # what it is, in words, with sign and frame
 
 
 def base_name(topic: str) -> str:

@@ -43,17 +43,11 @@ LEFT_OUT = (
 
 
 class Seen(NamedTuple):
-    """What the envelope reads in a tick; NaN: none came.
+    """What the envelope reads in a tick; NaN: none came."""
 
-    Attributes
-    ----------
-    heave, heave_rate : raw, of the boom tip [m], [m/s]
-    payout : raw count of the drum [m]
-    """
-
-    heave: float = math.nan
-    heave_rate: float = math.nan
-    payout: float = math.nan
+    heave: float = math.nan  # raw, of the boom tip [m]
+    heave_rate: float = math.nan  # raw, of the boom tip [m/s]
+    payout: float = math.nan  # raw count of the drum [m]
 
 
 NOTHING_SEEN = Seen()
