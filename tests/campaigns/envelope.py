@@ -46,25 +46,15 @@ Change = Callable[[ClosedLoop], None]
 
 @dataclass(frozen=True)
 class Case:
-    """A fault.
+    """A fault."""
 
-    Attributes
-    ----------
-    kind : of the fault
-    scenario, seed : of the run
-    start : of the fault [s]
-    settings : of the run: a fault of a sensor that a scenario can state
-    change : what else becomes of the loop at the fault; None: nothing
-    note : what is special about the run
-    """
-
-    kind: str
-    scenario: str
-    seed: int
-    start: float
-    settings: tuple[str, ...] = ()
-    change: Change | None = None
-    note: str = ""
+    kind: str  # of the fault
+    scenario: str  # of the run
+    seed: int  # of the run
+    start: float  # of the fault [s]
+    settings: tuple[str, ...] = ()  # of the run: a fault of a sensor that a scenario can state
+    change: Change | None = None  # what else becomes of the loop at the fault; None: nothing
+    note: str = ""  # what is special about the run
 
     @property
     def name(self) -> str:
@@ -202,30 +192,18 @@ CASES = {case.name: case for case in _cases()}
 
 
 class Found(NamedTuple):
-    """What became of a case.
+    """What became of a case."""
 
-    Attributes
-    ----------
-    travel : largest of the drum from where it was at the fault, without the requested move [m]
-    speed : its largest [m/s]
-    load, locked : largest heave about the set-point, and with the winch locked [m]
-    spread : of the load over that with the winch locked, from LATE on
-    tension : least and largest at the top [kN]
-    bound : ticks at a bound or beyond before the fault, and after it
-    first : when and why the envelope took over; empty: it did not
-    mode : at the end
-    alarms : codes of all from the fault on
-    """
-
-    travel: float
-    speed: float
-    load: float
-    locked: float
-    spread: float
-    tension: tuple[float, float]
-    bound: tuple[int, int]
-    first: str
-    mode: str
+    travel: float  # largest of the drum from where it was at the fault, without the requested move [m]
+    speed: float  # its largest [m/s]
+    load: float  # largest heave about the set-point [m]
+    locked: float  # the same with the winch locked [m]
+    spread: float  # of the load over that with the winch locked, from LATE on
+    tension: tuple[float, float]  # least and largest at the top [kN]
+    bound: tuple[int, int]  # ticks at a bound or beyond before the fault, and after it
+    first: str  # when and why the envelope took over; empty: it did not
+    mode: str  # at the end
+    # codes of all from the fault on
     alarms: tuple[str, ...] = field(default=())  # type: ignore[assignment]
 
 

@@ -37,26 +37,15 @@ GIVE = 0.02
 
 @dataclass(frozen=True)
 class Draw:
-    """One landing.
+    """One landing."""
 
-    Attributes
-    ----------
-    number : of the draw, and seed of the run
-    stiffness : EA/L [N/m]
-    mass : of the unit [kg]
-    length : of the cable [m]
-    speed : of lowering [m/s]
-    wave_height : significant [m]
-    peak_period : [s]
-    """
-
-    number: int
-    stiffness: float
-    mass: float
-    length: float
-    speed: float
-    wave_height: float
-    peak_period: float
+    number: int  # of the draw, and seed of the run
+    stiffness: float  # EA/L [N/m]
+    mass: float  # of the unit [kg]
+    length: float  # of the cable [m]
+    speed: float  # of lowering [m/s]
+    wave_height: float  # significant [m]
+    peak_period: float  # [s]
 
     @property
     def weight(self) -> float:
@@ -132,24 +121,14 @@ def _text(value: object) -> str:
 
 @dataclass(frozen=True)
 class LandingFigures:
-    """How a unit landed.
+    """How a unit landed."""
 
-    Attributes
-    ----------
-    touchdown_speed : of the unit at the first contact, downwards [m/s]
-    rebound : height above the place of first contact that it reached afterwards [m]
-    time_to_tension : from the first contact to constant tension [s]; infinite: never
-    tension_share : mean share of the weight that the cable carries over the last 30 s
-    largest_tension : after the contact over that of the last 10 s before it
-    is_lost : it did not end at constant tension on the bottom, or was given up
-    """
-
-    touchdown_speed: float
-    rebound: float
-    time_to_tension: float
-    tension_share: float
-    largest_tension: float
-    is_lost: bool
+    touchdown_speed: float  # of the unit at the first contact, downwards [m/s]
+    rebound: float  # height above the place of first contact that it reached afterwards [m]
+    time_to_tension: float  # from the first contact to constant tension [s]; infinite: never
+    tension_share: float  # mean share of the weight that the cable carries over the last 30 s
+    largest_tension: float  # after the contact over that of the last 10 s before it
+    is_lost: bool  # it did not end at constant tension on the bottom, or was given up
 
 
 def figures(record: LoopRecord, weight: float) -> LandingFigures:

@@ -31,20 +31,12 @@ TOUCHED = 1e3
 
 @dataclass(frozen=True)
 class Incident:
-    """One incident.
+    """One incident."""
 
-    Attributes
-    ----------
-    scenario : name of its file in FOLDER; with `AS_BUILT` that of the incident as published
-    begin : when it begins [s]; NaN: when the unit touches the bottom
-    names : codes of the alarms that name its cause
-    stays : the load is to stay on what carries it, whatever the winch does
-    """
-
-    scenario: str
-    begin: float
-    names: tuple[str, ...]
-    stays: bool = False
+    scenario: str  # name of its file in FOLDER; with `AS_BUILT` that of the incident as published
+    begin: float  # when it begins [s]; NaN: when the unit touches the bottom
+    names: tuple[str, ...]  # codes of the alarms that name its cause
+    stays: bool = False  # the load is to stay on what carries it, whatever the winch does
 
 
 INCIDENTS = (
@@ -60,20 +52,15 @@ INCIDENTS = (
 
 @dataclass(frozen=True)
 class Judged:
-    """What an incident has come to.
+    """What an incident has come to."""
 
-    Attributes
-    ----------
-    moved : farthest that the unit came from where it was asked to be, or rope paid out on a unit that stands [m]
-    named : seconds from the begin to the first alarm that names the cause, negative before it, and that alarm; NaN,
-        None: there is none
-    at_alarm : how far the unit had come by the tick before that alarm [m]; NaN without one
-    others : alarms that were raised from the begin on, events apart, each code once, with the seconds to it
-    """
-
+    # farthest that the unit came from where it was asked to be, or rope paid out on a unit that stands [m]
     moved: float
+    # seconds from the begin to the first alarm that names the cause, negative before it, and that alarm; NaN, None:
+    # there is none
     named: tuple[float, Alarm | None]
-    at_alarm: float
+    at_alarm: float  # how far the unit had come by the tick before that alarm [m]; NaN without one
+    # alarms that were raised from the begin on, events apart, each code once, with the seconds to it
     others: dict[str, float]
 
 

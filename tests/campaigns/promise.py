@@ -118,19 +118,12 @@ LARGEST_OVER_TOLD = 2.0
 
 @dataclass(frozen=True)
 class Draw:
-    """A truth.
+    """A truth."""
 
-    Attributes
-    ----------
-    name : of the draw
-    seed : of its sea and noise
-    settings : other than assumed
-    told : the informed belief, where a run under it is the measure; empty: none is
-    """
-
-    name: str
-    seed: int
-    settings: Settings
+    name: str  # of the draw
+    seed: int  # of its sea and noise
+    settings: Settings  # other than assumed
+    # the informed belief, where a run under it is the measure; empty: none is
     told: Settings = field(default_factory=dict)
 
 
@@ -197,30 +190,19 @@ def parameters_of(one: Draw, duration: float = DURATION) -> Sequence[str]:
 
 @dataclass(frozen=True)
 class Kept:
-    """How the promise was kept.
+    """How the promise was kept."""
 
-    Attributes
-    ----------
-    sigma, off : standard deviation of the unit, compensated and not, from `TROUBLE` after the beginning on [m]
-    worst, at : largest ratio of both over a window, and where that begins [s]
-    fades : how often compensation was given up
-    share : of the time since the first minute and a half in which it compensates
-    wrong : alarms that name what is not so
-    alarms : all that were given on winch, sea and sensors
-    learnt, told : standard deviation of the unit from `LEARNING` after the beginning on, and the same under the
-        informed belief [m]; NaN: there is none
-    """
-
-    sigma: float
-    off: float
-    worst: float
-    at: float
-    fades: int
-    share: float
-    wrong: tuple[str, ...]
-    alarms: tuple[str, ...]
+    sigma: float  # standard deviation of the unit from `TROUBLE` after the beginning on [m]
+    off: float  # the same, not compensated [m]
+    worst: float  # largest ratio of both over a window
+    at: float  # where that window begins [s]
+    fades: int  # how often compensation was given up
+    share: float  # of the time since the first minute and a half in which it compensates
+    wrong: tuple[str, ...]  # alarms that name what is not so
+    alarms: tuple[str, ...]  # all that were given on winch, sea and sensors
+    # standard deviation of the unit from `LEARNING` after the beginning on [m]; NaN: there is none
     learnt: float = math.nan
-    told: float = math.nan
+    told: float = math.nan  # the same under the informed belief [m]
 
     @property
     def holds(self) -> bool:
@@ -299,20 +281,13 @@ def _is_finding(alarm: Alarm) -> bool:
 
 @dataclass(frozen=True)
 class Named:
-    """What a finding may name, in one unit.
+    """What a finding may name, in one unit."""
 
-    Attributes
-    ----------
-    assumed : assumed at first
-    low, high : between these the truth is, as far as the readings show it
-    noticeable, far : differences that are just worth naming, and that are an error whatever the truth is
-    """
-
-    assumed: float
-    low: float
-    high: float
-    noticeable: float
-    far: float
+    assumed: float  # assumed at first
+    low: float  # least that the truth may be, as far as the readings show it
+    high: float  # most that it may be
+    noticeable: float  # difference that is just worth naming
+    far: float  # difference that is an error whatever the truth is
 
     def is_wrong(self, learnt: float) -> bool:
         """Return whether a `learnt` value is on the wrong side of the nominal one, or names what is nominal."""

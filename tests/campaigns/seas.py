@@ -46,47 +46,29 @@ NEGLIGIBLE = 0.001
 
 @dataclass(frozen=True)
 class Cell:
-    """A scenario in a sea.
+    """A scenario in a sea."""
 
-    Attributes
-    ----------
-    scenario : its name
-    height, period : significant wave height [m] and peak period [s]
-    """
-
-    scenario: str
-    height: float
-    period: float
+    scenario: str  # its name
+    height: float  # significant wave height [m]
+    period: float  # peak period [s]
 
 
 @dataclass(frozen=True)
 class Held:
-    """What became of the unit.
+    """What became of the unit."""
 
-    Attributes
-    ----------
-    sigma, off : standard deviation of its heave, compensated and not [m]
-    share : of the judged time in which it was compensated
-    """
-
-    sigma: float
-    off: float
-    share: float
+    sigma: float  # standard deviation of its heave [m]
+    off: float  # the same, not compensated [m]
+    share: float  # of the judged time in which it was compensated
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """A cell with both beliefs.
+    """A cell with both beliefs."""
 
-    Attributes
-    ----------
-    shipped, matching : held under the belief that the scenario ships, and under that in the cell's sea
-    duration : of the run that was judged [s]
-    """
-
-    shipped: Held
-    matching: Held
-    duration: float
+    shipped: Held  # held under the belief that the scenario ships
+    matching: Held  # held under that in the cell's sea
+    duration: float  # of the run that was judged [s]
 
     @property
     def holds(self) -> bool:

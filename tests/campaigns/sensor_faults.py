@@ -51,25 +51,16 @@ NOT_OF = {"encoder": ("gap", "delay", "restart"), "depth": ("restart",), "load_c
 
 @dataclass(frozen=True)
 class Draw:
-    """A fault.
+    """A fault."""
 
-    Attributes
-    ----------
-    number : of the draw, and the seed of its sea
-    scenario, law : of the run
-    sensor, kind : at fault, and how
-    start, duration : when [s], and for how long [s]; 0: to the end
-    magnitude : of the kind
-    """
-
-    number: int
-    scenario: str
-    law: str
-    sensor: str
-    kind: str
-    start: float
-    duration: float
-    magnitude: float
+    number: int  # of the draw, and the seed of its sea
+    scenario: str  # of the run
+    law: str  # of the run
+    sensor: str  # at fault
+    kind: str  # how
+    start: float  # when [s]
+    duration: float  # for how long [s]; 0: to the end
+    magnitude: float  # of the kind
 
     @property
     def settings(self) -> list[str]:
@@ -134,25 +125,15 @@ def drawn_fault(random: np.random.Generator) -> tuple[str, str, float]:
 
 @dataclass(frozen=True)
 class Kept:
-    """How the promise was kept.
+    """How the promise was kept."""
 
-    Attributes
-    ----------
-    worst, at : largest ratio of unit and uncompensated one over a minute, and where that begins [s]
-    holds : the unit was never worse than it may be
-    share : of the time from the first minute and a half on in which the loop compensates
-    is_named : the sensor at fault is named
-    wrong : what else is
-    alarms : all that were given
-    """
-
-    worst: float
-    at: float
-    holds: bool
-    share: float
-    is_named: bool
-    wrong: tuple[str, ...]
-    alarms: tuple[str, ...]
+    worst: float  # largest ratio of unit and uncompensated one over a minute
+    at: float  # where that minute begins [s]
+    holds: bool  # the unit was never worse than it may be
+    share: float  # of the time from the first minute and a half on in which the loop compensates
+    is_named: bool  # the sensor at fault is named
+    wrong: tuple[str, ...]  # what else is
+    alarms: tuple[str, ...]  # all that were given
 
 
 def run(one: Draw) -> Kept:

@@ -52,20 +52,13 @@ PORT = "fastdds_port"
 
 @dataclass(frozen=True)
 class Look:
-    """What the nodes had at a time.
+    """What the nodes had at a time."""
 
-    Attributes
-    ----------
-    memory : that no other process shares, of each node by its name [MB]
-    descriptors : that are open
-    shared_memory : names of the middleware's files in shared memory that they or the command have mapped
-    files : in the folder of the run, the bag's apart
-    """
-
-    memory: Mapping[str, float]
-    descriptors: int
+    memory: Mapping[str, float]  # that no other process shares, of each node by its name [MB]
+    descriptors: int  # that are open
+    # names of the middleware's files in shared memory that they or the command have mapped
     shared_memory: frozenset[str]
-    files: int
+    files: int  # in the folder of the run, the bag's apart
 
     def figures(self) -> dict[str, float]:
         """Return them by name."""

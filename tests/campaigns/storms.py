@@ -36,22 +36,14 @@ RISE = 8.0
 
 @dataclass(frozen=True)
 class Storm:
-    """A draw.
+    """A draw."""
 
-    Attributes
-    ----------
-    parameters : of the plant
-    amplitude, period, phase : of the boom tip [m], [s], [rad]; three amplitudes, x, y, z
-    payout : let out, and later hauled in again [m]
-    moved : how far the boom tip moves off in between, x and y [m]
-    """
-
-    parameters: CableSimParameters
-    amplitude: Array
-    period: float
-    phase: float
-    payout: float
-    moved: Array
+    parameters: CableSimParameters  # of the plant
+    amplitude: Array  # of the boom tip: three, x, y, z [m]
+    period: float  # of the boom tip [s]
+    phase: float  # of the boom tip [rad]
+    payout: float  # let out, and later hauled in again [m]
+    moved: Array  # how far the boom tip moves off in between, x and y [m]
 
     @property
     def paying_time(self) -> float:
@@ -150,22 +142,13 @@ def draw(number: int) -> Storm:
 
 @dataclass
 class Outcome:
-    """What became of a storm.
+    """What became of a storm."""
 
-    Attributes
-    ----------
-    error : why it ended early; "" where it did not
-    slack_ticks : ticks at whose end a segment was slack
-    longest_tick : processor time [s]
-    fastest_node : [m/s]
-    cost : processor time per simulated time
-    """
-
-    error: str = ""
-    slack_ticks: int = 0
-    longest_tick: float = 0.0
-    fastest_node: float = 0.0
-    cost: float = 0.0
+    error: str = ""  # why it ended early; "" where it did not
+    slack_ticks: int = 0  # ticks at whose end a segment was slack
+    longest_tick: float = 0.0  # processor time [s]
+    fastest_node: float = 0.0  # [m/s]
+    cost: float = 0.0  # processor time per simulated time
 
 
 def run(storm: Storm) -> Outcome:

@@ -51,75 +51,46 @@ MOST_COVERED, MOST_SILENT, SILENT = 0.97, 0.02, 0.05
 
 @dataclass(frozen=True)
 class Draw:
-    """A world and what is asked of it.
+    """A world and what is asked of it."""
 
-    Attributes
-    ----------
-    number, scenario, seed : of the draw
-    recorded, asked : law of the record, laws that are asked for
-    settings : of the world that the controller does not know
-    words : the same for people
-    """
-
-    number: int
-    scenario: str
-    seed: int
-    recorded: str
-    asked: tuple[str, ...]
-    settings: tuple[str, ...]
-    words: str
+    number: int  # of the draw
+    scenario: str  # of the draw
+    seed: int  # of the draw
+    recorded: str  # law of the record
+    asked: tuple[str, ...]  # laws that are asked for
+    settings: tuple[str, ...]  # of the world that the controller does not know
+    words: str  # the same for people
 
 
 @dataclass(frozen=True)
 class World:
-    """What is common to the answers from one record.
+    """What is common to the answers from one record."""
 
-    Attributes
-    ----------
-    off, true_off : standard deviation of the unit with the winch locked, as predicted and as it was [m]
-    sigma, true_sigma : the same of the record [m]
-    compensated : the record was
-    again : largest error of payout of the same law again [m]
-    seconds : of a processor that an answer took, its share of learning included [s]
-    """
-
-    off: float
-    true_off: float
-    sigma: float
-    true_sigma: float
-    compensated: bool
-    again: float
-    seconds: float
+    off: float  # standard deviation of the unit with the winch locked, as predicted [m]
+    true_off: float  # as it was [m]
+    sigma: float  # the same of the record [m]
+    true_sigma: float  # the same of the record [m]
+    compensated: bool  # the record was
+    again: float  # largest error of payout of the same law again [m]
+    seconds: float  # of a processor that an answer took, its share of learning included [s]
 
 
 @dataclass(frozen=True)
 class Pair:
-    """One answer and what then was.
+    """One answer and what then was."""
 
-    Attributes
-    ----------
-    draw, law : which
-    efficiency, true_efficiency : as predicted and as it was, of the record where `off` was asked [-]
-    sigma, true_sigma : of the unit, as predicted and as it was [m]
-    band : of the efficiency
-    tells : the record suffices for this answer, as the page says
-    warned : something was said against it
-    lost, true_lost : compensation was given up, as predicted (probability) and as it was
-    world : what it has in common with the others from its record
-    """
-
-    draw: Draw
-    law: str
-    efficiency: float
-    true_efficiency: float
-    sigma: float
-    true_sigma: float
-    band: tuple[float, float]
-    tells: bool
-    warned: bool
-    lost: float
-    true_lost: bool
-    world: World
+    draw: Draw  # which
+    law: str  # which
+    efficiency: float  # as predicted, of the record where `off` was asked [-]
+    true_efficiency: float  # as it was [-]
+    sigma: float  # of the unit, as predicted [m]
+    true_sigma: float  # as it was [m]
+    band: tuple[float, float]  # of the efficiency
+    tells: bool  # the record suffices for this answer, as the page says
+    warned: bool  # something was said against it
+    lost: float  # compensation was given up, as predicted: probability
+    true_lost: bool  # as it was
+    world: World  # what it has in common with the others from its record
 
     @property
     def error(self) -> float:

@@ -32,21 +32,13 @@ class Estimate:
 
 @dataclass(frozen=True)
 class RecordStatistics:
-    """A record against its spectrum.
+    """A record against its spectrum."""
 
-    Attributes
-    ----------
-    m0, m2 : spectral moments [m^2], [m^2 (rad/s)^2]
-    significant_wave_height : 4 sqrt(m0) [m]
-    zero_crossing_period : 2 pi sqrt(m0 / m2) [s]
-    peak_period : from the Welch spectrum [s]
-    """
-
-    m0: Estimate
-    m2: Estimate
-    significant_wave_height: Estimate
-    zero_crossing_period: Estimate
-    peak_period: Estimate
+    m0: Estimate  # spectral moments [m^2]
+    m2: Estimate  # spectral moments [m^2 (rad/s)^2]
+    significant_wave_height: Estimate  # 4 sqrt(m0) [m]
+    zero_crossing_period: Estimate  # 2 pi sqrt(m0 / m2) [s]
+    peak_period: Estimate  # from the Welch spectrum [s]
 
 
 def record_statistics(

@@ -35,33 +35,23 @@ OPERATED = 0.35
 
 @dataclass(frozen=True)
 class Case:
-    """What is run.
+    """What is run."""
 
-    Attributes
-    ----------
-    kind, day, index : of the draw
-    scenario, law, seed : of the run
-    deviations : names of what differs, and of the operation under way; a lift in words
-    settings : of the run, but for law, seed and length
-    told : what an informed controller would have of it; None: it has no parameter for some of it
-    parts : what a finding may blame
-    lost : sensors of which a fault leaves nothing to read, each with the times from and to [s]
-    excused, actions : see `Deviation`
-    """
-
-    kind: str
-    day: int
-    index: int
-    scenario: str
-    law: str
-    seed: int
-    deviations: tuple[str, ...] = ()
-    settings: Settings = field(default_factory=dict)
+    kind: str  # of the draw
+    day: int  # of the draw
+    index: int  # of the draw
+    scenario: str  # of the run
+    law: str  # of the run
+    seed: int  # of the run
+    deviations: tuple[str, ...] = ()  # names of what differs, and of the operation under way; a lift in words
+    settings: Settings = field(default_factory=dict)  # of the run, but for law, seed and length
+    # what an informed controller would have of it; None: it has no parameter for some of it
     told: Settings | None = field(default_factory=dict)
-    parts: tuple[str, ...] = ()
+    parts: tuple[str, ...] = ()  # what a finding may blame
+    # sensors of which a fault leaves nothing to read, each with the times from and to [s]
     lost: tuple[tuple[str, float, float], ...] = ()
-    excused: tuple[tuple[float, float], ...] = ()
-    actions: tuple[tuple[float, str, float], ...] = ()
+    excused: tuple[tuple[float, float], ...] = ()  # see `Deviation`
+    actions: tuple[tuple[float, str, float], ...] = ()  # see `Deviation`
 
     @property
     def words(self) -> str:

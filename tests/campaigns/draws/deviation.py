@@ -18,33 +18,22 @@ BELIEF = "winch_controller"
 
 @dataclass(frozen=True)
 class Nominal:
-    """What the scenario of a draw has.
+    """What the scenario of a draw has."""
 
-    Attributes
-    ----------
-    name : of the scenario
-    speed, acceleration, lag, delay : of the winch [m/s], [m/s^2], [s], [s]
-    tension : at rest, at the boom tip [N]
-    stiffness : EA of the cable [N]
-    mass, volume, added_mass, drag : of the unit [kg], [m^3], [kg], coefficient
-    height, period : of the sea [m], [s]
-    has_swell : the sea has two parts
-    """
-
-    name: str
-    speed: float
-    acceleration: float
-    lag: float
-    delay: float
-    tension: float
-    stiffness: float
-    mass: float
-    volume: float
-    added_mass: float
-    drag: float
-    height: float
-    period: float
-    has_swell: bool
+    name: str  # of the scenario
+    speed: float  # of the winch [m/s]
+    acceleration: float  # of the winch [m/s^2]
+    lag: float  # of the winch [s]
+    delay: float  # of the winch [s]
+    tension: float  # at rest, at the boom tip [N]
+    stiffness: float  # EA of the cable [N]
+    mass: float  # of the unit [kg]
+    volume: float  # of the unit [m^3]
+    added_mass: float  # of the unit [kg]
+    drag: float  # coefficient of the unit [-]
+    height: float  # of the sea [m]
+    period: float  # of the sea [s]
+    has_swell: bool  # the sea has two parts
 
 
 @cache
@@ -73,41 +62,27 @@ def nominal(scenario: str) -> Nominal:
 
 @dataclass(frozen=True)
 class Fault:
-    """A scheduled fault of a device.
+    """A scheduled fault of a device."""
 
-    Attributes
-    ----------
-    group : parameters in which it stands
-    kind, start, duration, magnitude : see `heave_node.interface.faults`
-    """
-
-    group: str
-    kind: str
-    start: float
-    duration: float
-    magnitude: float
+    group: str  # parameters in which it stands
+    kind: str  # see `heave_node.interface.faults`
+    start: float  # see `heave_node.interface.faults`
+    duration: float  # see `heave_node.interface.faults`
+    magnitude: float  # see `heave_node.interface.faults`
 
 
 @dataclass(frozen=True)
 class Deviation:
-    """One thing that differs.
+    """One thing that differs."""
 
-    Attributes
-    ----------
-    name : of the row
-    settings : of the simulated ship
-    told : parameters of an informed controller; empty: nothing helps; None: it has no parameter for that
-    faults : scheduled besides
-    excused : times, from and to, that are not judged [s]: the fault has just begun or ended, or a stop is requested
-    actions : of an operator: time [s], what, value
-    """
-
-    name: str
-    settings: Settings = field(default_factory=dict)
+    name: str  # of the row
+    settings: Settings = field(default_factory=dict)  # of the simulated ship
+    # parameters of an informed controller; empty: nothing helps; None: it has no parameter for that
     told: Settings | None = None
-    faults: tuple[Fault, ...] = ()
+    faults: tuple[Fault, ...] = ()  # scheduled besides
+    # times, from and to, that are not judged [s]: the fault has just begun or ended, or a stop is requested
     excused: tuple[tuple[float, float], ...] = ()
-    actions: tuple[tuple[float, str, float], ...] = ()
+    actions: tuple[tuple[float, str, float], ...] = ()  # of an operator: time [s], what, value
 
 
 Drawing = Callable[[Chance, Nominal], Deviation]
@@ -115,19 +90,10 @@ Drawing = Callable[[Chance, Nominal], Deviation]
 
 @dataclass(frozen=True)
 class Row:
-    """A row of the table.
+    """A row of the table."""
 
-    Attributes
-    ----------
-    name : what differs
-    parts : what a finding may blame for it
-    draw : draws it
-    slot : of rows with the same slot a draw has one at most; empty: the row has one to itself
-    weight : how often it is drawn, over the others
-    """
-
-    name: str
-    parts: tuple[str, ...]
-    draw: Drawing
-    slot: str = ""
-    weight: float = 1.0
+    name: str  # what differs
+    parts: tuple[str, ...]  # what a finding may blame for it
+    draw: Drawing  # draws it
+    slot: str = ""  # of rows with the same slot a draw has one at most; empty: the row has one to itself
+    weight: float = 1.0  # how often it is drawn, over the others

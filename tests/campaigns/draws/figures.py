@@ -16,47 +16,32 @@ Drawn = tuple[Case, Outcome]
 
 @dataclass(frozen=True)
 class Figures:
-    """The distribution of what `cases` draws came to.
+    """The distribution of what `cases` draws came to."""
 
-    Attributes
-    ----------
-    cases, failed, judged : draws, those that could not be run, and those of which a minute was judged
-    p50, p90, largest : of the worst minute over off, of those that were judged
-    within_1_05, within_1_2, within_1_5 : share of them up to that
-    never_begun, without_reason : never begun or too late to be judged, and of these without a true reason
-    given_up, lost : draws in which compensation was given up, and those in which it was so at the end
-    named, wrong : draws with a finding that is right, and with one that blames a healthy part
-    reached, unalarmed : draws that reached 1.5, and those of them without an alarm before
-    tick_p50, tick_p999, tick_max : of the controller's ticks [ms]: median of the draws, largest of the draws' 99.9 %,
-        largest
-    efficiency : median
-    told_cases, efficiency_of_these, told : draws also run with an informed controller, and both median efficiencies
-    """
-
-    cases: int
-    failed: int
-    judged: int
-    p50: float
-    p90: float
-    largest: float
-    within_1_05: float
-    within_1_2: float
-    within_1_5: float
-    never_begun: int
-    without_reason: int
-    given_up: int
-    lost: int
-    named: int
-    wrong: int
-    reached: int
-    unalarmed: int
-    tick_p50: float
-    tick_p999: float
-    tick_max: float
-    efficiency: float
-    told_cases: int
-    efficiency_of_these: float
-    told: float
+    cases: int  # draws
+    failed: int  # draws that could not be run
+    judged: int  # draws of which a minute was judged
+    p50: float  # median of the worst minute over off, of those that were judged
+    p90: float  # 90th percentile
+    largest: float  # largest
+    within_1_05: float  # share of them up to that
+    within_1_2: float  # share of them up to that
+    within_1_5: float  # share of them up to that
+    never_begun: int  # never begun, or too late to be judged
+    without_reason: int  # of these without a true reason
+    given_up: int  # draws in which compensation was given up
+    lost: int  # draws in which it was so at the end
+    named: int  # draws with a finding that is right
+    wrong: int  # draws with one that blames a healthy part
+    reached: int  # draws that reached 1.5
+    unalarmed: int  # those of them without an alarm before
+    tick_p50: float  # of the controller's ticks [ms]: median of the draws
+    tick_p999: float  # largest of the draws' 99.9 % [ms]
+    tick_max: float  # largest [ms]
+    efficiency: float  # median
+    told_cases: int  # draws also run with an informed controller
+    efficiency_of_these: float  # their median efficiency
+    told: float  # their median efficiency with the informed controller
 
 
 def figures_of(drawn: Sequence[Drawn]) -> Figures:

@@ -26,18 +26,11 @@ NO_WARNING = ("AUTHORITY_LIMITED_BY_SEA", "AUTHORITY_LIMITED_BY_WINCH", "PROGRAM
 
 @dataclass(frozen=True)
 class Finding:
-    """A part that is blamed.
+    """A part that is blamed."""
 
-    Attributes
-    ----------
-    time : [s]
-    parts : one of these is at fault
-    words : of the alarm
-    """
-
-    time: float
-    parts: tuple[str, ...]
-    words: str
+    time: float  # [s]
+    parts: tuple[str, ...]  # one of these is at fault
+    words: str  # of the alarm
 
 
 def changes_in(text: str) -> list[tuple[str, float]]:

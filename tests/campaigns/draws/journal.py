@@ -23,24 +23,15 @@ def sources_digest() -> str:
 
 @dataclass(frozen=True)
 class Heading:
-    """What a journal is of.
+    """What a journal is of."""
 
-    Attributes
-    ----------
-    commit, sources : of the code
-    kind, day : of the draws
-    latency : of what the controller finds [s], or "true"; empty: its own
-    is_informed : the draws for which that is possible are run with an informed controller as well
-    without : part of the controller that is switched off; empty: none
-    """
-
-    commit: str
-    sources: str
-    kind: str
-    day: int
-    latency: str
-    is_informed: bool
-    without: str = ""
+    commit: str  # of the code
+    sources: str  # of the code
+    kind: str  # of the draws
+    day: int  # of the draws
+    latency: str  # of what the controller finds [s], or "true"; empty: its own
+    is_informed: bool  # the draws for which that is possible are run with an informed controller as well
+    without: str = ""  # part of the controller that is switched off; empty: none
 
     @property
     def draws(self) -> tuple[str, int]:

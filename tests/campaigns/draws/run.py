@@ -38,47 +38,29 @@ LOST_TIME = 60.0
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a case came to.
+    """What a case came to."""
 
-    Attributes
-    ----------
-    worst, at : largest ratio of the unit to the uncompensated one over a minute, and where that begins [s]; NaN: no
-        minute could be judged
-    worst_of_all : the same with the allowed times
-    begin : when compensation began [s]; NaN: never
-    reason : why it never began, or too late to be judged; empty: it was judged
-    has_true_reason : a sensor that the reason names gave nothing to read
-    given_up : how often compensation was faded out that nobody had asked to end
-    is_lost : compensation was not active at the end, though nobody had asked for that and all could be read
-    right, wrong : findings that blame what differs, and what does not
-    is_alarmed : there was an alarm before the ratio reached `ALARMED`; None: it never did
-    ticks : time that the controller's ticks took: median, 99.9 % and largest [ms]
-    efficiency : of the unit, from 30 s after the beginning on; 0: it never began
-    told : the same with an informed controller; NaN: not run
-    refused : what an operator asked for in vain
-    failure : why the case could not be run; empty: it could
-    seconds : that it took
-    alarms : all of them, with their times [s]
-    """
-
+    # largest ratio of the unit to the uncompensated one over a minute; NaN: no minute could be judged
     worst: float = math.nan
-    at: float = math.nan
-    worst_of_all: float = math.nan
-    begin: float = math.nan
-    reason: str = ""
-    has_true_reason: bool = False
-    given_up: int = 0
+    at: float = math.nan  # where that minute begins [s]
+    worst_of_all: float = math.nan  # the same with the allowed times
+    begin: float = math.nan  # when compensation began [s]; NaN: never
+    reason: str = ""  # why it never began, or too late to be judged; empty: it was judged
+    has_true_reason: bool = False  # a sensor that the reason names gave nothing to read
+    given_up: int = 0  # how often compensation was faded out that nobody had asked to end
+    # compensation was not active at the end, though nobody had asked for that and all could be read
     is_lost: bool = False
-    right: tuple[str, ...] = ()
-    wrong: tuple[str, ...] = ()
-    is_alarmed: bool | None = None
+    right: tuple[str, ...] = ()  # findings that blame what differs
+    wrong: tuple[str, ...] = ()  # findings that blame what does not
+    is_alarmed: bool | None = None  # there was an alarm before the ratio reached `ALARMED`; None: it never did
+    # time that the controller's ticks took: median, 99.9 % and largest [ms]
     ticks: tuple[float, float, float] = (math.nan, math.nan, math.nan)
-    efficiency: float = 0.0
-    told: float = math.nan
-    refused: tuple[str, ...] = ()
-    failure: str = ""
-    seconds: float = math.nan
-    alarms: tuple[tuple[float, str], ...] = field(default=())
+    efficiency: float = 0.0  # of the unit, from 30 s after the beginning on; 0: it never began
+    told: float = math.nan  # the same with an informed controller; NaN: not run
+    refused: tuple[str, ...] = ()  # what an operator asked for in vain
+    failure: str = ""  # why the case could not be run; empty: it could
+    seconds: float = math.nan  # that it took
+    alarms: tuple[tuple[float, str], ...] = field(default=())  # all of them, with their times [s]
 
     @property
     def is_judged(self) -> bool:

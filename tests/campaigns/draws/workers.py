@@ -21,16 +21,10 @@ WARM_UP = ("stacked", 1, 60.0)
 
 @dataclass(frozen=True)
 class Task:
-    """A case to run.
+    """A case to run."""
 
-    Attributes
-    ----------
-    case : of the campaign
-    is_informed : it is run with an informed controller as well
-    """
-
-    case: Case
-    is_informed: bool = False
+    case: Case  # of the campaign
+    is_informed: bool = False  # it is run with an informed controller as well
 
 
 def run_tasks(

@@ -28,18 +28,11 @@ BELIEFS: tuple[Row, ...] = tuple(row for row in DEVIATIONS if row.name not in ("
 
 @dataclass(frozen=True)
 class Base:
-    """A loop that runs to a moment.
+    """A loop that runs to a moment."""
 
-    Attributes
-    ----------
-    number : of the loop
-    moment : name of it
-    case : scenario, law, seed and what is off
-    """
-
-    number: int
-    moment: str
-    case: Case
+    number: int  # of the loop
+    moment: str  # name of it
+    case: Case  # scenario, law, seed and what is off
 
     @property
     def of(self) -> Moment:
@@ -56,20 +49,12 @@ class Base:
 
 @dataclass(frozen=True)
 class Cell:
-    """A case.
+    """A case."""
 
-    Attributes
-    ----------
-    index : of the case
-    base : the loop
-    fault : that begins
-    offset : time from the moment until it does [s]
-    """
-
-    index: int
-    base: Base
-    fault: Fault
-    offset: float
+    index: int  # of the case
+    base: Base  # the loop
+    fault: Fault  # that begins
+    offset: float  # time from the moment until it does [s]
 
     @property
     def words(self) -> str:

@@ -44,23 +44,14 @@ def factor(chance: Chance) -> float:
 
 @dataclass(frozen=True)
 class Kind:
-    """A row of the table of faults.
+    """A row of the table of faults."""
 
-    Attributes
-    ----------
-    device, kind : of the fault
-    parts : one of these an alarm has to name
-    shows : when
-    magnitude : how it is drawn
-    lasts : never ends by itself
-    """
-
-    device: str
-    kind: str
-    parts: tuple[str, ...]
-    shows: str = ALWAYS
-    magnitude: Drawing = nothing
-    lasts: bool = False
+    device: str  # of the fault
+    kind: str  # of the fault
+    parts: tuple[str, ...]  # one of these an alarm has to name
+    shows: str = ALWAYS  # when
+    magnitude: Drawing = nothing  # how it is drawn
+    lasts: bool = False  # never ends by itself
 
     @property
     def name(self) -> str:
@@ -133,18 +124,11 @@ BY_NAME = {kind.name: kind for kind in KINDS}
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault that is drawn.
+    """A fault that is drawn."""
 
-    Attributes
-    ----------
-    name : of its kind
-    magnitude : in the unit of its kind
-    duration : [s]; 0: to the end
-    """
-
-    name: str
-    magnitude: float = 0.0
-    duration: float = 0.0
+    name: str  # of its kind
+    magnitude: float = 0.0  # in the unit of its kind
+    duration: float = 0.0  # [s]; 0: to the end
 
     @property
     def kind(self) -> Kind:

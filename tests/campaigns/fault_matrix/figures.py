@@ -24,20 +24,12 @@ LARGEST_UNIT = 1.3
 
 @dataclass(frozen=True)
 class Bar:
-    """A line of the promise.
+    """A line of the promise."""
 
-    Attributes
-    ----------
-    name : what is asked
-    counts : whether a case is asked
-    holds : whether it keeps it
-    share : of the cases that are asked which have to
-    """
-
-    name: str
-    counts: Callable[[Outcome], bool]
-    holds: Callable[[Outcome], bool]
-    share: float
+    name: str  # what is asked
+    counts: Callable[[Outcome], bool]  # whether a case is asked
+    holds: Callable[[Outcome], bool]  # whether it keeps it
+    share: float  # of the cases that are asked which have to
 
 
 BARS = (

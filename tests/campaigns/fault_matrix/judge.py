@@ -65,20 +65,13 @@ ALSO = ("winch", "adviser", "velocity", "imu", "loop", "network")
 
 @dataclass(frozen=True)
 class Raised:
-    """An alarm of a run.
+    """An alarm of a run."""
 
-    Attributes
-    ----------
-    time : [s]
-    code, part, severity : of its row
-    text : what it says
-    """
-
-    time: float
-    code: str
-    part: str
-    severity: Severity
-    text: str = ""
+    time: float  # [s]
+    code: str  # of its row
+    part: str  # of its row
+    severity: Severity  # of its row
+    text: str = ""  # what it says
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -27,17 +27,11 @@ MODE, COLUMN = "mode", {name: place for place, name in enumerate(COLUMNS)}
 
 @dataclass
 class Asked:
-    """What of the drum's motion was asked for.
+    """What of the drum's motion was asked for."""
 
-    Attributes
-    ----------
-    distance, speed : of a move that is under way [m], paying out positive, and its largest speed [m/s]
-    travel : allowed besides, where the winch holds a tension [m]
-    """
-
-    distance: float = 0.0
-    speed: float = 0.0
-    travel: float = 0.0
+    distance: float = 0.0  # of a move that is under way, paying out positive [m]
+    speed: float = 0.0  # its largest speed [m/s]
+    travel: float = 0.0  # allowed besides, where the winch holds a tension [m]
 
     def after(self, duration: float) -> Asked:
         """Return what is left of it after a `duration` [s]."""
@@ -222,20 +216,12 @@ def _lift_off(session: Session, _: Chance) -> bool:
 
 @dataclass(frozen=True)
 class Moment:
-    """A moment at which a fault can begin.
+    """A moment at which a fault can begin."""
 
-    Attributes
-    ----------
-    name : of it
-    reach : runs a session until it has begun; False where it does not come
-    window : from then on, the fault begins within this time [s]
-    scenarios : in which it comes
-    """
-
-    name: str
-    reach: Callable[[Session, Chance], bool]
-    window: float
-    scenarios: tuple[str, ...] = LIFTS
+    name: str  # of it
+    reach: Callable[[Session, Chance], bool]  # runs a session until it has begun; False where it does not come
+    window: float  # from then on, the fault begins within this time [s]
+    scenarios: tuple[str, ...] = LIFTS  # in which it comes
 
     @property
     def settings(self) -> Settings:

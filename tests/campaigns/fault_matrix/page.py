@@ -47,16 +47,10 @@ than one process: a network, a PLC, a recorder.
 
 @dataclass(frozen=True)
 class Shown:
-    """A case as its row has it, laid out like one that has just been run.
+    """A case as its row has it, laid out like one that has just been run."""
 
-    Attributes
-    ----------
-    groups : its values of `GROUPS`
-    words : the case, in words, where it broke a bar
-    """
-
-    groups: Mapping[str, str]
-    words: str
+    groups: Mapping[str, str]  # its values of `GROUPS`
+    words: str  # the case, in words, where it broke a bar
 
 
 def row_of(one: Cell, found: Outcome) -> list[Any]:

@@ -45,39 +45,23 @@ LIMIT = 300
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a case came to.
+    """What a case came to."""
 
-    Attributes
-    ----------
-    named : time to the alarm that names the part at fault [s]; infinite: none did
-    is_visible : the fault showed; None: it does not from inside
-    rest : time to the drum at rest under its brake [s]; infinite: it goes on
-    travel : of the drum until then, over the heave of the rolling minute and 0.3 m
-    envelope : rate or travel over the bounds of the envelope
-    unit : motion of the unit from 10 s after the fault over that of the locked one; NaN: on the bottom, or too short
-    tension, slack : largest tension over that of the locked one, least one over static
-    rate : largest of the drum [m/s]
-    wrong : alarms that blame a healthy part
-    alarms : the first ones, time after the fault [s] and code
-    modes : that were taken after the fault
-    failure : why the case could not be run; empty: it could
-    seconds : of processor time that it took
-    """
-
-    named: float = math.inf
-    is_visible: bool | None = None
-    rest: float = math.inf
-    travel: float = math.nan
-    envelope: float = math.nan
+    named: float = math.inf  # time to the alarm that names the part at fault [s]; infinite: none did
+    is_visible: bool | None = None  # the fault showed; None: it does not from inside
+    rest: float = math.inf  # time to the drum at rest under its brake [s]; infinite: it goes on
+    travel: float = math.nan  # of the drum until then, over the heave of the rolling minute and 0.3 m
+    envelope: float = math.nan  # rate or travel over the bounds of the envelope
+    # motion of the unit from 10 s after the fault over that of the locked one; NaN: on the bottom, or too short
     unit: float = math.nan
-    tension: float = math.nan
-    slack: float = math.nan
-    rate: float = math.nan
-    wrong: tuple[str, ...] = ()
-    alarms: tuple[str, ...] = ()
-    modes: tuple[str, ...] = ()
-    failure: str = ""
-    seconds: float = 0.0
+    tension: float = math.nan  # largest tension over that of the locked one
+    slack: float = math.nan  # least tension over static
+    rate: float = math.nan  # largest of the drum [m/s]
+    wrong: tuple[str, ...] = ()  # alarms that blame a healthy part
+    alarms: tuple[str, ...] = ()  # the first ones, time after the fault [s] and code
+    modes: tuple[str, ...] = ()  # that were taken after the fault
+    failure: str = ""  # why the case could not be run; empty: it could
+    seconds: float = 0.0  # of processor time that it took
 
 
 def outcome_of(values: dict[str, object]) -> Outcome:

@@ -45,22 +45,14 @@ settings.register_profile("mutants", derandomize=True, deadline=None, phases=(Ph
 
 @dataclass
 class Pass:
-    """What became of the tests.
+    """What became of the tests."""
 
-    Attributes
-    ----------
-    status : of pytest
-    failed : the first test that failed; "": none did
-    reached : lines of the module by test, where they were asked for
-    seconds : by test
-    loaded : modules that were imported and know nothing of the mutated one
-    """
-
-    status: int
-    failed: str = ""
+    status: int  # of pytest
+    failed: str = ""  # the first test that failed; "": none did
+    # lines of the module by test, where they were asked for
     reached: dict[str, set[int]] = field(default_factory=lambda: defaultdict(set))
-    seconds: dict[str, float] = field(default_factory=dict)
-    loaded: list[str] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=dict)  # by test
+    loaded: list[str] = field(default_factory=list)  # modules that were imported and know nothing of the mutated one
 
 
 @dataclass(frozen=True)

@@ -45,20 +45,13 @@ Change = Callable[[Any], None]
 
 @dataclass(frozen=True)
 class Mutation:
-    """One change of a module.
+    """One change of a module."""
 
-    Attributes
-    ----------
-    line, last_line : in the file
-    was, became : the changed statement or expression, as source
-    number : of the mutation among those of the module
-    """
-
-    number: int
-    line: int
-    last_line: int
-    was: str
-    became: str
+    number: int  # of the mutation among those of the module
+    line: int  # in the file
+    last_line: int  # in the file
+    was: str  # the statement or expression, as source
+    became: str  # what it was changed to, as source
 
     def __str__(self) -> str:
         return f"{self.line}: {self.was}  ->  {self.became}"

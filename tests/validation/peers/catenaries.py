@@ -18,23 +18,14 @@ _NODES = 20
 
 
 class Catenary(NamedTuple):
-    """A cable between two ends.
+    """A cable between two ends."""
 
-    Attributes
-    ----------
-    name : what it is like
-    length : unstretched [m]
-    stiffness : EA [N]
-    weight : in water, per length [N/m]
-    across, up : where the second end lies from the first [m]
-    """
-
-    name: str
-    length: float
-    stiffness: float
-    weight: float
-    across: float
-    up: float
+    name: str  # what it is like
+    length: float  # unstretched [m]
+    stiffness: float  # EA [N]
+    weight: float  # in water, per length [N/m]
+    across: float  # where the second end lies from the first [m]
+    up: float  # where the second end lies from the first [m]
 
 
 CATENARIES = (

@@ -15,30 +15,18 @@ from heave_node.numerics.kinematics import PointMotion
 
 @dataclass(frozen=True)
 class DrivenResponse:
-    """First harmonics and extremes over the last part of a driven run, and the records behind them.
+    """First harmonics and extremes over the last part of a driven run, and the records behind them."""
 
-    Attributes
-    ----------
-    unit_heave_amplitude, unit_heave_mean : first harmonic and mean of the unit's z [m]
-    unit_heave_phase : lead of the unit over the boom tip [rad]
-    tension_amplitude, tension_mean : first harmonic and mean of the top tension [N]
-    tension_min, tension_max : its extremes, the largest between the records too [N]
-    times : of the records [s], shape (k,)
-    unit : positions of the unit [m], shape (k, 3)
-    tension : top tension [N], shape (k,)
-    """
-
-    unit_heave_amplitude: float
-    unit_heave_phase: float
-    """Lead of the unit over the boom tip [rad]."""
-    unit_heave_mean: float
-    tension_mean: float
-    tension_amplitude: float
-    tension_min: float
-    tension_max: float
-    times: Array
-    unit: Array
-    tension: Array
+    unit_heave_amplitude: float  # first harmonic of the unit's z [m]
+    unit_heave_phase: float  # lead of the unit over the boom tip [rad]
+    unit_heave_mean: float  # mean of the unit's z [m]
+    tension_mean: float  # mean of the top tension [N]
+    tension_amplitude: float  # first harmonic of the top tension [N]
+    tension_min: float  # its least [N]
+    tension_max: float  # its largest, between the records too [N]
+    times: Array  # of the records [s], shape (k,)
+    unit: Array  # positions of the unit [m], shape (k, 3)
+    tension: Array  # top tension [N], shape (k,)
 
 
 def ramped_sine(amplitude: Sequence[float], frequency: float, ramp: float) -> Callable[[float], PointMotion]:

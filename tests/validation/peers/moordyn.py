@@ -42,38 +42,22 @@ def _silence() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class PeerRun:
-    """A run of the peer.
+    """A run of the peer."""
 
-    Attributes
-    ----------
-    times : [s], shape (k,)
-    unit : positions of the unit relative to the top's mean [m], shape (k, 3)
-    tension : in the line at its top end [N], shape (k,)
-    cpu_per_second : processor seconds per simulated second
-    """
-
-    times: Array
-    unit: Array
-    tension: Array
-    cpu_per_second: float
+    times: Array  # [s], shape (k,)
+    unit: Array  # positions of the unit relative to the top's mean [m], shape (k, 3)
+    tension: Array  # in the line at its top end [N], shape (k,)
+    cpu_per_second: float  # processor seconds per simulated second
 
 
 @dataclass(frozen=True)
 class Setting:
-    """How MoorDyn integrates.
+    """How MoorDyn integrates."""
 
-    Attributes
-    ----------
-    name : for people
-    scheme : by MoorDyn's name
-    order : of the scheme, whose stages are as many
-    damping : of the line's fastest axial oscillation, a share of the critical one
-    """
-
-    name: str
-    scheme: str
-    order: int
-    damping: float
+    name: str  # for people
+    scheme: str  # by MoorDyn's name
+    order: int  # of the scheme, whose stages are as many
+    damping: float  # of the line's fastest axial oscillation, a share of the critical one
 
     def stability_limit(self) -> float:
         """Return the largest h w at which an oscillation of frequency w does not grow with steps of h.
