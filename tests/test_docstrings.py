@@ -82,7 +82,7 @@ class Comments:
 
     def meaning(self, field: ast.AnnAssign) -> str:
         """Return the comment behind a field, or else the one above it."""
-        behind = re.sub(r"# (type: ignore|noqa).*", "", self.behind.get(field.end_lineno or 0, ""))
+        behind = re.sub(r"# (type: ignore|noqa|fmt: skip).*", "", self.behind.get(field.end_lineno or 0, ""))
         above, line = [], field.lineno - 1
         while line in self.alone:
             above.append(self.alone[line])
@@ -145,7 +145,7 @@ def _without_unit(node: ast.ClassDef, comments: Comments) -> Iterator[str]:
             continue
         is_float = re.fullmatch(r"float( \| None)?", ast.unparse(child.annotation)) is not None
         meaning = comments.meaning(child)
-        if is_float and meaning and not child.target.id.startswith("_") and not _UNIT.search(meaning):
+        if is_float and meaning and child.target.id[0] != "_" and not _UNIT.search(meaning):
             yield child.target.id
 
 

@@ -6,7 +6,7 @@ ROS.
 
 >>> @dataclass(frozen=True)
 ... class Winch:
-...     speed_limit: float = parameter(2.0, unit="m/s", minimum=0.0, description="Largest payout speed.")
+...     speed_limit: float = parameter(2.0, "m/s", 0.0, None, "Largest payout speed.")
 >>> build_parameters(Winch, {"speed_limit": 1}, where="my.yaml: winch")
 Winch(speed_limit=1.0)
 """
@@ -132,30 +132,31 @@ class ParameterInfo:
 
 def parameter(
     default: Any,
-    *,
-    unit: str,
-    description: str,
+    unit: str = "",
     minimum: float | None = None,
     maximum: float | None = None,
+    description: str = "",
+    *,
     choices: tuple[str, ...] = (),
     length: int | None = None,
     is_live: bool = False,
     also: str = "",
     also_words: str = "",
 ) -> Any:
-    """Return a dataclass field that is one node parameter.
+    """Return a dataclass field that is one node parameter, a row: default, unit, bounds, meaning.
 
     Parameters
     ----------
     default : value where none is given; a tuple makes the parameter a list
     unit : SI unit, "" for a pure number or a string
-    description : what it is, in one sentence
-    minimum, maximum : inclusive bounds, of each element of a list
+    minimum, maximum : inclusive bounds, of each element of a list; None: no bound
+    description : what it is, in one sentence; every parameter has one
     choices : the strings that are allowed; () allows any
     length : number of elements of a list; None allows any
     is_live : may be changed while the node runs: by ROS's own service
     also, also_words : regular expression of strings that are allowed beside the choices, and what they are; "": none
     """
+    assert description, "a parameter says what it is"
     metadata = {
         "unit": unit,
         "description": description,

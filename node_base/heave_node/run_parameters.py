@@ -24,90 +24,40 @@ REALTIME = "realtime"
 class RunParameters:
     """What a run is, and how long its nodes wait for one another."""
 
-    title: str = parameter("", unit="", description="Name of the lift, at the head of the report; empty: the scenario.")
-    description: str = parameter(
-        "", unit="", description="What is lifted, where and why, below the title; empty: first line of the scenario."
-    )
-    tick_period: float = parameter(0.05, unit="s", minimum=1e-3, maximum=1.0, description="Period of the control loop.")
-    duration: float = parameter(600.0, unit="s", minimum=0.0, maximum=1e6, description="Simulated length of the run.")
-    transient: float = parameter(
-        60.0,
-        unit="s",
-        minimum=0.0,
-        maximum=1e6,
-        description="Initial part of the run that the figures of merit leave out.",
-    )
-    seed: int = parameter(
-        1, unit="", minimum=0, maximum=2**31 - 1, description="Seed of every random number in the run."
-    )
-    pacing: str = parameter(
-        LOCKSTEP,
-        unit="",
-        choices=(LOCKSTEP, REALTIME),
+    title: str = parameter("", description="Name of the lift, at the head of the report; empty: the scenario.")
+    description: str = parameter("",
+        description="What is lifted, where and why, below the title; empty: first line of the scenario.")  # fmt: skip
+    tick_period: float = parameter(0.05, "s", 1e-3, 1.0, "Period of the control loop.")
+    duration: float = parameter(600.0, "s", 0.0, 1e6, "Simulated length of the run.")
+    transient: float = parameter(60.0, "s", 0.0, 1e6, "Initial part of the run that the figures of merit leave out.")
+    seed: int = parameter(1, "", 0, 2**31 - 1, "Seed of every random number in the run.")
+    pacing: str = parameter(LOCKSTEP,
         description="lockstep: as fast as the machine can, repeatable; realtime: paced by the wall clock.",
-    )
+        choices=(LOCKSTEP, REALTIME))  # fmt: skip
     participants: tuple[str, ...] = parameter(
         ("wave_vessel", "virtual_winch", "winch_controller", "winch_adviser", "recorder"),
-        unit="",
-        description="Nodes that take part in each tick, besides the clock master.",
-    )
-    external: tuple[str, ...] = parameter(
-        (),
-        unit="",
+        description="Nodes that take part in each tick, besides the clock master.")  # fmt: skip
+    external: tuple[str, ...] = parameter((),
         description="Nodes, or single topics of nodes that stay (winch/load_cell), replaced by hardware or other "
-        "programs: their messages are used as they arrive, real time only.",
-    )
-    external_clocks: tuple[str, ...] = parameter(
-        (),
-        unit="",
+        "programs: their messages are used as they arrive, real time only.")  # fmt: skip
+    external_clocks: tuple[str, ...] = parameter((),
         description="How external nodes stamp, each NODE=CLOCK: simulated (use_sim_time), own (a clock of their own), "
-        "none (stamp 0: time of arrival), detect (by the first message; so for all that are not named). NODE=CLOCK:S "
-        "takes a latency of S seconds off: what it measures is so much older than its stamp, or its arrival, says.",
-    )
-    autostart: bool = parameter(True, unit="", description="Configure and activate without a lifecycle manager.")
-    start_timeout: float = parameter(
-        300.0,
-        unit="s",
-        minimum=1.0,
-        maximum=3600.0,
-        description="Wall time to wait for all nodes before the first tick.",
-    )
-    participant_timeout: float = parameter(
-        60.0,
-        unit="s",
-        minimum=0.1,
-        maximum=3600.0,
-        description="Wall time that a node may stay silent, or compute one tick, before the run is ended.",
-    )
-    resend_period: float = parameter(
-        0.25,
-        unit="s",
-        minimum=0.01,
-        maximum=60.0,
-        description="Wall time after which an unanswered tick is sent again.",
-    )
-    clock_offset_limit: float = parameter(
-        0.1,
-        unit="s",
-        minimum=1e-3,
-        maximum=1e9,
-        description="Largest offset between the clocks of two hosts of a run in real time; a larger one is refused.",
-    )
-    realtime_priority: int = parameter(
-        0,
-        unit="",
-        minimum=0,
-        maximum=99,
-        description="Real time: priority (SCHED_FIFO) of the nodes that others wait for, their memory locked; 0: none.",
-    )
-    in_tick_wait: float = parameter(
-        0.4,
-        unit="",
-        minimum=0.0,
-        maximum=0.9,
-        description="Real time: share of the tick that a node waits for its inputs before it uses the newest ones it "
-        "has.",
-    )
+        "none (stamp 0: time of arrival), detect (by the first message; so for all that are not named). "
+        "NODE=CLOCK:S takes a latency of S seconds off: what it measures is so much older than its stamp, "
+        "or its arrival, says.")  # fmt: skip
+    autostart: bool = parameter(True, description="Configure and activate without a lifecycle manager.")
+    start_timeout: float = parameter(300.0, "s", 1.0, 3600.0, "Wall time to wait for all nodes before the first tick.")
+    participant_timeout: float = parameter(60.0, "s", 0.1, 3600.0,
+        "Wall time that a node may stay silent, or compute one tick, before the run is ended.")  # fmt: skip
+    resend_period: float = parameter(0.25, "s", 0.01, 60.0, "Wall time after which an unanswered tick is sent again.")
+    clock_offset_limit: float = parameter(0.1, "s", 1e-3, 1e9,
+        "Largest offset between the clocks of two hosts of a run in real time; a larger one is refused.")  # fmt: skip
+    realtime_priority: int = parameter(0, "", 0, 99,
+        "Real time: priority (SCHED_FIFO) of the nodes that others wait for, their memory locked; 0: none.",
+    )  # fmt: skip
+    in_tick_wait: float = parameter(0.4, "", 0.0, 0.9,
+        "Real time: share of the tick that a node waits for its inputs before it uses the newest ones it has.",
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         if self.external and self.pacing != REALTIME:

@@ -43,9 +43,9 @@ MORE_FAULTS = ("slow", "doze", "bug_at_start")
 
 @dataclass(frozen=True)
 class LoopParameters:
-    fault: str = parameter("", unit="", choices=(*FAULTS, *MORE_FAULTS), description="How the node misbehaves.")
-    fault_tick: int = parameter(20, unit="", minimum=1, description="When.")
-    strict: bool = parameter(True, unit="", description="Check that each tick has exactly its messages.")
+    fault: str = parameter("", description="How the node misbehaves.", choices=(*FAULTS, *MORE_FAULTS))
+    fault_tick: int = parameter(20, "", 1, None, "When.")
+    strict: bool = parameter(True, description="Check that each tick has exactly its messages.")
 
 
 def expect(condition: bool, what: str) -> None:

@@ -14,8 +14,8 @@ from heave_node.ros.node_parameters import read_parameters  # noqa: E402
 
 @dataclass(frozen=True)
 class Vessel:
-    peak_period: float = parameter(8.0, unit="s", minimum=1.0, maximum=40.0, description="Peak period.")
-    times: tuple[float, ...] = parameter((), unit="s", description="Times.")
+    peak_period: float = parameter(8.0, "s", 1.0, 40.0, "Peak period.")
+    times: tuple[float, ...] = parameter((), "s", description="Times.")
 
 
 @pytest.fixture

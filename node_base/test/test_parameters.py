@@ -21,15 +21,15 @@ from hypothesis import strategies as st
 
 @dataclass(frozen=True)
 class Inner:
-    mass: float = parameter(1.0, unit="kg", minimum=0.0, description="Mass.")
-    area: tuple[float, ...] = parameter((1.0, 2.0, 3.0), unit="m^2", minimum=0.0, length=3, description="Areas.")
+    mass: float = parameter(1.0, "kg", 0.0, None, "Mass.")
+    area: tuple[float, ...] = parameter((1.0, 2.0, 3.0), "m^2", 0.0, None, "Areas.", length=3)
 
 
 @dataclass(frozen=True)
 class Outer:
-    count: int = parameter(3, unit="", minimum=1, maximum=10, description="Count.")
-    kind: str = parameter("a", unit="", choices=("a", "b"), description="Kind.")
-    on: bool = parameter(True, unit="", description="Switch.")
+    count: int = parameter(3, "", 1, 10, "Count.")
+    kind: str = parameter("a", description="Kind.", choices=("a", "b"))
+    on: bool = parameter(True, description="Switch.")
     unit: Inner = group(Inner, mass=5.0)
 
     def __post_init__(self) -> None:
@@ -91,7 +91,7 @@ def test_flatten_is_the_inverse_of_build(count, kind, mass, area):
 def test_a_set_that_contradicts_itself_is_told_with_where_it_stands_whatever_it_raises():
     @dataclass(frozen=True)
     class Winch:
-        lower: float = parameter(0.0, unit="m", description="Lower end.")
+        lower: float = parameter(0.0, "m", description="Lower end.")
 
         def __post_init__(self) -> None:
             if self.lower > 1.0:
@@ -124,8 +124,8 @@ def test_external_nodes_need_real_time():
 def test_a_choice_that_was_written_without_quotes_is_meant_whatever_it_is_read_as():
     @dataclass(frozen=True)
     class Law:
-        law: str = parameter("mpc", unit="", description="Law.", choices=("off", "mpc"))
-        faults: tuple[str, ...] = parameter((), unit="", description="Faults.", choices=("freeze", "nan"))
+        law: str = parameter("mpc", description="Law.", choices=("off", "mpc"))
+        faults: tuple[str, ...] = parameter((), description="Faults.", choices=("freeze", "nan"))
 
     assert build_parameters(Law, {"law": False}, where="x").law == "off"
     assert build_parameters(Law, {"faults": [math.nan, "freeze"]}, where="x").faults == ("nan", "freeze")
@@ -137,7 +137,7 @@ def test_a_choice_that_was_written_without_quotes_is_meant_whatever_it_is_read_a
 def test_a_text_that_was_read_as_a_number_is_refused_with_what_to_write():
     @dataclass(frozen=True)
     class Recorder:
-        directory: str = parameter("bag", unit="", description="Folder.")
+        directory: str = parameter("bag", description="Folder.")
 
     with pytest.raises(
         ParameterError, match=r'directory = 2026 is not allowed: it must be a string, in quotes: "2026"'

@@ -64,7 +64,7 @@ def test_a_node_without_any_shared_parameter_owns_none_whatever_it_is_called():
 def test_a_wrong_shared_value_is_told_by_the_name_that_was_given_and_by_the_node_that_cannot_take_it():
     @dataclass(frozen=True)
     class Sea:
-        peak_period: float = parameter(8.0, unit="s", minimum=1.0, maximum=40.0, description="Peak period.")
+        peak_period: float = parameter(8.0, "s", 1.0, 40.0, "Peak period.")
 
     @dataclass(frozen=True)
     class Controller:

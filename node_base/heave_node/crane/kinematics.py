@@ -35,35 +35,14 @@ STILL = (0.0, 0.0, 0.0, 0.0)
 class CraneParameters:
     """Lengths of the crane, and the pose in which the boom tip is at `vessel.boom_tip_arm`."""
 
-    boom_length: float = parameter(
-        0.0, unit="m", minimum=0.0, maximum=200.0, description="Main boom, hinge to knuckle or tip; 0: no crane."
-    )
-    jib_length: float = parameter(
-        0.0, unit="m", minimum=0.0, maximum=200.0, description="Knuckle to tip, retracted; 0: the boom has no knuckle."
-    )
-    offset: float = parameter(
-        0.0, unit="m", minimum=-20.0, maximum=20.0, description="Slew axis to the hinge of the boom, along the boom."
-    )
-    slew: float = parameter(
-        1.5707963267948966,
-        unit="rad",
-        minimum=-6.3,
-        maximum=6.3,
-        description="Reference pose: boom from forward, anticlockwise seen from above; pi/2 is to port.",
-    )
-    luff: float = parameter(
-        0.7, unit="rad", minimum=-1.6, maximum=1.6, description="Reference pose: main boom above the horizontal."
-    )
-    knuckle: float = parameter(
-        0.0,
-        unit="rad",
-        minimum=-3.2,
-        maximum=3.2,
-        description="Reference pose: jib against the main boom, positive up.",
-    )
-    extension: float = parameter(
-        0.0, unit="m", minimum=0.0, maximum=100.0, description="Reference pose: extension of the last part."
-    )
+    boom_length: float = parameter(0.0, "m", 0.0, 200.0, "Main boom, hinge to knuckle or tip; 0: no crane.")
+    jib_length: float = parameter(0.0, "m", 0.0, 200.0, "Knuckle to tip, retracted; 0: the boom has no knuckle.")
+    offset: float = parameter(0.0, "m", -20.0, 20.0, "Slew axis to the hinge of the boom, along the boom.")
+    slew: float = parameter(1.5707963267948966, "rad", -6.3, 6.3,
+        "Reference pose: boom from forward, anticlockwise seen from above; pi/2 is to port.")  # fmt: skip
+    luff: float = parameter(0.7, "rad", -1.6, 1.6, "Reference pose: main boom above the horizontal.")
+    knuckle: float = parameter(0.0, "rad", -3.2, 3.2, "Reference pose: jib against the main boom, positive up.")
+    extension: float = parameter(0.0, "m", 0.0, 100.0, "Reference pose: extension of the last part.")
 
     @property
     def is_fitted(self) -> bool:

@@ -24,16 +24,13 @@ _KINDS = "Kinds of the scheduled faults."
 class FaultParameters:
     """The scheduled faults of a device, one per position of four lists: parameter files have no lists of records."""
 
-    kind: tuple[str, ...] = parameter((), unit="", choices=tuple(FAULTS), description=_KINDS)
-    start: tuple[float, ...] = parameter((), unit="s", minimum=0.0, description="Start of each fault, simulated time.")
-    duration: tuple[float, ...] = parameter(
-        (), unit="s", minimum=0.0, description="Duration of each fault; 0 means until cleared or to the end of the run."
-    )
-    magnitude: tuple[float, ...] = parameter(
-        (),
-        unit="",
+    kind: tuple[str, ...] = parameter((), description=_KINDS, choices=tuple(FAULTS))
+    start: tuple[float, ...] = parameter((), "s", 0.0, None, "Start of each fault, simulated time.")
+    duration: tuple[float, ...] = parameter((), "s", 0.0, None,
+        "Duration of each fault; 0 means until cleared or to the end of the run.")  # fmt: skip
+    magnitude: tuple[float, ...] = parameter((),
         description="Magnitude of each: sensor's unit for spike and jump, factor for scale, Hz for rate, s for delay.",
-    )
+    )  # fmt: skip
 
     def check(self, name: str, device: str) -> None:
         """Raise ValueError, opened by `name`, where these are not faults that a kind of `device` can have."""
@@ -44,28 +41,28 @@ class FaultParameters:
 class SensorFaultParameters(FaultParameters):
     """The scheduled faults of a sensor."""
 
-    kind: tuple[str, ...] = parameter((), unit="", choices=faults_of("sensor"), description=_KINDS)
+    kind: tuple[str, ...] = parameter((), description=_KINDS, choices=faults_of("sensor"))
 
 
 @dataclass(frozen=True)
 class MruFaultParameters(FaultParameters):
     """The scheduled faults of the motion reference unit."""
 
-    kind: tuple[str, ...] = parameter((), unit="", choices=faults_of("mru"), description=_KINDS)
+    kind: tuple[str, ...] = parameter((), description=_KINDS, choices=faults_of("mru"))
 
 
 @dataclass(frozen=True)
 class EncoderFaultParameters(FaultParameters):
     """The scheduled faults of the drum's encoder."""
 
-    kind: tuple[str, ...] = parameter((), unit="", choices=faults_of("encoder"), description=_KINDS)
+    kind: tuple[str, ...] = parameter((), description=_KINDS, choices=faults_of("encoder"))
 
 
 @dataclass(frozen=True)
 class WinchFaultParameters(FaultParameters):
     """The scheduled faults of the winch."""
 
-    kind: tuple[str, ...] = parameter((), unit="", choices=faults_of("winch"), description=_KINDS)
+    kind: tuple[str, ...] = parameter((), description=_KINDS, choices=faults_of("winch"))
 
 
 @dataclass

@@ -33,16 +33,10 @@ class SensorParameters(abc.ABC):
     gives one sample a tick.
     """
 
-    fitted: bool = parameter(
-        True, unit="", description="Whether there is this sensor; without it, nothing is published."
-    )
-    rate: float = parameter(10.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
-    latency: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=600.0, description="Delay from the measurement (its stamp) to its delivery."
-    )
-    scale_error: float = parameter(
-        0.0, unit="", minimum=-1.0, maximum=1.0, description="Relative scale error: 0.05 reads 5 % high."
-    )
+    fitted: bool = parameter(True, description="Whether there is this sensor; without it, nothing is published.")
+    rate: float = parameter(10.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
+    latency: float = parameter(0.0, "s", 0.0, 600.0, "Delay from the measurement (its stamp) to its delivery.")
+    scale_error: float = parameter(0.0, "", -1.0, 1.0, "Relative scale error: 0.05 reads 5 % high.")
     faults: FaultParameters = group(SensorFaultParameters)
 
     @abc.abstractmethod

@@ -15,38 +15,17 @@ class WinchFigures:
     0.2 s.
     """
 
-    law: str = parameter(
-        "speed_servo",
-        unit="",
-        choices=("speed_servo", "first_order"),
+    law: str = parameter("speed_servo",
         description="speed_servo: v' = (v_set - v)/T; first_order: u' = K (u_0 - u), thesis Eq. 6.1.",
-    )
-    time_constant: float = parameter(0.15, unit="s", minimum=1e-3, maximum=60.0, description="T of the speed servo.")
-    position_rate: float = parameter(
-        1.0, unit="1/s", minimum=1e-3, maximum=1e3, description="K of the first-order winch."
-    )
-    command_delay: float = parameter(
-        0.2, unit="s", minimum=0.0, maximum=60.0, description="Time from the start of a command's tick to its effect."
-    )
-    speed_limit: float = parameter(2.0, unit="m/s", minimum=1e-3, maximum=100.0, description="Largest payout speed.")
-    creep: float = parameter(
-        0.0,
-        unit="m/s",
-        minimum=-1.0,
-        maximum=1.0,
-        description="Speed of a servo at a set-point of 0, added at every other: a load moves a drum whose speed loop "
-        "has no integral part; the brake holds all the same.",
-    )
-    payout_minimum: float = parameter(
-        -50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Lower end of the payout range."
-    )
-    payout_maximum: float = parameter(
-        50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Upper end of the payout range."
-    )
-    power_limit: float = parameter(
-        0.0,
-        unit="W",
-        minimum=0.0,
-        maximum=1e9,
-        description="Largest product of tension and speed in either direction; 0 means no limit.",
-    )
+        choices=("speed_servo", "first_order"))  # fmt: skip
+    time_constant: float = parameter(0.15, "s", 1e-3, 60.0, "T of the speed servo.")
+    position_rate: float = parameter(1.0, "1/s", 1e-3, 1e3, "K of the first-order winch.")
+    command_delay: float = parameter(0.2, "s", 0.0, 60.0, "Time from the start of a command's tick to its effect.")
+    speed_limit: float = parameter(2.0, "m/s", 1e-3, 100.0, "Largest payout speed.")
+    creep: float = parameter(0.0, "m/s", -1.0, 1.0,
+        "Speed of a servo at a set-point of 0, added at every other: a load moves a drum whose speed loop has no "
+        "integral part; the brake holds all the same.")  # fmt: skip
+    payout_minimum: float = parameter(-50.0, "m", -20_000.0, 20_000.0, "Lower end of the payout range.")
+    payout_maximum: float = parameter(50.0, "m", -20_000.0, 20_000.0, "Upper end of the payout range.")
+    power_limit: float = parameter(0.0, "W", 0.0, 1e9,
+        "Largest product of tension and speed in either direction; 0 means no limit.")  # fmt: skip
