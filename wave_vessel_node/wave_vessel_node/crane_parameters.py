@@ -19,10 +19,8 @@ _WHERE = "after each of move_times; none: it stays."
 class PoseSensorParameters(SensorParameters):
     """Encoders of the crane's joints, read together. A scale, and a fault of one, is that of all of them."""
 
-    rate: float = parameter(20.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
-    angle_resolution: float = parameter(
-        0.0, unit="rad", minimum=0.0, maximum=0.1, description="Step of the measured angles; 0 means none."
-    )
+    rate: float = parameter(20.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
+    angle_resolution: float = parameter(0.0, "rad", 0.0, 0.1, "Step of the measured angles; 0 means none.")
 
     def view(self, truth: Array) -> View:
         """See the joints [rad], [m], and their rates [rad/s], [m/s], shape (8,)."""
@@ -34,23 +32,14 @@ class PoseSensorParameters(SensorParameters):
 class CraneMotionParameters(CraneParameters):
     """The crane of the simulated ship: it begins in the reference pose, moves by a programme, and measures its pose."""
 
-    move_times: tuple[float, ...] = parameter(
-        (), unit="s", minimum=0.0, description="Simulated times at which moves of the crane begin, ascending."
-    )
-    move_slew: tuple[float, ...] = parameter((), unit="rad", minimum=-6.3, maximum=6.3, description=f"Slew {_WHERE}")
-    move_luff: tuple[float, ...] = parameter((), unit="rad", minimum=-1.6, maximum=1.6, description=f"Luff {_WHERE}")
-    move_knuckle: tuple[float, ...] = parameter(
-        (), unit="rad", minimum=-3.2, maximum=3.2, description=f"Knuckle {_WHERE}"
-    )
-    move_extension: tuple[float, ...] = parameter(
-        (), unit="m", minimum=-100.0, maximum=100.0, description=f"Extension {_WHERE}"
-    )
-    turn_rate: float = parameter(
-        0.035, unit="rad/s", minimum=1e-4, maximum=1.0, description="Largest rate of an angle during a move."
-    )
-    extension_rate: float = parameter(
-        0.2, unit="m/s", minimum=1e-4, maximum=10.0, description="Largest rate of the extension during a move."
-    )
+    move_times: tuple[float, ...] = parameter((), "s", 0.0, None,
+        "Simulated times at which moves of the crane begin, ascending.")  # fmt: skip
+    move_slew: tuple[float, ...] = parameter((), "rad", -6.3, 6.3, f"Slew {_WHERE}")
+    move_luff: tuple[float, ...] = parameter((), "rad", -1.6, 1.6, f"Luff {_WHERE}")
+    move_knuckle: tuple[float, ...] = parameter((), "rad", -3.2, 3.2, f"Knuckle {_WHERE}")
+    move_extension: tuple[float, ...] = parameter((), "m", -100.0, 100.0, f"Extension {_WHERE}")
+    turn_rate: float = parameter(0.035, "rad/s", 1e-4, 1.0, "Largest rate of an angle during a move.")
+    extension_rate: float = parameter(0.2, "m/s", 1e-4, 10.0, "Largest rate of the extension during a move.")
     pose: PoseSensorParameters = group(PoseSensorParameters)
 
     def __post_init__(self) -> None:

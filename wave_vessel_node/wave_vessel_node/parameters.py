@@ -21,45 +21,23 @@ FILTER_CHOICES = (AUTO, *FILTER_FORMS)
 class SwellParameters:
     """The second (low-frequency) system of an Ochi-Hubble sea."""
 
-    significant_wave_height: float = parameter(
-        1.0, unit="m", minimum=0.0, maximum=25.0, description="Significant wave height of the swell alone."
-    )
-    peak_period: float = parameter(16.0, unit="s", minimum=1.0, maximum=40.0, description="Peak period of the swell.")
-    shape: float = parameter(
-        3.0, unit="", minimum=0.5, maximum=20.0, description="Ochi-Hubble shape of the swell; 1 is Bretschneider's."
-    )
+    significant_wave_height: float = parameter(1.0, "m", 0.0, 25.0, "Significant wave height of the swell alone.")
+    peak_period: float = parameter(16.0, "s", 1.0, 40.0, "Peak period of the swell.")
+    shape: float = parameter(3.0, "", 0.5, 20.0, "Ochi-Hubble shape of the swell; 1 is Bretschneider's.")
 
 
 @dataclass(frozen=True)
 class SeaParameters:
     """A sea that a few numbers describe; which spectrum takes which of them: see `sea_registry`."""
 
-    spectrum: str = parameter(
-        "bretschneider",
-        unit="",
-        choices=tuple(SPECTRA),
-        description=f"Spectrum of the sea: {describe_choices(SPECTRA)}.",
-    )
-    significant_wave_height: float = parameter(
-        1.0,
-        unit="m",
-        minimum=0.0,
-        maximum=25.0,
-        description="Significant wave height (of the wind sea in ochi_hubble).",
-    )
-    peak_period: float = parameter(
-        8.0,
-        unit="s",
-        minimum=1.0,
-        maximum=40.0,
-        description="Peak period (of the wind sea in ochi_hubble); pierson_moskowitz derives it from the height.",
-    )
-    peak_enhancement: float = parameter(
-        3.3, unit="", minimum=1.0, maximum=10.0, description="gamma of the JONSWAP spectrum."
-    )
-    shape: float = parameter(
-        1.0, unit="", minimum=0.5, maximum=20.0, description="Ochi-Hubble shape of the wind sea; 1 is Bretschneider's."
-    )
+    spectrum: str = parameter("bretschneider",
+        description=f"Spectrum of the sea: {describe_choices(SPECTRA)}.", choices=tuple(SPECTRA))  # fmt: skip
+    significant_wave_height: float = parameter(1.0, "m", 0.0, 25.0,
+        "Significant wave height (of the wind sea in ochi_hubble).")  # fmt: skip
+    peak_period: float = parameter(8.0, "s", 1.0, 40.0,
+        "Peak period (of the wind sea in ochi_hubble); pierson_moskowitz derives it from the height.")  # fmt: skip
+    peak_enhancement: float = parameter(3.3, "", 1.0, 10.0, "gamma of the JONSWAP spectrum.")
+    shape: float = parameter(1.0, "", 0.5, 20.0, "Ochi-Hubble shape of the wind sea; 1 is Bretschneider's.")
     swell: SwellParameters = group(SwellParameters)
 
 
@@ -67,142 +45,76 @@ class SeaParameters:
 class LaterSeaParameters:
     """Another sea of the same spectrum and direction, into which the first one goes over."""
 
-    significant_wave_height: float = parameter(
-        1.0, unit="m", minimum=0.0, maximum=25.0, description="Significant wave height of the later sea."
-    )
-    peak_period: float = parameter(
-        8.0, unit="s", minimum=1.0, maximum=40.0, description="Peak period of the later sea."
-    )
-    start: float = parameter(0.0, unit="s", minimum=0.0, description="Time at which the change begins.")
-    duration: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=1e5, description="How long the change takes; 0: there is no later sea."
-    )
+    significant_wave_height: float = parameter(1.0, "m", 0.0, 25.0, "Significant wave height of the later sea.")
+    peak_period: float = parameter(8.0, "s", 1.0, 40.0, "Peak period of the later sea.")
+    start: float = parameter(0.0, "s", 0.0, None, "Time at which the change begins.")
+    duration: float = parameter(0.0, "s", 0.0, 1e5, "How long the change takes; 0: there is no later sea.")
 
 
 @dataclass(frozen=True)
 class SpreadingParameters:
     """Directional spreading of the wave energy."""
 
-    exponent: float = parameter(
-        0.0,
-        unit="",
-        minimum=0.0,
-        maximum=500.0,
-        description="s of cos^2s(angle/2) spreading about the direction; 0 means long-crested.",
-    )
+    exponent: float = parameter(0.0, "", 0.0, 500.0,
+        "s of cos^2s(angle/2) spreading about the direction; 0 means long-crested.")  # fmt: skip
 
 
 @dataclass(frozen=True)
 class ShapingFilterParameters:
     """The shaping filter that the source `filter` drives with white noise."""
 
-    form: str = parameter(
-        "auto",
-        unit="",
-        choices=FILTER_CHOICES,
+    form: str = parameter("auto",
         description=f"Shaping filter: {describe_choices(FILTER_FORMS)}; auto selects the best fit.",
-    )
-    states: int = parameter(6, unit="", minimum=4, maximum=16, description="States of a fitted filter; even.")
+        choices=FILTER_CHOICES)  # fmt: skip
+    states: int = parameter(6, "", 4, 16, "States of a fitted filter; even.")
 
 
 @dataclass(frozen=True)
 class PreviewParameters:
     """The preview of the boom tip, as of waves that are measured up-sea or by radar."""
 
-    time: float = parameter(
-        0.0,
-        unit="s",
-        minimum=0.0,
-        maximum=120.0,
-        description="How far the preview of the boom tip looks ahead; 0: there is none.",
-    )
-    noise: float = parameter(
-        0.05,
-        unit="m",
-        minimum=0.0,
-        maximum=10.0,
-        description="White error of the preview at each moment, 1 sigma; a moment keeps its error.",
-    )
+    time: float = parameter(0.0, "s", 0.0, 120.0, "How far the preview of the boom tip looks ahead; 0: there is none.")
+    noise: float = parameter(0.05, "m", 0.0, 10.0,
+        "White error of the preview at each moment, 1 sigma; a moment keeps its error.")  # fmt: skip
 
 
 @dataclass(frozen=True)
 class WaveVesselParameters(SeaParameters):
     """Everything of `wave_vessel`: the sea, the vessel, its course, the motion reference unit and the preview."""
 
-    boom_tip_source: str = parameter(
-        "spectrum",
-        unit="",
-        choices=tuple(SOURCES),
-        description=f"What moves the boom tip: {describe_choices(SOURCES)}.",
-    )
-    boom_tip_height: float = parameter(
-        0.0, unit="m", minimum=-100.0, maximum=200.0, description="Mean height of the boom tip above still water."
-    )
-    ramp: float = parameter(
-        60.0,
-        unit="s",
-        minimum=0.0,
-        maximum=3600.0,
-        description="Time over which all motion ramps up from rest (twice differentiable); 0 starts at full motion.",
-    )
-    amplitude: tuple[float, ...] = parameter(
-        (0.0, 0.0, 1.0),
-        unit="m",
-        minimum=-50.0,
-        maximum=50.0,
-        length=3,
-        description="Source regular: boom tip moves as a_i sin(2 pi t / period) along world x, y, z.",
-    )
-    period: float = parameter(10.0, unit="s", minimum=0.5, maximum=1000.0, description="Period of the source regular.")
-    spectrum: str = parameter(
-        "bretschneider",
-        unit="",
-        choices=(*SPECTRA, SPECTRUM_FILE),
+    boom_tip_source: str = parameter("spectrum",
+        description=f"What moves the boom tip: {describe_choices(SOURCES)}.", choices=tuple(SOURCES))  # fmt: skip
+    boom_tip_height: float = parameter(0.0, "m", -100.0, 200.0, "Mean height of the boom tip above still water.")
+    ramp: float = parameter(60.0, "s", 0.0, 3600.0,
+        "Time over which all motion ramps up from rest (twice differentiable); 0 starts at full motion.")  # fmt: skip
+    amplitude: tuple[float, ...] = parameter((0.0, 0.0, 1.0), "m", -50.0, 50.0,
+        "Source regular: boom tip moves as a_i sin(2 pi t / period) along world x, y, z.", length=3)  # fmt: skip
+    period: float = parameter(10.0, "s", 0.5, 1000.0, "Period of the source regular.")
+    spectrum: str = parameter("bretschneider",
         description=f"Spectrum of the sea: {describe_choices(SPECTRA)}, {SPECTRUM_FILE} (measured).",
-    )
-    direction: float = parameter(
-        3.141592653589793,
-        unit="rad",
-        minimum=-6.3,
-        maximum=6.3,
-        description="Direction the waves travel to, from world x, anticlockwise; pi is a head sea for heading 0.",
-    )
+        choices=(*SPECTRA, SPECTRUM_FILE))  # fmt: skip
+    direction: float = parameter(3.141592653589793, "rad", -6.3, 6.3,
+        "Direction the waves travel to, from world x, anticlockwise; pi is a head sea for heading 0.")  # fmt: skip
     later_sea: LaterSeaParameters = group(LaterSeaParameters)
     spreading: SpreadingParameters = group(SpreadingParameters)
-    components: int = parameter(
-        800, unit="", minimum=1, maximum=20000, description="Number of components of the source spectrum."
-    )
-    spectrum_file: str = parameter(
-        "",
-        unit="",
+    components: int = parameter(800, "", 1, 20000, "Number of components of the source spectrum.")
+    spectrum_file: str = parameter("",
         description="Measured spectrum for spectrum = file: NDBC real-time or historical, or what wavespectra reads.",
-    )
-    spectrum_record: int = parameter(
-        0, unit="", minimum=0, description="Index of the usable spectrum in the file, from 0 in order of time."
-    )
-    spectrum_time: str = parameter(
-        "",
-        unit="",
+    )  # fmt: skip
+    spectrum_record: int = parameter(0, "", 0, None,
+        "Index of the usable spectrum in the file, from 0 in order of time.")  # fmt: skip
+    spectrum_time: str = parameter("",
         description="Take the spectrum nearest to this time (UTC, like 1996-06-14T18:00); empty: by record.",
-    )
-    recording_file: str = parameter(
-        "", unit="", description="Recording for boom_tip_source = file: CSV, or a bag (folder or .mcap)."
-    )
-    recording_kind: str = parameter(
-        "motion",
-        unit="",
-        choices=("motion", "elevation"),
+    )  # fmt: skip
+    recording_file: str = parameter("",
+        description="Recording for boom_tip_source = file: CSV, or a bag (folder or .mcap).")  # fmt: skip
+    recording_kind: str = parameter("motion",
         description="Content of the recording: boom-tip motion, or wave elevation, which is passed through the vessel "
-        "model.",
-    )
-    recording_topic: str = parameter(
-        "boom_tip", unit="", description="Topic to read from a bag: boom_tip, mru or wave_elevation (any namespace)."
-    )
-    accept_implausible: bool = parameter(
-        False,
-        unit="",
-        description="Take implausible figures in the files of sea, recording and RAOs as they are.",
-    )
+        "model.", choices=("motion", "elevation"))  # fmt: skip
+    recording_topic: str = parameter("boom_tip",
+        description="Topic to read from a bag: boom_tip, mru or wave_elevation (any namespace).")  # fmt: skip
+    accept_implausible: bool = parameter(False,
+        description="Take implausible figures in the files of sea, recording and RAOs as they are.")  # fmt: skip
     filter: ShapingFilterParameters = group(ShapingFilterParameters)
     vessel: VesselParameters = group(VesselParameters)
     crane: CraneMotionParameters = group(CraneMotionParameters)
