@@ -14,36 +14,24 @@ from cable_sim_node.sensors.instruments import SensorsParameters
 class LinearModelParameters:
     """The two-state plant of thesis Eq. 6.2: a x'' + b x' + x = x_0 - u."""
 
-    inertia: float = parameter(0.8959, unit="s^2", minimum=1e-6, maximum=1e6, description="a of thesis Eq. 6.2.")
-    damping: float = parameter(0.1658, unit="s", minimum=0.0, maximum=1e6, description="b of thesis Eq. 6.2.")
+    inertia: float = parameter(0.8959, "s^2", 1e-6, 1e6, "a of thesis Eq. 6.2.")
+    damping: float = parameter(0.1658, "s", 0.0, 1e6, "b of thesis Eq. 6.2.")
 
 
 @dataclass(frozen=True)
 class CableSimNodeParameters(CableSimParameters):
     """Everything `cable_sim` needs: the plant's parameters under their own names, and the sensors under `sensors`."""
 
-    model: str = parameter(
-        "lumped_mass",
-        unit="",
-        choices=("lumped_mass", "linear"),
+    model: str = parameter("lumped_mass",
         description="lumped_mass (thesis chapter 5), or the linear two-state plant of thesis Eq. 6.2.",
-    )
+        choices=("lumped_mass", "linear"))  # fmt: skip
     linear: LinearModelParameters = group(LinearModelParameters)
-    boom_tip_height: float = parameter(
-        0.0,
-        unit="m",
-        minimum=-100.0,
-        maximum=200.0,
-        description="Height of the mean boom tip above still water, where the run starts; wave_vessel has the same.",
-    )
-    shadow_follows_programme: bool = parameter(
-        False,
-        unit="",
+    boom_tip_height: float = parameter(0.0, "m", -100.0, 200.0,
+        "Height of the mean boom tip above still water, where the run starts; wave_vessel has the same.")  # fmt: skip
+    shadow_follows_programme: bool = parameter(False,
         description="The uncompensated plant follows the controller's depth programme; false: its winch stays locked.",
-    )
-    markers_rate: float = parameter(
-        2.0, unit="Hz", minimum=0.0, maximum=1000.0, description="Rate of the markers; 0 publishes none."
-    )
+    )  # fmt: skip
+    markers_rate: float = parameter(2.0, "Hz", 0.0, 1000.0, "Rate of the markers; 0 publishes none.")
     sensors: SensorsParameters = group(SensorsParameters)
 
     def __post_init__(self) -> None:

@@ -22,66 +22,31 @@ from cable_sim_node.unit_parameters import UnitParameters
 class CableParameters(Checked):
     """The main cable. The tension law is T = EA e (1 + quadratic e + cubic e^2) at strain e > 0, none when slack."""
 
-    diameter: float = parameter(
-        0.047, unit="m", minimum=1e-4, maximum=2.0, description="Outer diameter, used for drag."
-    )
-    displaced_diameter: float = parameter(
-        0.0,
-        unit="m",
-        minimum=0.0,
-        maximum=2.0,
-        description="Diameter used for buoyancy and added mass; 0 means the outer diameter.",
-    )
-    mass_per_length: float = parameter(5.4, unit="kg/m", minimum=1e-4, description="Mass in air, without added mass.")
-    axial_stiffness: float = parameter(
-        1.5614508e7, unit="N", minimum=1e-3, description="EA: tension per unit strain at small strain."
-    )
-    stiffness_quadratic: float = parameter(0.0, unit="", description="q of T = EA e (1 + q e + c e^2) at strain e.")
-    stiffness_cubic: float = parameter(0.0, unit="", description="c of that tension law.")
-    internal_damping: float = parameter(
-        0.0, unit="N s", minimum=0.0, description="Tension per unit strain rate, at most the elastic tension."
-    )
-    loss_factor: float = parameter(
-        0.0,
-        unit="",
-        minimum=0.0,
-        maximum=0.3,
-        description="Hysteresis by friction between wires: loss per cycle over 2 pi times the largest elastic energy "
-        "of the swing, the same at all frequencies; 0 means none. axial_stiffness is that of large swings: where the "
-        "loss is largest the cable is stiffer by 1.6 times the loss factor.",
-    )
-    loss_swing: float = parameter(
-        0.1,
-        unit="",
-        minimum=1e-3,
-        maximum=1.0,
-        description="Tension amplitude over mean tension at which the loss is largest; half of it: none.",
-    )
-    bending_stiffness: float = parameter(
-        0.0, unit="N m^2", minimum=0.0, description="EI; 0 means a perfectly flexible cable."
-    )
-    normal_drag: float = parameter(1.2, unit="", minimum=0.0, description="C_N: force (1/2) rho C_N d U^2 per metre.")
-    tangential_drag: float = parameter(
-        0.01,
-        unit="",
-        minimum=0.0,
-        description="C_tau: force (pi/2) rho C_tau d U^2 per metre (other codes' C_d is pi C_tau).",
-    )
-    added_mass: float = parameter(1.0, unit="", minimum=0.0, description="Added-mass coefficient normal to the cable.")
-    breaking_force: float = parameter(
-        0.0,
-        unit="N",
-        minimum=0.0,
-        description="Minimum breaking load (MBL) of the cable, for its safety factor; 0 means not stated.",
-    )
-    safety_factor: float = parameter(
-        SAFETY_FACTOR,
-        unit="",
-        minimum=1.0,
-        maximum=100.0,
-        description="Breaking force over largest tension that is required: less is a warning, less than 1 a failure. "
-        "The default is 1.3 x 1.3 x 1.5 of GL Noble Denton 0027/ND for steel wire rope.",
-    )
+    diameter: float = parameter(0.047, "m", 1e-4, 2.0, "Outer diameter, used for drag.")
+    displaced_diameter: float = parameter(0.0, "m", 0.0, 2.0,
+        "Diameter used for buoyancy and added mass; 0 means the outer diameter.")  # fmt: skip
+    mass_per_length: float = parameter(5.4, "kg/m", 1e-4, None, "Mass in air, without added mass.")
+    axial_stiffness: float = parameter(1.5614508e7, "N", 1e-3, None, "EA: tension per unit strain at small strain.")
+    stiffness_quadratic: float = parameter(0.0, description="q of T = EA e (1 + q e + c e^2) at strain e.")
+    stiffness_cubic: float = parameter(0.0, description="c of that tension law.")
+    internal_damping: float = parameter(0.0, "N s", 0.0, None,
+        "Tension per unit strain rate, at most the elastic tension.")  # fmt: skip
+    loss_factor: float = parameter(0.0, "", 0.0, 0.3,
+        "Hysteresis by friction between wires: loss per cycle over 2 pi times the largest elastic energy of the "
+        "swing, the same at all frequencies; 0 means none. axial_stiffness is that of large swings: where the loss is "
+        "largest the cable is stiffer by 1.6 times the loss factor.")  # fmt: skip
+    loss_swing: float = parameter(0.1, "", 1e-3, 1.0,
+        "Tension amplitude over mean tension at which the loss is largest; half of it: none.")  # fmt: skip
+    bending_stiffness: float = parameter(0.0, "N m^2", 0.0, None, "EI; 0 means a perfectly flexible cable.")
+    normal_drag: float = parameter(1.2, "", 0.0, None, "C_N: force (1/2) rho C_N d U^2 per metre.")
+    tangential_drag: float = parameter(0.01, "", 0.0, None,
+        "C_tau: force (pi/2) rho C_tau d U^2 per metre (other codes' C_d is pi C_tau).")  # fmt: skip
+    added_mass: float = parameter(1.0, "", 0.0, None, "Added-mass coefficient normal to the cable.")
+    breaking_force: float = parameter(0.0, "N", 0.0, None,
+        "Minimum breaking load (MBL) of the cable, for its safety factor; 0 means not stated.")  # fmt: skip
+    safety_factor: float = parameter(SAFETY_FACTOR, "", 1.0, 100.0,
+        "Breaking force over largest tension that is required: less is a warning, less than 1 a failure. The default "
+        "is 1.3 x 1.3 x 1.5 of GL Noble Denton 0027/ND for steel wire rope.")  # fmt: skip
 
     @property
     def displaced_area(self) -> float:
@@ -100,20 +65,12 @@ class SectionsParameters:
     Tension law, damping, hysteresis, bending stiffness and hydrodynamic coefficients are those of the main cable.
     """
 
-    length: tuple[float, ...] = parameter(
-        (), unit="m", minimum=1e-3, description="Unstretched length of each section, from the unit."
-    )
-    diameter: tuple[float, ...] = parameter((), unit="m", minimum=1e-4, description="Outer diameter of each section.")
-    displaced_diameter: tuple[float, ...] = parameter(
-        (),
-        unit="m",
-        minimum=0.0,
-        description="Displaced diameter of each section; an empty list or 0 means the outer diameter.",
-    )
-    mass_per_length: tuple[float, ...] = parameter(
-        (), unit="kg/m", minimum=1e-4, description="Mass in air of each section."
-    )
-    axial_stiffness: tuple[float, ...] = parameter((), unit="N", minimum=1e-3, description="EA of each section.")
+    length: tuple[float, ...] = parameter((), "m", 1e-3, None, "Unstretched length of each section, from the unit.")
+    diameter: tuple[float, ...] = parameter((), "m", 1e-4, None, "Outer diameter of each section.")
+    displaced_diameter: tuple[float, ...] = parameter((), "m", 0.0, None,
+        "Displaced diameter of each section; an empty list or 0 means the outer diameter.")  # fmt: skip
+    mass_per_length: tuple[float, ...] = parameter((), "kg/m", 1e-4, None, "Mass in air of each section.")
+    axial_stiffness: tuple[float, ...] = parameter((), "N", 1e-3, None, "EA of each section.")
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -131,15 +88,11 @@ class SectionsParameters:
 class ClumpsParameters:
     """Bodies clamped on the cable (weights, floats); one entry a body in each list. Drag is (1/2) rho drag_area U^2."""
 
-    position: tuple[float, ...] = parameter(
-        (), unit="m", minimum=1e-3, description="Unstretched length from the unit to each body."
-    )
-    mass: tuple[float, ...] = parameter((), unit="kg", minimum=0.0, description="Mass in air of each body.")
-    volume: tuple[float, ...] = parameter((), unit="m^3", minimum=0.0, description="Displaced volume of each body.")
-    added_mass: tuple[float, ...] = parameter((), unit="kg", minimum=0.0, description="Added mass of each body.")
-    drag_area: tuple[float, ...] = parameter(
-        (), unit="m^2", minimum=0.0, description="Drag coefficient times area of each body."
-    )
+    position: tuple[float, ...] = parameter((), "m", 1e-3, None, "Unstretched length from the unit to each body.")
+    mass: tuple[float, ...] = parameter((), "kg", 0.0, None, "Mass in air of each body.")
+    volume: tuple[float, ...] = parameter((), "m^3", 0.0, None, "Displaced volume of each body.")
+    added_mass: tuple[float, ...] = parameter((), "kg", 0.0, None, "Added mass of each body.")
+    drag_area: tuple[float, ...] = parameter((), "m^2", 0.0, None, "Drag coefficient times area of each body.")
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -158,11 +111,10 @@ class SeabedProfileParameters:
     A smooth curve joins the points; beyond them the height stays that of the last one.
     """
 
-    distance: tuple[float, ...] = parameter(
-        (), unit="m", description="Distances from the origin along `direction`, increasing; empty means a plane."
-    )
-    height: tuple[float, ...] = parameter((), unit="m", description="Height of the bottom above the plane there.")
-    direction: float = parameter(0.0, unit="rad", description="Direction of the profile, from x towards y.")
+    distance: tuple[float, ...] = parameter((), "m",
+        description="Distances from the origin along `direction`, increasing; empty means a plane.")  # fmt: skip
+    height: tuple[float, ...] = parameter((), "m", description="Height of the bottom above the plane there.")
+    direction: float = parameter(0.0, "rad", description="Direction of the profile, from x towards y.")
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -182,21 +134,17 @@ class SeabedParameters:
     A deck is a level bottom that goes up and down with the boom tip, and stays where it is otherwise.
     """
 
-    depth: float = parameter(0.0, unit="m", minimum=0.0, description="Water depth below the origin; 0 means no seabed.")
-    deck: bool = parameter(
-        False, unit="", description="The bottom is the ship's deck: level, and always `depth` below the boom tip."
-    )
-    slope: tuple[float, ...] = parameter(
-        (0.0, 0.0), unit="", length=2, description="Rise of the bottom per metre along x and y."
-    )
+    depth: float = parameter(0.0, "m", 0.0, None, "Water depth below the origin; 0 means no seabed.")
+    deck: bool = parameter(False,
+        description="The bottom is the ship's deck: level, and always `depth` below the boom tip.")  # fmt: skip
+    slope: tuple[float, ...] = parameter((0.0, 0.0),
+        description="Rise of the bottom per metre along x and y.", length=2)  # fmt: skip
     profile: SeabedProfileParameters = group(SeabedProfileParameters)
-    stiffness: float = parameter(
-        1e4, unit="N/m^2", minimum=1.0, description="Normal force per metre of cable and metre of penetration."
-    )
-    damping: float = parameter(1e3, unit="N s/m^2", minimum=0.0, description="Normal damping per metre of cable.")
-    friction: float = parameter(0.5, unit="", minimum=0.0, maximum=5.0, description="Coulomb coefficient.")
-    unit_stiffness: float = parameter(1e6, unit="N/m", minimum=1.0, description="Normal stiffness under the unit.")
-    unit_damping: float = parameter(1e5, unit="N s/m", minimum=0.0, description="Normal damping under the unit.")
+    stiffness: float = parameter(1e4, "N/m^2", 1.0, None, "Normal force per metre of cable and metre of penetration.")
+    damping: float = parameter(1e3, "N s/m^2", 0.0, None, "Normal damping per metre of cable.")
+    friction: float = parameter(0.5, "", 0.0, 5.0, "Coulomb coefficient.")
+    unit_stiffness: float = parameter(1e6, "N/m", 1.0, None, "Normal stiffness under the unit.")
+    unit_damping: float = parameter(1e5, "N s/m", 0.0, None, "Normal damping under the unit.")
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -208,13 +156,11 @@ class SeabedParameters:
 class CurrentProfileParameters:
     """A sheared current that replaces the uniform `current`; straight between the points, constant beyond them."""
 
-    depth: tuple[float, ...] = parameter(
-        (), unit="m", description="Depths of the profile, increasing; empty means uniform."
-    )
-    velocity_x: tuple[float, ...] = parameter((), unit="m/s", description="Velocity along x at each depth.")
-    velocity_y: tuple[float, ...] = parameter((), unit="m/s", description="Velocity along y at each depth.")
-    time: tuple[float, ...] = parameter((), unit="s", description="Times of `factor`, increasing; empty means steady.")
-    factor: tuple[float, ...] = parameter((), unit="", description="Factor on the current at each time.")
+    depth: tuple[float, ...] = parameter((), "m", description="Depths of the profile, increasing; empty means uniform.")
+    velocity_x: tuple[float, ...] = parameter((), "m/s", description="Velocity along x at each depth.")
+    velocity_y: tuple[float, ...] = parameter((), "m/s", description="Velocity along y at each depth.")
+    time: tuple[float, ...] = parameter((), "s", description="Times of `factor`, increasing; empty means steady.")
+    factor: tuple[float, ...] = parameter((), description="Factor on the current at each time.")
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -232,18 +178,14 @@ class CurrentProfileParameters:
 class WaveKinematicsParameters:
     """The waves that act on cable and unit: motion of the water and the surface, linear in deep water."""
 
-    source: str = parameter(
-        "none",
-        unit="",
-        choices=("none", "regular", "sea"),
+    source: str = parameter("none",
         description="none: still water; regular: one wave of this amplitude and period, whatever moves the vessel; "
-        "sea: the sea that moves the vessel, where it has components (boom_tip_source spectrum or regular).",
-    )
-    amplitude: float = parameter(0.0, unit="m", minimum=0.0, description="Source regular: wave amplitude.")
-    period: float = parameter(10.0, unit="s", minimum=0.5, description="Source regular: wave period.")
-    direction: float = parameter(
-        0.0, unit="rad", description="Source regular: direction the wave travels to, from x towards y."
-    )
+        "sea: the sea that moves the vessel, where it has components (boom_tip_source spectrum or "
+        "regular).", choices=("none", "regular", "sea"))  # fmt: skip
+    amplitude: float = parameter(0.0, "m", 0.0, None, "Source regular: wave amplitude.")
+    period: float = parameter(10.0, "s", 0.5, None, "Source regular: wave period.")
+    direction: float = parameter(0.0, "rad",
+        description="Source regular: direction the wave travels to, from x towards y.")  # fmt: skip
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -260,44 +202,28 @@ class WaveKinematicsParameters:
 class CompensatorParameters(Checked):
     """A passive compensator that carries the sheave: spring and damper with end stops, working along the vertical."""
 
-    stiffness: float = parameter(0.0, unit="N/m", minimum=0.0, description="Spring stiffness; 0 means no compensator.")
-    damping: float = parameter(0.0, unit="N s/m", minimum=0.0, description="Damping of the compensator.")
-    moving_mass: float = parameter(500.0, unit="kg", minimum=1.0, description="Mass that moves with the sheave.")
-    stroke: float = parameter(
-        4.0, unit="m", minimum=1e-3, description="Full stroke; the end stops are at plus and minus half of it."
-    )
-    stop_stiffness: float = parameter(2e6, unit="N/m", minimum=1.0, description="Stiffness of the end stops.")
-    stop_damping: float = parameter(
-        2e5, unit="N s/m", minimum=0.0, description="Damping of the end stops; the stops never pull."
-    )
-    preload: float = parameter(
-        0.0,
-        unit="N",
-        minimum=0.0,
-        description="Force at mid-stroke; 0 means the static top tension at the start of the run.",
-    )
+    stiffness: float = parameter(0.0, "N/m", 0.0, None, "Spring stiffness; 0 means no compensator.")
+    damping: float = parameter(0.0, "N s/m", 0.0, None, "Damping of the compensator.")
+    moving_mass: float = parameter(500.0, "kg", 1.0, None, "Mass that moves with the sheave.")
+    stroke: float = parameter(4.0, "m", 1e-3, None, "Full stroke; the end stops are at plus and minus half of it.")
+    stop_stiffness: float = parameter(2e6, "N/m", 1.0, None, "Stiffness of the end stops.")
+    stop_damping: float = parameter(2e5, "N s/m", 0.0, None, "Damping of the end stops; the stops never pull.")
+    preload: float = parameter(0.0, "N", 0.0, None,
+        "Force at mid-stroke; 0 means the static top tension at the start of the run.")  # fmt: skip
 
 
 @dataclass(frozen=True)
 class RopePathParameters:
     """The rope's way from the drum over its sheaves to the boom tip: friction before the load cell, and what gives."""
 
-    friction: float = parameter(
-        0.0,
-        unit="",
-        minimum=0.0,
-        maximum=2.0,
-        description="ln of the ratio of the tensions on both sides of the sheaves while the rope runs: mu theta of "
-        "Euler and Eytelwein, or -n ln e for n sheaves of efficiency e. The load cell is on the drum's side; 0 means "
-        "none.",
-    )
-    stiffness: float = parameter(
-        0.0,
-        unit="N/m",
-        minimum=0.0,
-        description="Of boom, sheaves and the rope between drum and boom tip, in series: a vertical spring above the "
-        "cable, at rest at the start, and what gives while friction turns over. 0 means rigid: then without friction.",
-    )
+    friction: float = parameter(0.0, "", 0.0, 2.0,
+        "ln of the ratio of the tensions on both sides of the sheaves while the rope runs: mu theta of Euler and "
+        "Eytelwein, or -n ln e for n sheaves of efficiency e. The load cell is on the drum's side; 0 means none.",
+    )  # fmt: skip
+    stiffness: float = parameter(0.0, "N/m", 0.0, None,
+        "Of boom, sheaves and the rope between drum and boom tip, in series: a vertical spring above the cable, at "
+        "rest at the start, and what gives while friction turns over. 0 means rigid: then without friction.",
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -309,66 +235,30 @@ class RopePathParameters:
 class SolverParameters(Checked):
     """Settings of the time integration (generalised-alpha)."""
 
-    time_step: float = parameter(
-        0.05,
-        unit="s",
-        minimum=1e-6,
-        maximum=1.0,
-        description="Largest inner step; an interval is divided into equal steps of at most this.",
-    )
-    spectral_radius: float = parameter(
-        0.8,
-        unit="",
-        minimum=0.0,
-        maximum=1.0,
-        description="Amplitude of the fastest oscillation that remains after a step: 1 keeps all energy, 0 removes "
-        "it at once.",
-    )
-    tolerance: float = parameter(
-        1e-4,
-        unit="",
-        minimum=1e-12,
-        maximum=1e-2,
-        description="Largest Newton correction accepted as converged, in segment lengths.",
-    )
-    iterations: int = parameter(
-        12, unit="", minimum=2, maximum=100, description="Newton iterations before a step is halved."
-    )
+    time_step: float = parameter(0.05, "s", 1e-6, 1.0,
+        "Largest inner step; an interval is divided into equal steps of at most this.")  # fmt: skip
+    spectral_radius: float = parameter(0.8, "", 0.0, 1.0,
+        "Amplitude of the fastest oscillation that remains after a step: 1 keeps all energy, 0 removes it at once.",
+    )  # fmt: skip
+    tolerance: float = parameter(1e-4, "", 1e-12, 1e-2,
+        "Largest Newton correction accepted as converged, in segment lengths.")  # fmt: skip
+    iterations: int = parameter(12, "", 2, 100, "Newton iterations before a step is halved.")
 
 
 @dataclass(frozen=True)
 class CableSimParameters:
     """Everything the plant needs. At payout 0 the unstretched length between unit and boom tip is `length`."""
 
-    length: float = parameter(
-        300.0, unit="m", minimum=0.01, maximum=20000.0, description="Unstretched cable length at payout 0."
-    )
-    segments: int = parameter(
-        50, unit="", minimum=1, maximum=5000, description="Segments that `length` is divided into."
-    )
-    current: tuple[float, ...] = parameter(
-        (0.0, 0.0),
-        unit="m/s",
-        length=2,
-        minimum=-10.0,
-        maximum=10.0,
-        description="Current along x and y, uniform unless a profile is given.",
-    )
-    water_density: float = parameter(
-        SEAWATER_DENSITY,
-        unit="kg/m^3",
-        minimum=0.0,
-        maximum=2000.0,
-        description="Density of the surrounding fluid; 0 is a vacuum.",
-    )
-    surface: bool = parameter(
-        True,
-        unit="",
+    length: float = parameter(300.0, "m", 0.01, 20000.0, "Unstretched cable length at payout 0.")
+    segments: int = parameter(50, "", 1, 5000, "Segments that `length` is divided into.")
+    current: tuple[float, ...] = parameter((0.0, 0.0), "m/s", -10.0, 10.0,
+        "Current along x and y, uniform unless a profile is given.", length=2)  # fmt: skip
+    water_density: float = parameter(SEAWATER_DENSITY, "kg/m^3", 0.0, 2000.0,
+        "Density of the surrounding fluid; 0 is a vacuum.")  # fmt: skip
+    surface: bool = parameter(True,
         description="The water ends at its surface, z = 0 and the wave on it; false: it surrounds everything.",
-    )
-    gravity: float = parameter(
-        STANDARD_GRAVITY, unit="m/s^2", minimum=0.0, maximum=100.0, description="Acceleration of gravity."
-    )
+    )  # fmt: skip
+    gravity: float = parameter(STANDARD_GRAVITY, "m/s^2", 0.0, 100.0, "Acceleration of gravity.")
     cable: CableParameters = group(CableParameters)
     unit: UnitParameters = group(UnitParameters)
     sections: SectionsParameters = group(SectionsParameters)

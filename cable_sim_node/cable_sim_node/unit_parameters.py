@@ -25,29 +25,16 @@ def _check_table(group_name: str, columns: dict[str, tuple[float, ...]]) -> None
 class BoxParameters:
     """The box around the unit, which stands on the unit's own point; where its height is given, it may be in air."""
 
-    length: float = parameter(0.0, unit="m", minimum=0.0, description="Length of the box; 0 means no box.")
-    breadth: float = parameter(0.0, unit="m", minimum=0.0, description="Breadth of the box.")
-    height: float = parameter(
-        0.0,
-        unit="m",
-        minimum=0.0,
-        description="Height of the box, over which the unit gets wet on its way through the surface; 0 means that it "
-        "is always under water.",
-    )
-    perforation: float = parameter(
-        0.0,
-        unit="",
-        minimum=0.0,
-        maximum=0.5,
-        description="Share of the box's horizontal area that is open: it reduces the added mass.",
-    )
-    slamming: float = parameter(
-        5.0,
-        unit="",
-        minimum=0.0,
-        description="Slamming coefficient C_s of the underside: force (1/2) rho C_s A U^2 while it enters the water, A "
-        "length times breadth, holes included; 0 means no slam.",
-    )
+    length: float = parameter(0.0, "m", 0.0, None, "Length of the box; 0 means no box.")
+    breadth: float = parameter(0.0, "m", 0.0, None, "Breadth of the box.")
+    height: float = parameter(0.0, "m", 0.0, None,
+        "Height of the box, over which the unit gets wet on its way through the surface; 0 means that it is always "
+        "under water.")  # fmt: skip
+    perforation: float = parameter(0.0, "", 0.0, 0.5,
+        "Share of the box's horizontal area that is open: it reduces the added mass.")  # fmt: skip
+    slamming: float = parameter(5.0, "", 0.0, None,
+        "Slamming coefficient C_s of the underside: force (1/2) rho C_s A U^2 while it enters the water, A length "
+        "times breadth, holes included; 0 means no slam.")  # fmt: skip
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -73,22 +60,13 @@ class OscillationParameters:
     points and constant beyond them.
     """
 
-    kc: tuple[float, ...] = parameter(
-        (), unit="", minimum=0.0, description="KC of each point, increasing; empty means no dependence."
-    )
-    added_mass: tuple[float, ...] = parameter(
-        (), unit="kg", minimum=0.0, description="Vertical added mass at each point."
-    )
-    drag_coefficient: tuple[float, ...] = parameter(
-        (), unit="", minimum=0.0, description="Vertical C_D at each point, for the vertical drag_area."
-    )
-    width: float = parameter(0.0, unit="m", minimum=0.0, description="Length that KC is formed with.")
-    memory: float = parameter(
-        60.0,
-        unit="s",
-        minimum=1.0,
-        description="Time constant over which z_m is taken, the square root of 2 times the rms of the heave.",
-    )
+    kc: tuple[float, ...] = parameter((), "", 0.0, None, "KC of each point, increasing; empty means no dependence.")
+    added_mass: tuple[float, ...] = parameter((), "kg", 0.0, None, "Vertical added mass at each point.")
+    drag_coefficient: tuple[float, ...] = parameter((), "", 0.0, None,
+        "Vertical C_D at each point, for the vertical drag_area.")  # fmt: skip
+    width: float = parameter(0.0, "m", 0.0, None, "Length that KC is formed with.")
+    memory: float = parameter(60.0, "s", 1.0, None,
+        "Time constant over which z_m is taken, the square root of 2 times the rms of the heave.")  # fmt: skip
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -102,10 +80,9 @@ class OscillationParameters:
 class NearnessParameters:
     """Factor on the unit's vertical added mass near a boundary; linear between the points, constant beyond them."""
 
-    distance: tuple[float, ...] = parameter(
-        (), unit="m", minimum=0.0, description="Distance of each point, increasing; empty means no dependence."
-    )
-    factor: tuple[float, ...] = parameter((), unit="", minimum=0.0, description="Factor on the vertical added mass.")
+    distance: tuple[float, ...] = parameter((), "m", 0.0, None,
+        "Distance of each point, increasing; empty means no dependence.")  # fmt: skip
+    factor: tuple[float, ...] = parameter((), "", 0.0, None, "Factor on the vertical added mass.")
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -116,49 +93,29 @@ class NearnessParameters:
 class UnitParameters:
     """The subsea unit, a point mass with its own added mass and drag along each axis of frame `world`."""
 
-    mass: float = parameter(3000.0, unit="kg", minimum=1e-6, description="Mass in air.")
-    volume: float = parameter(0.354, unit="m^3", minimum=0.0, description="Displaced volume.")
-    added_mass: tuple[float, ...] = parameter(
-        (3000.0, 3000.0, 3000.0), unit="kg", minimum=0.0, length=3, description="Added mass along x, y, z."
-    )
-    vertical_added_mass: str = parameter(
-        "given",
-        unit="",
-        choices=("given", "box"),
+    mass: float = parameter(3000.0, "kg", 1e-6, None, "Mass in air.")
+    volume: float = parameter(0.354, "m^3", 0.0, None, "Displaced volume.")
+    added_mass: tuple[float, ...] = parameter((3000.0, 3000.0, 3000.0), "kg", 0.0, None,
+        "Added mass along x, y, z.", length=3)  # fmt: skip
+    vertical_added_mass: str = parameter("given",
         description="The vertical added mass as given in added_mass, or that of `unit.box` by DNV-RP-N103.",
-    )
+        choices=("given", "box"))  # fmt: skip
     box: BoxParameters = group(BoxParameters)
     oscillation: OscillationParameters = group(OscillationParameters)
     near_seabed: NearnessParameters = group(NearnessParameters)
     near_surface: NearnessParameters = group(NearnessParameters)
-    drag_coefficient: tuple[float, ...] = parameter(
-        (1.5, 1.5, 1.5), unit="", minimum=0.0, length=3, description="C_D along x, y, z."
-    )
-    drag_area: tuple[float, ...] = parameter(
-        (0.5, 0.5, 0.5), unit="m^2", minimum=0.0, length=3, description="Projected area along x, y, z."
-    )
-    drag_law: str = parameter(
-        "per_axis",
-        unit="",
-        choices=("per_axis", "isotropic"),
+    drag_coefficient: tuple[float, ...] = parameter((1.5, 1.5, 1.5), "", 0.0, None, "C_D along x, y, z.", length=3)
+    drag_area: tuple[float, ...] = parameter((0.5, 0.5, 0.5), "m^2", 0.0, None,
+        "Projected area along x, y, z.", length=3)  # fmt: skip
+    drag_law: str = parameter("per_axis",
         description="Drag along each axis from the speed along it (thesis 5.2.2), or isotropic drag along the flow.",
-    )
-    thrust: tuple[float, ...] = parameter(
-        (0.0, 0.0, 0.0), unit="N", length=3, description="Constant thruster force on the unit, x, y, z."
-    )
-    attachment_breaking_force: float = parameter(
-        0.0,
-        unit="N",
-        minimum=0.0,
-        description="Breaking force of what joins cable and unit (termination, shackle, padeye); 0 means not stated.",
-    )
-    attachment_safety_factor: float = parameter(
-        SAFETY_FACTOR,
-        unit="",
-        minimum=1.0,
-        maximum=100.0,
-        description="The attachment's breaking force over its largest load that is required, as cable.safety_factor.",
-    )
+        choices=("per_axis", "isotropic"))  # fmt: skip
+    thrust: tuple[float, ...] = parameter((0.0, 0.0, 0.0), "N",
+        description="Constant thruster force on the unit, x, y, z.", length=3)  # fmt: skip
+    attachment_breaking_force: float = parameter(0.0, "N", 0.0, None,
+        "Breaking force of what joins cable and unit (termination, shackle, padeye); 0 means not stated.")  # fmt: skip
+    attachment_safety_factor: float = parameter(SAFETY_FACTOR, "", 1.0, 100.0,
+        "The attachment's breaking force over its largest load that is required, as cable.safety_factor.")  # fmt: skip
 
     def __post_init__(self) -> None:
         check_ranges(self)

@@ -41,14 +41,14 @@ HEARD = (
 
 @dataclass(frozen=True)
 class SeaParameters:
-    unused: bool = parameter(True, unit="", description="Nothing.")
+    unused: bool = parameter(True, description="Nothing.")
 
 
 @dataclass(frozen=True)
 class ControllerParameters:
-    rate: float = parameter(0.1, unit="m/s", description="Requested payout rate.")
-    die_in_tick: int = parameter(0, unit="", description="Tick in which the controller is killed; 0: it lives.")
-    inject: str = parameter("", unit="", description="NODE DEVICE KIND, ...: faults to ask for in tick 10.")
+    rate: float = parameter(0.1, "m/s", description="Requested payout rate.")
+    die_in_tick: int = parameter(0, description="Tick in which the controller is killed; 0: it lives.")
+    inject: str = parameter("", description="NODE DEVICE KIND, ...: faults to ask for in tick 10.")
 
 
 class Sea(ParticipantNode):

@@ -34,16 +34,10 @@ class SensorTruth(NamedTuple):
 class DepthSensorParameters(SensorParameters):
     """Pressure sensor of the unit. The pressure is that of still water above it: waves do not reach the unit."""
 
-    latency: float = parameter(
-        0.1, unit="s", minimum=0.0, maximum=600.0, description="Delay from the measurement (its stamp) to its delivery."
-    )
-    noise: float = parameter(
-        0.02, unit="m", minimum=0.0, maximum=100.0, description="Standard deviation of white noise, in depth."
-    )
-    bias: float = parameter(0.0, unit="m", minimum=-1000.0, maximum=1000.0, description="Constant error, in depth.")
-    resolution: float = parameter(
-        0.0, unit="m", minimum=0.0, maximum=10.0, description="Step of its readings, in depth; 0 means none."
-    )
+    latency: float = parameter(0.1, "s", 0.0, 600.0, "Delay from the measurement (its stamp) to its delivery.")
+    noise: float = parameter(0.02, "m", 0.0, 100.0, "Standard deviation of white noise, in depth.")
+    bias: float = parameter(0.0, "m", -1000.0, 1000.0, "Constant error, in depth.")
+    resolution: float = parameter(0.0, "m", 0.0, 10.0, "Step of its readings, in depth; 0 means none.")
 
     def view(self, truth: SensorTruth) -> View:
         """See the depth, positive down from still water [m]."""
@@ -54,21 +48,12 @@ class DepthSensorParameters(SensorParameters):
 class VelocitySensorParameters(SensorParameters):
     """Doppler velocity log (DVL): velocity over ground of the unit."""
 
-    rate: float = parameter(5.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
-    latency: float = parameter(
-        0.1, unit="s", minimum=0.0, maximum=600.0, description="Delay from the measurement (its stamp) to its delivery."
-    )
-    noise: float = parameter(
-        0.01, unit="m/s", minimum=0.0, maximum=100.0, description="Standard deviation of white noise on each axis."
-    )
-    bias: float = parameter(0.0, unit="m/s", minimum=-100.0, maximum=100.0, description="Constant error on each axis.")
-    bottom_range: float = parameter(
-        0.0,
-        unit="m",
-        minimum=0.0,
-        maximum=20_000.0,
-        description="Largest height above the seabed at which there is bottom lock; 0 means lock everywhere.",
-    )
+    rate: float = parameter(5.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
+    latency: float = parameter(0.1, "s", 0.0, 600.0, "Delay from the measurement (its stamp) to its delivery.")
+    noise: float = parameter(0.01, "m/s", 0.0, 100.0, "Standard deviation of white noise on each axis.")
+    bias: float = parameter(0.0, "m/s", -100.0, 100.0, "Constant error on each axis.")
+    bottom_range: float = parameter(0.0, "m", 0.0, 20_000.0,
+        "Largest height above the seabed at which there is bottom lock; 0 means lock everywhere.")  # fmt: skip
 
     def view(self, truth: SensorTruth) -> View:
         """See the velocity over ground x, y, z [m/s], where there is bottom lock."""
@@ -80,16 +65,10 @@ class VelocitySensorParameters(SensorParameters):
 class ImuParameters(SensorParameters):
     """Inertial measurement unit of the unit: specific force, world axes (the unit does not turn)."""
 
-    rate: float = parameter(20.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
-    noise: float = parameter(
-        0.005, unit="m/s^2", minimum=0.0, maximum=100.0, description="Standard deviation of white noise on each axis."
-    )
-    bias: float = parameter(
-        0.0, unit="m/s^2", minimum=-100.0, maximum=100.0, description="Constant error on each axis."
-    )
-    gyro_noise: float = parameter(
-        0.0005, unit="rad/s", minimum=0.0, maximum=10.0, description="Standard deviation of the turn-rate noise."
-    )
+    rate: float = parameter(20.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
+    noise: float = parameter(0.005, "m/s^2", 0.0, 100.0, "Standard deviation of white noise on each axis.")
+    bias: float = parameter(0.0, "m/s^2", -100.0, 100.0, "Constant error on each axis.")
+    gyro_noise: float = parameter(0.0005, "rad/s", 0.0, 10.0, "Standard deviation of the turn-rate noise.")
 
     def view(self, truth: SensorTruth) -> View:
         """See acceleration less gravity x, y, z [m/s^2] and the turn rate of a unit that does not turn [rad/s]."""
@@ -108,22 +87,13 @@ class UsblParameters(SensorParameters):
     The noise grows with the slant range, and the reading comes later by the two-way travel of sound.
     """
 
-    rate: float = parameter(0.5, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
-    latency: float = parameter(
-        0.3,
-        unit="s",
-        minimum=0.0,
-        maximum=600.0,
-        description="Processing time, from the arrival of the reply to the delivery of the reading.",
-    )
-    noise: float = parameter(
-        0.1, unit="m", minimum=0.0, maximum=1000.0, description="Standard deviation on each axis at zero range."
-    )
-    range_noise: float = parameter(
-        0.003, unit="", minimum=0.0, maximum=1.0, description="Standard deviation on each axis per slant range."
-    )
-    bias: float = parameter(0.0, unit="m", minimum=-1000.0, maximum=1000.0, description="Constant error on each axis.")
-    sound_speed: float = parameter(1500.0, unit="m/s", minimum=100.0, maximum=10_000.0, description="Speed of sound.")
+    rate: float = parameter(0.5, "Hz", 1e-3, 10_000.0, "Samples per second.")
+    latency: float = parameter(0.3, "s", 0.0, 600.0,
+        "Processing time, from the arrival of the reply to the delivery of the reading.")  # fmt: skip
+    noise: float = parameter(0.1, "m", 0.0, 1000.0, "Standard deviation on each axis at zero range.")
+    range_noise: float = parameter(0.003, "", 0.0, 1.0, "Standard deviation on each axis per slant range.")
+    bias: float = parameter(0.0, "m", -1000.0, 1000.0, "Constant error on each axis.")
+    sound_speed: float = parameter(1500.0, "m/s", 100.0, 10_000.0, "Speed of sound.")
 
     def view(self, truth: SensorTruth) -> View:
         """See the position x, y, z [m], later by the way of the sound."""
@@ -136,15 +106,10 @@ class UsblParameters(SensorParameters):
 class LoadCellParameters(SensorParameters):
     """Load cell between drum and boom tip: top tension, less or more what `rope_path.friction` takes."""
 
-    rate: float = parameter(20.0, unit="Hz", minimum=1e-3, maximum=10_000.0, description="Samples per second.")
-    relative_noise: float = parameter(
-        0.005,
-        unit="",
-        minimum=0.0,
-        maximum=1.0,
-        description="Standard deviation of white noise, of the static tension at the start.",
-    )
-    bias: float = parameter(0.0, unit="N", minimum=-1e9, maximum=1e9, description="Constant error.")
+    rate: float = parameter(20.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
+    relative_noise: float = parameter(0.005, "", 0.0, 1.0,
+        "Standard deviation of white noise, of the static tension at the start.")  # fmt: skip
+    bias: float = parameter(0.0, "N", -1e9, 1e9, "Constant error.")
 
     def view(self, truth: SensorTruth) -> View:
         """See the tension on the drum's side [N]."""

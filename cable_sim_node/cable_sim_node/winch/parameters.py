@@ -22,17 +22,9 @@ from cable_sim_node.winch.installed_drives import (
 class EncoderParameters:
     """The drum encoder: its reading of the payout."""
 
-    resolution: float = parameter(
-        0.001,
-        unit="m",
-        minimum=0.0,
-        maximum=1.0,
-        description="Resolution of the encoder in payout; 0 means no quantisation.",
-    )
+    resolution: float = parameter(0.001, "m", 0.0, 1.0, "Resolution of the encoder in payout; 0 means no quantisation.")
     faults: FaultParameters = group(EncoderFaultParameters)
-    backlash: float = parameter(
-        0.0, unit="m", minimum=0.0, maximum=1.0, description="Backlash of its gear: the reading lags by half of it."
-    )
+    backlash: float = parameter(0.0, "m", 0.0, 1.0, "Backlash of its gear: the reading lags by half of it.")
 
     def __post_init__(self) -> None:
         """Refuse what is out of range, and faults that an encoder cannot have."""
@@ -47,21 +39,11 @@ class WinchDriftParameters(Checked):
     Each value goes in a straight line over `duration` from that of the start to a factor of it, and stays there.
     """
 
-    start: float = parameter(
-        0.0, unit="s", minimum=0.0, description="Slow change of the winch: simulated time at which it begins."
-    )
-    duration: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=1e5, description="Duration of the change; 0 means none."
-    )
-    gain: float = parameter(
-        1.0, unit="", minimum=0.1, maximum=3.0, description="Factor on speed_gain at the end of the change."
-    )
-    speed: float = parameter(
-        1.0, unit="", minimum=0.05, maximum=2.0, description="Factor on speed_limit at the end of the change."
-    )
-    acceleration: float = parameter(
-        1.0, unit="", minimum=0.05, maximum=2.0, description="Factor on acceleration_limit at the end of the change."
-    )
+    start: float = parameter(0.0, "s", 0.0, None, "Slow change of the winch: simulated time at which it begins.")
+    duration: float = parameter(0.0, "s", 0.0, 1e5, "Duration of the change; 0 means none.")
+    gain: float = parameter(1.0, "", 0.1, 3.0, "Factor on speed_gain at the end of the change.")
+    speed: float = parameter(1.0, "", 0.05, 2.0, "Factor on speed_limit at the end of the change.")
+    acceleration: float = parameter(1.0, "", 0.05, 2.0, "Factor on acceleration_limit at the end of the change.")
 
     def share(self, time: float) -> float:
         """Return how much of the drift has come about at `time` [s], 0 to 1."""
@@ -77,99 +59,38 @@ class WinchParameters(WinchFigures):
     drive with its physics are a group under its name (`electric`, ...).
     """
 
-    drive: str = parameter(
-        "speed_servo",
-        unit="",
-        choices=(SERVO, *installed_drives()),
-        also="|".join(absent_drives()),
-        also_words="a drive of heave[drives]",
+    drive: str = parameter("speed_servo",
         description="What moves the drum: an ideal servo (with law), or a drive with its physics: electric.*, "
-        "pump_controlled.* or valve_controlled.* (heave[drives]).",
-    )
-    position_gain: float = parameter(
-        0.0,
-        unit="1/s",
-        minimum=0.0,
-        maximum=100.0,
-        description="Gain k_p from payout error to speed; 0 follows the rate set-point alone.",
-    )
-    command_jitter: float = parameter(
-        0.0,
-        unit="s",
-        minimum=0.0,
-        maximum=10.0,
-        description="Largest deviation of each command's delay from command_delay, either way, uniform; none overtakes "
-        "another.",
-    )
-    acceleration_limit: float = parameter(
-        1.5,
-        unit="m/s^2",
-        minimum=1e-3,
-        maximum=1e6,
-        description="Largest payout acceleration in normal operation; of a drive with its physics that of its "
-        "speed reference.",
-    )
-    stop_deceleration: float = parameter(
-        1.5,
-        unit="m/s^2",
-        minimum=1e-3,
-        maximum=1e6,
-        description="Deceleration of a stop (brake request, watchdog, fault); acceleration_limit where that is less.",
-    )
-    hauling_speed_share: float = parameter(
-        1.0,
-        unit="",
-        minimum=0.05,
-        maximum=1.0,
-        description="Speed servo: largest hauling speed as a fraction of speed_limit.",
-    )
-    hauling_acceleration_share: float = parameter(
-        1.0,
-        unit="",
-        minimum=0.05,
-        maximum=1.0,
-        description="Speed servo: largest acceleration towards hauling in, as a fraction of acceleration_limit.",
-    )
-    speed_gain: float = parameter(
-        1.0, unit="", minimum=0.1, maximum=3.0, description="Speed servo: steady speed divided by the set-point."
-    )
-    speed_deadband: float = parameter(
-        0.0,
-        unit="m/s",
-        minimum=0.0,
-        maximum=1.0,
-        description="Speed servo: dead zone; only the part of a set-point beyond it takes effect.",
-    )
-    drum_radius_error: float = parameter(
-        0.0,
-        unit="",
-        minimum=-0.5,
-        maximum=0.5,
-        description="Radius that the cable has on the drum over the nominal one, less 1: the cable moves by so much "
-        "more than the drum, by whose nominal radius drive and encoder count.",
-    )
-    rated_pull: float = parameter(
-        0.0,
-        unit="N",
-        minimum=0.0,
-        description="Rated pull of the winch on its outermost layer, which the largest tension must not exceed; 0 "
-        "means not stated.",
-    )
-    command_timeout: float = parameter(
-        0.5,
-        unit="s",
-        minimum=1e-3,
-        maximum=3600.0,
-        description="Watchdog: simulated time without a fresh command after which the winch stops and brakes.",
-    )
-    supervision_time: float = parameter(
-        1.0,
-        unit="s",
-        minimum=0.0,
-        maximum=60.0,
-        description="Supervision of the drive by its own feedback: it trips where drum or brake do not follow their "
-        "orders for so long, or the drum has moved by 0.05 m with its brake engaged or since it stood; 0 means none.",
-    )
+        "pump_controlled.* or valve_controlled.* (heave[drives]).", choices=(SERVO, *installed_drives()),
+        also="|".join(absent_drives()), also_words="a drive of heave[drives]")  # fmt: skip
+    position_gain: float = parameter(0.0, "1/s", 0.0, 100.0,
+        "Gain k_p from payout error to speed; 0 follows the rate set-point alone.")  # fmt: skip
+    command_jitter: float = parameter(0.0, "s", 0.0, 10.0,
+        "Largest deviation of each command's delay from command_delay, either way, uniform; none overtakes another.",
+    )  # fmt: skip
+    acceleration_limit: float = parameter(1.5, "m/s^2", 1e-3, 1e6,
+        "Largest payout acceleration in normal operation; of a drive with its physics that of its speed reference.",
+    )  # fmt: skip
+    stop_deceleration: float = parameter(1.5, "m/s^2", 1e-3, 1e6,
+        "Deceleration of a stop (brake request, watchdog, fault); acceleration_limit where that is less.")  # fmt: skip
+    hauling_speed_share: float = parameter(1.0, "", 0.05, 1.0,
+        "Speed servo: largest hauling speed as a fraction of speed_limit.")  # fmt: skip
+    hauling_acceleration_share: float = parameter(1.0, "", 0.05, 1.0,
+        "Speed servo: largest acceleration towards hauling in, as a fraction of acceleration_limit.")  # fmt: skip
+    speed_gain: float = parameter(1.0, "", 0.1, 3.0, "Speed servo: steady speed divided by the set-point.")
+    speed_deadband: float = parameter(0.0, "m/s", 0.0, 1.0,
+        "Speed servo: dead zone; only the part of a set-point beyond it takes effect.")  # fmt: skip
+    drum_radius_error: float = parameter(0.0, "", -0.5, 0.5,
+        "Radius that the cable has on the drum over the nominal one, less 1: the cable moves by so much more than the "
+        "drum, by whose nominal radius drive and encoder count.")  # fmt: skip
+    rated_pull: float = parameter(0.0, "N", 0.0, None,
+        "Rated pull of the winch on its outermost layer, which the largest tension must not exceed; 0 means not "
+        "stated.")  # fmt: skip
+    command_timeout: float = parameter(0.5, "s", 1e-3, 3600.0,
+        "Watchdog: simulated time without a fresh command after which the winch stops and brakes.")  # fmt: skip
+    supervision_time: float = parameter(1.0, "s", 0.0, 60.0,
+        "Supervision of the drive by its own feedback: it trips where drum or brake do not follow their orders for so "
+        "long, or the drum has moved by 0.05 m with its brake engaged or since it stood; 0 means none.")  # fmt: skip
     encoder: EncoderParameters = group(EncoderParameters)
     drift: WinchDriftParameters = group(WinchDriftParameters)  # speed servo only
     # faults of the command line (`gap`, `delay`), of the drive (`drive`), and the `emergency_stop`
