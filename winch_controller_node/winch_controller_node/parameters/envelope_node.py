@@ -31,18 +31,10 @@ from winch_controller_node.parameters.model import (
 class WinchEnvelopeParameters:
     """The envelope between any controller and any winch. Groups mean what they mean in `winch_controller`."""
 
-    length: float = parameter(
-        300.0, unit="m", minimum=0.01, maximum=20_000.0, description="Unstretched cable length at payout 0."
-    )
-    water_density: float = parameter(
-        SEAWATER_DENSITY, unit="kg/m^3", minimum=0.0, maximum=2000.0, description="Density of the water."
-    )
-    gravity: float = parameter(
-        STANDARD_GRAVITY, unit="m/s^2", minimum=0.1, maximum=100.0, description="Acceleration of gravity."
-    )
-    boom_tip_height: float = parameter(
-        0.0, unit="m", minimum=-100.0, maximum=200.0, description="Mean height of the boom tip above still water."
-    )
+    length: float = parameter(300.0, "m", 0.01, 20_000.0, "Unstretched cable length at payout 0.")
+    water_density: float = parameter(SEAWATER_DENSITY, "kg/m^3", 0.0, 2000.0, "Density of the water.")
+    gravity: float = parameter(STANDARD_GRAVITY, "m/s^2", 0.1, 100.0, "Acceleration of gravity.")
+    boom_tip_height: float = parameter(0.0, "m", -100.0, 200.0, "Mean height of the boom tip above still water.")
     envelope: EnvelopeParameters = group(EnvelopeParameters)
     winch: WinchModelParameters = group(WinchModelParameters)
     cable: CableParameters = group(CableParameters)

@@ -19,78 +19,33 @@ from wave_vessel_node.vessel_parameters import VesselAnswer
 class CableModelParameters:
     """The two-state cable a x'' + b x' + x = x0 - payout (thesis Eq. 6.2): from the plant's data, or as identified."""
 
-    inertia: float = parameter(
-        0.0,
-        unit="s^2",
-        minimum=0.0,
-        maximum=1e4,
-        description="a of a x'' + b x' + x = x0 - payout; 0 derives it from cable, unit, length.",
-    )
-    damping: float = parameter(
-        0.0,
-        unit="s",
-        minimum=0.0,
-        maximum=1e4,
-        description="b of the same equation; 0 derives it from drag: linearised at drag_amplitude, and at the unit's "
-        "speed where that is more. A value given holds at any speed.",
-    )
-    inertia_factor: float = parameter(
-        1.0, unit="", minimum=0.1, maximum=10.0, description="Factor on a, for model errors and trials."
-    )
-    damping_factor: float = parameter(
-        1.0, unit="", minimum=0.0, maximum=100.0, description="Factor on b, for model errors and trials."
-    )
-    drag_amplitude: float = parameter(
-        0.1,
-        unit="m",
-        minimum=0.0,
-        maximum=20.0,
-        description="Amplitude at which drag is linearised; small, because the compensated unit hardly moves.",
-    )
-    disturbance: float = parameter(
-        3e-4,
-        unit="m/s^2/sqrt(Hz)",
-        minimum=0.0,
-        maximum=10.0,
-        description="Unmodelled white acceleration of the unit (two-sided density).",
-    )
+    inertia: float = parameter(0.0, "s^2", 0.0, 1e4,
+        "a of a x'' + b x' + x = x0 - payout; 0 derives it from cable, unit, length.")  # fmt: skip
+    damping: float = parameter(0.0, "s", 0.0, 1e4,
+        "b of the same equation; 0 derives it from drag: linearised at drag_amplitude, and at the unit's speed where "
+        "that is more. A value given holds at any speed.")  # fmt: skip
+    inertia_factor: float = parameter(1.0, "", 0.1, 10.0, "Factor on a, for model errors and trials.")
+    damping_factor: float = parameter(1.0, "", 0.0, 100.0, "Factor on b, for model errors and trials.")
+    drag_amplitude: float = parameter(0.1, "m", 0.0, 20.0,
+        "Amplitude at which drag is linearised; small, because the compensated unit hardly moves.")  # fmt: skip
+    disturbance: float = parameter(3e-4, "m/s^2/sqrt(Hz)", 0.0, 10.0,
+        "Unmodelled white acceleration of the unit (two-sided density).")  # fmt: skip
 
 
 @dataclass(frozen=True)
 class WinchModelParameters(WinchFigures):
     """The winch as the controller assumes it: law, lags, delay and limits."""
 
-    speed_gain: float = parameter(
-        1.0, unit="", minimum=0.1, maximum=10.0, description="Speed that the servo settles at over its set-point."
-    )
-    hauling_gain: float = parameter(
-        1.0, unit="", minimum=0.1, maximum=10.0, description="Factor on speed_gain while it hauls in."
-    )
-    position_gain: float = parameter(
-        0.0,
-        unit="1/s",
-        minimum=0.0,
-        maximum=1e3,
-        description="k_p of the servo's position loop; the payout set-point is then the mean payout.",
-    )
-    set_point_reach: float = parameter(
-        1.0,
-        unit="",
-        minimum=1.0,
-        maximum=1e3,
-        description="Largest speed set-point that has an effect, over speed_limit; above 1 it drives a slow servo "
-        "harder.",
-    )
-    acceleration_limit: float = parameter(
-        1.5, unit="m/s^2", minimum=1e-3, maximum=1e6, description="Largest payout acceleration."
-    )
-    disturbance: float = parameter(
-        0.01,
-        unit="m/s^2/sqrt(Hz)",
-        minimum=0.0,
-        maximum=10.0,
-        description="Unmodelled white acceleration of the drum (two-sided density).",
-    )
+    speed_gain: float = parameter(1.0, "", 0.1, 10.0, "Speed that the servo settles at over its set-point.")
+    hauling_gain: float = parameter(1.0, "", 0.1, 10.0, "Factor on speed_gain while it hauls in.")
+    position_gain: float = parameter(0.0, "1/s", 0.0, 1e3,
+        "k_p of the servo's position loop; the payout set-point is then the mean payout.")  # fmt: skip
+    set_point_reach: float = parameter(1.0, "", 1.0, 1e3,
+        "Largest speed set-point that has an effect, over speed_limit; above 1 it drives a slow servo harder.",
+    )  # fmt: skip
+    acceleration_limit: float = parameter(1.5, "m/s^2", 1e-3, 1e6, "Largest payout acceleration.")
+    disturbance: float = parameter(0.01, "m/s^2/sqrt(Hz)", 0.0, 10.0,
+        "Unmodelled white acceleration of the drum (two-sided density).")  # fmt: skip
 
     def gain_at(self, speed: float) -> float:
         """Return the speed of the drum over its set-point, at a `speed` [m/s]."""
@@ -131,29 +86,14 @@ class WinchModelParameters(WinchFigures):
 class SeaModelParameters(SeaParameters):
     """The sea the controller is designed for."""
 
-    significant_wave_height: float = parameter(
-        1.0,
-        unit="m",
-        minimum=0.01,
-        maximum=25.0,
-        description="Significant wave height (of the wind sea in ochi_hubble).",
-    )
-    filter_form: str = parameter(
-        "auto",
-        unit="",
-        choices=FILTER_CHOICES,
+    significant_wave_height: float = parameter(1.0, "m", 0.01, 25.0,
+        "Significant wave height (of the wind sea in ochi_hubble).")  # fmt: skip
+    filter_form: str = parameter("auto",
         description="Shaping filter that models the sea; auto selects the best fit.",
-    )
-    filter_states: int = parameter(
-        6, unit="", minimum=4, maximum=16, description="States of a fitted filter; even. Two-peaked seas need 10."
-    )
-    direction: float = parameter(
-        math.pi,
-        unit="rad",
-        minimum=-6.3,
-        maximum=6.3,
-        description="Direction the waves travel to, from world x, anticlockwise; vessels with RAOs.",
-    )
+        choices=FILTER_CHOICES)  # fmt: skip
+    filter_states: int = parameter(6, "", 4, 16, "States of a fitted filter; even. Two-peaked seas need 10.")
+    direction: float = parameter(math.pi, "rad", -6.3, 6.3,
+        "Direction the waves travel to, from world x, anticlockwise; vessels with RAOs.")  # fmt: skip
 
     @property
     def follows_spectrum(self) -> bool:
@@ -165,18 +105,11 @@ class SeaModelParameters(SeaParameters):
 class VesselModelParameters(VesselAnswer):
     """The vessel as the controller assumes it: of second order (thesis Eq. 6.25), also where fitted to RAOs."""
 
-    gain: float = parameter(1.0, unit="", minimum=1e-3, maximum=10.0, description="K_v of the vessel.")
-    accept_implausible: bool = parameter(False, unit="", description="Take implausible RAOs of rao_file as they are.")
-    heading: float = parameter(
-        0.0,
-        unit="rad",
-        minimum=-6.3,
-        maximum=6.3,
-        description="Heading of the vessel from world x, anticlockwise; models rao, fitted.",
-    )
-    speed: float = parameter(
-        0.0, unit="m/s", minimum=0.0, maximum=15.0, description="Forward speed; models rao, fitted."
-    )
+    gain: float = parameter(1.0, "", 1e-3, 10.0, "K_v of the vessel.")
+    accept_implausible: bool = parameter(False, description="Take implausible RAOs of rao_file as they are.")
+    heading: float = parameter(0.0, "rad", -6.3, 6.3,
+        "Heading of the vessel from world x, anticlockwise; models rao, fitted.")  # fmt: skip
+    speed: float = parameter(0.0, "m/s", 0.0, 15.0, "Forward speed; models rao, fitted.")
 
 
 @dataclass(frozen=True)
@@ -186,87 +119,45 @@ class WeightParameters:
     0 leaves it out.
     """
 
-    unit_heave: float = parameter(
-        0.05,
-        unit="m",
-        minimum=0.0,
-        description="Cost of laws lqr and lqg: scale of unit heave (one scale of each costs the same); smaller is "
-        "tighter. Law mpc has mpc.unit_heave.",
-    )
-    unit_heave_rate: float = parameter(
-        0.0, unit="m/s", minimum=0.0, description="The same cost: scale of the unit's heave rate; 0 leaves it out."
-    )
-    outlet_heave: float = parameter(
-        0.05, unit="m", minimum=0.0, description="The same cost: scale of boom-tip heave less payout; 0 leaves it out."
-    )
-    payout: float = parameter(
-        50.0,
-        unit="m",
-        minimum=0.0,
-        description="The same cost: scale of payout about its mean, which prevents drift; 0 leaves it out.",
-    )
-    payout_rate: float = parameter(
-        0.0, unit="m/s", minimum=0.0, description="The same cost: scale of payout speed; 0 leaves it out."
-    )
-    payout_acceleration: float = parameter(
-        2.0, unit="m/s^2", minimum=0.0, description="The same cost: scale of payout acceleration; 0 leaves it out."
-    )
-    command: float = parameter(
-        20.0,
-        unit="m/s",
-        minimum=0.0,
-        description="The same cost: scale of the command (m for a first-order winch); must not be 0.",
-    )
+    unit_heave: float = parameter(0.05, "m", 0.0, None,
+        "Cost of laws lqr and lqg: scale of unit heave (one scale of each costs the same); smaller is tighter. Law "
+        "mpc has mpc.unit_heave.")  # fmt: skip
+    unit_heave_rate: float = parameter(0.0, "m/s", 0.0, None,
+        "The same cost: scale of the unit's heave rate; 0 leaves it out.")  # fmt: skip
+    outlet_heave: float = parameter(0.05, "m", 0.0, None,
+        "The same cost: scale of boom-tip heave less payout; 0 leaves it out.")  # fmt: skip
+    payout: float = parameter(50.0, "m", 0.0, None,
+        "The same cost: scale of payout about its mean, which prevents drift; 0 leaves it out.")  # fmt: skip
+    payout_rate: float = parameter(0.0, "m/s", 0.0, None, "The same cost: scale of payout speed; 0 leaves it out.")
+    payout_acceleration: float = parameter(2.0, "m/s^2", 0.0, None,
+        "The same cost: scale of payout acceleration; 0 leaves it out.")  # fmt: skip
+    command: float = parameter(20.0, "m/s", 0.0, None,
+        "The same cost: scale of the command (m for a first-order winch); must not be 0.")  # fmt: skip
 
 
 @dataclass(frozen=True)
 class EstimatorParameters:
     """The Kalman filter."""
 
-    gate: float = parameter(
-        25.0,
-        unit="",
-        minimum=1.0,
-        maximum=1e6,
-        description="Normalised innovation squared above which a reading is rejected.",
-    )
-    gate_limit: int = parameter(
-        100,
-        unit="",
-        minimum=1,
-        maximum=100_000,
-        description="Number of rejected readings in a row after which a sensor's next reading is accepted, with a "
-        "new covariance.",
-    )
-    largest_age: float = parameter(
-        1.0, unit="s", minimum=0.0, maximum=10.0, description="Readings older than this on arrival are discarded."
-    )
-    sea_adaptation: bool = parameter(
-        True,
-        unit="",
+    gate: float = parameter(25.0, "", 1.0, 1e6, "Normalised innovation squared above which a reading is rejected.")
+    gate_limit: int = parameter(100, "", 1, 100_000,
+        "Number of rejected readings in a row after which a sensor's next reading is accepted, with a new covariance.",
+    )  # fmt: skip
+    largest_age: float = parameter(1.0, "s", 0.0, 10.0, "Readings older than this on arrival are discarded.")
+    sea_adaptation: bool = parameter(True,
         description="Follow the sea that is seen: its height scales the noise, another period makes another design.",
-    )
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class ScheduleParameters:
     """Gain schedule over the deployed length."""
 
-    minimum_length: float = parameter(
-        0.0,
-        unit="m",
-        minimum=0.0,
-        description="Gain schedule over the length of cable: the shortest; both 0: gains for `length` alone.",
-    )
-    maximum_length: float = parameter(
-        0.0,
-        unit="m",
-        minimum=0.0,
-        description="Gain schedule over the length of cable: the longest; both 0: gains for `length` alone.",
-    )
-    points: int = parameter(
-        9, unit="", minimum=2, maximum=200, description="Number of lengths at which gains are computed."
-    )
+    minimum_length: float = parameter(0.0, "m", 0.0, None,
+        "Gain schedule over the length of cable: the shortest; both 0: gains for `length` alone.")  # fmt: skip
+    maximum_length: float = parameter(0.0, "m", 0.0, None,
+        "Gain schedule over the length of cable: the longest; both 0: gains for `length` alone.")  # fmt: skip
+    points: int = parameter(9, "", 2, 200, "Number of lengths at which gains are computed.")
 
     def __post_init__(self) -> None:
         if self.maximum_length < self.minimum_length:
