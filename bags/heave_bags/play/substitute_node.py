@@ -34,14 +34,9 @@ MASTER = topics.CLOCK.publisher
 class SubstituteParameters:
     """Which bag is played in place of which node."""
 
-    bag: str = parameter("", unit="", description="The bag.")
-    bag_start: float = parameter(
-        0.0,
-        unit="s",
-        minimum=0.0,
-        maximum=1e9,
-        description="Bag time that becomes time 0 of the run, in whole ticks; stamps are shifted with it.",
-    )
+    bag: str = parameter("", description="The bag.")
+    bag_start: float = parameter(0.0, "s", 0.0, 1e9,
+        "Bag time that becomes time 0 of the run, in whole ticks; stamps are shifted with it.")  # fmt: skip
 
 
 class Substitute(HeaveNode):

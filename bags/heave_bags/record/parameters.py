@@ -17,42 +17,21 @@ NO_COMPRESSION = "none"
 class RecorderParameters:
     """Where and how the recorder writes."""
 
-    directory: str = parameter("bag", unit="", description="Folder of the bag; it must not exist yet.")
-    scenario: str = parameter("", unit="", description="Name of the scenario, for the bag's metadata.")
-    scenario_file: str = parameter("", unit="", description="Parameter file of the run, carried in the bag.")
-    replaced: tuple[str, ...] = parameter(
-        (), unit="", description="Nodes in whose place a bag or another program takes part, for the bag's metadata."
-    )
-    record: bool = parameter(True, unit="", description="Start recording at once; false waits for the service start.")
-    snapshot_duration: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=86400.0, description="Time span kept in memory for snapshots; 0: none."
-    )
-    snapshot_size: int = parameter(
-        256 << 20, unit="byte", minimum=1 << 20, maximum=1 << 36, description="Memory for snapshots."
-    )
-    exclude: tuple[str, ...] = parameter(
-        ("/rosout", "/parameter_events", "*/transition_event"),
-        unit="",
-        description="Patterns of topics not to record. The defaults carry wall-clock times.",
-    )
-    compression: str = parameter(
-        "zstd",
-        unit="",
-        choices=("zstd", "lz4", NO_COMPRESSION),
-        description="Compression of chunks.",
-    )
-    chunk_size: int = parameter(
-        192 * 1024, unit="byte", minimum=1024, maximum=1 << 25, description="Size at which a chunk is closed."
-    )
-    chunk_span: float = parameter(
-        2.0, unit="s", minimum=0.01, maximum=3600.0, description="Time span at which a chunk is closed."
-    )
-    split_size: int = parameter(
-        0, unit="byte", minimum=0, maximum=1 << 50, description="Size at which a new file is started; 0: never."
-    )
-    split_duration: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=1e9, description="Time after which a new file is started; 0: never."
-    )
+    directory: str = parameter("bag", description="Folder of the bag; it must not exist yet.")
+    scenario: str = parameter("", description="Name of the scenario, for the bag's metadata.")
+    scenario_file: str = parameter("", description="Parameter file of the run, carried in the bag.")
+    replaced: tuple[str, ...] = parameter((),
+        description="Nodes in whose place a bag or another program takes part, for the bag's metadata.")  # fmt: skip
+    record: bool = parameter(True, description="Start recording at once; false waits for the service start.")
+    snapshot_duration: float = parameter(0.0, "s", 0.0, 86400.0, "Time span kept in memory for snapshots; 0: none.")
+    snapshot_size: int = parameter(256 << 20, "byte", 1 << 20, 1 << 36, "Memory for snapshots.")
+    exclude: tuple[str, ...] = parameter(("/rosout", "/parameter_events", "*/transition_event"),
+        description="Patterns of topics not to record. The defaults carry wall-clock times.")  # fmt: skip
+    compression: str = parameter("zstd", description="Compression of chunks.", choices=("zstd", "lz4", NO_COMPRESSION))
+    chunk_size: int = parameter(192 * 1024, "byte", 1024, 1 << 25, "Size at which a chunk is closed.")
+    chunk_span: float = parameter(2.0, "s", 0.01, 3600.0, "Time span at which a chunk is closed.")
+    split_size: int = parameter(0, "byte", 0, 1 << 50, "Size at which a new file is started; 0: never.")
+    split_duration: float = parameter(0.0, "s", 0.0, 1e9, "Time after which a new file is started; 0: never.")
 
     def ring(self) -> SnapshotRing:
         """Return what is kept in memory for snapshots."""
