@@ -16,51 +16,22 @@ class ElectricParameters(Checked):
 
     friction: FrictionParameters = group(FrictionParameters, coulomb=1e3, load=0.02, viscous=500.0)
     spool: SpoolParameters = group(SpoolParameters)
-    drum_inertia: float = parameter(
-        1000.0, unit="kg m^2", minimum=0.0, maximum=1e7, description="Inertia of drum and gear about the drum's axis."
-    )
-    motor_inertia: float = parameter(
-        5.0, unit="kg m^2", minimum=1e-6, maximum=1e5, description="Inertia of all motors about their own axes."
-    )
-    gear_ratio: float = parameter(40.0, unit="", minimum=0.1, maximum=1e4, description="Motor turns per drum turn.")
-    load_mass: float = parameter(
-        0.0,
-        unit="kg",
-        minimum=0.0,
-        maximum=1e8,
-        description="Mass moving rigidly with the rope that the tension does not include.",
-    )
-    torque_limit: float = parameter(
-        4000.0, unit="N m", minimum=1e-3, maximum=1e8, description="Largest torque of all motors together."
-    )
-    motoring_power_limit: float = parameter(
-        400e3, unit="W", minimum=1.0, maximum=1e9, description="Largest motoring shaft power."
-    )
-    regeneration_power_limit: float = parameter(
-        400e3, unit="W", minimum=1.0, maximum=1e9, description="Largest braking shaft power."
-    )
-    torque_time_constant: float = parameter(
-        0.005, unit="s", minimum=1e-4, maximum=10.0, description="Time constant of the torque (current loop, field)."
-    )
-    copper_loss: float = parameter(
-        10e3, unit="W", minimum=0.0, maximum=1e8, description="Copper loss at torque_limit; proportional to torque^2."
-    )
-    reference_time: float = parameter(
-        0.05,
-        unit="s",
-        minimum=1e-3,
-        maximum=60.0,
-        description="Time constant with which the speed reference follows the set-point.",
-    )
-    bandwidth: float = parameter(
-        20.0, unit="rad/s", minimum=0.1, maximum=1000.0, description="Gain of the speed loop, divided by mass."
-    )
-    integral_time: float = parameter(
-        0.3, unit="s", minimum=1e-3, maximum=1000.0, description="Integral time of the speed loop."
-    )
-    tension_feed_forward: float = parameter(
-        0.0, unit="", minimum=0.0, maximum=1.0, description="Fraction of the measured tension that is fed forward."
-    )
+    drum_inertia: float = parameter(1000.0, "kg m^2", 0.0, 1e7, "Inertia of drum and gear about the drum's axis.")
+    motor_inertia: float = parameter(5.0, "kg m^2", 1e-6, 1e5, "Inertia of all motors about their own axes.")
+    gear_ratio: float = parameter(40.0, "", 0.1, 1e4, "Motor turns per drum turn.")
+    load_mass: float = parameter(0.0, "kg", 0.0, 1e8,
+        "Mass moving rigidly with the rope that the tension does not include.")  # fmt: skip
+    torque_limit: float = parameter(4000.0, "N m", 1e-3, 1e8, "Largest torque of all motors together.")
+    motoring_power_limit: float = parameter(400e3, "W", 1.0, 1e9, "Largest motoring shaft power.")
+    regeneration_power_limit: float = parameter(400e3, "W", 1.0, 1e9, "Largest braking shaft power.")
+    torque_time_constant: float = parameter(0.005, "s", 1e-4, 10.0,
+        "Time constant of the torque (current loop, field).")  # fmt: skip
+    copper_loss: float = parameter(10e3, "W", 0.0, 1e8, "Copper loss at torque_limit; proportional to torque^2.")
+    reference_time: float = parameter(0.05, "s", 1e-3, 60.0,
+        "Time constant with which the speed reference follows the set-point.")  # fmt: skip
+    bandwidth: float = parameter(20.0, "rad/s", 0.1, 1000.0, "Gain of the speed loop, divided by mass.")
+    integral_time: float = parameter(0.3, "s", 1e-3, 1000.0, "Integral time of the speed loop.")
+    tension_feed_forward: float = parameter(0.0, "", 0.0, 1.0, "Fraction of the measured tension that is fed forward.")
 
     @property
     def inertia(self) -> float:
@@ -73,9 +44,7 @@ class ElectricDriveParameters(ElectricParameters):
     """An electric drive on its own: with what its motion is kept within, which in a winch is the winch's."""
 
     motion: MotionParameters = group(MotionParameters)
-    acceleration_limit: float = parameter(
-        1.5, unit="m/s^2", minimum=1e-3, maximum=1e6, description="Largest acceleration of the speed reference."
-    )
+    acceleration_limit: float = parameter(1.5, "m/s^2", 1e-3, 1e6, "Largest acceleration of the speed reference.")
 
     def __post_init__(self) -> None:
         check_ranges(self)

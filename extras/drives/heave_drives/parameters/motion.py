@@ -11,36 +11,15 @@ from heave_node.parameters import Checked, check_ranges, parameter
 class MotionParameters:
     """What the rope's motion is kept within."""
 
-    speed_limit: float = parameter(
-        2.0, unit="m/s", minimum=1e-3, maximum=100.0, description="Largest speed set-point; larger ones are clipped."
-    )
-    overspeed: float = parameter(
-        1.1,
-        unit="",
-        minimum=0.0,
-        maximum=10.0,
-        description="Overspeed at which the brake trips, as a multiple of speed_limit; 0: no overspeed trip.",
-    )
-    payout_minimum: float = parameter(
-        -50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Lower end of the payout range."
-    )
-    payout_maximum: float = parameter(
-        50.0, unit="m", minimum=-20_000.0, maximum=20_000.0, description="Upper end of the payout range."
-    )
-    stop_deceleration: float = parameter(
-        1.5,
-        unit="m/s^2",
-        minimum=1e-3,
-        maximum=1e6,
-        description="Deceleration under the brake and ahead of an end stop.",
-    )
-    position_gain: float = parameter(
-        0.0,
-        unit="1/s",
-        minimum=0.0,
-        maximum=100.0,
-        description="Gain from payout error to speed; 0 follows the rate set-point alone.",
-    )
+    speed_limit: float = parameter(2.0, "m/s", 1e-3, 100.0, "Largest speed set-point; larger ones are clipped.")
+    overspeed: float = parameter(1.1, "", 0.0, 10.0,
+        "Overspeed at which the brake trips, as a multiple of speed_limit; 0: no overspeed trip.")  # fmt: skip
+    payout_minimum: float = parameter(-50.0, "m", -20_000.0, 20_000.0, "Lower end of the payout range.")
+    payout_maximum: float = parameter(50.0, "m", -20_000.0, 20_000.0, "Upper end of the payout range.")
+    stop_deceleration: float = parameter(1.5, "m/s^2", 1e-3, 1e6,
+        "Deceleration under the brake and ahead of an end stop.")  # fmt: skip
+    position_gain: float = parameter(0.0, "1/s", 0.0, 100.0,
+        "Gain from payout error to speed; 0 follows the rate set-point alone.")  # fmt: skip
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -57,20 +36,11 @@ class MotionParameters:
 class FrictionParameters(Checked):
     """Friction of bearings, gear and sheaves, as a force at the rope, against the motion."""
 
-    coulomb: float = parameter(0.0, unit="N", minimum=0.0, maximum=1e9, description="Friction independent of load.")
-    load: float = parameter(
-        0.0, unit="", minimum=0.0, maximum=1.0, description="Friction proportional to tension, as a fraction of it."
-    )
-    slip_speed: float = parameter(
-        0.01,
-        unit="m/s",
-        minimum=1e-6,
-        maximum=100.0,
-        description="Rope speed at which the two frictions above reach 76 % of their value.",
-    )
-    viscous: float = parameter(
-        0.0, unit="N s/m", minimum=0.0, maximum=1e9, description="Friction proportional to speed."
-    )
+    coulomb: float = parameter(0.0, "N", 0.0, 1e9, "Friction independent of load.")
+    load: float = parameter(0.0, "", 0.0, 1.0, "Friction proportional to tension, as a fraction of it.")
+    slip_speed: float = parameter(0.01, "m/s", 1e-6, 100.0,
+        "Rope speed at which the two frictions above reach 76 % of their value.")  # fmt: skip
+    viscous: float = parameter(0.0, "N s/m", 0.0, 1e9, "Friction proportional to speed.")
 
     def rate(self, tension: float, mass: float) -> float:
         """Return how fast friction alone would stop `mass` [kg] near rest under `tension` [N], as 1/time [1/s]."""

@@ -15,19 +15,11 @@ LAYER_PITCH = 0.5 * math.sqrt(3.0)
 class SpoolParameters(Checked):
     """Drum, rope and reeving."""
 
-    drum_radius: float = parameter(
-        0.5, unit="m", minimum=0.01, maximum=20.0, description="Radius from the drum's axis to its surface."
-    )
-    rope_diameter: float = parameter(0.047, unit="m", minimum=0.001, maximum=0.5, description="Diameter of the rope.")
-    turns_per_layer: int = parameter(
-        0, unit="", minimum=0, maximum=1000, description="Turns of rope in a layer; 0: the radius does not change."
-    )
-    rope_at_zero: float = parameter(
-        0.0, unit="m", minimum=0.0, maximum=50_000.0, description="Rope on the drum at payout 0."
-    )
-    falls: int = parameter(
-        1, unit="", minimum=1, maximum=32, description="Falls of rope that carry the load (reeving)."
-    )
+    drum_radius: float = parameter(0.5, "m", 0.01, 20.0, "Radius from the drum's axis to its surface.")
+    rope_diameter: float = parameter(0.047, "m", 0.001, 0.5, "Diameter of the rope.")
+    turns_per_layer: int = parameter(0, "", 0, 1000, "Turns of rope in a layer; 0: the radius does not change.")
+    rope_at_zero: float = parameter(0.0, "m", 0.0, 50_000.0, "Rope on the drum at payout 0.")
+    falls: int = parameter(1, "", 1, 32, "Falls of rope that carry the load (reeving).")
 
     def check_rope(self, payout_maximum: float) -> None:
         """Raise ValueError where `payout_maximum` [m] needs more rope than there is on the drum."""
