@@ -50,20 +50,15 @@ _OF_PLAN = {"scenario", "set", "wanted", "phases", "title"}
 class PhaseParameters:
     """What a phase does."""
 
-    depth: tuple[float, ...] = parameter(
-        (0.0, 0.0), unit="m", length=2, description="Depth of the unit at the start and at the end; negative in air."
-    )
-    speed: float = parameter(
-        0.0, unit="m/s", minimum=0.0, maximum=5.0, description="Mean speed of the winch; 0: the phase has a duration."
-    )
-    duration: float = parameter(0.0, unit="s", minimum=0.0, description="Planned duration; 0: the way over the speed.")
-    compensated: bool = parameter(False, unit="", description="The plan is to compensate in this phase.")
-    may_wait: bool = parameter(
-        False, unit="", description="The lift may wait before this phase: the unit is safe until it begins."
-    )
-    slew: tuple[float, ...] = parameter(
-        (), unit="rad", description="Slew of the crane at the start and at the end; none: reference pose."
-    )
+    depth: tuple[float, ...] = parameter((0.0, 0.0), "m",
+        description="Depth of the unit at the start and at the end; negative in air.", length=2)  # fmt: skip
+    speed: float = parameter(0.0, "m/s", 0.0, 5.0, "Mean speed of the winch; 0: the phase has a duration.")
+    duration: float = parameter(0.0, "s", 0.0, None, "Planned duration; 0: the way over the speed.")
+    compensated: bool = parameter(False, description="The plan is to compensate in this phase.")
+    may_wait: bool = parameter(False,
+        description="The lift may wait before this phase: the unit is safe until it begins.")  # fmt: skip
+    slew: tuple[float, ...] = parameter((), "rad",
+        description="Slew of the crane at the start and at the end; none: reference pose.")  # fmt: skip
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -75,22 +70,12 @@ class PhaseParameters:
 class PlanParameters:
     """What holds for the whole lift."""
 
-    periods: tuple[float, ...] = parameter(
-        (7.0, 9.0, 12.0), unit="s", minimum=2.0, maximum=30.0, description="Peak periods of the limits, ascending."
-    )
-    alpha: float = parameter(
-        1.0, unit="", minimum=0.1, maximum=1.0, description="Forecast wave height over the limit that is allowed."
-    )
-    contingency: float = parameter(
-        0.0, unit="", minimum=0.0, maximum=10.0, description="Contingency time over the planned duration of a phase."
-    )
-    seeds: int = parameter(4, unit="", minimum=1, maximum=50, description="Seas of each crossing of the surface.")
-    height: float = parameter(
-        0.0, unit="m", minimum=0.0, maximum=30.0, description="Hs at which loads are listed; 0: that of the scenario."
-    )
-    period: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=30.0, description="Tp of the same sea; 0: that of the scenario."
-    )
+    periods: tuple[float, ...] = parameter((7.0, 9.0, 12.0), "s", 2.0, 30.0, "Peak periods of the limits, ascending.")
+    alpha: float = parameter(1.0, "", 0.1, 1.0, "Forecast wave height over the limit that is allowed.")
+    contingency: float = parameter(0.0, "", 0.0, 10.0, "Contingency time over the planned duration of a phase.")
+    seeds: int = parameter(4, "", 1, 50, "Seas of each crossing of the surface.")
+    height: float = parameter(0.0, "m", 0.0, 30.0, "Hs at which loads are listed; 0: that of the scenario.")
+    period: float = parameter(0.0, "s", 0.0, 30.0, "Tp of the same sea; 0: that of the scenario.")
 
     def __post_init__(self) -> None:
         check_ranges(self)
