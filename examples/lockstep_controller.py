@@ -18,8 +18,8 @@ BRAKED = 2.0  # [s]
 
 @dataclass(frozen=True)
 class Parameters:
-    ahead: float = parameter(0.4, unit="s", minimum=0.0, maximum=5.0, description="Time that a command takes to act.")
-    pull: float = parameter(0.05, unit="1/s", minimum=0.0, maximum=1.0, description="Pull to the middle of the drum.")
+    ahead: float = parameter(0.4, "s", 0.0, 5.0, "Time that a command takes to act.")
+    pull: float = parameter(0.05, "1/s", 0.0, 1.0, "Pull to the middle of the drum.")
 
 
 class Controller(ParticipantNode):

@@ -21,10 +21,8 @@ SIGMA = 0.01  # of the depth [m]
 
 @dataclass(frozen=True)
 class Parameters:
-    length: float = parameter(300.0, unit="m", minimum=1.0, maximum=1e4, description="Length of the cable.")
-    mass: float = parameter(
-        4000.0, unit="kg", minimum=1.0, maximum=1e6, description="Mass less water of all that hangs."
-    )
+    length: float = parameter(300.0, "m", 1.0, 1e4, "Length of the cable.")
+    mass: float = parameter(4000.0, "kg", 1.0, 1e6, "Mass less water of all that hangs.")
 
 
 class Plant(ParticipantNode):
