@@ -1,11 +1,11 @@
-"""Alarms of the plant and of the virtual winch: code, severity, words."""
+"""Alarms of the plant and of the virtual winch: the rows of `alarms.yaml`."""
 
 from __future__ import annotations
 
-from heave_node.interface.alarm import Alarm, AlarmRow, Severity, alarm_table
-from heave_node.interface.codes import RELEASE_WORDS, WinchFault, WinchRelease
+from pathlib import Path
 
-from cable_sim_node.inputs import CLOSING_TIME, LONGEST_EXTRAPOLATION
+from heave_node.interface.alarm import Alarm, read_alarms
+from heave_node.interface.codes import RELEASE_WORDS, WinchFault, WinchRelease
 
 DRIVE_CODES = {
     WinchFault.COMMAND_TIMEOUT: "WINCH_COMMAND_TIMEOUT",
@@ -15,54 +15,10 @@ DRIVE_CODES = {
 }
 """Alarm of each fault for which the winch stops by itself."""
 
-_ACTIONS = {
-    WinchFault.COMMAND_TIMEOUT: "Check the controller, the network and the CPU load of the computer",
-    WinchFault.INVALID_COMMAND: "Check the numbers that the controller sends, then request a mode",
-    WinchFault.DRIVE: "Clear the fault at the drive, then request a mode",
-    WinchFault.EMERGENCY_STOP: "Clear the cause, then request a mode",
-}
-
 BRAKE_WORDS = {True: "on", False: "open"}
 """The brake as its switch says."""
 
-ALARMS = alarm_table(
-    *(
-        AlarmRow(
-            code,
-            Severity.HIGH,
-            "winch",
-            f"the winch has stopped ({fault.name.lower().replace('_', ' ')}{{cause}})",
-            "The brake is {brake}; the fault stays latched until {condition}",
-            _ACTIONS[fault],
-        )
-        for fault, code in DRIVE_CODES.items()
-    ),
-    AlarmRow(
-        "CABLE_OVERSTRAINED",
-        Severity.CRITICAL,
-        "cable",
-        "strain {percent:.1f} %, limit {limit:.0f} %",
-        "The rope would have parted: results are not valid from here on",
-        "Check cable.axial_stiffness, the masses and the snaps of this run",
-    ),
-    AlarmRow(
-        "CABLE_SEGMENTS_SLACK",
-        Severity.LOW,
-        "cable",
-        "{count} segments are slack",
-        "A snap load may follow",
-        "Lower more slowly, or wait for calmer seas",
-    ),
-    AlarmRow(
-        "PLANT_INPUT_MISSING",
-        Severity.MEDIUM,
-        "network",
-        "{name} missing for {count} ticks",
-        f"Its last speed decays with a time constant of {CLOSING_TIME:g} s; in real time a value up to "
-        f"{LONGEST_EXTRAPOLATION:g} s old is still used",
-        "Check the node that publishes it",
-    ),
-)
+ALARMS = read_alarms(Path(__file__).with_name("alarms.yaml"))
 
 
 def fault_alarm(fault: WinchFault, release: WinchRelease, *, brake: bool, cause: str) -> Alarm:

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from heave_node.interface.alarm import AlarmRow, Severity, alarm_table, alarms_in
+from heave_node.interface.alarm import AlarmRow, Severity, alarm_table, alarms_in, read_alarms
 from heave_node.interface.codes import time_key
 
 STALE = AlarmRow("MRU_STALE", Severity.HIGH, "mru", "no data for {age:.1f} s", "Compensation fades out", "Check power")
@@ -54,3 +54,44 @@ def test_a_code_is_in_a_table_once_and_in_capitals():
         alarm_table(STALE, STALE)
     with pytest.raises(ValueError, match="stale"):
         alarm_table(AlarmRow("stale", Severity.LOW, "mru", "x"))
+
+
+EACH = """
+each:
+  mru: {loss: high, lost: Compensation fades out}
+  imu: {loss: low, lost: Nothing}
+"*_STALE":
+  parts: [mru, imu]
+  severity: <loss>
+  state: no data for {age:.1f} s
+  consequence: <lost>
+  action: Check <part>
+CABLE_SLACK: {severity: medium, part: cable, state: "tension {tension:.1f} kN"}
+"""
+
+
+def test_a_file_holds_a_row_for_each_code_and_one_for_each_part_of_a_row_of_several(tmp_path):
+    file = tmp_path / "alarms.yaml"
+    file.write_text(EACH)
+    table = read_alarms(file)
+    assert list(table.values()) == [
+        AlarmRow("MRU_STALE", Severity.HIGH, "mru", "no data for {age:.1f} s", "Compensation fades out", "Check mru"),
+        AlarmRow("IMU_STALE", Severity.LOW, "imu", "no data for {age:.1f} s", "Nothing", "Check imu"),
+        SLACK,
+    ]
+
+
+@pytest.mark.parametrize(
+    ("was", "becomes", "fault"),
+    [
+        ("state: no", "words: no", "unexpected keyword argument 'words'"),
+        ("severity: medium, ", "", "'severity'"),
+        ("medium", "grave", "'GRAVE'"),
+        ("<lost>", "<gone>", "'gone'"),
+    ],
+)
+def test_a_row_that_is_not_complete_is_refused_with_file_and_code(tmp_path, was, becomes, fault):
+    file = tmp_path / "alarms.yaml"
+    file.write_text(EACH.replace(was, becomes))
+    with pytest.raises(ValueError, match=rf"alarms.yaml: \S+: missing or unknown: .*{fault}"):
+        read_alarms(file)

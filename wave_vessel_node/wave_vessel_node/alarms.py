@@ -1,32 +1,9 @@
-"""Alarms of sea and vessel: code, severity, words."""
+"""Alarms of sea and vessel: the rows of `alarms.yaml`."""
 
 from __future__ import annotations
 
-from heave_node.interface.alarm import AlarmRow, Severity, alarm_table
+from pathlib import Path
 
-ALARMS = alarm_table(
-    AlarmRow(
-        "MRU_OUTPUT_STOPPED",
-        Severity.HIGH,
-        "mru",
-        "the simulated MRU has published nothing for {time:.1f} s",
-        "The controller loses its MRU",
-        "Clear an injected fault with `heave operate fault clear mru`; else check logs/wave_vessel.log",
-    ),
-    AlarmRow(
-        "MRU_OUTPUT_SETTLING",
-        Severity.LOW,
-        "mru",
-        "the high-pass filter of the simulated MRU has not settled",
-        "Its readings carry the status settling",
-        "Wait",
-    ),
-    AlarmRow(
-        "FILE_REPAIRED",
-        Severity.LOW,
-        "files",
-        "values of an input file were repaired: {warnings}",
-        "The repaired values are used",
-        "Check the file",
-    ),
-)
+from heave_node.interface.alarm import read_alarms
+
+ALARMS = read_alarms(Path(__file__).with_name("alarms.yaml"))

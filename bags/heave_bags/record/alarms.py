@@ -1,24 +1,9 @@
-"""Alarms of the recorder: code, severity, words."""
+"""Alarms of the recorder: the rows of `alarms.yaml`."""
 
 from __future__ import annotations
 
-from heave_node.interface.alarm import AlarmRow, Severity, alarm_table
+from pathlib import Path
 
-ALARMS = alarm_table(
-    AlarmRow(
-        "RECORDING_FAILED",
-        Severity.HIGH,
-        "recorder",
-        "messages are not recorded: {problem}",
-        "They are missing from the bag. After a full disk nothing more is recorded",
-        "Free the disk or choose another folder, then start recording again",
-    ),
-    AlarmRow(
-        "TOPIC_UNREADABLE",
-        Severity.MEDIUM,
-        "recorder",
-        "a topic cannot be read: {problem}",
-        "The bag may lack the definition of that topic",
-        "Source the workspace that defines its type, then start the recorder again",
-    ),
-)
+from heave_node.interface.alarm import read_alarms
+
+ALARMS = read_alarms(Path(__file__).with_name("alarms.yaml"))

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from cable_sim_node.alarms import ALARMS as PLANT
 from heave_bags.record.alarms import ALARMS as RECORDER
-from heave_node.interface.alarm import AlarmRow, AlarmTable, Severity
+from heave_node.interface.alarm import AlarmRow, AlarmTable
 from heave_node.interface.node_alarms import NODE_ALARMS
 from wave_vessel_node.alarms import ALARMS as VESSEL
 from winch_controller_node.core.estimation.loop_estimation import BACK_TIME
@@ -154,22 +154,38 @@ def page() -> str:
 
 
 def _grouped(rows: Iterable[AlarmRow]) -> list[list[AlarmRow]]:
-    """Return the `rows` with those that differ in their part alone as one, in the order of the first of each."""
-    groups: dict[tuple[Severity, str, str, str, str], list[AlarmRow]] = {}
+    """Return the `rows` with those that say the same of several parts as one, in the order of the first of each."""
+    groups: dict[tuple[str, str, str], list[AlarmRow]] = {}
     for row in rows:
-        kind = row.code.removeprefix(row.part.upper())
-        groups.setdefault((row.severity, kind, row.state, row.consequence, row.action), []).append(row)
+        groups.setdefault((row.code.removeprefix(row.part.upper()), row.state, _action(row)), []).append(row)
     return list(groups.values())
+
+
+def _action(row: AlarmRow) -> str:
+    """Return what a person does; in the name of a parameter a sensor is *sensor*."""
+    return row.action.replace(f"sensors.{row.part}.", "sensors.*sensor*.")
 
 
 def _italic(found: re.Match[str]) -> str:
     return f"*{found[1].replace('_', ' ')}*"
 
 
+def _by_part(cells: Mapping[str, str]) -> str:
+    """Return the `cells` of parts as one: that of the first, and in which parts it differs."""
+    common = next(iter(cells.values()))
+    others: dict[str, list[str]] = {}
+    for part, cell in cells.items():
+        if cell != common:
+            others.setdefault(cell, []).append(part.upper())
+    return "; ".join([common, *(f"{', '.join(parts)}: {cell}" for cell, parts in others.items())])
+
+
 def _cells(rows: list[AlarmRow]) -> tuple[str, ...]:
     first = rows[0]
-    words = (re.sub(r"\{(\w+)[^}]*\}", _italic, text) for text in (first.state, first.consequence, first.action))
-    return (", ".join(f"`{row.code}`" for row in rows), first.severity.word, *words)
+    severity = _by_part({row.part: row.severity.word for row in rows})
+    consequence = _by_part({row.part: row.consequence for row in rows})
+    words = (re.sub(r"\{(\w+)[^}]*\}", _italic, text) for text in (first.state, consequence, _action(first)))
+    return (", ".join(f"`{row.code}`" for row in rows), severity, *words)
 
 
 if __name__ == "__main__":

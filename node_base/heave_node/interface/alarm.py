@@ -1,6 +1,6 @@
 """Alarms: one row of a table for each, with code, severity and words, and what is raised from it. Pure.
 
-A package has one table (`alarm_table`), and raises its alarms by code with their values:
+A package has one table, `alarms.yaml` (`read_alarms`), and raises its alarms by code with their values:
 
 >>> TABLE = alarm_table(
 ...     AlarmRow("MRU_STALE", Severity.HIGH, "mru", "no data for {age:.1f} s", "Compensation fades out", "Check power")
@@ -18,11 +18,13 @@ import enum
 import math
 import re
 import string
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
+from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.interface.codes import TIME_KEY
 
 Value = float | str
@@ -139,6 +141,36 @@ def alarm_table(*rows: AlarmRow) -> AlarmTable:
     return table
 
 
+def read_alarms(file: Path) -> AlarmTable:
+    """Return the table of a YAML `file`: under each code its severity, part, state, consequence and action.
+
+    A row with `parts` stands for one row a part. Its code has `*` for the part in capitals, its words `<part>` for the
+    part, and `<name>` for what the file says of that part under `each`, with that name. Raises ValueError, with file
+    and code, for a row that is not complete or has a name too many.
+    """
+    content = parse_yaml(file.read_text(encoding="utf-8"))
+    each = content.pop("each", {})
+    return alarm_table(*(row for code, cells in content.items() for row in _rows(file, code, cells, each)))
+
+
+def _rows(file: Path, code: str, cells: Mapping[str, Any], each: Mapping[str, Mapping[str, str]]) -> Iterator[AlarmRow]:
+    """Yield the rows that stand in a `file` under a `code`; `each` is what differs from part to part."""
+    words = {name: cell for name, cell in cells.items() if name not in ("part", "parts")}
+    try:
+        for part in cells["parts"] if "parts" in cells else [cells["part"]]:
+            own = {"part": part, **each.get(part, {})}
+            filled = {name: _filled(text, own) for name, text in words.items()}
+            severity = Severity[filled.pop("severity").upper()]
+            yield AlarmRow(code.replace("*", part.upper()), severity, part, **filled)
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"{file.name}: {code}: missing or unknown: {error}") from error
+
+
+def _filled(text: str, own: Mapping[str, str]) -> str:
+    """Return a `text` with what a part has of its `own` in place of each `<name>`."""
+    return _OWN.sub(lambda found: own[found[1]], text)
+
+
 class ReadAlarm(NamedTuple):
     """An alarm as read from a line: code, severity, text, and simulated time [s] where the line says it, else NaN."""
 
@@ -153,6 +185,7 @@ class ReadAlarm(NamedTuple):
         return self.code.replace("_", " ")
 
 
+_OWN = re.compile(r"<(\w+)>")
 _CODE = re.compile(r"[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
 _HEAD = re.compile(
     rf"(?:^|(?<=[;:] ))(?:{TIME_KEY.pattern}: )?(?P<code>{_CODE.pattern}) "

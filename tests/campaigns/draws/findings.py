@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from heave_node.interface.alarm import Alarm as RaisedAlarm
 from heave_node.interface.alarm import ReadAlarm, Severity, alarms_in
 from winch_controller_node.interface.alarms import ALARMS
-from winch_controller_node.interface.sensor_alarms import SENSORS
 
 Alarm = tuple[float, str]
 """Time [s] and line."""
@@ -22,6 +21,12 @@ LOAD = ("CABLE_SLACK", "TENSION_HIGH", "TENSION_TRAVEL_HALF", "TENSION_TRAVEL_EN
 NO_BLAME = (*LOAD, "LOWERING_BLIND", *(code for code in ALARMS if code.endswith("_NOT_DESIGNABLE")))
 NO_WARNING = ("AUTHORITY_LIMITED_BY_SEA", "AUTHORITY_LIMITED_BY_WINCH", "PROGRAMME_REJECTED", "PREVIEW_REJECTED")
 """Alarms above an event that are no trouble of a part."""
+
+
+LOST = ("STALE", "LATE", "ABSENT", "NOT_A_NUMBER", "BAD_STAMP", "OUT_OF_ORDER", "FROZEN", "SPIKES", "JUMPS")
+"""How a sensor is lost: the rest of a code that begins with the sensor."""
+QUALITY = ("SETTLING", "FAULT", "SLOW", "NOISE_HIGH")
+"""What a sensor reports of itself, or how its readings come."""
 
 
 @dataclass(frozen=True)
@@ -66,5 +71,5 @@ def warnings_of(alarms: Sequence[Alarm]) -> list[float]:
 def is_suspicion(alarm: RaisedAlarm) -> bool:
     """Tell whether a raised `alarm` says that a sensor or the cable is not as assumed, other than a lost sensor."""
     (read,) = alarms_in(str(alarm))
-    is_lost = alarm.row in SENSORS and not alarm.code.endswith(("_READING_REJECTED", "_EXCLUDED"))
+    is_lost = alarm.code.removeprefix(f"{alarm.row.part.upper()}_") in (*LOST, *QUALITY)
     return bool(blamed_by(read, noise=False)) and not is_lost and alarm.code != "WINCH_MODEL_UPDATED"
