@@ -22,6 +22,16 @@ from heave_core.rows import Structure
 NAME = "libheave_core.so"
 """Of the library."""
 
+_POINTER, _COUNT, _NUMBER = ctypes.c_void_p, ctypes.c_int, ctypes.c_double
+
+ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
+    "heave_core_begin": (_POINTER,),
+    "heave_core_envelope": (_POINTER,) * 4,
+    "heave_core_filter_begin": (_POINTER,) * 2,
+    "heave_core_filter": (*(_POINTER,) * 3, _COUNT, *(_POINTER,) * 2),
+}
+"""Types of the arguments of each function, which returns nothing."""
+
 
 class LibraryError(RuntimeError):
     """The library is not there, or does not go with this Python; the message says what to do."""
@@ -72,10 +82,9 @@ def library() -> Any:
         )
     loaded = ctypes.CDLL(str(path))
     _check(loaded, path)
-    loaded.heave_core_begin.argtypes = [ctypes.c_void_p]
-    loaded.heave_core_envelope.argtypes = [ctypes.c_void_p] * 4
-    for function in (loaded.heave_core_begin, loaded.heave_core_envelope):
-        function.restype = None
+    for name, arguments in ARGUMENTS.items():
+        function = getattr(loaded, name)
+        function.argtypes, function.restype = arguments, None
     return loaded
 
 

@@ -19,10 +19,13 @@ reads and writes the same memory, and this page (`python -m heave_core.page`).
 | ship | `ship.cpp` | motion reference unit, count of the drum, load cell, from raw readings |
 | drum | `drum.cpp` | the nominal drum that is driven by what was sent |
 | move | `move.cpp` | the move that an operator has requested |
+| filter | `filter.cpp` | the Kalman filter over ticks: gates, streams, late readings |
+| filter's model | `filter_model.cpp` | drag, a slack cable, the row of a reading |
+| filter's steps | `filter_steps.cpp` | prediction, correction |
 
-Four functions are its C interface: `heave_core_layout` and `heave_core_size`, by which Python refuses a library with
-another layout, `heave_core_begin`, and `heave_core_envelope`, one tick. Python calls them by ctypes, with the lock
-released. A copy of `State` is the envelope at that tick.
+`interface.cpp` is its C interface. By `heave_core_layout` and `heave_core_size` Python refuses a library with another
+layout; the others do what their names say, on structures that Python and C++ share. Python calls them by ctypes, with
+the lock released. A copy of `State` is the envelope at that tick, one of `FilterState` the filter.
 """
 
 

@@ -1,5 +1,6 @@
 """The table of the layout beside the library that was compiled from it, and beside its page."""
 
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ from heave_core import layout, library
 from heave_core.envelope_table import DRUM
 from heave_core.library import LibraryError, dtype_of
 from heave_core.page import page
-from heave_core.rows import COUNTER, Row, Structure
+from heave_core.rows import COUNTER, NUMBER, Row, Structure
 
 REPOSITORY = Path(__file__).parents[2]
 
@@ -16,7 +17,7 @@ REPOSITORY = Path(__file__).parents[2]
 def test_the_library_has_the_layout_and_the_sizes_of_this_python():
     loaded = library.library()
     assert loaded.heave_core_layout() == layout.layout_number()
-    sizes = [loaded.heave_core_size(place) for place in range(5)]
+    sizes = [loaded.heave_core_size(place) for place in range(len(layout.RECORDS) + 1)]
     kinds = layout.RECORDS
     assert sizes == [*(dtype_of(kind).itemsize for kind in kinds), 0]
 
@@ -48,13 +49,13 @@ def test_a_library_that_is_missing_is_named_with_where_it_was_looked_for(monkeyp
 def test_another_field_or_kind_makes_another_layout_and_another_meaning_does_not(monkeypatch):
     before = layout.layout_number()
     *others, last = layout.STRUCTURES
-    row = last.rows[0]
+    place, row = next((place, row) for place, row in enumerate(last.rows) if row.kind == NUMBER and not row.shape)
     for changed, is_same in (
         (Row(row.name, row.unit, "other words", row.kind), True),
         (Row("other", row.unit, row.meaning, row.kind), False),
         (Row(row.name, row.unit, row.meaning, COUNTER), False),
     ):
-        altered = Structure(last.name, last.meaning, (changed, *last.rows[1:]))
+        altered = Structure(last.name, last.meaning, (*last.rows[:place], changed, *last.rows[place + 1 :]))
         monkeypatch.setattr(layout, "STRUCTURES", (*others, altered))
         assert (layout.layout_number() == before) is is_same
 
@@ -79,3 +80,24 @@ def test_a_delay_longer_than_what_is_kept_is_refused():
 
 def test_the_page_of_the_documentation_is_the_table():
     assert (REPOSITORY / "docs/core.md").read_text(encoding="utf-8") == page()
+
+
+MATHEMATICS = "acos asin atan2 ceil cos exp expm1 floor fmod hypot log log1p nearbyint pow round sin sqrt tan tanh"
+"""What parts may call of the mathematical library."""
+
+OF_THE_LINKER = {
+    "__cxa_finalize",
+    "__gmon_start__",
+    "__stack_chk_fail",
+    "_ITM_deregisterTMCloneTable",
+    "_ITM_registerTMCloneTable",
+}
+"""What each shared library has."""
+
+
+def test_the_library_asks_the_system_for_mathematics_and_copies_alone():
+    """No allocator, clock, file, lock or exception: what a shared library uses of others is listed in it."""
+    path = library.library()._name
+    listed = subprocess.run(["nm", "-D", "--undefined-only", path], capture_output=True, text=True, check=True).stdout
+    used = {line.split()[-1].partition("@")[0] for line in listed.splitlines()}
+    assert used - OF_THE_LINKER <= {*MATHEMATICS.split(), "memcpy", "memmove", "memset"}

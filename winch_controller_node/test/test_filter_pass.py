@@ -4,12 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
+from heave_core.filter import no_slack
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.adviser.filter_pass import PassInput, PassModel, run_pass
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement
-from winch_controller_node.model.slack_kernel import missing_push, no_slack
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05
@@ -88,7 +88,7 @@ def followed(design, model, commands, readings):
     for tick in range(TICKS):
         x = estimator.estimate
         speed.append(abs(x[model.drag.rate]))
-        missing.append(missing_push(model.slack, x))
+        missing.append(estimator.missing_push)
         mine = [Measurement(names[w], v, t, offset=o) for t, w, o, v in readings if t == tick]
         estimator.step(tick, commands[tick], mine)
         said += [estimator.innovations[one.name] for one in mine]

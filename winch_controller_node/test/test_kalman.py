@@ -10,28 +10,17 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_core.filter import UNCERTAINTY, UNCERTAINTY_TIME, Drag, FilterModel, Gate, KalmanFilter, Slack
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import linear_model
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from winch_controller_node.design.prediction import corrected_covariance, filter_gain
 from winch_controller_node.model import estimator as estimator_module
-from winch_controller_node.model.drag_kernel import Drag, with_drag
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement, MeasurementModel, RecordedTick
-from winch_controller_node.model.kalman import KalmanFilter
-from winch_controller_node.model.kalman_kernel import (
-    OFFSET,
-    TICK,
-    VALUE,
-    VARIANCE,
-    WEIGHTS,
-    WHICH,
-    FilterModel,
-    Gate,
-    RunInputs,
-    corrected_covariance,
-    filter_gain,
-)
-from winch_controller_node.model.slack_kernel import Slack, slack_variance, with_slack
+
+TICK, WHICH, VALUE, OFFSET, VARIANCE, WEIGHTS = range(6)
+"""Columns of a reading; from the last on pairs of a state and its further weight."""
 
 STATES = ("heave", "rate", "scale", "lever", "bias")
 SENSORS = ("heave", "scaled", "rate", "ungated")
@@ -58,7 +47,7 @@ class ReferenceKalmanFilter:
     """
 
     def __init__(self, model: FilterModel, gate: Gate, kept: int, x: Array, P: Array) -> None:
-        self.model, self._gate = model, gate
+        self._model, self._gate, self._noise = model, gate, model.Q
         self._filter = filterpy.kalman.KalmanFilter(dim_x=len(x), dim_z=1, dim_u=1)
         self._set_state(x, P)
         self._past: deque[_Tick] = deque(maxlen=kept)
@@ -84,21 +73,55 @@ class ReferenceKalmanFilter:
     def _set_state(self, x: Array, P: Array) -> None:
         self._filter.x, self._filter.P = np.array(x, dtype=float)[:, None], np.array(P, dtype=float)
 
-    def run(self, inputs: RunInputs) -> Array:
+    def set_model(self, model: FilterModel) -> None:
+        """Go on with another model."""
+        self._model, self._noise = model, model.Q
+
+    def set_noise(self, covariance: Array) -> None:
+        """Use another covariance of the process noise."""
+        self._noise = covariance
+
+    @property
+    def missing_push(self) -> float:
+        """How much further down the model pushes the unit than a slack cable does."""
+        slack = self._model.slack
+        return max(float(-slack.pull @ self.x) - slack.largest, 0.0)
+
+    def run(self, ticks: list[tuple[float, ...]], readings: list[tuple[float, ...]]) -> list[list[float]]:
         """Go through a run of ticks; return the result of each reading."""
         said: list[tuple[float, float, float, bool]] = []
-        for tick, command, end in inputs.steps.tolist():
+        table = np.array(readings, dtype=float).reshape(len(readings), WEIGHTS + 4)
+        for tick, command, end in ticks:
             self._advance(int(tick), command)
-            delivered = inputs.readings[len(said) : int(end)]
-            for measured in sorted(set(delivered[:, TICK])):
+            delivered = table[len(said) : int(end)]
+            for measured in sorted(set(delivered[:, TICK])) if len(delivered) else ():
                 said += self._take(int(measured), delivered[delivered[:, TICK] == measured])
-        return np.array(said).reshape(-1, 4)
+        return np.array(said, dtype=float).reshape(-1, 4).tolist()
+
+    def _stepped(self) -> tuple[Array, Array, Array]:
+        """Return F, B and Q of a step under the drag and the slack of the present state.
+
+        Drag D F D and D Q D with D = diag(1, .., sqrt(exp(-c h/a)), .., 1), and a spring that gives way to the weight.
+        """
+        drag, slack, x = self._model.drag, self._model.slack, self.x
+        excess = max(drag.quadratic * abs(x[drag.rate]) - drag.damping, 0.0) / drag.inertia
+        D = np.eye(len(x))
+        D[drag.rate, drag.rate] = math.sqrt(math.exp(-excess * drag.tick_period))
+        F, B, Q = D @ self._model.F @ D, D @ self._model.B, D @ self._noise @ D
+        missing, unit = self.missing_push, np.eye(len(x))[slack.rate]
+        if missing > 0.0:
+            F -= missing / (missing + slack.largest) * slack.tick_period / slack.inertia * np.outer(unit, slack.pull)
+        errors = (excess * abs(x[drag.rate]), missing / slack.inertia)
+        for state, error, period in zip(
+            (drag.rate, slack.rate), errors, (drag.tick_period, slack.tick_period), strict=True
+        ):
+            Q[state, state] += (UNCERTAINTY * error) ** 2 * UNCERTAINTY_TIME * period
+        return F, B, Q
 
     def _advance(self, tick: int, command: float) -> None:
         """Predict for a `tick`, with all between, under the drag of the speed before it."""
-        F, B, Q = with_drag(self.model.drag, self.x, self.model.F, self.model.B, self.model.Q)
-        F, Q = with_slack(self.model.slack, self.x, F, Q)
-        self._filter.F, self._filter.B, self._filter.Q = F, B[:, None], Q
+        self._filter.F, B, self._filter.Q = self._stepped()
+        self._filter.B = B[:, None]
         if self._newest is None:
             self._past.append(_Tick(self.x, self.P))
         else:
@@ -121,7 +144,7 @@ class ReferenceKalmanFilter:
             self._set_state(entry.x, entry.P)
             self._update(entry.used)
         for reading in readings:
-            reading[VARIANCE] += slack_variance(self.model.slack, self.x, int(reading[WHICH]))
+            reading[VARIANCE] += (self._model.slack.reads[int(reading[WHICH])] * self.missing_push) ** 2
         judged = [self._judge(reading) for reading in readings]
         accepted = [reading for reading, (_, is_used) in zip(readings, judged, strict=True) if is_used]
         self._update(accepted)
@@ -142,7 +165,7 @@ class ReferenceKalmanFilter:
         # a stream that goes on where its last reading was says something of the model, not of the sensor
         step = innovation - float(self.streams[which])
         is_stream = step * step <= 2.0 * gate.threshold * variance
-        accepted = nis <= gate.threshold or ((is_stream or not self.model.is_gated[which]) and math.isfinite(nis))
+        accepted = nis <= gate.threshold or ((is_stream or not self._model.is_gated[which]) and math.isfinite(nis))
         self.refusals[which] = 0 if accepted else self.refusals[which] + 1
         # that many in a row: it is the filter that is wrong, and its covariance must be large enough to come back
         is_lost = bool(self.refusals[which] > gate.limit) and math.isfinite(nis)
@@ -155,9 +178,10 @@ class ReferenceKalmanFilter:
 
     def _linearised(self, reading: Array) -> tuple[Array, float]:
         """Return the row of a reading at the present estimate, and its prediction."""
-        model, which, offset = self.model, int(reading[WHICH]), float(reading[OFFSET])
+        model, which, offset = self._model, int(reading[WHICH]), float(reading[OFFSET])
         row = model.rows[which] + offset * model.changes[which] + 0.5 * offset * (offset - 1.0) * model.bends[which]
-        row = row + reading[WEIGHTS:]
+        for state, weight in reading[WEIGHTS:].reshape(-1, 2):
+            row = row + (weight * np.eye(len(row))[int(state)] if state >= 0.0 else 0.0)
         plain, scale_state = float(row @ self.x), model.scale_states[which]
         if scale_state < 0:
             return row, plain

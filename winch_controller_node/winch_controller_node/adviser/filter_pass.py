@@ -12,12 +12,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from heave_core.filter import UNCERTAINTY, UNCERTAINTY_TIME, Drag, Slack
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import kernel, part_of_kernel
 from numpy.typing import NDArray
-
-from winch_controller_node.model.drag_kernel import UNCERTAINTY, UNCERTAINTY_TIME, Drag
-from winch_controller_node.model.slack_kernel import Slack
 
 SETTLING = 15.0
 """Time at the start of a record over which innovations are not judged [s]: the state is not known yet."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from cable_sim_node.physics.hydrodynamics import wet_part
+from heave_core.filter import Drag, Slack
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel, covariance_factor, state_covariance
 
@@ -28,7 +29,6 @@ from winch_controller_node.laws.parts.governor import CommandGovernor
 from winch_controller_node.laws.parts.winch_limits import WinchLimits, winch_limits
 from winch_controller_node.laws.registry import law_class, parameters_of_place
 from winch_controller_node.model.blocks import CableModel
-from winch_controller_node.model.drag_kernel import Drag
 from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
 from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_detectable
 from winch_controller_node.model.models import (
@@ -42,7 +42,6 @@ from winch_controller_node.model.models import (
 )
 from winch_controller_node.model.regulator import full_gain, is_sea_state, is_sensor_state, weighted_cost
 from winch_controller_node.model.simulated_unit import cable_slack, unit_drag
-from winch_controller_node.model.slack_kernel import Slack
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 FIT_FREQUENCIES = 80

@@ -18,7 +18,6 @@ from heave_node.numerics.linear_model import LinearModel, with_feedback
 
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.model.estimator import MeasurementModel
-from winch_controller_node.model.kalman_kernel import corrected_covariance, filter_gain, predicted_covariance
 from winch_controller_node.model.lqr import DesignError, output_cost
 from winch_controller_node.model.regulator import full_gain, is_sensor_state
 
@@ -50,6 +49,24 @@ class LoopPrediction:
     sigma: dict[str, float]
     command_sigma: float
     estimate_error: dict[str, float]
+
+
+def predicted_covariance(P: Array, F: Array, Q: Array) -> Array:
+    """Return the covariance a step ahead, F P F' + Q, shape (n, n)."""
+    return np.asarray(F @ P @ F.T + Q)
+
+
+def filter_gain(P: Array, H: Array, variances: Array) -> Array:
+    """Return the gain K = P H' (H P H' + R)^-1, shape (n, m), for readings of rows H (m, n), R = diag(variances)."""
+    across = H @ P
+    return np.asarray(np.linalg.solve(across @ H.T + np.diag(variances), across).T)
+
+
+def corrected_covariance(P: Array, K: Array, H: Array, variances: Array) -> Array:
+    """Return the covariance after readings, (I - K H) P (I - K H)' + K R K' (Joseph's form), R = diag(variances)."""
+    rest = np.eye(len(P)) - K @ H
+    P = rest @ P @ rest.T + K * variances @ K.T
+    return np.asarray(0.5 * (P + P.T))
 
 
 def sensor_periods(design: ControllerDesign) -> dict[str, tuple[int, int]]:

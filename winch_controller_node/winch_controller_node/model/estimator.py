@@ -11,22 +11,22 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
+from operator import itemgetter
 from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
+from heave_core.filter import Drag, FilterModel, Gate, KalmanFilter, Slack, no_slack
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 
-from winch_controller_node.model.drag_kernel import Drag
-from winch_controller_node.model.kalman import KalmanFilter
-from winch_controller_node.model.kalman_kernel import WEIGHTS, FilterModel, Gate, RunInputs
-from winch_controller_node.model.slack_kernel import Slack, no_slack
-
-AT_ONCE = 20
-"""Ticks of a record that are followed in one compiled call, which no other thread can interrupt."""
-
 NO_REGRESSORS: Mapping[str, float] = MappingProxyType({})
+
+MOST_REGRESSORS = 2
+"""Most further weights of a reading."""
+
+NO_WEIGHTS = (-1.0, 0.0, -1.0, 0.0)
+"""Columns of the further weights of a reading that has none."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Measurement(NamedTuple):
     tick : at which it was measured (its stamp over the tick period, to the nearest tick)
     offset : how much later than that tick, in ticks, -0.5 to 0.5
     sigma : stated standard deviation; None: that of the model
-    regressors : further weights of states for this reading, by state name (lever arm: pitch and roll)
+    regressors : further weights of up to two states for this reading, by state name (lever arm: pitch and roll)
     """
 
     name: str
@@ -148,12 +148,17 @@ class KalmanEstimator:
     @property
     def estimate(self) -> Array:
         """State estimate, shape (n,)."""
-        return self._filter.x
+        return self._estimate
 
     @property
     def covariance(self) -> Array:
         """Covariance of the estimate, shape (n, n)."""
         return self._filter.P
+
+    @property
+    def missing_push(self) -> float:
+        """How much further down the model pushes the unit at the estimate than a slack cable does [m]."""
+        return self._filter.missing_push
 
     @property
     def tick(self) -> int | None:
@@ -206,7 +211,7 @@ class KalmanEstimator:
         if model.state_names != self.model.state_names or names != list(self.measurements):
             raise ValueError("a model with different states or measurements needs a new estimator")
         self._refer_to(model, measurements, drag, slack)
-        self._filter.model = self._filter_model
+        self._filter.set_model(self._filter_model)
 
     def _refer_to(
         self, model: LinearModel, measurements: Sequence[MeasurementModel], drag: Drag | None, slack: Slack | None
@@ -215,14 +220,15 @@ class KalmanEstimator:
         self.measurements = {measurement.name: measurement for measurement in measurements}
         self._which = {name: index for index, name in enumerate(self.measurements)}
         self._sigmas = [measurement.sigma for measurement in measurements]
-        self._columns = {name: WEIGHTS + index for index, name in enumerate(model.state_names)}
+        self._names = list(self.measurements)
+        self._places = {name: index for index, name in enumerate(model.state_names)}
         differences = [row_with_differences(measurement.row, model) for measurement in measurements]
         rows, changes, bends = np.array(differences).reshape(-1, 3, model.order).transpose(1, 0, 2).copy()
         scale_states = [-1 if known.scale_state is None else known.scale_state for known in measurements]
         self._filter_model = FilterModel(
-            F=np.ascontiguousarray(model.A),
-            B=np.ascontiguousarray(model.B[:, 0]),
-            Q=np.ascontiguousarray(model.noise_covariance),
+            F=model.A,
+            B=model.B[:, 0],
+            Q=model.noise_covariance,
             drag=drag or Drag(),
             slack=slack or no_slack(model.order, len(measurements)),
             rows=rows,
@@ -234,8 +240,8 @@ class KalmanEstimator:
 
     def set_process_noise(self, covariance: Array) -> None:
         """Use another covariance of the process noise of a tick, shape (n, n), until the next model."""
-        self._filter_model = self._filter_model._replace(Q=np.ascontiguousarray(covariance))
-        self._filter.model = self._filter_model
+        self._filter_model = self._filter_model._replace(Q=covariance)
+        self._filter.set_noise(covariance)
 
     def reset(
         self,
@@ -251,9 +257,10 @@ class KalmanEstimator:
             self._filter_model,
             self._gate,
             self._kept,
-            np.zeros(self.model.order) if estimate is None else np.array(estimate, dtype=float),
-            np.array(self._gate.added if covariance is None else covariance, dtype=float, order="C"),
+            np.zeros(self.model.order) if estimate is None else np.asarray(estimate, dtype=float),
+            np.asarray(self._gate.added if covariance is None else covariance, dtype=float),
         )
+        self._estimate = self._filter.x
         self.innovations = {}
         for name, stream in (streams or {}).items():
             if name in self._which:
@@ -283,67 +290,58 @@ class KalmanEstimator:
         ValueError : `tick` is not after the last one.
         KeyError : a reading of an unknown name.
         """
-        self._follow([RecordedTick(tick, command, readings)])
+        self.follow([RecordedTick(tick, command, readings)])
         return self.estimate
 
     def follow(self, record: Sequence[RecordedTick]) -> list[dict[str, Innovation]]:
-        """Step through a `record` of ticks; return the innovations of each, see `step`.
-
-        The ticks of a running loop wait for no more than `AT_ONCE` of those of a record that is followed beside them.
-        """
-        followed: list[dict[str, Innovation]] = []
-        for start in range(0, len(record), AT_ONCE):
-            followed += self._follow(record[start : start + AT_ONCE])
-        return followed
-
-    def _follow(self, record: Sequence[RecordedTick]) -> list[dict[str, Innovation]]:
+        """Step through a `record` of ticks; return the innovations of each, see `step`."""
         last = self.tick
         for tick in record:
             if last is not None and tick.number <= last:
                 raise ValueError(f"estimator: tick {tick.number} is not after the last one, {last}")
             last = tick.number
-        names, inputs = self._inputs(record)
-        said = zip(names, self._filter.run(inputs).tolist(), strict=True)
+        ticks: list[tuple[float, ...]] = []
+        rows: list[tuple[float, ...]] = []
+        for tick in record:
+            rows += self._rows(tick)
+            ticks.append((tick.number, tick.command, len(rows)))
+        said = zip(rows, self._filter.run(ticks, rows), strict=True)
+        names = self._names
         followed = [
             {
-                name: Innovation(value, sigma, nis, bool(accepted))
-                for name, (value, sigma, nis, accepted) in islice(said, len(tick.readings))
+                names[int(row[1])]: Innovation(value, sigma, nis, accepted > 0.0)
+                for row, (value, sigma, nis, accepted) in islice(said, len(tick.readings))
             }
             for tick in record
         ]
+        self._estimate = self._filter.x
         self.innovations = followed[-1] if followed else {}
         return followed
 
-    def _inputs(self, record: Sequence[RecordedTick]) -> tuple[list[str], RunInputs]:
-        """Return a `record` as arrays, after the names of its readings as they are taken in."""
-        names: list[str] = []
-        steps: list[tuple[int, float, int]] = []
-        numbers: list[tuple[int, int, float, float, float]] = []
-        weights: list[tuple[int, int, float]] = []
-        for tick in record:
-            for reading in _by_own_tick(tick):
-                which = self._which[reading.name]
-                for name, weight in reading.regressors.items():
-                    if name in self._columns:
-                        weights.append((len(numbers), self._columns[name], weight))
-                variance = (reading.sigma or self._sigmas[which]) ** 2
-                numbers.append((min(reading.tick, tick.number), which, reading.value, reading.offset, variance))
-                names.append(reading.name)
-            steps.append((tick.number, tick.command, len(numbers)))
-        table = np.zeros((len(numbers), WEIGHTS + self.model.order))
-        if numbers:
-            table[:, :WEIGHTS] = numbers
-        for row, column, weight in weights:
-            table[row, column] = weight
-        return names, RunInputs(np.array(steps, dtype=float).reshape(-1, 3), table)
+    def _rows(self, tick: RecordedTick) -> list[tuple[float, ...]]:
+        """Return the readings of a `tick` as the filter takes them, by the ticks they were measured at."""
+        which, sigmas, number = self._which, self._sigmas, tick.number
+        rows = []
+        for name, value, measured, sigma, offset, regressors in tick.readings:
+            place = which[name]
+            variance = (sigma or sigmas[place]) ** 2
+            weights = self._weights(name, regressors) if regressors else NO_WEIGHTS
+            rows.append((min(measured, number), place, value, offset, variance, *weights))
+        rows.sort(key=itemgetter(0))
+        return rows
+
+    def _weights(self, name: str, regressors: Mapping[str, float]) -> tuple[float, ...]:
+        """Return the `regressors` of the reading `name` that are weights of states, as its last columns."""
+        places = self._places
+        weights = [number for state in regressors if state in places for number in (places[state], regressors[state])]
+        if len(weights) > 2 * MOST_REGRESSORS:
+            raise ValueError(
+                f"estimator: {name} has {len(weights) // 2} further weights; at most {MOST_REGRESSORS} fit"
+            )
+        return (*weights, *NO_WEIGHTS[len(weights) :])
 
 
 def row_with_differences(row: Array, model: LinearModel) -> tuple[Array, Array, Array]:
     """Return a row on the state of a tick, and its first and second differences over the ticks of a `model`."""
     change = row @ model.A - row
     return row, change, change @ model.A - change
-
-
-def _by_own_tick(tick: RecordedTick) -> list[Measurement]:
-    """Return the readings of a `tick` by the ticks they were measured at."""
-    return sorted(tick.readings, key=lambda reading: min(reading.tick, tick.number))

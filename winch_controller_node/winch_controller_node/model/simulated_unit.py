@@ -5,23 +5,23 @@ motion is then ruled by a drag several times that of the design. At the speed v 
 that the state moves as quadratic drag lets it. It is split off the exact step of the linear model: half of what it
 takes of the unit's speed goes before the step and half after it (Strang, SIAM J. Numer. Anal. 5 (1968) 506).
 
-A cable cannot push, see `slack_kernel`: the unit then goes down by its weight in water alone, without the part of the
-cable that moves with it; when the cable takes it up again both go on with their common momentum.
+A cable cannot push: the unit then goes down by its weight in water alone, without the part of the cable that moves with
+it; when the cable takes it up again both go on with their common momentum.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
+from heave_core.filter import Drag, Slack
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.model.blocks import CableModel
-from winch_controller_node.model.drag_kernel import Drag, kept_speed
 from winch_controller_node.model.estimator import MeasurementModel
 from winch_controller_node.model.models import shadow_model
-from winch_controller_node.model.slack_kernel import Slack
 
 
 def unit_drag(model: LinearModel, cable: CableModel, rate: str = "unit_heave_rate") -> Drag:
@@ -41,6 +41,12 @@ def cable_slack(model: LinearModel, cable: CableModel, measurements: Sequence[Me
         largest=cable.unit_weight / cable.stiffness,
         tick_period=model.dt or 0.0,
     )
+
+
+def kept_speed(drag: Drag, speed: float, time: float) -> float:
+    """Return the share of its `speed` [m/s] that a `drag` leaves a unit in a `time` [s], beyond the linear damping."""
+    excess = max(drag.quadratic * abs(speed) - drag.damping, 0.0)
+    return math.exp(-excess / drag.inertia * time)
 
 
 class SimulatedUnit:

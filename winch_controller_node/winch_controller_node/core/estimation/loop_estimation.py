@@ -26,7 +26,6 @@ from winch_controller_node.interface.sensors import DEPTH_BIAS
 from winch_controller_node.model.estimator import Measurement, RecordedTick, begin_anew
 from winch_controller_node.model.loop_rows import loop_rows
 from winch_controller_node.model.simulated_unit import SimulatedUnit
-from winch_controller_node.model.slack_kernel import missing_push
 from winch_controller_node.motion.mean_motion import MeanMotion
 
 NOISE_SWING = 4.0
@@ -121,7 +120,6 @@ class LoopEstimation:
         """Refer to a design from now on, whose model the estimator has already."""
         self._design = design
         self.observer.terms.take_design(design)
-        self._slack = design.slack
         self._rows = loop_rows(design.model)
         self._shadow.take_cable(design.cable, design.tick_period)
         self._taut_shadow.take_cable(replace(design.cable, unit_weight=math.inf), design.tick_period)
@@ -347,7 +345,7 @@ class LoopEstimation:
             inconsistency=self.consistency.words,
             knows_tip=self.knows_tip,
             mean_tension=self.mean_tension.mean,
-            missing_push=missing_push(self._slack, estimate),
+            missing_push=self.estimator.missing_push,
         )
 
     def _begin(self, winch: WinchReading | None) -> bool:
