@@ -70,15 +70,15 @@ def test_a_boom_that_is_raised_leaves_the_unit_where_it_is_and_compensation_as_i
 
 @pytest.mark.parametrize("luff", [1.3, pytest.param(0.5, marks=pytest.mark.long)])
 def test_lift_and_sea_together_keep_the_speed_limit(luff):
-    """The winch itself could do 5 m/s: what keeps the drum below is the governor alone. The crane asks for 0.75 m/s."""
+    """The winch itself could do 5 m/s: the governor alone keeps the drum below. The crane lifts by 0.75 m/s at most."""
     speed = 0.9
     free = ("virtual_winch.speed_limit=5", f"winch_controller.winch.speed_limit={speed}")
-    record, orders = raised_lift(f"wave_vessel.crane.move_luff=[{luff}]", *free)
+    record, orders = raised_lift(f"wave_vessel.crane.move_luff=[{luff}]", *free, "all.duration=95")
     assert np.abs(orders[:, 1]).max() <= speed + 1e-9
     assert np.abs(record.column("payout_rate")).max() <= speed + 1e-6
     assert [code for code in codes(record) if code != "SEA_ABOVE_WINCH"] == [*STARTED, "CRANE_TOO_FAST"]
     assert set(record.column("authority", after=40.0)) == {1.0}, "compensation goes on"
-    assert heaves(record, 70.0, 75.0)[0] < 0.1, "the winch has caught up"
+    assert heaves(record, 90.0, 95.0)[0] < 0.1, "the winch has caught up"
 
 
 def test_a_lift_towards_the_end_of_the_range_stops_there_and_compensation_goes_on():

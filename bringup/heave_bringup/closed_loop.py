@@ -26,6 +26,7 @@ from wave_vessel_node.component import WaveVessel, WaveVesselOutputs
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.core.component import WinchController
+from winch_controller_node.in_front import motion_source
 from winch_controller_node.interface.conversions import measurements, winch_reading
 from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -130,6 +131,7 @@ class ClosedLoop:
         self.plant = CableSim(parameters.plant, seed=seed, tick_period=dt)
         self.winch = VirtualWinch(parameters.winch, tick_period=dt, seed=seed)
         self.controller = WinchController(parameters.controller, tick_period=dt, seed=seed)
+        self._source = motion_source(self.controller, dt)
         self.adviser = Adviser(parameters.controller, tick_period=dt) if has_adviser else None
         self._assumed_water = Water(parameters.controller.water_density, parameters.controller.gravity)
         self._tick_nanoseconds = round(dt * 1e9)
@@ -145,7 +147,8 @@ class ClosedLoop:
         if tick == 1:
             self.plant.set_waves(self.sea.waves())
         delivered = self._deliver(readings, vessel)
-        outputs = self.controller.step(tick, delivered)
+        poses = [pose_of(pose_to_wire(pose)) for pose in vessel.crane]
+        outputs = self._source.step(tick, delivered, poses)
         if outputs.observations is not None and self.adviser is not None:
             self.controller.take(self.adviser.advise(outputs.observations))
         row = np.array(
@@ -186,8 +189,7 @@ class ClosedLoop:
         # the state at t_k is that of the tick before; before the first tick there was none
         now = self.tick * self._tick_nanoseconds
         winch = winch_reading(self.winch.state, now) if self.tick > 1 else None
-        crane = tuple([pose_of(pose_to_wire(pose)) for pose in vessel.crane])
-        return measurements(delivered, winch, self._assumed_water, vessel.preview, crane=crane)
+        return measurements(delivered, winch, self._assumed_water, vessel.preview)
 
     def run(self, on_tick: Callable[[int, Outputs], None] | None = None) -> LoopRecord:
         """Run to the end; `on_tick` sees each tick's number and outputs."""

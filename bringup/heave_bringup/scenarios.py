@@ -20,7 +20,7 @@ from heave_node.run_parameters import NodeParameters, RunParameters, build_node_
 from heave_node.scenario import WILDCARD, Sections, parse_sections, read_sections
 from heave_node.system_parameters import SYSTEM, owned_names, system_names
 from winch_controller_node.core.supervision.modes import Mode
-from winch_controller_node.node_parameters import load_chosen_law
+from winch_controller_node.node_parameters import load_chosen_parts
 
 from heave_bringup.nodes import MASTER, NODE_BY_NAME, NODES
 from heave_bringup.settings import Setting, meant, near_places, parse_setting
@@ -149,7 +149,7 @@ def _of_sections(sections: Sections, path: Path, settings: Iterable[Setting | st
         changes = [replace(one, value=_found(Given(one.value, one.name, one.source)).value) for one in changes]
     checked = _checked(path.stem, path, in_file, changes)
     if needs_files:  # it is going to run: a scenario that is only looked at, in a bag of others, loads no code
-        load_chosen_law(checked.parameters["winch_controller"])
+        load_chosen_parts(checked.parameters["winch_controller"])
     return checked
 
 

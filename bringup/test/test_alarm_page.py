@@ -11,6 +11,7 @@ ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "alarms.md"
 PACKAGES = {
     "Controller and adviser": "winch_controller_node/winch_controller_node",
+    "In front of the controller": "extras/devices/heave_devices",
     "Cable, unit and virtual winch": "cable_sim_node/cable_sim_node",
     "Sea and vessel": "wave_vessel_node/wave_vessel_node",
     "Recorder": "bags/heave_bags/record",

@@ -40,6 +40,7 @@ from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.conversions import boom_tip_message
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.core.component import WinchController
+from winch_controller_node.in_front import motion_source
 from winch_controller_node.interface.conversions import WINCH_STATE, command_message, measurements, winch_reading_of
 from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.interface.sensors import INPUTS, SCALAR_SENSORS
@@ -62,6 +63,7 @@ class LoopOverMessages:
         self.plant = CableSim(p.plant, seed=p.seed, tick_period=self.dt)
         self.winch = VirtualWinch(p.winch, tick_period=self.dt)
         self.controller = WinchController(p.controller, tick_period=self.dt, seed=p.seed)
+        self.source = motion_source(self.controller, self.dt)
         self.water = Water(p.controller.water_density, p.controller.gravity)
         self.messages = {name: SensorMessages(sensor) for name, sensor in SENSORS.items()}
         self.winch_state: bytes | None = None
@@ -81,8 +83,8 @@ class LoopOverMessages:
         reading = winch_reading_of(heard(topics.WINCH_STATE, WINCH_STATE, winch)) if winch is not None else None
         poses = [pose_message(pose_to_wire(pose)) for pose in vessel.crane]
         crane = [pose_of(heard(topics.CRANE_POSE, POSE_FIELDS, pose)) for pose in poses]
-        taken = measurements(delivered, reading, self.water, crane=crane)
-        outputs = self.controller.step(number, taken)
+        taken = measurements(delivered, reading, self.water)
+        outputs = self.source.step(number, taken, crane)
         ordered = command_message(outputs.order, tick.start_nanoseconds)
         command = winch_command_of(heard(topics.WINCH_COMMAND, WINCH_COMMAND, ordered))
         row = (state.unit.position[2], self.winch.state.payout, self.winch.state.payout_rate, state.top_tension)

@@ -12,5 +12,6 @@ set_up(
             "adapt = heave_devices.commands.adapt",
             "import = heave_devices.commands.import_sea",
         ],
+        "heave.motion_sources": ["crane = heave_devices.crane.in_front:CRANE"],
     }
 )

@@ -20,10 +20,10 @@ def parts_of(mode, *, is_inhibited=False, reason="", sensors=(), adviser=None):
     report = SimpleNamespace(
         mode=mode, is_inhibited=is_inhibited, reason=reason, authority=0.0, sensors=sensors, solver_status="free"
     )
-    crane = SimpleNamespace(pose=SimpleNamespace(has_come=False, fault=""))
     node = SimpleNamespace(
         outputs_of_tick=SimpleNamespace(report=report),
-        controller=SimpleNamespace(depth=300.0, preview=SimpleNamespace(has_come=False), crane=crane),
+        controller=SimpleNamespace(depth=300.0, preview=SimpleNamespace(has_come=False)),
+        source=SimpleNamespace(health=dict),
         _changes={},
         _reported={},
         _has_adviser=adviser is not None,

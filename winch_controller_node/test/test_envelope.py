@@ -58,7 +58,7 @@ def test_the_move_of_the_envelope_is_that_of_the_mean_payout_by_the_requests_alo
         ask(mean, request)
         for _ in range(ticks):
             asked = Asked(Mode.MANUAL, mean.request)
-            envelope.step(Measurements(), Measurements(), asked, order)
+            envelope.step(Measurements(), asked, order)
             assert envelope.last.move_rate == pytest.approx(mean.point.rate, abs=1e-9)
             mean.advance()
 
@@ -68,12 +68,12 @@ def test_a_distance_far_from_that_of_count_or_depth_sensor_is_not_taken():
     envelope = OrderEnvelope(NOMINAL, CABLE, TICK)
     order, still = WinchOrder(1, 0.0, 0.0, True), WinchReading(0.0, 2.0, 0.0, True)
     at_rest = Measurements(winch=still)
-    envelope.step(at_rest, at_rest, Asked(Mode.STANDBY, mean.request), order)
+    envelope.step(at_rest, Asked(Mode.STANDBY, mean.request), order)
     mean.move_to(40.0, reference=5.0)  # an estimate takes a depth that is 5 m off for 40 m of wire
-    envelope.step(at_rest, at_rest, Asked(Mode.STANDBY, mean.request), order)
+    envelope.step(at_rest, Asked(Mode.STANDBY, mean.request), order)
     assert envelope._core.state["move"]["distance"][0] == pytest.approx(5.0 + NOMINAL.envelope.move_tolerance)
     mean.move_to(3.0)  # a payout: the count says 2 m
-    envelope.step(at_rest, at_rest, Asked(Mode.STANDBY, mean.request), order)
+    envelope.step(at_rest, Asked(Mode.STANDBY, mean.request), order)
     assert envelope._core.state["move"]["distance"][0] == pytest.approx(1.0 + NOMINAL.envelope.move_tolerance)
 
 
@@ -113,7 +113,7 @@ def test_what_was_sent_is_what_estimate_adviser_and_the_next_stop_go_by_and_an_o
         outputs, _ = loop.step()
         given = controller._winch.given
         if controller.envelope.moves_winch:
-            # set-points of the winch: no crane lifts, and the encoder has not jumped
+            # set-points of the winch: the encoder has not jumped
             assert given.payout_rate == outputs.order.payout_rate
             assert command.last.governed.value == pytest.approx(outputs.order.payout_rate, abs=1e-9)
             sent.append(outputs.order.payout_rate)
@@ -150,16 +150,16 @@ class TestAlone:
     def test_a_command_inside_the_bounds_passes_and_none_leaves_where_none_comes(self):
         alone = self.alone()
         order = WinchOrder(7, 0.0, 0.0, True)
-        assert alone.step(1, Measurements(), order)[0] == order
-        assert alone.step(2, Measurements(), None) == (None, [])
+        assert alone.step(Measurements(), order)[0] == order
+        assert alone.step(Measurements(), None) == (None, [])
 
     def test_a_wild_command_is_replaced_and_ends_in_the_brake_also_once_the_controller_is_silent(self):
         alone = self.alone()
-        alone.step(1, Measurements(), WinchOrder(1, 0.0, 0.0, False))
+        alone.step(Measurements(), WinchOrder(1, 0.0, 0.0, False))
         sent, codes = [], []
         for tick in range(2, 1000):
             command = WinchOrder(tick, 0.0, 50.0, False) if tick < 100 else None
-            order, news = alone.step(tick, Measurements(), command)
+            order, news = alone.step(Measurements(), command)
             sent.append(order)
             codes += [alarm.code for alarm in news]
         assert codes == ["ORDER_TOO_FAST"]
@@ -172,7 +172,7 @@ class TestAlone:
         for tick in range(400):
             if tick < 200:
                 alone.ask_speed(9.0)
-            alone.step(tick, Measurements(), WinchOrder(tick + 1, 0.0, 0.0, False))
+            alone.step(Measurements(), WinchOrder(tick + 1, 0.0, 0.0, False))
             rates.append(alone.envelope.last.move_rate)
         share = WinchEnvelopeParameters().operator.speed_share * WinchEnvelopeParameters().winch.speed_limit
         assert 0.1 < max(rates) <= share + 1e-9

@@ -8,7 +8,7 @@ from cable_sim_node.winch.parameters import WinchParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.laws.parts.governor import LiftShare, SpeedServo, standing_command
+from winch_controller_node.laws.parts.governor import SpeedServo, standing_command
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import WinchModelParameters
@@ -255,20 +255,6 @@ def test_no_set_point_of_a_limited_servo_is_sent_beyond_the_reach_of_the_winch()
         assert governed.sent == pytest.approx(way * 2.0)
     assert SpeedServo(LAG, ACCELERATION, DT).set_point(30.0, 0.0) == pytest.approx(1.5 * (LAG + DT), rel=1e-4)
     assert SpeedServo(LAG, ACCELERATION, DT).linear_acceleration == pytest.approx(STEP / LAG)
-
-
-@pytest.mark.parametrize("law", ["speed_servo", "first_order"])
-def test_the_limits_hold_for_lift_and_compensation_together_and_each_is_sent_its_share(law):
-    """A winch of gain 0.8 is sent 0.25 m/s for a lift of 0.2 m/s; a first-order one is ordered the lift's payout."""
-    governor = designed(law=law, speed_gain=0.8).make_governor()
-    lift = LiftShare(command=0.2, payout=0.2, rate=0.1)
-    governed = governor.govern(0.1, 0.0, 0.0, 1e4, lift)
-    assert (governed.value, governed.active) == (pytest.approx(0.1), ())
-    gain = 0.8 if law == "speed_servo" else 1.0
-    assert (governed.sent, governed.lift_sent) == pytest.approx((0.1 / gain, 0.2 / gain))
-    alone, both = (governor.govern(99.0, 0.2, 0.1, 1e4), governor.govern(99.0, 0.0, 0.0, 1e4, lift))
-    assert both.value == pytest.approx(alone.value - 0.2)
-    assert both.active == alone.active != ()
 
 
 # the first-order winch of the thesis, ordered by its payout

@@ -62,7 +62,7 @@ WINGS = (
     ("motion",),
     ("laws",),
     ("node_parameters",),
-    ("design", "crane"),
+    ("design",),
     ("beliefs",),
     ("estimation", "adviser"),
     ("identification",),
@@ -97,7 +97,6 @@ def test_arrows_between_the_wings_run_downwards():
 
 CORE = (
     "component",
-    "crane",
     "estimation",
     "supervision",
     "beliefs_in_force",

@@ -12,7 +12,7 @@ from winch_controller_node.design.wire import parameters_of, parameters_text
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.laws import registry
 from winch_controller_node.laws.registry import LAWS, LOADED, law_class, load_law
-from winch_controller_node.node_parameters import WinchControllerParameters, load_chosen_law
+from winch_controller_node.node_parameters import WinchControllerParameters, load_chosen_parts
 
 LAW = """
 from dataclasses import dataclass
@@ -59,7 +59,7 @@ def here(tmp_path, monkeypatch):
 def controller(law: str, *given: str) -> WinchController:
     values = {"law": law, "law_parameters": list(given)}
     parameters = build_parameters(WinchControllerParameters, values, where="here")
-    load_chosen_law(parameters)
+    load_chosen_parts(parameters)
     return WinchController(parameters, tick_period=0.05)
 
 

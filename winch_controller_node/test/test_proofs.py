@@ -51,7 +51,7 @@ def braked(proof, seconds, scale=1.0, *, tension=1.0, depth=1.0, seed=1, cable=C
     rng = np.random.default_rng(seed)
     load = NominalLoad(CABLE, 900.0, TICK)
     for k, (time, tip, unit) in enumerate(zip(*truth(seconds, cable), strict=True)):
-        load.step(mru(time, scale), (0.0, 0.0))
+        load.step(mru(time, scale))
         force = (
             ()
             if tension is None
@@ -116,7 +116,7 @@ def test_the_nominal_unit_is_that_of_scipy():
     load = NominalLoad(CABLE, 900.0, TICK)
     found = []
     for t in time:
-        load.step(mru(t), (0.0, 0.0))
+        load.step(mru(t))
         found.append(load.unit)
     # the rate of the first tick is that of the wave, which SciPy's unit at rest does not know
     assert np.max(np.abs(np.array(found) - unit)[200:]) < 0.02
@@ -128,7 +128,7 @@ def test_noise_of_the_heave_shakes_a_short_cable_by_less_than_half_of_what_it_wo
     blended, unblended = [], []
     for k in range(1200):
         z, rate = 0.01 * rng.normal(), 0.005 * rng.normal()
-        load.step((MruReading(k * TICK, z, rate),), (0.0, 0.0))
+        load.step((MruReading(k * TICK, z, rate),))
         blended.append(load.stretch)
         unblended.append(z - plain.state[0])
         plain.step(np.array([z, rate]))
@@ -143,7 +143,7 @@ def test_a_motion_without_rate_a_slower_one_and_one_that_is_late_are_followed():
             if k % every == 0 and k * TICK >= late:
                 z, rate = heave(k * TICK - late)
                 readings = (MruReading(k * TICK - late, z, rate if with_rate else math.nan),)
-            load.step(readings, (0.0, 0.0))
+            load.step(readings)
             if k > 100:
                 off.append(load.heave - heave(load.time)[0])
         assert np.max(np.abs(off)) < 0.02
@@ -153,10 +153,10 @@ def test_a_motion_without_rate_a_slower_one_and_one_that_is_late_are_followed():
 def test_an_mru_that_is_lost_or_says_that_it_is_invalid_is_not_known():
     load = NominalLoad(CABLE, 900.0, TICK)
     for k in range(100):
-        load.step(mru(k * TICK), (0.0, 0.0))
+        load.step(mru(k * TICK))
     assert load.is_known
     for k in range(100, 120):
-        load.step(mru(k * TICK, status=MruStatus.INVALID), (0.0, 0.0))
+        load.step(mru(k * TICK, status=MruStatus.INVALID))
     assert not load.is_known
 
 
@@ -208,7 +208,7 @@ def test_in_calm_water_there_is_nothing_to_prove():
     proof, load = MotionProof(TICK), NominalLoad(CABLE, 900.0, TICK)
     rng = np.random.default_rng(1)
     for k in range(600):
-        load.step((MruReading(k * TICK, 0.01 * rng.normal(), 0.005 * rng.normal()),), (0.0, 0.0))
+        load.step((MruReading(k * TICK, 0.01 * rng.normal(), 0.005 * rng.normal()),))
         if load.is_known:
             proof.add(load, (ScalarReading(k * TICK, 98.6e3 + 100.0 * rng.normal()),), ())
     assert proof.standing is Standing.QUIET
@@ -218,7 +218,7 @@ def test_a_free_swing_that_a_stop_has_left_does_not_hide_the_motion():
     """0.4 m of it, half of the sea's own."""
     proof, load = MotionProof(TICK), NominalLoad(CABLE, 900.0, TICK)
     for time, tip, unit in zip(*truth(25.0), strict=True):
-        load.step(mru(time), (0.0, 0.0))
+        load.step(mru(time))
         swing = 0.4 * math.cos(time / math.sqrt(CABLE.a))
         if load.is_known:
             proof.add(load, (ScalarReading(time, 98.6e3 + 17.5e3 * (tip - unit - swing)),), ())
@@ -288,7 +288,7 @@ def controlled(parameters=None, *, seconds=40.0, scale=1.0, tension=1.0, asks=No
             {} if tension is None else {"load_cell": (ScalarReading(time, 98.6e3 + tension * 17.5e3 * (tip - unit)),)}
         )
         raw = Measurements(mru(time, scale), scalar, WinchReading(time, 0.0, 0.0, brake=True))
-        proven = proofs.step(raw, raw, (0.0, 0.0), driven)
+        proven = proofs.step(raw, driven)
         alarms += proven.alarms
         proofs.note(WinchOrder(k, 0.0, 0.0, brake=True))
     return proven, [alarm.code for alarm in alarms]
@@ -324,6 +324,6 @@ def test_what_the_envelope_ended_for_harm_is_proved_again_without_the_old_consen
     proofs = Proofs(WinchControllerParameters(length=900.0), CABLE, TICK)
     proofs.ask(consent=True)
     harm = Driven(waits=False, hangs=True, taken_over="LOAD_SWUNG_HIGHER")
-    proofs.step(Measurements(mru(0.0)), Measurements(mru(0.0)), (0.0, 0.0), harm)
+    proofs.step(Measurements(mru(0.0)), harm)
     assert not proofs.consent
-    assert "proving the MRU" in proofs.step(Measurements(), Measurements(), (0.0, 0.0), harm).gate
+    assert "proving the MRU" in proofs.step(Measurements(), harm).gate

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 
 from geometry_msgs.msg import TwistStamped
-from heave_node.crane.pose import POSE_FIELDS, pose_of
 from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.codes import time_key
@@ -30,7 +29,7 @@ SEEN = ("mru", "load_cell")
 class WinchEnvelopeNode(ParticipantNode):
     """Takes `winch/command` of tick k and publishes `winch/command_within`, for [t_k, t_{k+1}] too.
 
-    It reads MRU, load cell, state of the winch, pose of the crane, and `controller/operator_speed`. The service
+    It reads MRU, load cell, state of the winch, and `controller/operator_speed`. The service
     `winch_envelope/acknowledge` releases what it has latched.
     """
 
@@ -51,7 +50,6 @@ class WinchEnvelopeNode(ParticipantNode):
         self.winch_state = self.add_input(
             topics.WINCH_STATE, conversions.WINCH_STATE, check_stamps=False, holds_ahead=True
         )
-        self.crane_pose = self.add_input(topics.CRANE_POSE, POSE_FIELDS, check_stamps=False, holds_ahead=True)
         self.create_subscription(TwistStamped, topics.OPERATOR_SPEED.name, self._take_operator_speed, 1)
         self.create_service(Trigger, "winch_envelope/acknowledge", self._serve_acknowledge)
 
@@ -66,10 +64,9 @@ class WinchEnvelopeNode(ParticipantNode):
             {name: self.take(port) for name, port in self.sensors.items()},
             conversions.winch_reading_of(states[-1]) if states else None,
             Water(self.parameters.water_density, self.parameters.gravity),
-            crane=map(pose_of, self.take(self.crane_pose)),
         )
         given = conversions.winch_order_of(commands[-1]) if commands else None
-        sent, news = self.bounded.step(tick.number, measurements, given)
+        sent, news = self.bounded.step(measurements, given)
         if sent is not None:
             self.within.publish(conversions.command_message(sent, tick.start_nanoseconds))
         for alarm in news:

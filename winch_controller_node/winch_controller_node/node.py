@@ -50,13 +50,14 @@ from winch_controller_node.core.component import WinchController
 from winch_controller_node.core.supervision.modes import ModeError
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.wire import WireError, parameters_text
+from winch_controller_node.in_front import motion_source
 from winch_controller_node.interface import conversions
 from winch_controller_node.interface.alarms import ALARMS as ALARM_TABLE
 from winch_controller_node.interface.readings import Lateness, Measurements, Outputs, Report
 from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.move_action import MoveAction
-from winch_controller_node.node_parameters import WinchControllerParameters, load_chosen_law
+from winch_controller_node.node_parameters import WinchControllerParameters, load_chosen_parts
 from winch_controller_node.redesign import Redesign as DesignBeside
 
 ADVISER = "adviser"
@@ -84,14 +85,13 @@ class WinchControllerNode(ParticipantNode):
 
     def on_build(self) -> None:
         """Make the controller, its outputs and inputs; a few ticks of a throw-away one warm everything up."""
-        load_chosen_law(self.parameters)
-        warm_up = self._make_controller()
+        load_chosen_parts(self.parameters)
+        self._begin()
         for tick in range(1, 4):
-            warm_up.step(tick, Measurements())
-        self.controller = self._make_controller()
+            self.controller.step(tick, Measurements())
+        self._begin()
         self.outputs_of_tick: Outputs | None = None
         self.execution = TickTimes(self.run.tick_period)
-        self._begin_advice()
         self._reported: dict[str, list[str]] = {}
         self._changes: dict[str, str] = {}
         self.command = self.add_output(topics.WINCH_COMMAND)
@@ -109,8 +109,10 @@ class WinchControllerNode(ParticipantNode):
         self.move = MoveAction(self, lambda: self.controller)
         self.create_subscription(TwistStamped, topics.OPERATOR_SPEED.name, self._take_operator_speed, 1)
 
-    def _begin_advice(self) -> None:
-        """Begin with the nominal of the parameters, and without an answer."""
+    def _begin(self) -> None:
+        """Begin with a new controller, the nominal of the parameters, and without an answer."""
+        self.controller = self._make_controller()
+        self.source = motion_source(self.controller, self.run.tick_period)
         self._nominal = parameters_text(self.parameters)
         self.adviser = AdviserWatch(self.run.tick_period)
 
@@ -126,8 +128,7 @@ class WinchControllerNode(ParticipantNode):
         """Start again in a run that is under way; `state` is the lifecycle state before."""
         if self.has_started:
             try:
-                self.controller = self._make_controller()
-                self._begin_advice()
+                self._begin()
             except NodeError as error:
                 self.fail(str(error), error)
                 return TransitionCallbackReturn.FAILURE
@@ -142,8 +143,7 @@ class WinchControllerNode(ParticipantNode):
 
     def on_reset(self) -> None:
         """Start again: at standby, without an estimate."""
-        self.controller = self._make_controller()
-        self._begin_advice()
+        self._begin()
         self.move.abort("the run was reset")
 
     def on_tick(self, tick: Tick) -> None:
@@ -156,13 +156,13 @@ class WinchControllerNode(ParticipantNode):
         previews = self.take(self.preview)
         preview = conversions.heave_preview(previews[-1]) if previews else None
         lateness = Lateness(self.punctuality.of_clock, self.punctuality.of_node)
-        crane = map(pose_of, self.take(self.crane_pose))
-        measurements = conversions.measurements(delivered, winch, water, preview, lateness, crane)
+        poses = [pose_of(reading) for reading in self.take(self.crane_pose)]
+        measurements = conversions.measurements(delivered, winch, water, preview, lateness)
         answers = self.take(self.beliefs)
         began = wall.perf_counter()
         for answer in answers:
             self._hear(answer)
-        outputs = self.controller.step(tick.number, measurements)
+        outputs = self.source.step(tick.number, measurements, poses)
         execution = self.execution.add(wall.perf_counter() - began)
         self.outputs_of_tick = outputs
         stamp = tick.start_nanoseconds
@@ -243,9 +243,8 @@ class WinchControllerNode(ParticipantNode):
         preview = self.controller.preview
         if preview.has_come:
             parts.append(Health("preview", Level.WARN if preview.fault else Level.OK, preview.words))
-        crane = self.controller.crane.pose
-        if crane.has_come or crane.fault:
-            parts.append(Health("crane", Level.WARN if crane.fault else Level.OK, crane.words))
+        for name, (is_well, words) in self.source.health().items():
+            parts.append(Health(name, Level.OK if is_well else Level.WARN, words))
         if report.solver_status.startswith("not solved"):
             parts.append(alarm_health("solver", ALARM_TABLE.alarm("SOLVER_FAILED", status=report.solver_status)))
         reported, self._reported = {time: "; ".join(words) for time, words in self._reported.items()}, {}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from cable_sim_node.parameters import CableParameters
 from cable_sim_node.unit_parameters import UnitParameters
+from heave_node.extras import extra_parts, missing_extra
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import ParameterError, group, parameter
 
@@ -36,6 +37,11 @@ from winch_controller_node.parameters.model import (
     WeightParameters,
     WinchModelParameters,
 )
+
+MOTION_SOURCES = "heave.motion_sources"
+"""Group of entry points that stand in front of the controller, see `in_front`."""
+CRANE = "crane"
+"""Name of that which reads `crane/pose`."""
 
 if TYPE_CHECKING:
 
@@ -130,11 +136,14 @@ class WinchControllerParameters(LawGroups):
             )
 
 
-def load_chosen_law(parameters: WinchControllerParameters) -> None:
-    """Load the law that a user has chosen in these `parameters`, and check what was given to it.
+def load_chosen_parts(parameters: WinchControllerParameters) -> None:
+    """Load the law that a user has chosen in these `parameters`, check what was given to it, and look for the crane's.
 
-    Raises ParameterError, in one line, where there is no such law or it does not take its parameters.
+    Raises ParameterError, in one line, where there is no such law, it does not take its parameters, or what reads the
+    pose of a crane is not installed.
     """
+    if parameters.crane.is_fitted and CRANE not in extra_parts(MOTION_SOURCES):
+        raise ParameterError(str(missing_extra("system.crane", "devices")))
     law = load_law(parameters.law)
     if ":" in parameters.law:
         parameters_of_place(law, parameters.law_parameters)

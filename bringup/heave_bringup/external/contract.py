@@ -22,8 +22,8 @@ from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.beliefs.beliefs import LATENCY
 from winch_controller_node.core.estimation.preview_watch import MAXIMUM_AGE, PROOF_TIME
 from winch_controller_node.core.supervision.command_timeouts import MOST, PERIOD, WAIT
-from winch_controller_node.crane.pose_watch import CONFIRMED_AFTER
 from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.crane import CONFIRMED_AFTER
 
 TICK = RunParameters().tick_period
 WINCH = WinchParameters()
@@ -216,7 +216,8 @@ CONTRACTS: tuple[Contract, ...] = (
         "rate of its own: law `mpc` uses it where `mpc.preview_time` is set, once it has come true for "
         f"{PROOF_TIME:g} s, while it is at most {MAXIMUM_AGE:g} s old and covers all times up to `mpc.preview_time`. "
         "`crane/pose` may come from a process of its own too, at a rate of its own: `mru` is then that of the boom tip "
-        "in the reference pose, `system.crane`, and the controller carries it to where the tip is. A pose older than "
+        "in the reference pose, `system.crane`, and what stands in front of the controller "
+        "(heave[devices]) carries it to where the tip is. A pose older than "
         f"{CRANE.pose_timeout:g} s is stale, and the last one is held; one that is elsewhere is used once it has gone "
         f"on for {CONFIRMED_AFTER:g} s.",
     ),

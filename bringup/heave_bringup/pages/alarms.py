@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 
 from cable_sim_node.alarms import ALARMS as PLANT
 from heave_bags.record.alarms import ALARMS as RECORDER
+from heave_node.extras import extra_parts
 from heave_node.interface.alarm import AlarmRow, AlarmTable
 from heave_node.interface.node_alarms import NODE_ALARMS
 from wave_vessel_node.alarms import ALARMS as VESSEL
@@ -19,10 +20,14 @@ from winch_controller_node.core.supervision.command_timeouts import MOST, PERIOD
 from winch_controller_node.core.supervision.guard_hold import CAUSE_TIME, HOLD_GROWTH, KNOWN_HOLD
 from winch_controller_node.core.supervision.supervisor import BLIND_LIMIT
 from winch_controller_node.interface.alarms import ALARMS as CONTROLLER
+from winch_controller_node.node_parameters import MOTION_SOURCES
 from winch_controller_node.parameters.laws import GuardParameters, ModeParameters
 
 TABLES: dict[str, AlarmTable] = {
     "Controller and adviser": CONTROLLER,
+    "In front of the controller": AlarmTable(
+        {code: row for part in extra_parts(MOTION_SOURCES).values() for code, row in part.load().alarms.items()}
+    ),
     "Cable, unit and virtual winch": PLANT,
     "Sea and vessel": VESSEL,
     "Recorder": RECORDER,

@@ -34,6 +34,7 @@ from heave_node.numerics.kinematics import PointMotion
 from wave_vessel_node.component import WaveVessel, WaveVesselOutputs
 from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.core.component import WinchController
+from winch_controller_node.in_front import motion_source
 from winch_controller_node.interface.conversions import WINCH_STATE as WINCH_MEASURES
 from winch_controller_node.interface.conversions import measurements, winch_reading_of
 
@@ -214,6 +215,7 @@ class ControllerPart(Part):
         """See Part."""
         loop = self.parameters
         self._controller = WinchController(loop.controller, tick_period=loop.tick_period, seed=loop.seed)
+        self._source = motion_source(self._controller, loop.tick_period)
         self._adviser = Adviser(loop.controller, tick_period=loop.tick_period)
         self._water = Water(loop.controller.water_density, loop.controller.gravity)
 
@@ -224,10 +226,10 @@ class ControllerPart(Part):
         delivered = {sensor.name: self.inputs[sensor.topic.name].take(now) for sensor in sensors}
         state = self.inputs[topics.WINCH_STATE.name].newest(now)
         winch = None if state is None else winch_reading_of(state)
-        crane = [pose_of(reading) for reading in self._taken(topics.CRANE_POSE, now)]
+        poses = [pose_of(reading) for reading in self._taken(topics.CRANE_POSE, now)]
         previews = [_preview(reading) for reading in self._taken(topics.HEAVE_PREVIEW, now)]
         preview = previews[-1] if previews else None
-        outputs = self._controller.step(tick, measurements(delivered, winch, water, preview, crane=crane))
+        outputs = self._source.step(tick, measurements(delivered, winch, water, preview), poses)
         if outputs.observations is not None:
             self._controller.take(self._adviser.advise(outputs.observations))
         self.send(topics.WINCH_COMMAND, tick, (getattr(outputs.order, name) for name in WINCH_COMMAND))

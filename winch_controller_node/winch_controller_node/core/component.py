@@ -37,7 +37,6 @@ from winch_controller_node.core.supervision.supervisor import Decision, Supervis
 from winch_controller_node.core.supervision.watch.encoder_reflex import Act, EncoderReflex
 from winch_controller_node.core.supervision.watch.load_watch import Episode, LoadWatch, rope_strength
 from winch_controller_node.core.supervision.watch.winch_watch import WinchWatch
-from winch_controller_node.crane.tip_carry import TipCarry
 from winch_controller_node.design.design import ControllerDesign, assumed_cable
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design.schedule import identifies_winch
@@ -95,7 +94,6 @@ class WinchController:
         self._in_force = DesignInForce(parameters, tick_period=tick_period)
         design, law = self._in_force.design, self._in_force.law
         self._estimation = LoopEstimation(design)
-        self.crane = TipCarry(parameters.crane, parameters.sensors.mru, parameters.winch, tick_period)
         self._supervisor = Supervisor(design, law)
         self._command = LoopCommand(design, law)
         self._winch = WinchWatch(design)
@@ -256,7 +254,7 @@ class WinchController:
             raise ModeError(f"a move needs mode compensating; the mode is {self.mode.value}")
         if not math.isfinite(depth):
             raise ModeError(f"a depth must be a number; got {depth} m")
-        reference = self.envelope.distance_to(stated(depth))
+        reference = self.envelope.distance_to(stated(depth) + self.carried)
         self.move_to_payout(self._estimation.payout_at(stated(depth)), stated(speed), reference)
         self._requests.append(Request(DEPTH, (depth, speed) if speed > 0.0 else (depth,)).words)
 
@@ -267,7 +265,7 @@ class WinchController:
 
         Raises ModeError where the winch's range does not reach.
         """
-        lowest, highest = self._command.payout_range()
+        lowest, highest = self._payout_range()
         if not lowest <= payout <= highest:
             raise ModeError(f"that needs a payout of {payout:.1f} m; the winch reaches {lowest:g} to {highest:g} m")
         self.mean.move_to(payout, speed, reference)
@@ -302,18 +300,51 @@ class WinchController:
 
     def _drive_mean(self) -> None:
         """Drive the mean payout for a tick as the operator asks."""
-        limits, shares = self._command.governor.limits, self.parameters.operator
+        bounds = self._operator_range(*self._payout_range(), self.mean.lag)
+        limited = self._operator.limit_news(bounds)
+        self._alarms += [limited] if limited else []
+        self.mean.drive(self._operator.advance(self.mean.point, bounds), bounds.acceleration)
+
+    def _payout_range(self) -> tuple[float, float]:
+        """Return the ends of the range that the mean payout may use, less what it is carried along by [m]."""
         lowest, highest = self._command.payout_range()
-        bounds = OperatorRange(
+        return lowest - self.carried, highest - self.carried
+
+    def _operator_range(self, lowest: float, highest: float, lag: float) -> OperatorRange:
+        """Return an operator's share of the winch, from a `lowest` to a `highest` payout [m], with a `lag` [s]."""
+        limits, shares = self._command.governor.limits, self.parameters.operator
+        return OperatorRange(
             speed=shares.speed_share * limits.speed,
             acceleration=shares.acceleration_share * limits.acceleration,
             payout_minimum=lowest,
             payout_maximum=highest,
-            lag=self.mean.lag,
+            lag=lag,
         )
-        limited = self._operator.limit_news(bounds)
-        self._alarms += [limited] if limited else []
-        self.mean.drive(self._operator.advance(self.mean.point, bounds), bounds.acceleration)
+
+    @property
+    def carried(self) -> float:
+        """Payout by which the mean one has been carried along so far, beside its moves [m]."""
+        return self._estimation.motion.carried.point.payout
+
+    def carry_mean(self, rate: float, kept: float = 0.0) -> tuple[float, OperatorRange]:
+        """Carry the mean payout along in the next tick, beside any move: the place moves about which the tip heaves.
+
+        Depth and depth set-point stay what they are: the unit is where it was.
+
+        Parameters
+        ----------
+        rate : asked for, positive lowers [m/s]
+        kept : room that compensation keeps at the ends of the winch's range [m]
+
+        Returns the rate that is taken [m/s], and the operator's share of the winch within which it is.
+        """
+        carried, (lowest, highest) = self._estimation.motion.carried, self._command.payout_range()
+        kept = min(kept, 0.5 * (highest - lowest))
+        bounds = self._operator_range(lowest + kept, highest - kept, carried.lag)
+        payout = self.mean.point.payout + carried.point.payout
+        taken = bounds.nearest(rate, payout) if self.mode in OPERATED else 0.0
+        carried.drive(taken, bounds.acceleration)
+        return taken, bounds
 
     def cancel_move(self) -> None:
         """Bring the mean payout to rest smoothly."""
@@ -390,8 +421,7 @@ class WinchController:
 
     def step(self, tick: int, measurements: Measurements) -> Outputs:
         """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
-        raw = measurements
-        measurements, self._alarms = self.crane.carried(tick * self._dt, raw)
+        self._alarms = []
         if kept := self._winch.kept:
             self._alarms.append(ALARMS.alarm("TICKS_LEFT_OUT", count=kept, time=kept * self._dt))
         self._run_programme(tick * self._dt)
@@ -403,7 +433,7 @@ class WinchController:
             tick, measurements, self._command.last.shares, unit_stands=not self._supervisor.landing.hangs
         )
         self._alarms += loop.sensed.faults
-        decision = self._decide(loop, measurements, self._prove(tick, raw, measurements))
+        decision = self._decide(loop, measurements, self._prove(measurements))
         if decision.mode.before is not None or decision.landing is not None:
             self._change_mode(decision.mode, loop)
             self._act_on(decision.landing, loop)
@@ -412,13 +442,12 @@ class WinchController:
         self._alarms += self._after_stop.step(loop, decision.mode, self.design.cable, hangs=hangs)
         observations = self._observe(loop, measurements.winch, decision.mode)
         preview = self._watch_preview(loop, measurements.preview)
-        lift = self.crane.lift_share(self._command.governor.limits, self.mean.point.payout, loop.payout)
-        command = self._command.command(loop, decision, preview, lift)
+        command = self._command.command(loop, decision, preview)
         move = self.mean.request
         self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
         self._watch_load(loop, measurements.winch, command)
         order = self._command.order(command, decision.mode, self._estimation.set_point)
-        order = self._leave(order, move, raw, measurements)
+        order = self._leave(order, move, measurements)
         self.proofs.note(order)
         order = self._with_place(order, loop.payout)
         command = self._command.last
@@ -434,7 +463,7 @@ class WinchController:
             law=self._in_force.law.name,
             gain=self._in_force.law.gain,
             covariance=self.estimator.covariance,
-            depth_set_point=self._estimation.set_point,
+            depth_set_point=self._estimation.depth_set_point,
             sensors=tuple(state.reported(does) for state in self.observer.states(tick)),
         )
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
@@ -452,20 +481,20 @@ class WinchController:
             observations,
         )
 
-    def _leave(self, order: WinchOrder, move: MoveRequest, raw: Measurements, at_tip: Measurements) -> WinchOrder:
+    def _leave(self, order: WinchOrder, move: MoveRequest, measurements: Measurements) -> WinchOrder:
         """Return the order that leaves, in the encoder's count, within the envelope; all go by what is sent.
 
         Parameters
         ----------
         order : of the controller
         move : last request for the mean payout before the tick
-        raw, at_tip : readings as they came, and carried to the boom tip
+        measurements : of the tick
         """
-        leaving = self._command.with_lift(order)
-        leaving = leaving._replace(payout=self.observer.encoder.count_at(leaving.payout))
+        leaving = order._replace(payout=self.observer.encoder.count_at(order.payout))
         tension, is_blind = self._command.tension_asked, self.modes.is_damped_blind
-        asked = Asked(self.mode, move, tension, self.crane.lift_speed, is_damped_blind=is_blind)
-        sent, news = self.envelope.step(raw, at_tip, asked, leaving)
+        lift_rate = self._estimation.motion.carried.point.rate
+        asked = Asked(self.mode, move, tension, lift_rate, is_damped_blind=is_blind)
+        sent, news = self.envelope.step(measurements, asked, leaving)
         self._alarms += news
         if sent is not leaving:
             self._command.take_sent(leaving, sent)
@@ -516,12 +545,12 @@ class WinchController:
             restated=self._beliefs.restated,
         )
 
-    def _prove(self, tick: int, raw: Measurements, at_tip: Measurements) -> Proven:
-        """Return what nominal values and readings that are `raw`, or carried to the boom tip, prove before a `tick`."""
+    def _prove(self, measurements: Measurements) -> Proven:
+        """Return what nominal values and the `measurements` of the tick prove."""
         modes, reason = self.modes, self.envelope.reason
         waits = modes.mode is Mode.STANDBY and modes.wants_compensation
         driven = Driven(waits, self._supervisor.landing.hangs, "" if reason is None else reason.code)
-        proven = self.proofs.step(raw, at_tip, self.crane.left(tick * self._dt), driven)
+        proven = self.proofs.step(measurements, driven)
         self._alarms += proven.alarms
         return proven
 
@@ -608,6 +637,7 @@ class WinchController:
             self._estimation.motion.stand()
         elif mode.mode is not Mode.COMPENSATING:
             self.mean.stop()
+            self._estimation.motion.carried.stop()
         if mode.mode is Mode.COMPENSATING:
             self._estimation.begin_share()
         starts = mode.mode is Mode.COMPENSATING and before is not Mode.FADE_OUT
@@ -768,5 +798,4 @@ class WinchController:
         """Command and supervise with the active design and law; mode and mean payout stay."""
         design, law = self._in_force.design, self._in_force.law
         self._command.take_design(design, law)
-        self.crane.take_winch(design.parameters.winch)
         self._supervisor.take_design(design, law)

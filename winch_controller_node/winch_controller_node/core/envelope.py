@@ -59,7 +59,7 @@ class Asked(NamedTuple):
     mode : active
     move : last request for the mean payout
     tension : to hold [N]; NaN: none
-    lift_rate : with which a crane lifts the boom tip, as the winch is to make up for it [m/s]
+    lift_rate : at which the mean payout is carried along where the place moves about which the tip heaves [m/s]
     is_damped_blind : a fade-out damps the unit by the depth sensor alone
     """
 
@@ -177,15 +177,12 @@ class OrderEnvelope:
             *_, payout, rate, brake = self._given
             self._core.step((*_NOTHING_READ, *self._given[len(_NOTHING_READ) : -4], 0.0, payout, rate, brake))
 
-    def step(
-        self, raw: Measurements, at_tip: Measurements, asked: Asked, order: WinchOrder
-    ) -> tuple[WinchOrder, list[Alarm]]:
+    def step(self, raw: Measurements, asked: Asked, order: WinchOrder) -> tuple[WinchOrder, list[Alarm]]:
         """Return the order that leaves in place of `order`, the same one inside the bounds, and what is new.
 
         Parameters
         ----------
         raw : readings of the tick
-        at_tip : the same, carried to the boom tip by geometry
         asked : by an operator
         order : of the controller
         """
@@ -194,7 +191,7 @@ class OrderEnvelope:
         if not self._is_active:
             return order, []
         before = self.last.cause
-        given = _readings(raw, at_tip, asked, order, self._is_acknowledged)
+        given = _readings(raw, asked, order, self._is_acknowledged)
         self.last = sent = self._core.step(given)
         self._given = (*given[:-3], sent.payout, sent.rate, sent.brake)
         self._is_acknowledged = False
@@ -207,12 +204,10 @@ class OrderEnvelope:
         return WinchOrder(order.sequence, sent.payout, sent.rate, bool(sent.brake)), alarms
 
 
-def _readings(
-    raw: Measurements, at_tip: Measurements, asked: Asked, order: WinchOrder, is_acknowledged: bool
-) -> tuple[float, ...]:
+def _readings(raw: Measurements, asked: Asked, order: WinchOrder, is_acknowledged: bool) -> tuple[float, ...]:
     """Return what comes in at a tick, in the order of READING_NAMES."""
     heave = rate = count = load = math.nan
-    for reading in at_tip.mru:
+    for reading in raw.mru:
         if reading.status == MruStatus.OK:
             heave, rate = reading.heave, reading.heave_rate
     winch, is_held = raw.winch, False

@@ -13,7 +13,6 @@ from heave_node.interface.alarm import Alarm
 
 from winch_controller_node.core.envelope import Asked, OrderEnvelope
 from winch_controller_node.core.supervision.modes import Mode
-from winch_controller_node.crane.tip_carry import TipCarry
 from winch_controller_node.design.design import assumed_cable
 from winch_controller_node.interface.readings import Measurements, WinchOrder
 from winch_controller_node.motion.trajectory import MoveRequest
@@ -38,7 +37,6 @@ class EnvelopeAlone:
         # it has the groups that the envelope looks at, by the same names
         nominal = cast(WinchControllerParameters, parameters)
         cable = assumed_cable(nominal, parameters.length)
-        self._crane = TipCarry(parameters.crane, parameters.mru, parameters.winch, tick_period)
         self.envelope = OrderEnvelope(nominal, cable, tick_period)
         self._largest_speed = parameters.operator.speed_share * parameters.winch.speed_limit
         self._acceleration = parameters.operator.acceleration_share * parameters.winch.acceleration_limit
@@ -57,25 +55,20 @@ class EnvelopeAlone:
         self.envelope.acknowledge()
         return self.envelope.reason is None
 
-    def step(
-        self, tick: int, measurements: Measurements, command: WinchOrder | None
-    ) -> tuple[WinchOrder | None, list[Alarm]]:
-        """Do tick k: return the command that leaves, and what is new.
+    def step(self, measurements: Measurements, command: WinchOrder | None) -> tuple[WinchOrder | None, list[Alarm]]:
+        """Do a tick: return the command that leaves, and what is new.
 
         Parameters
         ----------
-        tick : number
         measurements : delivered at the tick
         command : of the controller; None: none came, and none leaves unless the envelope makes the order itself
         """
         self._age += self._dt
         if self._age > self._operator.timeout and self._move.kind == "drive":
             self._move = MoveRequest(self._move.number + 1, "stop", acceleration=self._acceleration)
-        at_tip, _ = self._crane.carried(tick * self._dt, measurements)
         self._command = self._command if command is None else command
         mode = Mode.STANDBY if self._command.brake else Mode.COMPENSATING
-        asked = Asked(mode, self._move, lift_rate=self._crane.lift_speed)
-        sent, news = self.envelope.step(measurements, at_tip, asked, self._command)
+        sent, news = self.envelope.step(measurements, Asked(mode, self._move), self._command)
         if command is None and self.envelope.reason is None:
             return None, news  # the winch's own watchdog is to see that the controller is silent
         self._sequence = max(self._sequence + 1, self._command.sequence)

@@ -18,7 +18,7 @@ from winch_controller_node.interface.readings import WinchOrder
 from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint, Travel
 from winch_controller_node.laws.law import ControlLaw, LawCommand
 from winch_controller_node.laws.outlet_hold import OutletHold
-from winch_controller_node.laws.parts.governor import NO_LIFT, TENSION, GovernedCommand, LiftShare
+from winch_controller_node.laws.parts.governor import TENSION, GovernedCommand
 from winch_controller_node.laws.parts.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.laws.parts.order_minute import OrderMinute
 from winch_controller_node.model.loop_rows import loop_rows
@@ -50,16 +50,14 @@ class TickCommand(NamedTuple):
     ----------
     asked : by the law, without the mean payout's share
     governed : what the governor lets through, the mean payout's share included
-    standing : command under which the winch would stay where it is, and not follow a crane's lift
+    standing : command under which the winch would stay where it is
     shares : of the governed command
-    lift : what the winch does for the crane's lift beside it
     """
 
     asked: LawCommand
     governed: GovernedCommand
     standing: float
     shares: CommandShares
-    lift: LiftShare = NO_LIFT
 
 
 NO_COMMAND = TickCommand(IDLE, GovernedCommand(0.0, (), 0.0), 0.0, CommandShares())
@@ -160,7 +158,7 @@ class LoopCommand:
 
     def speed(self, tick: LoopTick) -> float:
         """Return the speed of the winch as last commanded at `tick` [m/s], absolute."""
-        return abs(tick.total_payout_rate + self.last.lift.rate) if self._is_first_order else abs(self._speed_asked)
+        return abs(tick.total_payout_rate) if self._is_first_order else abs(self._speed_asked)
 
     @property
     def _speed_asked(self) -> float:
@@ -168,13 +166,10 @@ class LoopCommand:
         return self.last.governed.value - self.last.standing
 
     def payout_range(self) -> tuple[float, float]:
-        """Return the ends of the range that the mean payout may use, less what is paid out for the crane's lift [m]."""
-        limits, lifted = self.governor.limits, self.last.lift.payout
-        return limits.payout_minimum - lifted, limits.payout_maximum - lifted
+        """Return the ends of the range that the mean payout may use [m]."""
+        return self.governor.limits.payout_minimum, self.governor.limits.payout_maximum
 
-    def command(
-        self, tick: LoopTick, decision: Decision, preview: HeavePreview | None = None, lift: LiftShare = NO_LIFT
-    ) -> TickCommand:
+    def command(self, tick: LoopTick, decision: Decision, preview: HeavePreview | None = None) -> TickCommand:
         """Return the command of a tick: the law's and the mean payout's share, governed.
 
         Parameters
@@ -182,14 +177,12 @@ class LoopCommand:
         tick : what is known of the loop
         decision : what is to be done
         preview : of the boom tip, seen from this tick; None: there is none
-        lift : what the winch is to do for the crane's lift
         """
         mode = decision.mode
         if preview is not None:
             preview = replace(preview, heave=mode.authority * preview.heave)
         payout, rate = self.governor.predict(tick.total_state)
-        follows = self._standing_command(tick.total_state, payout)
-        standing = follows + self._standing_share(lift) - lift.command
+        standing = self._standing_command(tick.total_state, payout)
         mean_payout, mean_rate = self.governor.predict(tick.mean_state)
         state = LoopState(
             x=self._law_state(tick, mode),
@@ -201,22 +194,22 @@ class LoopCommand:
             bounds_tension=decision.bounds_tension,
         )
         if mode.brake:
-            asked, governed = IDLE, GovernedCommand(standing, (), standing, lift.command)
+            asked, governed = IDLE, GovernedCommand(standing, (), standing)
         elif comes_to_rest(decision):
-            asked, governed, standing = self._slow_down(tick, lift)
+            asked, governed, standing = self._slow_down(tick)
         else:
-            asked = self._ask(tick, state, follows if mode.mode is Mode.MANUAL else standing, decision)
+            asked = self._ask(tick, state, standing, decision)
             if decision.bounds_tension or mode.mode not in BY_LAW:
                 asked = self._give_way(asked, tick, mode)
             tension = tick.sensed.tension if math.isfinite(tick.sensed.tension) else state.static_tension
             within = self._within(decision, knows_tip=tick.knows_tip)
-            governed = self.governor.govern(asked.value + tick.mean_command, payout, rate, tension, lift, within)
+            governed = self.governor.govern(asked.value + tick.mean_command, payout, rate, tension, within)
             if beyond := self._minute.beyond(governed.sent):
                 less = governed.value - beyond * self._winch.gain_at(beyond)
                 governed = governed._replace(value=less, sent=governed.sent - beyond)
         compensating = governed.value - tick.mean_command
         shares = CommandShares(compensating, governed.value - compensating)
-        self.last = TickCommand(asked, governed, standing, shares, lift)
+        self.last = TickCommand(asked, governed, standing, shares)
         self._minute.note(self._speed_asked, governed.sent)
         return self.last
 
@@ -226,7 +219,7 @@ class LoopCommand:
         return not self._is_first_order and self._winch.position_gain == 0.0
 
     def order(self, command: TickCommand, mode: ModeOutput, mean_payout: float) -> WinchOrder:
-        """Return the set-points of a command, without those for the crane's lift.
+        """Return the set-points of a command.
 
         Parameters
         ----------
@@ -243,19 +236,11 @@ class LoopCommand:
         # the model's command counts what the winch's position loop makes of the payout set-point as well
         return WinchOrder(self._sequence, mean_payout, sent - self._winch.position_gain * mean_payout, mode.brake)
 
-    def with_lift(self, order: WinchOrder) -> WinchOrder:
-        """Return the `order` of the last command as it leaves: with the set-points for the crane's lift."""
-        lift, sent = self.last.lift, self.last.governed.lift_sent
-        if self._is_first_order:
-            return order._replace(payout=order.payout + sent)
-        rate = 0.0 if order.brake else sent - self._winch.position_gain * lift.payout
-        return order._replace(payout=order.payout + lift.payout, payout_rate=order.payout_rate + rate)
-
     def take_sent(self, asked: WinchOrder, sent: WinchOrder) -> None:
         """Take what was `sent` in place of what this tick `asked`: estimate, adviser and the next stop go by it."""
         last, mean = self.last, self.last.shares.mean
         if sent.brake:
-            governed = GovernedCommand(last.standing, (), last.standing, last.lift.command)
+            governed = GovernedCommand(last.standing, (), last.standing)
         else:
             is_whole = math.isfinite(asked.payout) and math.isfinite(asked.payout_rate)
             more = sent.payout - asked.payout if self._is_first_order else sent.payout_rate - asked.payout_rate
@@ -267,8 +252,8 @@ class LoopCommand:
 
     def _place_held(self, command: TickCommand, mean_payout: float) -> float:
         """Return the payout set-point [m] under which a servo on its brake asks for no speed."""
-        gain, sent = self._winch.position_gain, command.governed.sent + command.governed.lift_sent
-        return sent / gain - command.lift.payout if gain > 0.0 else mean_payout
+        gain = self._winch.position_gain
+        return command.governed.sent / gain if gain > 0.0 else mean_payout
 
     def _law_state(self, tick: LoopTick, mode: ModeOutput) -> Array:
         """Return the state that the law acts on; constant tension follows the whole sea and acts on the estimate."""
@@ -337,7 +322,7 @@ class LoopCommand:
             return self._fade_out.command(state)
         return self._law.command(state)
 
-    def _slow_down(self, tick: LoopTick, lift: LiftShare) -> tuple[LawCommand, GovernedCommand, float]:
+    def _slow_down(self, tick: LoopTick) -> tuple[LawCommand, GovernedCommand, float]:
         """Return the last order, slower by a step: the winch comes to rest whatever is estimated.
 
         Where the drum stands under a position loop is the way of the orders since the last one that was given by the
@@ -346,16 +331,15 @@ class LoopCommand:
         last = self.last
         if self._is_first_order:  # it goes to its last set-point, and stays
             return LawCommand(last.governed.value - tick.mean_command), last.governed, last.governed.value
-        stood = last.standing + last.lift.command
-        sent = last.governed.sent + last.governed.lift_sent - stood
+        sent = last.governed.sent - last.standing
         # of an order that the envelope has replaced its own part goes on
         speed = self._winch.gain_at(sent) * sent if ENVELOPE in last.governed.active else self._speed_asked
         slower = math.copysign(max(abs(speed) - self._stop_step, 0.0), speed)
-        stands = stood + self._winch.position_gain * slower * self._dt
+        stands = last.standing + self._winch.position_gain * slower * self._dt
         # what is sent falls with it: a servo that needs more than its speed gets less of that too
         sent *= slower / speed if speed != 0.0 else 0.0
-        governed = GovernedCommand(slower + stands - lift.command, (), sent + stands - lift.command, lift.command)
-        return LawCommand(governed.value - tick.mean_command), governed, stands - lift.command
+        governed = GovernedCommand(slower + stands, (), sent + stands)
+        return LawCommand(governed.value - tick.mean_command), governed, stands
 
     def _within(self, decision: Decision, *, knows_tip: bool) -> tuple[float, float] | None:
         """Return the speeds of a fade-out [m/s]; None: of any other mode they are as the law wants.
@@ -368,12 +352,8 @@ class LoopCommand:
         self._minute.fade(self._longest_fade, is_held=decision.is_damped and not knows_tip)
         return self._minute.bounds(self.governor.limits.acceleration, self._winch.time_constant, self._stop_step)
 
-    def _standing_share(self, lift: LiftShare) -> float:
-        """Return what the crane's `lift` adds to the command under which the whole drum stays where it is."""
-        return lift.payout if self._is_first_order else self._winch.position_gain * lift.payout
-
     def _standing_command(self, total_state: Array, payout_ahead: float) -> float:
-        """Return the command under which the winch stays where it is but for the crane's lift.
+        """Return the command under which the winch stays where it is.
 
         It is its own payout, or what a servo's position loop takes off.
         """

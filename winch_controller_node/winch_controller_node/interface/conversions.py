@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from heave_node.cdr.packer import Packer
-from heave_node.crane.pose import CranePose
 from heave_node.interface import topics
 from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MRU, SENSORS, Water, WireReading, mru_reading
@@ -84,7 +83,6 @@ def measurements(
     water: Water,
     preview: HeavePreview | None = None,
     lateness: Lateness = ON_TIME,
-    crane: Iterable[CranePose] = (),
 ) -> Measurements:
     """Return what came in a tick, converted with the water that the controller assumes.
 
@@ -95,7 +93,6 @@ def measurements(
     water : assumed
     preview : newest one of the boom tip; None: none came
     lateness : of the ticks
-    crane : poses of the crane
     """
     mru = tuple(mru_reading(reading) for reading in delivered.get(MRU.name, ()))
     scalar = {
@@ -103,7 +100,7 @@ def measurements(
         for name in SCALAR_SENSORS
         if delivered.get(name)
     }
-    return Measurements(mru, scalar, winch, preview, lateness, tuple(crane))
+    return Measurements(mru, scalar, winch, preview, lateness)
 
 
 def _scalar(name: str, reading: WireReading, water: Water) -> ScalarReading:

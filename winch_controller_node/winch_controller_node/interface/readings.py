@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from heave_node.crane.pose import CranePose
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import SensorLevel
 from heave_node.interface.preview import HeavePreview
@@ -74,7 +73,6 @@ class Measurements:
     winch : newest state of the winch; None: none came
     preview : newest one of the boom tip; None: none came
     lateness : of the ticks, so that a command timeout is reported with its cause
-    crane : poses of the crane
     """
 
     mru: tuple[MruReading, ...] = ()
@@ -82,7 +80,6 @@ class Measurements:
     winch: WinchReading | None = None
     preview: HeavePreview | None = None
     lateness: Lateness = ON_TIME
-    crane: tuple[CranePose, ...] = ()
 
     def of(self, sensor: str) -> tuple[ScalarReading, ...]:
         """Return the readings of a sensor; none where none came."""

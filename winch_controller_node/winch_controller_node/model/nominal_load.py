@@ -93,17 +93,11 @@ class NominalLoad:
         )
         self._unit.take_cable(self.cable, self._dt)
 
-    def step(self, readings: tuple[MruReading, ...], lift: tuple[float, float]) -> None:
-        """Advance by a tick.
-
-        Parameters
-        ----------
-        readings : of the MRU, at the boom tip, in it
-        lift : of a crane that no drum has made up for, and its rate [m], [m/s]
-        """
+    def step(self, readings: tuple[MruReading, ...]) -> None:
+        """Advance by a tick with `readings` of the MRU, at the boom tip, in it."""
         read = [one for one in readings if one.status == MruStatus.OK and _is_plausible(one)]
         if read:
-            self._take(read[-1], lift)
+            self._take(read[-1])
         else:
             self.time += self._dt
             self.heave = self._base[1] + self._rate * (self.time - self._base[0])
@@ -115,12 +109,12 @@ class NominalLoad:
             self.unit = float(self._unit.state[0])
             self._unit.step(np.array([self.heave, self._rate]))
 
-    def _take(self, reading: MruReading, lift: tuple[float, float]) -> None:
+    def _take(self, reading: MruReading) -> None:
         """Blend heave and rate of a `reading` with what its rate has made of the ones before."""
         time, before = self._base
-        heave, since = reading.heave + lift[0], reading.time - time
+        heave, since = reading.heave, reading.time - time
         has_rate = math.isfinite(reading.heave_rate)
-        rate = reading.heave_rate + lift[1] if has_rate else 0.0
+        rate = reading.heave_rate if has_rate else 0.0
         if not 0.0 <= since < UNREAD:
             self._read_time = 0.0
             if math.isnan(before):

@@ -1,10 +1,13 @@
 """The mean payout and the loop's own answer to it: what the winch does on purpose, superposed on compensation.
 
 By linearity the loop's motion under the mean payout's share of the command is known exactly; estimator and laws deal
-with the rest. A payout left over from before a stop is a mean as well, and returns slowly.
+with the rest. A payout left over from before a stop is a mean as well, and returns slowly; so is the payout by which
+the mean is carried along where the place moves about which the boom tip heaves, and the unit keeps its depth.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -29,26 +32,32 @@ class MeanMotion:
 
     Attributes
     ----------
-    mean, left_over : payouts in motion
+    mean, left_over, carried : payouts in motion
     state : the mean payout's own motion in the states of the design's model, shape (n,)
     """
 
     def __init__(self, parameters: MoveParameters, order: int, *, tick_period: float) -> None:
         self.mean = MeanPayout(parameters, tick_period=tick_period)
         self.left_over = MeanPayout(parameters, tick_period=tick_period)
+        self.carried = MeanPayout(replace(parameters, jerk_time=0.0), tick_period=tick_period)
         self.state: Array = np.zeros(order)
 
     @property
     def set_point(self) -> float:
         """Payout about which the winch works now [m]."""
+        return self.depth_set_point + self.carried.point.payout
+
+    @property
+    def depth_set_point(self) -> float:
+        """The part of it that takes the unit to another depth [m]."""
         return self.mean.point.payout + self.left_over.point.payout
 
     def reference_command(self, winch: WinchModelParameters) -> float:
         """Return the share of the command that moves the mean payout: its rate, and the lag of the `winch` ahead."""
-        point = self.mean.point
+        payout, rate, acceleration = map(sum, zip(self.mean.point, self.carried.point, strict=True))
         if winch.law == "first_order":
-            return point.payout + point.rate / winch.position_rate
-        return point.rate + winch.time_constant * point.acceleration + winch.position_gain * point.payout
+            return payout + rate / winch.position_rate
+        return rate + winch.time_constant * acceleration + winch.position_gain * payout
 
     def carry(self, matrix: Array) -> None:
         """Count the state in the terms of another model: `matrix` times the present one, shape (n_new, n)."""
@@ -68,10 +77,12 @@ class MeanMotion:
         self.mean.jump_to(self.mean.point.payout + lowered)
         self.state = state
         self.left_over.jump_to(0.0)
+        self.carried.jump_to(self.carried.point.payout)
 
     def stand(self) -> None:
         """Take the mean payout to be where it is now, at rest: the winch is stopped."""
-        self.mean.jump_to(self.mean.point.payout)
+        for one in (self.mean, self.carried):
+            one.jump_to(one.point.payout)
 
     def return_from(self, payout: float) -> None:
         """Count `payout` [m] off the mean as left over from now on; it goes away slowly."""
@@ -87,3 +98,4 @@ class MeanMotion:
         if not is_braked:
             self.mean.advance()
             self.left_over.advance()
+            self.carried.advance()

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from heave_node.crane.kinematics import JOINTS, CraneParameters
 from heave_node.parameters import parameter
 
+CONFIRMED_AFTER = 5.0
+"""A pose elsewhere is used once it has gone on without a further jump for so long [s]."""
+
 
 @dataclass(frozen=True)
 class CraneModelParameters(CraneParameters):
@@ -20,12 +23,6 @@ class CraneModelParameters(CraneParameters):
         "Fastest that slew, luff or knuckle can turn: an angle that changes faster has jumped.")  # fmt: skip
     largest_extension_rate: float = parameter(0.5, "m/s", 1e-3, 10.0,
         "Fastest that the boom can extend: an extension that changes faster has jumped.")  # fmt: skip
-    lift_speed_share: float = parameter(0.5, "", 0.0, 1.0,
-        "Fraction of the winch's active speed limit that may follow the crane's lift; compensation has the rest.",
-    )  # fmt: skip
-    lift_acceleration_share: float = parameter(0.3, "", 0.001, 1.0,
-        "Fraction of the winch's active acceleration limit that may follow the crane's lift; compensation has the "
-        "rest.")  # fmt: skip
 
     @property
     def largest_rates(self) -> tuple[float, ...]:

@@ -10,7 +10,6 @@ from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import group, parameter
 
 from winch_controller_node.interface.sensors import MruModelParameters
-from winch_controller_node.parameters.crane import CraneModelParameters
 from winch_controller_node.parameters.envelope import EnvelopeParameters
 from winch_controller_node.parameters.laws import (
     LimitParameters,
@@ -42,7 +41,6 @@ class WinchEnvelopeParameters:
     cable_model: CableModelParameters = group(CableModelParameters)
     sea: SeaModelParameters = group(SeaModelParameters)
     vessel: VesselModelParameters = group(VesselModelParameters)
-    crane: CraneModelParameters = group(CraneModelParameters)
     mru: MruModelParameters = group(MruModelParameters)
     limits: LimitParameters = group(LimitParameters)
     modes: ModeParameters = group(ModeParameters)

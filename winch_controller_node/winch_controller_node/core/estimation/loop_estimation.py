@@ -490,8 +490,15 @@ class LoopEstimation:
     @property
     def set_point(self) -> float:
         """Payout about which the winch works [m]; before that is known the one that was read."""
-        is_known = self._has_begun or math.isnan(self._first_payout)
-        return self.motion.set_point if is_known else self._first_payout
+        return self._known(self.motion.set_point)
+
+    @property
+    def depth_set_point(self) -> float:
+        """The part of it that takes the unit to another depth [m]."""
+        return self._known(self.motion.depth_set_point)
+
+    def _known(self, payout: float) -> float:
+        return payout if self._has_begun or math.isnan(self._first_payout) else self._first_payout
 
     @property
     def filtered_tension(self) -> float:
@@ -504,7 +511,8 @@ class LoopEstimation:
         zero = self.observer.terms.depth_zero
         if zero is None:
             return math.nan
-        payout = float(self._rows.payout @ self.motion.state) + self.motion.left_over.point.payout
+        motion = self.motion
+        payout = float(self._rows.payout @ motion.state) + motion.left_over.point.payout - motion.carried.point.payout
         return zero + self._depth_bias() + payout * (1.0 + self.observer.terms.stretch_per_payout)
 
     def payout_at(self, depth: float) -> float:

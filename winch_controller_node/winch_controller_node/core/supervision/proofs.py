@@ -256,20 +256,18 @@ class Proofs:
         """Note the order that was `sent` in this tick."""
         self._sent = sent
 
-    def step(self, raw: Measurements, at_tip: Measurements, lift: tuple[float, float], driven: Driven) -> Proven:
+    def step(self, measurements: Measurements, driven: Driven) -> Proven:
         """Take in a tick.
 
         Parameters
         ----------
-        raw : readings as they were delivered
-        at_tip : with those of the MRU carried to the boom tip
-        lift : of a crane that no drum has made up for, and its rate [m], [m/s]
+        measurements : as delivered
         driven : what the winch is used for
         """
-        tensions, winch = raw.of("load_cell"), raw.winch
+        tensions, winch = measurements.of("load_cell"), measurements.winch
         if winch is not None and math.isfinite(winch.encoder_payout):
             self.load.pay_out(winch.encoder_payout)
-        self.load.step(at_tip.mru, lift)
+        self.load.step(measurements.mru)
         is_braked = self._sent is None or self._sent.brake
         self._braked_time = self._braked_time + self._dt if is_braked else 0.0
         runs = driven.taken_over == "DRUM_RUNS_BRAKED"
@@ -278,7 +276,7 @@ class Proofs:
         if found := self._count.step(winch):
             alarms += (found,)
         if self._braked_time > AT_REST and driven.hangs and self.load.is_known:
-            self.motion.add(self.load, tensions, raw.of("depth"))
+            self.motion.add(self.load, tensions, measurements.of("depth"))
         else:
             self.motion.restart()
         if driven.taken_over == "LOAD_SWUNG_HIGHER":

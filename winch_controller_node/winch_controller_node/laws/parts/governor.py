@@ -32,31 +32,11 @@ class GovernedCommand(NamedTuple):
     value : command in the terms of the linear model: the estimator's input
     active : names of the limits that shaped it
     sent : the same for the winch, whose acceleration limiter acts within the tick, and which has a gain of its own
-    lift_sent : what the winch is sent for the crane's lift beside it
     """
 
     value: float
     active: tuple[str, ...]
     sent: float
-    lift_sent: float = 0.0
-
-
-class LiftShare(NamedTuple):
-    """What the winch does for the lift; the governor bounds it together with the loop's command.
-
-    Attributes
-    ----------
-    command : for it in this tick, in the terms of the model [m/s], or [m] of a first-order winch
-    payout, rate : of the drum for it when the command takes effect [m], [m/s]
-    """
-
-    command: float = 0.0
-    payout: float = 0.0
-    rate: float = 0.0
-
-
-NO_LIFT = LiftShare()
-"""Share of a crane that has not moved."""
 
 
 class SpeedServo:
@@ -126,7 +106,6 @@ class CommandGovernor:
         payout: float,
         rate: float,
         tension: float,
-        lift: LiftShare = NO_LIFT,
         within: tuple[float, float] | None = None,
     ) -> GovernedCommand:
         """Return the nearest command to `wanted` within the limits.
@@ -134,21 +113,10 @@ class CommandGovernor:
         Parameters
         ----------
         wanted : rate command [m/s], or payout command [m] of a first-order winch
-        payout, rate : of the winch when the command takes effect, with mean motion, without lift [m], [m/s]
+        payout, rate : of the winch when the command takes effect, with mean motion [m], [m/s]
         tension : expected at the top, for the power limit [N]
-        lift : what the winch does for the crane's lift beside it: the limits hold for the sum
         within : least and largest speed of a speed servo, whatever its predicted state [m/s]; None: any
         """
-        whole = self._governed(wanted + lift.command, payout + lift.payout, rate + lift.rate, tension, within)
-        lift_sent = (
-            lift.command if self._winch.law == "first_order" else lift.command / self._winch.gain_at(whole.value)
-        )
-        return GovernedCommand(whole.value - lift.command, whole.active, whole.sent - lift_sent, lift_sent)
-
-    def _governed(
-        self, wanted: float, payout: float, rate: float, tension: float, within: tuple[float, float] | None
-    ) -> GovernedCommand:
-        """Return the command of the whole drum."""
         if self._winch.law == "first_order":
             return self._govern_payout(wanted, payout, tension)
         limits = self.limits

@@ -35,7 +35,7 @@ class StandingLoad:
     def take_design(self, design: ControllerDesign) -> None:
         """Refer to another `design` from now on."""
         self._payout_watch.take_design(design)
-        self._has_crane, self.more = design.parameters.crane.is_fitted, design.parameters.length - design.length
+        self.more = design.parameters.length - design.length
 
     def update(
         self, tick: LoopTick, mean_payout: float, load: HangingLoad, *, brake: bool, is_wanted: bool
@@ -61,7 +61,7 @@ class StandingLoad:
         is_weighed = brake and not (landing.unit_stands or is_lost)
         self._wait = landing.weigh(tick.mean_tension, mean_payout + self.more) if is_weighed else 0.0
         alarms = (self._alarm,) if self._unloaded.begins(landing.is_unloaded and is_wanted) else ()
-        is_known = brake and landing.hangs and not self._has_crane and "encoder" not in sensed.lost
+        is_known = brake and landing.hangs and "encoder" not in sensed.lost
         return alarms + self._payout_watch.update(
             sensed.depths, mean_payout, load.swing_time, is_known=is_known and sensed.sees_landing
         )

@@ -4,17 +4,17 @@ import math
 
 import numpy as np
 import pytest
+from heave_devices.crane.alarms import ALARMS
+from heave_devices.crane.pose_watch import WELL_AFTER, PoseWatch
+from heave_devices.crane.tip_carry import TipCarry
 from heave_node.crane.pose import CranePose
 from heave_node.interface.faults import FaultParameters
 from heave_node.interface.sensors import MruReading
 from wave_vessel_node.crane_parameters import CraneMotionParameters, PoseSensorParameters
 from wave_vessel_node.vessel.crane_motion import CraneMotion, PoseSensor
-from winch_controller_node.crane.pose_watch import CONFIRMED_AFTER, WELL_AFTER, PoseWatch
-from winch_controller_node.crane.tip_carry import TipCarry
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.interface.sensors import MruModelParameters
-from winch_controller_node.parameters.crane import CraneModelParameters
-from winch_controller_node.parameters.model import WinchModelParameters
+from winch_controller_node.parameters.crane import CONFIRMED_AFTER, CraneModelParameters
 
 CRANE = CraneModelParameters(boom_length=20.0, slew=1.5, luff=0.6)
 NAN = (math.nan,) * 4
@@ -132,13 +132,13 @@ def test_each_fault_of_the_encoders_raises_its_alarm_in_time_and_moves_nothing(k
     moves = {"move_times": (2.0,), "move_slew": (2.0,), "move_luff": (0.8,), "turn_rate": 0.08}
     crane = CraneMotionParameters(boom_length=20.0, slew=1.5, luff=0.6, pose=sensor, **moves)
     encoders = PoseSensor(CraneMotion(crane, np.zeros(3), 0.0), sensor, seed=1, tick_period=0.05)
-    carry = TipCarry(CRANE, MruModelParameters(), WinchModelParameters(), 0.05)
+    carry = TipCarry(CRANE, MruModelParameters())
     told, lifted = {}, []
     for tick in range(1, 400):
-        given = Measurements(mru=(MruReading(0.05 * tick, 0.0, 0.0),), crane=encoders.step(tick))
-        for alarm in carry.carried(0.05 * tick, given)[1]:
+        carry.carried(0.05 * tick, Measurements(mru=(MruReading(0.05 * tick, 0.0, 0.0),)), encoders.step(tick))
+        for alarm in carry.pose.news():
             told.setdefault(alarm.code, 0.05 * tick)
-        lifted.append(carry.left(0.05 * tick)[0])
+        lifted.append(carry.lift(0.05 * tick)[0])
     first = next(name for name, when in told.items() if when >= begins - 1e-9)
     assert (first, told[first] - begins) == (code, pytest.approx(0.5 * within, abs=0.5 * within + 1e-6))
     # no step: the boom lifts its tip by 0.08 rad/s times 20 m at most
@@ -197,3 +197,7 @@ def test_a_joint_that_is_not_measured_keeps_the_reference_pose():
     watch = watch_until(1.0, pose=lambda t: (slewing(t)[0], math.nan, math.nan, math.nan), parameters=parameters)
     assert watch.at(1.0)[0] == pytest.approx(slewing(1.0))
     assert watch.fault == ""
+
+
+def test_the_time_in_the_words_is_that_of_the_code():
+    assert f"after {CONFIRMED_AFTER:g} s" in ALARMS["CRANE_POSE_JUMP"].consequence

@@ -5,27 +5,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from heave_devices.crane.in_front import CraneInFront
+from heave_devices.crane.tip_carry import APPROACH, TipCarry
 from heave_node.crane.kinematics import Crane
 from heave_node.crane.pose import CranePose
 from heave_node.interface.sensors import MruReading
 from winch_controller_node.core.component import WinchController
-from winch_controller_node.crane.tip_carry import APPROACH, TipCarry
-from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
+from winch_controller_node.interface.readings import Measurements, ScalarReading
 from winch_controller_node.interface.sensors import MruModelParameters
-from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.crane import CraneModelParameters
-from winch_controller_node.parameters.model import WinchModelParameters
 
 DT = 0.05
 CRANE = CraneModelParameters(boom_length=22.0, jib_length=8.0, offset=1.5, slew=1.5, luff=0.8, knuckle=-0.6)
 
 
-WINCH = WinchModelParameters(time_constant=0.3, command_delay=0.2)
-
-
 def carry_of(crane, mru=None):
-    return TipCarry(crane, mru or MruModelParameters(), WINCH, DT)
+    return TipCarry(crane, mru or MruModelParameters())
 
 
 def joints(t):
@@ -56,12 +52,12 @@ def by_ship(t):
 def delivered(t, pose=True, still=False):
     roll, pitch = (0.0, 0.0) if still else attitude(t)
     poses = (CranePose(t, joints(t), rates(t)),) if pose else ()
-    return Measurements(mru=(MruReading(t, 0.3, 0.1, roll, pitch),), crane=poses)
+    return Measurements(mru=(MruReading(t, 0.3, 0.1, roll, pitch),)), poses
 
 
 def carried(carry, times, **given):
     """Return the readings of the tip at `times`."""
-    return [carry.carried(t, delivered(t, **given))[0].mru[0] for t in times]
+    return [carry.carried(t, *delivered(t, **given)).mru[0] for t in times]
 
 
 def test_heave_and_rate_are_those_of_the_tip():
@@ -77,16 +73,16 @@ def test_heave_and_rate_are_those_of_the_tip():
 
 def test_without_a_pose_what_was_delivered_stays_the_same_object():
     carry = carry_of(CRANE)
-    given = delivered(1.0, pose=False)
-    assert carry.carried(1.0, given) == (given, [])
-    assert carry.carried(1.0, given)[0] is given
+    given, poses = delivered(1.0, pose=False)
+    assert carry.carried(1.0, given, poses) is given
+    assert carry.pose.news() == []
 
 
 def test_an_mru_without_rate_has_none_at_the_tip_either():
     carry = carry_of(CRANE)
-    given = delivered(1.0)
+    given, poses = delivered(1.0)
     alone = replace(given, mru=(given.mru[0]._replace(heave_rate=math.nan),))
-    assert math.isnan(carry.carried(1.0, alone)[0].mru[0].heave_rate)
+    assert math.isnan(carry.carried(1.0, alone, poses).mru[0].heave_rate)
 
 
 def test_a_stale_pose_holds_the_tip_and_one_that_is_back_elsewhere_does_not_step():
@@ -115,8 +111,7 @@ def test_what_the_ship_adds_passes_the_high_pass_of_the_mru():
     pose, times, heave = (1.5 + math.pi / 3.0, 0.8, 0.0, 0.0), np.arange(0.0, 400.0, DT), []
     for t in times.tolist():
         reading = MruReading(t, 0.0, 0.0, roll=0.01 * math.sin(omega * t))
-        given = Measurements(mru=(reading,), crane=(CranePose(t, pose),))
-        heave.append(carry.carried(t, given)[0].mru[0].heave)
+        heave.append(carry.carried(t, Measurements(mru=(reading,)), (CranePose(t, pose),)).mru[0].heave)
     cut = 2.0 * math.pi / period
     response = -(omega**2) / (cut**2 - omega**2 + 2j * 0.7071 * cut * omega)
     last = times > 200.0
@@ -127,45 +122,32 @@ def test_what_the_ship_adds_passes_the_high_pass_of_the_mru():
     assert phasor / (-1j * 0.01 * y) == pytest.approx(response, abs=6e-3)
 
 
-def test_a_boom_that_lifts_the_tip_has_the_winch_pay_out_and_the_unit_stay():
-    """A drum that follows orders with delay and lag, exactly as the nominal one: the loop sees it stand, and what the
-    drum is behind is taken off the depth: a unit that goes up with the boom reads less deep by it."""
-    carry, drum, speed, orders = carry_of(CRANE), 0.0, 0.0, [0.0] * 4
-    share = -math.expm1(-DT / 0.3)
-    seen, limits = [], WinchLimits(speed=2.0, acceleration=1.5, payout_minimum=-50.0, payout_maximum=50.0)
-    up = math.sin(0.2)  # of the jib at 0.8 - 0.6 rad
-    for n in range(161):
+def test_what_a_boom_lifts_is_no_heave_and_readings_are_those_below_the_place_that_it_has_moved():
+    """A unit that keeps its depth while the jib extends upwards by 0.2 m/s: by geometry it is so much further down."""
+    carry, up, seen = carry_of(CRANE), math.sin(0.2), []  # of the jib at 0.8 - 0.6 rad
+    for n in range(41):
         t = n * DT
         pose = CranePose(t, (1.5, 0.8, -0.6, 0.2 * t), (0.0, 0.0, 0.0, 0.2))
-        depth = 100.0 + drum - 0.2 * up * t
-        given = Measurements(
-            (MruReading(t, 0.0, 0.0),),
-            {"depth": (ScalarReading(t, depth),)},
-            winch=WinchReading(t, drum, speed, brake=False),
-            crane=(pose,),
-        )
-        taken = carry.carried(t, given)[0]
-        seen.append((taken.winch.encoder_payout, taken.mru[0].heave, taken.of("depth")[0].value))
-        orders.append(carry.lift_share(limits, 0.0, 0.0).command)
-        before = speed
-        speed += share * (orders[n] - speed)
-        drum += DT * orders[n] - 0.3 * (speed - before)  # v' = (u - v) / T, exactly
-    assert [payout for payout, _, _ in seen] == pytest.approx([0.0] * 161, abs=1e-9)
-    assert [heave for _, heave, _ in seen] == pytest.approx([0.0] * 161, abs=1e-9)
-    assert [depth for _, _, depth in seen] == pytest.approx([100.0] * 161, abs=1e-9)
-    # after 8 s, four catch-up times: (1 + 4) e^-4 = 9 % of the 0.02 m that it was behind
-    assert 100.0 + drum - 0.2 * up * 161 * DT == pytest.approx(100.0, abs=2e-3)
+        scalar = {"depth": (ScalarReading(t - 0.1, 100.0),), "velocity": (ScalarReading(t, 0.0),)}
+        taken = carry.carried(t, Measurements((MruReading(t, 0.0, 0.0),), scalar), (pose,))
+        seen.append((taken.mru[0].heave, taken.of("depth")[0].value, taken.of("velocity")[0].value))
+    assert [heave for heave, _, _ in seen] == pytest.approx([0.0] * 41, abs=1e-9)
+    assert [depth for _, depth, _ in seen] == pytest.approx([100.0 + 0.2 * up * (n * DT - 0.1) for n in range(41)])
+    assert [rate for _, _, rate in seen] == pytest.approx([-0.2 * up] * 41)
 
 
 def test_a_pose_for_a_crane_without_lengths_is_told_once_and_not_used():
-    carry = carry_of(CraneModelParameters())
-    taken, alarms = carry.carried(1.0, delivered(1.0))
-    assert [alarm.code for alarm in alarms] == ["CRANE_LENGTHS_MISSING"]
-    assert taken.mru[0].heave == 0.3
-    assert carry.carried(1.05, delivered(1.05))[1] == []
+    behind = WinchController(WinchControllerParameters(), tick_period=DT)
+    source = CraneInFront(behind, DT)
+    given, poses = delivered(1.0)
+    codes = [alarm.code for tick in (1, 2) for alarm in source.step(tick, given, poses).alarms]
+    assert [code for code in codes if code.startswith("CRANE")] == ["CRANE_LENGTHS_MISSING"]
+    assert source.carry.place is None
+    assert source.health() == {}
 
 
-def test_the_controller_gives_the_alarms_of_the_pose_in_its_tick():
-    controller = WinchController(WinchControllerParameters(crane=CRANE), tick_period=DT)
-    codes = [alarm.code for tick in range(1, 4) for alarm in controller.step(tick, delivered(tick * DT)).alarms]
+def test_the_alarms_of_the_pose_are_those_of_the_tick():
+    source = CraneInFront(WinchController(WinchControllerParameters(crane=CRANE), tick_period=DT), DT)
+    codes = [alarm.code for tick in range(1, 4) for alarm in source.step(tick, *delivered(tick * DT)).alarms]
     assert codes == ["CRANE_POSE_USED"]
+    assert source.health()["crane"][0]

@@ -14,18 +14,15 @@ from collections import deque
 from heave_node.crane.kinematics import JOINTS, STILL
 from heave_node.crane.pose import CranePose, moved
 from heave_node.interface.alarm import Alarm
+from winch_controller_node.parameters.crane import CONFIRMED_AFTER, CraneModelParameters
 
-from winch_controller_node.interface.alarms import ALARMS
-from winch_controller_node.parameters.crane import CraneModelParameters
+from heave_devices.crane.alarms import ALARMS
 
 STAMP_TOLERANCE = 0.1
 """A pose may be stamped so much ahead of the clock [s]."""
 
 TOLERANCE = (0.02, 0.02, 0.02, 0.2)
 """A joint may be read so far from where it can have moved [rad], [m]: play and steps of an encoder."""
-
-CONFIRMED_AFTER = 5.0
-"""A pose elsewhere is used once it has gone on without a further jump for so long [s]."""
 
 WELL_AFTER = 1.0
 """Time of usable readings after which the pose is good again after a fault [s]."""
