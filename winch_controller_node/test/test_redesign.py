@@ -24,16 +24,12 @@ def taken(redesign):
     return prepared
 
 
-@pytest.mark.parametrize("maximum_length", [0.0, 600.0], ids=["at one length", "with a schedule"])
-def test_the_design_of_the_process_is_that_of_the_controller_to_the_bit(maximum_length):
-    parameters = nominal = WinchControllerParameters()
-    if maximum_length:
-        schedule = replace(nominal.schedule, minimum_length=200.0, maximum_length=maximum_length, points=3)
-        parameters = replace(nominal, schedule=schedule)
-    prepared = taken(Redesign(parameters, 5.0, DT))
-    expected_schedule, expected = designed(parameters, 5.0, DT)
+@pytest.mark.parametrize("payout", [5.0, 60.0], ids=["at the length of the parameters", "at another one"])
+def test_the_design_of_the_process_is_that_of_the_controller_to_the_bit(payout):
+    parameters = WinchControllerParameters()
+    prepared = taken(Redesign(parameters, payout, DT))
+    expected = designed(parameters, payout, DT)
     assert prepared.parameters == parameters
-    assert (prepared.schedule is None) == (expected_schedule is None)
     found = parts_of(prepared.design).arrays
     assert {name: a.tobytes() for name, a in found.items()} == {
         name: a.tobytes() for name, a in parts_of(expected).arrays.items()

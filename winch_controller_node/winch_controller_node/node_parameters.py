@@ -31,7 +31,6 @@ from winch_controller_node.parameters.laws import (
 from winch_controller_node.parameters.model import (
     CableModelParameters,
     EstimatorParameters,
-    ScheduleParameters,
     SeaModelParameters,
     VesselModelParameters,
     WeightParameters,
@@ -109,7 +108,6 @@ class WinchControllerParameters(LawGroups):
     sensors: SensorsModelParameters = group(SensorsModelParameters)
     weights: WeightParameters = group(WeightParameters)
     estimator: EstimatorParameters = group(EstimatorParameters)
-    schedule: ScheduleParameters = group(ScheduleParameters)
     limits: LimitParameters = group(LimitParameters)
     guard: GuardParameters = group(GuardParameters)
     lag: LagParameters = group(LagParameters)
@@ -125,6 +123,11 @@ class WinchControllerParameters(LawGroups):
     kpi_window: float = parameter(
         60.0, unit="s", minimum=1.0, maximum=3600.0, description="Length of the rolling window of controller/kpi."
     )
+
+    @property
+    def identifies_winch(self) -> bool:
+        """Whether the winch is identified while the loop runs: only a speed servo is."""
+        return self.lag.adaptation and self.winch.law != "first_order"
 
     def __post_init__(self) -> None:
         if self.sea.filter_states % 2:

@@ -41,8 +41,7 @@ class Redesign:
         found = pickle.loads(answers[0])
         if isinstance(found, str):
             raise DesignError(found)
-        schedule, design = found
-        return PreparedDesign(self._parameters, design, design.make_law(), schedule)
+        return PreparedDesign(self._parameters, found, found.make_law())
 
     def close(self) -> None:
         """End the process."""

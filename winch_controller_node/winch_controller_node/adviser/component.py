@@ -1,7 +1,8 @@
 """The adviser as a component: observations of a second in, beliefs out. No ROS, no clock, nothing shared with the core.
 
 Each second the drum is identified from what it was ordered and what its encoder read; every few seconds the last minute
-of all sensors is judged; now and then the sea is. What is found becomes one `Beliefs` value with the design for it.
+of all sensors is judged; now and then the sea is. What is found becomes one `Beliefs` value with the design for it. A
+design is made for the length of cable that is out, too.
 """
 
 from __future__ import annotations
@@ -39,8 +40,7 @@ from winch_controller_node.beliefs.beliefs import (
 )
 from winch_controller_node.beliefs.corrections import Correction, corrections
 from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, out_of_range, with_value
-from winch_controller_node.design.design import ControllerDesign, design_controller
-from winch_controller_node.design.schedule import identifies_winch, is_scheduled
+from winch_controller_node.design.design import ControllerDesign, assumed_cable, design_controller, length_followed
 from winch_controller_node.design.seas import possible_seas
 from winch_controller_node.interface.observations import READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.model.lqr import DesignError
@@ -105,21 +105,20 @@ class Adviser:
         self._history = SensorHistory()
         self._drum_gain, self._seconds = 1.0, 0
         self._begin(parameters, Beliefs(asked=-1))
-        if not self._is_scheduled:
-            self._compile()
+        self._compile()
 
     def _begin(self, nominal: WinchControllerParameters, beliefs: Beliefs) -> None:
         """Go by `nominal` parameters under the present beliefs, for another sea or length of cable."""
         self._nominal = nominal
-        self._is_scheduled = is_scheduled(nominal)
         self._beliefs = beliefs
         plain = design_controller(nominal, tick_period=self._dt)
         self._nominal_cable = plain.cable
-        self._design = self._designed(self.parameters) if beliefs.values else plain
+        self._design = self._designed(self.parameters, plain.length) if beliefs.values else plain
         self._winch = WinchIdentifier(nominal, self._dt)
         self._sea, self._looks = SeaLooks(self._design), Looks()
         self._gain_is_winch = self._drum_gain_is_open = False
         self._leads_to: Hypothesis | None = None
+        self._length_since = 0
         self._report = Report(nominal)
 
     def _compile(self) -> None:
@@ -160,21 +159,44 @@ class Adviser:
             self._beliefs = replace(self._beliefs, design=self._design)
             self._adopt_present()
         self._follow_exclusion(observations)
-        if not self._is_scheduled:
-            self._look_at_winch()
-            if self._is_time_to_judge(observations):
-                self._judge()
-            self._look_at_sea(observations)
+        self._follow_length(observations)
+        self._look_at_winch()
+        if self._is_time_to_judge(observations):
+            self._judge()
+        self._look_at_sea(observations)
         self._adopt()
         findings = self._report.news(self._beliefs, observations.last * self._dt)
         changed = replace(before, asked=self._beliefs.asked, findings=(), design=None, adopted=None) != self._beliefs
         self._beliefs = replace(self._beliefs, findings=findings, number=before.number + int(changed or bool(findings)))
         return self._beliefs
 
+    def _follow_length(self, observations: Observations) -> None:
+        """Design for the length of cable that is out in the mean of the `observations`, once it is another one."""
+        payout = float(np.mean(observations.ticks[:, TICK_COLUMNS.index("order_payout")]))
+        length = length_followed(self._nominal, payout, self._design.length)
+        if length == self._design.length:
+            return
+        self._nominal_cable = assumed_cable(self._nominal, length)
+        self._design = self._designed(self.parameters, length).with_own_gains()
+        self._sea.tracker.refer_to(self._design)
+        self._length_since = observations.last
+        self._beliefs = replace(self._beliefs, design=self._design)
+
+    @property
+    def _record_of_length(self) -> float:
+        """Duration of the record with the present length of cable [s]."""
+        since = self._dt * (self._beliefs.asked - self._length_since) if self._length_since else math.inf
+        return min(self._record.duration, since)
+
+    @property
+    def _judged(self) -> float:
+        """Duration of the record that is judged [s]."""
+        return min(MINUTE, self._record_of_length)
+
     # the winch
 
     def _look_at_winch(self) -> None:
-        if not identifies_winch(self._nominal):
+        if not self._nominal.identifies_winch:
             return
         excerpt = self._record.last(min(self._winch.length, self._record.duration))
         assumed = {name: belief.value for name, belief in self._beliefs.values.items()}
@@ -205,7 +227,7 @@ class Adviser:
 
     def _knows_gain(self) -> bool:
         """Tell whether a gain of the winch that is far off is the winch's: the encoder's scale would explain less."""
-        if self._record.duration < SHORTEST:
+        if self._judged < SHORTEST:
             return False
         self._judge()
         return self._gain_is_winch
@@ -246,7 +268,7 @@ class Adviser:
     # the sensors and the cable
 
     def _is_time_to_judge(self, observations: Observations) -> bool:
-        if self._record.duration < SHORTEST:
+        if self._judged < SHORTEST:
             return False
         # each second while a sensor is set aside, or not trusted
         is_urgent = bool(observations.excluded) or not observations.is_trusted
@@ -267,7 +289,7 @@ class Adviser:
 
     def _judge(self) -> None:
         """Look for the sensor, or the cable, that differs from what is assumed."""
-        judge = Judge(self._record.last(min(MINUTE, self._record.duration)), self._assumed())
+        judge = Judge(self._record.last(self._judged), self._assumed())
         present, used = judge.present, judge.used
         self._gain_is_winch = False
         worst = present.worst(used)
@@ -333,8 +355,8 @@ class Adviser:
 
     def _adopt_present(self) -> None:
         """Have the core continue from the state that the last minute leads to under the present beliefs."""
-        if self._record.duration >= SHORTEST:
-            self._leads_to = Judge(self._record.last(min(MINUTE, self._record.duration)), self._assumed()).present
+        if self._judged >= SHORTEST:
+            self._leads_to = Judge(self._record.last(self._judged), self._assumed()).present
 
     def _adopt(self) -> None:
         """Have the core continue from the state at the end of the record that the present beliefs lead to, if any."""
@@ -359,13 +381,13 @@ class Adviser:
         if self._beliefs.excluded == "mru" or "mru" not in parameters.sensors.use:
             return
         self._sea.add(observations, self._nominal.sensors.mru.rate_noise)
-        if self._record.duration < SHORTEST:
+        if self._judged < SHORTEST:
             return
         seen = self._sea.news(observations.last * self._dt, parameters.sensors.mru.rate_noise)
         if seen is None:
             return
         seas = possible_seas(seen, self._nominal.sea, parameters.sea, parameters.vessel)
-        found = likeliest_sea(parameters, self._design, seas, self._record.last(self._record.duration), self._history)
+        found = likeliest_sea(parameters, self._design, seas, self._record.last(self._record_of_length), self._history)
         if found is None:
             return
         whole, swell = found, found.swell
@@ -387,7 +409,7 @@ class Adviser:
 
     def _is_sea(self, sea: Mapping[str, float]) -> bool:
         """Tell whether no other culprit would explain the last minute better than another `sea`."""
-        judge = Judge(self._record.last(min(MINUTE, self._record.duration)), self._assumed())
+        judge = Judge(self._record.last(self._judged), self._assumed())
         others = [one.total for one in judge.best() if one.changes or one.excluded != judge.present.excluded]
         other = min(others, default=math.inf)
         return other > judge.present.total - AGAIN or judge.total_with(sea) < other
@@ -409,7 +431,9 @@ class Adviser:
         )
         after = parameters_under(beliefs, self._nominal)
         try:
-            design = self._designed(after).with_own_gains() if _needs_design(before, after) else None
+            design = (
+                self._designed(after, self._design.length).with_own_gains() if _needs_design(before, after) else None
+            )
         except DesignError:
             for name in {*values, *self._beliefs.values}:
                 if values.get(name) != self._beliefs.values.get(name):
@@ -421,13 +445,13 @@ class Adviser:
         self._beliefs = replace(beliefs, design=design if design is not None else self._beliefs.design)
         return True
 
-    def _designed(self, parameters: WinchControllerParameters) -> ControllerDesign:
-        """Return the design for `parameters` on the nominal cable, its inertia and damping as assumed."""
+    def _designed(self, parameters: WinchControllerParameters, length: float) -> ControllerDesign:
+        """Return the design for `parameters` on a `length` [m] of the nominal cable, its damping as assumed."""
         nominal, cable = self._nominal.cable_model, self._nominal_cable
         inertia = parameters.cable_model.inertia_factor / nominal.inertia_factor
         damping = parameters.cable_model.damping_factor / nominal.damping_factor
         cable = replace(cable, a=inertia * cable.a, b=damping * cable.b, drag=damping * cable.drag)
-        return design_controller(parameters, tick_period=self._dt, cable=cable)
+        return design_controller(parameters, tick_period=self._dt, length=length, cable=cable)
 
 
 def _needs_design(before: WinchControllerParameters, after: WinchControllerParameters) -> bool:

@@ -20,7 +20,6 @@ from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.core.supervision.watch.adviser_trust import AdviserTrust
 from winch_controller_node.core.supervision.watch.winch_watch import WinchWatch
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.design.schedule import is_scheduled
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 NONE = Beliefs(asked=-1)
@@ -64,7 +63,7 @@ class BeliefsInForce:
         self._pending: Beliefs | None = None
         self.refused = 0
         self.trust = AdviserTrust(in_force.design.tick_period)
-        self._note_plain()
+        self._plain: ControllerDesign | None = self._in_force.design
         self.corrected: set[str] = set()
         self.has_moved_tip = False
 
@@ -133,17 +132,20 @@ class BeliefsInForce:
         self.trust.restart()
         # its nominal values are those of before
         self._estimation.drop_second()
-        self._note_plain()
+        self._plain = None if self.beliefs.values else self._in_force.design
 
     def _note_plain(self) -> None:
-        """Note the active design where it is the nominal one, for as long as it does not follow the length."""
-        is_plain = not (self.beliefs.values or is_scheduled(self.nominal))
-        self._plain = self._in_force.design if is_plain else None
+        """Note the active design where it is the nominal one, until another length of cable is out."""
+        if not self.beliefs.values:
+            self._plain = self._in_force.design
+        elif self._plain is not None and self._plain.length != self._in_force.design.length:
+            self._plain = None
+            self._estimation.drop_second()
 
     def _plain_design(self) -> ControllerDesign:
         """Return the nominal design, made now where no tick has had it yet."""
         payout = self._estimation.motion.mean.point.payout
-        return self._plain or designed(self.nominal, payout, self._in_force.design.tick_period)[1]
+        return self._plain or designed(self.nominal, payout, self._in_force.design.tick_period)
 
     def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:
         """Return the parameters under the active beliefs, were others `nominal`; beliefs about the sea are void."""
@@ -180,6 +182,7 @@ class BeliefsInForce:
         if beliefs.design is not None:
             carried = self._in_force.take_design(parameters, beliefs.design)
         self._in_force.take_limits(parameters.winch)
+        self._note_plain()
         if beliefs.adopted is not None:
             estimation.adopt(self._in_force.design, None if carried is None else carried[0], beliefs.adopted, tick - 1)
         elif carried is not None:

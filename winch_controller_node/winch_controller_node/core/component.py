@@ -39,7 +39,6 @@ from winch_controller_node.core.supervision.watch.load_watch import Episode, Loa
 from winch_controller_node.core.supervision.watch.winch_watch import WinchWatch
 from winch_controller_node.design.design import ControllerDesign, assumed_cable
 from winch_controller_node.design.prediction import predict_loop
-from winch_controller_node.design.schedule import identifies_winch
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.observations import Observations
 from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchOrder, WinchReading
@@ -428,7 +427,6 @@ class WinchController:
         self._follow_operator()
         self._follow_beliefs(tick)
         self._watch_encoder(tick)
-        self._follow_length()
         loop = self._estimation.step(
             tick, measurements, self._command.last.shares, unit_stands=not self._supervisor.landing.hangs
         )
@@ -568,7 +566,7 @@ class WinchController:
                 mean_acceleration=self.mean.point.acceleration,
                 settled_swing=self._command.settled_swing,
                 share=min(self._winch.share, self._beliefs.beliefs.authority)
-                if identifies_winch(self.parameters)
+                if self.parameters.identifies_winch
                 else 1.0,
                 inhibition=transport.inhibition or self._encoder.inhibition,
                 is_reversed=self._encoder.is_unresolved,
@@ -759,7 +757,7 @@ class WinchController:
             self._winch.drum.restart()
         self._separate(tick, is_frozen=is_lost and observer.gates["encoder"].reason == "frozen")
         moves = self.mode in (Mode.COMPENSATING, Mode.FADE_OUT)
-        if not moves or not identifies_winch(self.parameters) or observer.excluded not in ("", "encoder"):
+        if not moves or not self.parameters.identifies_winch or observer.excluded not in ("", "encoder"):
             return
         ordered = self._winch.drum.ordered() if self._encoder.is_due(tick) else None
         is_aside = observer.excluded == "encoder"
@@ -787,12 +785,6 @@ class WinchController:
                 estimation.drop_by_count()
         elif is_frozen and not reflex.is_separated and self.mode not in BRAKED:
             estimation.compare_count(tick - 1)
-
-    def _follow_length(self) -> None:
-        """Follow the gain schedule, where there is one."""
-        if self._in_force.follow_length(self.mean.point.payout):
-            self._estimation.take_design(self.design)
-            self._take_law()
 
     def _take_law(self) -> None:
         """Command and supervise with the active design and law; mode and mean payout stay."""

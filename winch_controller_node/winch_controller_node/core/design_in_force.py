@@ -1,4 +1,4 @@
-"""The active design with its law, and its successors: redesign, gain schedule, other beliefs."""
+"""The active design with its law, and its successors: redesign, other beliefs, another length of cable."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.design.carry_sea import carry_sea
-from winch_controller_node.design.design import ControllerDesign, carry_by_name, design_controller
-from winch_controller_node.design.schedule import FOLLOW, GainSchedule, design_schedule, is_scheduled
+from winch_controller_node.design.design import ControllerDesign, carry_by_name, design_controller, length_followed
 from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -24,17 +23,15 @@ class PreparedDesign:
     ----------
     parameters : that it was made from
     design, law : the law at its initial state
-    schedule : over length; None: none is asked for
     """
 
     parameters: WinchControllerParameters
     design: ControllerDesign
     law: ControlLaw
-    schedule: GainSchedule | None = None
 
 
 class DesignInForce:
-    """Design, its parameters and law, and the schedule over length where there is one.
+    """Design, its parameters and law.
 
     Parameters
     ----------
@@ -52,7 +49,7 @@ class DesignInForce:
     def __init__(self, parameters: WinchControllerParameters, *, tick_period: float) -> None:
         self._dt = tick_period
         self.parameters = parameters
-        self._schedule, self.design = designed(parameters, 0.0, tick_period)
+        self.design = designed(parameters, 0.0, tick_period)
         self.law = self.design.make_law()
 
     def prepared(self, parameters: WinchControllerParameters, payout: float) -> PreparedDesign:
@@ -60,9 +57,9 @@ class DesignInForce:
 
         Raises DesignError where that cannot be designed or has other states.
         """
-        schedule, design = designed(parameters, payout, self._dt)
+        design = designed(parameters, payout, self._dt)
         self._check_states(design)
-        return PreparedDesign(parameters, design, design.make_law(), schedule)
+        return PreparedDesign(parameters, design, design.make_law())
 
     def take(self, prepared: PreparedDesign) -> tuple[Array, Array]:
         """Activate a `prepared` design.
@@ -73,7 +70,6 @@ class DesignInForce:
         Raises DesignError where the states of the active design have changed meanwhile; that stays.
         """
         self._check_states(prepared.design)
-        self._schedule = prepared.schedule
         return self.take_design(prepared.parameters, prepared.design, prepared.law)
 
     def _check_states(self, design: ControllerDesign) -> None:
@@ -81,20 +77,6 @@ class DesignInForce:
         if old != new:
             changed = ", ".join(sorted(set(old) ^ set(new))) or "their order"
             raise DesignError(f"the redesign changes the states of the model ({changed}): restart the controller")
-
-    def follow_length(self, payout: float) -> bool:
-        """Take the scheduled design of the length that is out at a mean payout [m], when it has changed enough.
-
-        Returns whether it has.
-        """
-        if self._schedule is None:
-            return False
-        length = max(self.parameters.length + payout, 1.0)
-        if abs(length / self.design.length - 1.0) < FOLLOW:
-            return False
-        self.design = self._schedule.design_at(length)
-        self.law = self.design.make_law()
-        return True
 
     def take_design(
         self, parameters: WinchControllerParameters, design: ControllerDesign, law: ControlLaw | None = None
@@ -125,10 +107,8 @@ class DesignInForce:
         self.law.take_limits(self.design.limits)
 
 
-def designed(
-    parameters: WinchControllerParameters, payout: float, tick_period: float
-) -> tuple[GainSchedule | None, ControllerDesign]:
-    """Return the schedule, where one is asked for, and the design at a mean `payout` [m].
+def designed(parameters: WinchControllerParameters, payout: float, tick_period: float) -> ControllerDesign:
+    """Return the design for the length of cable that is out.
 
     Parameters
     ----------
@@ -138,7 +118,5 @@ def designed(
 
     Raises DesignError where that cannot be designed.
     """
-    if not is_scheduled(parameters):
-        return None, design_controller(parameters, tick_period=tick_period)
-    schedule = design_schedule(parameters, tick_period=tick_period)
-    return schedule, schedule.design_at(parameters.length + payout)
+    length = length_followed(parameters, payout, parameters.length)
+    return design_controller(parameters, tick_period=tick_period, length=length)

@@ -233,6 +233,16 @@ def design_controller(
     )
 
 
+FOLLOWED = 0.05
+"""Change of the length of cable, relative, from which on another design is made."""
+
+
+def length_followed(parameters: WinchControllerParameters, payout: float, last: float) -> float:
+    """Return the length to design for at a mean `payout` [m]: the `last` one [m] as long as it is near enough."""
+    length = max(parameters.length + payout, 1.0)
+    return last if abs(length / last - 1.0) < FOLLOWED else length
+
+
 def with_boom_tip(design: ControllerDesign, boom_tip: LinearModel) -> ControllerDesign:
     """Return the design's model and measurements for another motion of the boom tip; gain and cost stay, unfit for it.
 
@@ -249,25 +259,6 @@ def with_boom_tip(design: ControllerDesign, boom_tip: LinearModel) -> Controller
         initial_covariance=covariance,
         sigma=sigma,
         sea_noise=sea_noise_covariance(inputs, design.tick_period, model.order),
-        own_gains={},
-    )
-
-
-def at_cable(design: ControllerDesign, cable: CableModel, length: float, gain: Array) -> ControllerDesign:
-    """Return the design with another cable and gain at a `length` [m], all else as it is.
-
-    It is what a gain schedule gives between its points; `gain` has shape (n,).
-    """
-    parameters = design.parameters
-    model = augmented_model(model_inputs(parameters, cable), design.tick_period)
-    return replace(
-        design,
-        length=length,
-        cable=cable,
-        model=model,
-        measurements=measurement_models(parameters, model, cable),
-        gain=gain,
-        cost=weighted_cost(parameters.weights, model),
         own_gains={},
     )
 

@@ -201,7 +201,7 @@ class KalmanEstimator:
         drag: Drag | None = None,
         slack: Slack | None = None,
     ) -> None:
-        """Go on with another model of the same states, measurements, drag and slack (gain schedule).
+        """Go on with another model of the same states, measurements, drag and slack.
 
         The estimate stays.
 

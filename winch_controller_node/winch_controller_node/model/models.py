@@ -118,16 +118,6 @@ def fitted_cable(
     return fit_two_state(omegas, transfer.unit_heave, weights=weights / (1.0 + np.abs(transfer.unit_heave) ** 2))
 
 
-def cable_between(
-    plant: PlantBelief, parameters: CableModelParameters, length: float, *, a: float, b: float
-) -> CableModel:
-    """Return the cable of a `plant` at `length` [m] with a and b as interpolated; all else is exact.
-
-    `parameters` are those that `cable_model` was given.
-    """
-    return CableModel(a, b, **_exact(plant.line(length), parameters, length, a))
-
-
 def _exact(line: AxialLine, parameters: CableModelParameters, length: float, a: float) -> dict[str, float]:
     """Return what no fit is needed for; an inertia that is given in place of `a` is that of any motion."""
     stretch = sum(piece.length / piece.axial_stiffness for piece in line.pieces(length))

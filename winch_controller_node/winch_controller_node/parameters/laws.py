@@ -53,8 +53,7 @@ class LagParameters:
     """Adaptation to the winch's true servo, delay, gain and limits."""
 
     adaptation: bool = parameter(True,
-        description="Identify lag, delay, gain and limits of the winch by its encoder; not with a gain schedule.",
-    )  # fmt: skip
+        description="Identify lag, delay, gain and limits of the winch by its encoder.")  # fmt: skip
     window: float = parameter(20.0, "s", 5.0, 600.0, "Length of the record by which the winch is identified.")
     largest: float = parameter(0.3, "s", 0.0, 5.0,
         "Largest delay of commands beyond the nominal one: above it compensation ends.")  # fmt: skip

@@ -147,21 +147,3 @@ class EstimatorParameters:
     sea_adaptation: bool = parameter(True,
         description="Follow the sea that is seen: its height scales the noise, another period makes another design.",
     )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class ScheduleParameters:
-    """Gain schedule over the deployed length."""
-
-    minimum_length: float = parameter(0.0, "m", 0.0, None,
-        "Gain schedule over the length of cable: the shortest; both 0: gains for `length` alone.")  # fmt: skip
-    maximum_length: float = parameter(0.0, "m", 0.0, None,
-        "Gain schedule over the length of cable: the longest; both 0: gains for `length` alone.")  # fmt: skip
-    points: int = parameter(9, "", 2, 200, "Number of lengths at which gains are computed.")
-
-    def __post_init__(self) -> None:
-        if self.maximum_length < self.minimum_length:
-            raise ParameterError(
-                f"schedule.maximum_length = {self.maximum_length:g} m must not be below schedule.minimum_length "
-                f"= {self.minimum_length:g} m"
-            )

@@ -36,7 +36,7 @@ SENSORS_TAKEN = {"mru", "depth", "encoder"}
 
 LEFT_OUT = (
     "Fixed: its last step is the envelope, latched until it is reset, without load cell; otherwise no supervision, no "
-    "sensor health, no modes, no moves, no adviser, no gain schedule; "
+    "sensor health, no modes, no moves, no adviser; "
     "near the limits of the winch law lqg stays linear"
 )
 """What the fixed controller has not, in a line."""

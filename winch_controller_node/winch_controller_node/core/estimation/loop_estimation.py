@@ -128,12 +128,6 @@ class LoopEstimation:
 
     # another design
 
-    def take_design(self, design: ControllerDesign) -> None:
-        """Go on with a design of the same states, each of which means the same."""
-        self.estimator.set_model(design.model, design.measurements, design.drag, design.slack)
-        self.reset_readings()
-        self._refer_to(design)
-
     def carry(self, design: ControllerDesign, matrix: Array, added: Array | float = 0.0) -> None:
         """Go on with a design whose states are `matrix`, shape (n_new, n), times the present ones.
 

@@ -13,7 +13,6 @@ from winch_controller_node.core.supervision.late_commands import CUT_TIME, LateC
 from winch_controller_node.core.supervision.watch.drum_watch import DrumWatch
 from winch_controller_node.core.supervision.watch.timeout_cause import TimeoutCause
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.design.schedule import identifies_winch
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -148,7 +147,7 @@ class WinchWatch:
         if self.late_commands.is_cut:
             return TransportReport(alarm, ALARMS.alarm("COMMANDS_CUT", time=CUT_TIME))
         lag = winch.command_delay + winch.time_constant
-        tolerated = parameters.lag.largest if identifies_winch(parameters) else TOLERATED_SHARE * lag
+        tolerated = parameters.lag.largest if parameters.identifies_winch else TOLERATED_SHARE * lag
         overdue = self.late_commands.overdue
         if overdue <= tolerated:
             return TransportReport(alarm)

@@ -1,4 +1,4 @@
-"""Gain schedule over length, adaptation to the sea, demand on the winch."""
+"""Designs for the length that is out, adaptation to the sea, demand on the winch."""
 
 import dataclasses
 import math
@@ -7,15 +7,17 @@ import numpy as np
 import pytest
 from heave_node.numerics.linear_model import state_covariance
 from heave_node.parameters import build_parameters
-from winch_controller_node.core.design_in_force import DesignInForce
+from winch_controller_node.adviser.component import Adviser
+from winch_controller_node.core.component import WinchController
+from winch_controller_node.core.design_in_force import DesignInForce, designed
+from winch_controller_node.core.estimation.observation_log import ROWS
 from winch_controller_node.design.carry_sea import carry_sea
-from winch_controller_node.design.design import at_cable, design_controller
+from winch_controller_node.design.design import design_controller, length_followed
 from winch_controller_node.design.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
 from winch_controller_node.design.prediction import predict_loop
-from winch_controller_node.design.schedule import closed_loop_radius, design_schedule
 from winch_controller_node.design.seas import PATIENCE, SeaSeen, SeaTracker, sea_that_was_seen, sigma_and_frequency
-from winch_controller_node.model.blocks import CableModel
-from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.interface.observations import READING_COLUMNS, TICK_COLUMNS, Observations
+from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.model.models import boom_tip_block
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -29,71 +31,56 @@ def parameters(**values):
     return build_parameters(WinchControllerParameters, named, where="test: winch_controller")
 
 
-@pytest.fixture(scope="module")
-def schedule():
-    return design_schedule(
-        parameters(schedule__minimum_length=100.0, schedule__maximum_length=400.0, schedule__points=5), tick_period=DT
-    )
+def test_a_design_is_for_the_length_that_is_out_once_that_differs_by_a_twentieth():
+    assert length_followed(parameters(length=300.0), 14.0, 300.0) == 300.0
+    assert length_followed(parameters(length=300.0), 16.0, 300.0) == 316.0
+    assert length_followed(parameters(length=10.0), -20.0, 10.0) == 1.0
+    assert designed(parameters(length=300.0), 60.0, DT).length == 360.0
+    own = design_controller(parameters(length=300.0), tick_period=DT, length=360.0)
+    assert designed(parameters(length=300.0), 60.0, DT).gain == pytest.approx(own.gain, rel=1e-9)
 
 
-def test_at_its_points_the_schedule_is_the_design(schedule):
-    for point in schedule.designs:
-        assert schedule.gain_at(point.length) == pytest.approx(point.gain, rel=1e-9)
-        at = schedule.design_at(point.length)
-        assert pytest.approx(point.model.A, rel=1e-9, abs=1e-12) == at.model.A
-        assert at.cable.static_tension == pytest.approx(point.cable.static_tension)
-
-
-def test_between_its_points_the_loop_is_stable_and_near_its_own_optimum(schedule):
-    for length in (115.0, 170.0, 333.0):
-        between = schedule.design_at(length)
-        own = design_controller(schedule.designs[0].parameters, tick_period=DT, length=length)
-        assert closed_loop_radius(between) < 1.0
-        assert between.cable.a == pytest.approx(own.cable.a, rel=0.02)
-        assert between.gain == pytest.approx(own.gain, rel=0.1, abs=0.05 * np.abs(own.gain).max())
-
-
-def test_scheduled_gains_hold_the_unit_stiller_than_those_of_the_first_length_the_whole_way_down():
+def test_gains_of_the_length_that_is_out_hold_the_unit_stiller_than_those_of_the_first_length():
     """125 t from 50 m on, axial resonance at the sea's peak near 320 m; both with the estimator of the length that is
     out, so that the gains alone differ: those of another length are not the optimum.
     """
     unit = {name.replace(".", "__"): value for name, value in DEEP_900.items() if name != "length"}
-    sea = {"sea__significant_wave_height": 1.5, "sea__peak_period": 10.0}
-    points = {"length": 50.0, "schedule__maximum_length": 450.0, "schedule__points": 5}
-    wide = design_schedule(parameters(**unit, **sea, **points), tick_period=DT)
-    first = wide.designs[0]
-    gained = []
+    wanted = parameters(**unit, length=50.0, sea__significant_wave_height=1.5, sea__peak_period=10.0)
+    first, gained = designed(wanted, 0.0, DT), []
     for length in (70.0, 120.0, 200.0, 320.0, 400.0):
-        scheduled = predict_loop(wide.design_at(length)).sigma["unit_heave"]
-        fixed = predict_loop(at_cable(first, wide.cable_at(length), length, first.gain)).sigma["unit_heave"]
-        gained.append(1.0 - scheduled / fixed)
+        own = designed(wanted, length - 50.0, DT)
+        fixed = predict_loop(dataclasses.replace(own, gain=first.gain)).sigma["unit_heave"]
+        gained.append(1.0 - predict_loop(own).sigma["unit_heave"] / fixed)
     assert min(gained) > 0.0
     assert gained[3] > 0.1
 
 
-def test_beyond_its_ends_the_schedule_holds_the_end_gain(schedule):
-    assert schedule.gain_at(20.0) == pytest.approx(schedule.designs[0].gain)
-    assert schedule.gain_at(4000.0) == pytest.approx(schedule.designs[-1].gain)
+def batch(first, payout, active):
+    """Return a second in which nothing is read, the set-point at a `payout` [m], answer number `active` active."""
+    ticks = np.zeros((20, len(TICK_COLUMNS)))
+    ticks[:, TICK_COLUMNS.index("order_payout")] = payout
+    ticks[:, TICK_COLUMNS.index("brake")] = 1.0
+    return Observations(first, ticks, ROWS, np.zeros((0, len(READING_COLUMNS))), epoch=0, beliefs=active)
 
 
-def test_a_schedule_that_goes_nowhere_is_refused():
-    with pytest.raises(DesignError, match="must be above the shortest length"):
-        design_schedule(parameters(length=300.0, schedule__maximum_length=200.0), tick_period=DT)
-
-
-def test_an_unstable_gap_is_named(schedule):
-    from dataclasses import replace  # noqa: PLC0415
-
-    bad = replace(schedule.designs[1], gain=-5.0 * schedule.designs[1].gain)
-    with pytest.raises(DesignError, match="between 100 and"):
-        replace(schedule, designs=(schedule.designs[0], bad)).check()
-
-
-def test_another_cable_keeps_the_gain_given():
-    base = design_controller(parameters(), tick_period=DT)
-    other = at_cable(base, CableModel(1.0, 0.1), 500.0, 0.5 * base.gain)
-    assert other.cable.a == 1.0
-    assert other.gain == pytest.approx(0.5 * base.gain)
+def test_the_adviser_answers_with_the_design_of_the_length_that_is_out_and_the_core_goes_on_with_it():
+    wanted = parameters(length=100.0)
+    adviser, controller = Adviser(wanted, tick_period=DT), WinchController(wanted, tick_period=DT)
+    given = ((0.0, 0), (4.0, 0), (30.0, 0), (30.0, 1))
+    answers = [adviser.advise(batch(20 * k + 1, *one)) for k, one in enumerate(given)]
+    assert [one.design.length if one.design else None for one in answers] == [None, None, 130.0, None]
+    assert [one.number for one in answers] == [0, 0, 1, 1]
+    assert answers[2].values == {}
+    for tick in range(1, 62):
+        controller.step(tick, Measurements())
+    assert controller.take(answers[2])
+    before = controller.estimator.estimate.copy()
+    for tick in range(62, 82):
+        controller.step(tick, Measurements())
+    assert controller.design.length == 130.0
+    assert controller.design.gain == pytest.approx(designed(wanted, 30.0, DT).gain, rel=1e-9)
+    assert controller.design.model.order == len(before)
+    assert controller.beliefs.number == 1
 
 
 @pytest.mark.parametrize("sea", [{"sea__significant_wave_height": 2.5}, {"sea__filter_form": "thesis"}])
