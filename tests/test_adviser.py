@@ -46,16 +46,6 @@ def adviser_part(bag):
     return parts[-1].level, parts[-1].message, values
 
 
-def test_what_it_compiles_is_compiled_before_a_tick_waits_for_it():
-    # the kernels alone, in a process that has none of them loaded: on a cold machine they take a tick's whole limit
-    words = (
-        "from winch_controller_node.adviser_node import WinchAdviserNode; WinchAdviserNode.make_answer(0.05); "
-        "from winch_controller_node.adviser import filter_pass; print(len(filter_pass._follow.signatures))"
-    )
-    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, timeout=300.0, check=True)
-    assert done.stdout.strip() == "1", "it is compiled at the first question"
-
-
 def test_each_batch_of_a_lockstep_run_is_answered_in_time(calm_bag):
     """A batch a second makes ten in ten seconds; the last is over when the run is, and gets no answer."""
     bag = Bag(calm_bag)

@@ -29,6 +29,9 @@ ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
     "heave_core_envelope": (_POINTER,) * 4,
     "heave_core_filter_begin": (_POINTER,) * 2,
     "heave_core_filter": (*(_POINTER,) * 3, _COUNT, *(_POINTER,) * 2),
+    "heave_core_pass": (_POINTER,) * 11,
+    "heave_core_servo": (*(_POINTER,) * 7, _COUNT, _POINTER),
+    "heave_core_servo_reading": (_POINTER,) * 9,
 }
 """Types of the arguments of each function, which returns nothing."""
 

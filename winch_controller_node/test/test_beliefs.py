@@ -5,13 +5,13 @@ import math
 from types import MappingProxyType
 
 import pytest
+from heave_core.servo import Drum
 from hypothesis import given
 from hypothesis import strategies as st
 from winch_controller_node.beliefs.beliefs import USED, Belief, Beliefs, parameters_under, without_sea
 from winch_controller_node.beliefs.corrections import AS_READ, Correction, corrections
 from winch_controller_node.beliefs.drum import QUANTITY_OF, drum_of
 from winch_controller_node.beliefs.quantities import QUANTITIES, RESTATED, restated, with_value
-from winch_controller_node.model.drum_kernel import Drum
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 NOMINAL = WinchControllerParameters()

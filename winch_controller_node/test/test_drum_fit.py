@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
+from heave_core.servo import Drum, drum_records
 from heave_node.interface.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -17,7 +18,6 @@ from winch_controller_node.adviser.record import SensorHistory
 from winch_controller_node.adviser.winch import WinchIdentifier
 from winch_controller_node.beliefs.drum import drum_of
 from winch_controller_node.interface.observations import TICK_COLUMNS
-from winch_controller_node.model.drum_kernel import Drum, drum_records
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05

@@ -53,8 +53,7 @@ class WinchAdviserNode(ParticipantNode):
 
     @classmethod
     def make_answer(cls, tick_period: float) -> Answer:
-        """Return what answers serialised observations at a `tick_period` [s]; what the first compiles is there."""
-        cls.make_adviser(WinchControllerParameters(), tick_period)
+        """Return what answers serialised observations at a `tick_period` [s]."""
         answers = Answering(cls.make_adviser, tick_period)
         return lambda data: answers.answer(deserialize_message(data, ObservationsMessage))
 

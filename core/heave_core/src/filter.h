@@ -17,7 +17,7 @@ double linearised(const Filter &filter, const Reading &reading, const double *x,
 
 // filter_steps.cpp: prediction and correction
 double dot(int n, const double *a, const double *b);
-void multiply(int n, const double *left, const double *right, double *product);
+void multiply(int n, int columns, const double *left, const double *right, double *product);
 void predict(int n, const Step &step, double command, double *x, double *P);
 double across(int n, const double *row, const double *P, double *product);
 void take(const Filter &filter, const Reading *readings, int count, double *x, double *P);

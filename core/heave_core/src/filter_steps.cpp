@@ -11,15 +11,15 @@ double dot(int n, const double *a, const double *b) {
     return sum;
 }
 
-// product = left right, all (n, n); most of a transition is empty.
-void multiply(int n, const double *left, const double *right, double *product) {
+// product = left right of (n, n) and (n, columns); most of a transition is empty.
+void multiply(int n, int columns, const double *left, const double *right, double *product) {
     for (int i = 0; i < n; i++) {
-        double *row = product + i * n;
-        for (int j = 0; j < n; j++) row[j] = 0.0;
+        double *row = product + i * columns;
+        for (int j = 0; j < columns; j++) row[j] = 0.0;
         for (int k = 0; k < n; k++) {
             const double weight = left[i * n + k];
             if (weight == 0.0) continue;
-            for (int j = 0; j < n; j++) row[j] += weight * right[k * n + j];
+            for (int j = 0; j < columns; j++) row[j] += weight * right[k * columns + j];
         }
     }
 }
@@ -29,10 +29,10 @@ void predict(int n, const Step &step, double command, double *x, double *P) {
     double moved[STATES], half[STATES * STATES], turned[STATES * STATES];
     for (int i = 0; i < n; i++) moved[i] = dot(n, step.F + i * n, x) + step.B[i] * command;
     std::memcpy(x, moved, sizeof(double) * n);
-    multiply(n, step.F, P, half);
+    multiply(n, n, step.F, P, half);
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) turned[j * n + i] = half[i * n + j];
-    multiply(n, step.F, turned, P);
+    multiply(n, n, step.F, turned, P);
     for (int i = 0; i < n; i++)
         for (int j = 0; j <= i; j++) P[i * n + j] = P[j * n + i] = P[i * n + j] + step.Q[i * n + j];
 }

@@ -1,5 +1,7 @@
 // The C interface. Sizes and the number of the layout are asked for by whoever loads the library, before anything else.
 #include "filter.h"
+#include "pass.h"
+#include "servo.h"
 
 extern "C" {
 
@@ -32,6 +34,31 @@ void heave_core_filter_begin(const heave::Filter *filter, heave::FilterState *st
 void heave_core_filter(const heave::Filter *filter, heave::FilterState *state, const heave::FilterTick *ticks, int count,
                        const heave::Reading *readings, heave::Said *said) {
     heave::run_filter(*filter, *state, ticks, count, readings, said);
+}
+
+// A pass over a record: state x (n, c) and P (n, n) in place, work (n, c + 2 n), innovations (m, c) over the standard
+// deviation that was predicted, and its square (m,).
+void heave_core_pass(const heave::Pass *pass, const heave::PassTick *ticks, const double *commands,
+                     const heave::PassReading *readings, const double *rows, const double *values, double *x, double *P,
+                     double *work, double *innovations, double *variances) {
+    heave::run_pass(*pass, ticks, {readings, rows, values, innovations, variances}, commands, x, P, work);
+}
+
+// Readings of the encoder under set-points, of each of several drums, (count, ticks).
+void heave_core_servo(const heave::ServoRun *run, const double *payouts, const double *rates, const double *late,
+                      const double *tensions, const heave::Servo *servos, const heave::ServoStart *starts, int count,
+                      double *readings) {
+    const heave::SetPoints sent{payouts, rates, late, tensions, run->sent};
+    for (int i = 0; i < count; i++)
+        heave::servo_record(*run, sent, servos[i], starts[i], run->ticks, readings + i * run->ticks);
+}
+
+// What the encoder should read at the end of a record.
+void heave_core_servo_reading(const heave::ServoRun *run, const double *payouts, const double *rates, const double *late,
+                              const double *tensions, const double *readings, const heave::Servo *servo, double *work,
+                              double *found) {
+    const heave::SetPoints sent{payouts, rates, late, tensions, run->sent};
+    *found = heave::servo_reading(*run, sent, *servo, readings, work);
 }
 
 }

@@ -66,13 +66,6 @@ inner_kernel = njit(cache=True, error_model="numpy", **_WITHOUT_ENTRANCES)
 The way in from Python, which takes all arrays of a line apart, costs as much to compile as the function itself.
 """
 
-part_of_kernel = njit(cache=True, error_model="numpy", inline="always")
-"""A function whose source is put where kernels call it, before anything is compiled.
-
-A function of its own is optimised with each one above it again: so made, the controller's filter took half as long
-again to compile.
-"""
-
 inlined_kernel = njit(cache=True, error_model="numpy", forceinline=True, **_WITHOUT_ENTRANCES)
 """An inner kernel whose code is put where it is called, however long: for what must not wait for a call, or is to be
 vectorised with its caller.

@@ -42,7 +42,7 @@ from winch_controller_node.beliefs.corrections import Correction, corrections
 from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, out_of_range, with_value
 from winch_controller_node.design.design import ControllerDesign, assumed_cable, design_controller, length_followed
 from winch_controller_node.design.seas import possible_seas
-from winch_controller_node.interface.observations import READING_COLUMNS, TICK_COLUMNS, Observations
+from winch_controller_node.interface.observations import Observations
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -105,7 +105,6 @@ class Adviser:
         self._history = SensorHistory()
         self._drum_gain, self._seconds = 1.0, 0
         self._begin(parameters, Beliefs(asked=-1))
-        self._compile()
 
     def _begin(self, nominal: WinchControllerParameters, beliefs: Beliefs) -> None:
         """Go by `nominal` parameters under the present beliefs, for another sea or length of cable."""
@@ -120,15 +119,6 @@ class Adviser:
         self._leads_to: Hypothesis | None = None
         self._length_since = 0
         self._report = Report(nominal)
-
-    def _compile(self) -> None:
-        """Compile the kernels on a second in which nothing happens, not in one of a run in real time."""
-        ticks = np.zeros((max(2, round(1.0 / self._dt)), len(TICK_COLUMNS)))
-        silence = Record(self._dt)
-        silence.add(Observations(0, ticks, (), np.zeros((0, len(READING_COLUMNS))), epoch=0, beliefs=0))
-        excerpt = silence.last(1.0)
-        Judge(excerpt, self._assumed())
-        self._winch.compile(excerpt)
 
     @property
     def parameters(self) -> WinchControllerParameters:

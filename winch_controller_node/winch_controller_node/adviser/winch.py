@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+from heave_core.servo import Drum
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.adviser.drum.drum_fit import (
@@ -29,7 +30,6 @@ from winch_controller_node.adviser.hypothesis import SHARE_LEFT
 from winch_controller_node.adviser.record import Excerpt, SensorHistory
 from winch_controller_node.beliefs.beliefs import Belief
 from winch_controller_node.beliefs.drum import QUANTITY_OF, drum_of
-from winch_controller_node.model.drum_kernel import Drum
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 SHORTEST = 4.0
@@ -165,12 +165,6 @@ class WinchIdentifier:
     def length(self) -> float:
         """Record that is needed [s]."""
         return self._lag.window + self._ahead * self._dt + 2.0
-
-    def compile(self, excerpt: Excerpt) -> None:
-        """Compile the kernels on an `excerpt` of any length."""
-        record = drum_record(excerpt, excerpt.dt * len(excerpt.ticks), 1, SensorHistory(), self._winch.position_gain)
-        if record is not None:
-            fit_drum(record, self._prior, begun(record, np.array([*drum_of(self._winch), 1.0])), ())
 
     def look(self, excerpt: Excerpt, history: SensorHistory, assumed: Mapping[str, float]) -> WinchAnswer | None:
         """Return what the last seconds say of the winch; None: too little.

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from heave_core.servo import NO_POWER_LIMIT, Drum
+
 from winch_controller_node.beliefs.quantities import (
     ACCELERATION_IN,
     ACCELERATION_OUT,
@@ -13,7 +15,6 @@ from winch_controller_node.beliefs.quantities import (
     SPEED_IN,
     SPEED_OUT,
 )
-from winch_controller_node.model.drum_kernel import NO_POWER_LIMIT, Drum
 from winch_controller_node.parameters.model import WinchModelParameters
 
 QUANTITY_OF = {

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from heave_core.servo import Drum
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.adviser.drum.drum_record import FIELDS, START_PAYOUT, START_RATE, DrumRecord
-from winch_controller_node.model.drum_kernel import Drum
 
 LAG, DELAY, GAIN, DEADBAND, BACKLASH, HAULING, CREEP = (
     Drum._fields.index(name) for name in ("lag", "delay", "gain", "deadband", "backlash", "hauling", "creep")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from heave_core.servo import NO_POWER_LIMIT, Drum
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.adviser.drum.drum_fit import DrumPrior
 from winch_controller_node.adviser.drum.drum_record import FIELDS
 from winch_controller_node.beliefs.drum import QUANTITY_OF, drum_of
 from winch_controller_node.beliefs.quantities import ENCODER_SCALE, range_of
-from winch_controller_node.model.drum_kernel import NO_POWER_LIMIT, Drum
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 SIGMAS = Drum(0.05, 0.1, 0.2, 0.02, np.inf, np.inf, np.inf, np.inf, 0.005, np.inf, 0.2, 0.05, np.inf)

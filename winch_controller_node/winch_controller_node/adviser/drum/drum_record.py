@@ -7,11 +7,11 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+from heave_core.servo import Drum, drum_records
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
 from winch_controller_node.adviser.record import Excerpt, SensorHistory, payouts
-from winch_controller_node.model.drum_kernel import Drum, drum_records
 
 FIELDS = len(Drum._fields)
 FACTOR, START_PAYOUT, START_RATE = FIELDS, FIELDS + 1, FIELDS + 2

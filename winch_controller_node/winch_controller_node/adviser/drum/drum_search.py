@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from heave_core.servo import NO_POWER_LIMIT
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.adviser.drum.drum_fit import (
@@ -32,7 +33,6 @@ from winch_controller_node.adviser.drum.drum_fit import (
     fit_drum,
 )
 from winch_controller_node.adviser.drum.drum_record import FACTOR, START_PAYOUT, DrumRecord
-from winch_controller_node.model.drum_kernel import NO_POWER_LIMIT
 
 ALWAYS = (LAG, DELAY, GAIN)
 

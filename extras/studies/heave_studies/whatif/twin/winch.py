@@ -9,11 +9,11 @@ import numpy as np
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch, WinchState
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
+from heave_core.servo import NO_POWER_LIMIT
 from heave_node.numerics.arrays import Array
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.beliefs.drum import drum_of
 from winch_controller_node.interface.readings import WinchOrder
-from winch_controller_node.model.drum_kernel import NO_POWER_LIMIT
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_studies.whatif.signals.record import SensorRecord

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
+from heave_core.servo import drum_records, predicted_reading
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.newest import Newest
 
 from winch_controller_node.beliefs.drum import drum_of
-from winch_controller_node.model.drum_kernel import drum_records, predicted_reading
 from winch_controller_node.parameters.model import WinchModelParameters
 
 CHECKED_TIME = 1.0
@@ -98,8 +98,6 @@ class DrumWatch:
         self._payouts, self._rates, self._tensions, self._readings, self._limits = (Newest(kept) for _ in range(5))
         self.take({})
         self.reset()
-        # compiled here, not in a tick of a run in real time
-        self._error_after(np.zeros(3))
 
     def take(self, assumed: Mapping[str, float]) -> None:
         """Go by the `assumed` winch from now on, by quantity."""

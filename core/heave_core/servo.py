@@ -1,0 +1,122 @@
+"""The drum under the set-points it was sent, see `src/servo.cpp`: what its encoder should have read."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heave_core.library import dtype_of, library
+from heave_core.servo_table import SERVO_RUN
+
+Array = NDArray[np.float64]
+
+POSITION_STEP = 0.005
+"""Step of the position loop [s]; without one each piece of a tick is exact."""
+
+START_STEPS = 3
+"""Gauss-Newton steps to payout and rate at the start of a record."""
+
+RATE_STEP = 1e-3
+"""Step of the sensitivity to the rate at the start [m/s]."""
+
+EDGE = 1e-9
+"""Part of a tick that counts as none."""
+
+NO_POWER_LIMIT = 1e9
+"""Power that no winch has [W]."""
+
+WEAK_SLOPE = 1e-6
+"""Effect of the rate at the start on the payout that counts as none, as at the limit of the speed [s]."""
+
+
+class Drum(NamedTuple):
+    """A speed servo behind a transport delay, by the rows of SERVO in `servo_table`, with their units and meanings."""
+
+    lag: float
+    delay: float
+    gain: float = 1.0
+    deadband: float = 0.0
+    speed_out: float = math.inf
+    speed_in: float = math.inf
+    acceleration_out: float = 1e9
+    acceleration_in: float = 1e9
+    backlash: float = 0.0
+    reach: float = 1.0
+    hauling: float = 1.0
+    creep: float = 0.0
+    power: float = NO_POWER_LIMIT
+
+
+def _run(sent: int, ticks: int, fitted: int, position_gain: float, dt: float) -> NDArray[Any]:
+    run = np.zeros(1, dtype_of(SERVO_RUN))
+    of_it = (POSITION_STEP, EDGE, NO_POWER_LIMIT, RATE_STEP, WEAK_SLOPE)
+    run[0] = (sent, ticks, fitted, START_STEPS, dt, position_gain, *of_it)
+    return run
+
+
+def drum_records(
+    payouts: Array,
+    rates: Array,
+    late: Array,
+    tensions: Array,
+    drums: Array,
+    starts: Array,
+    position_gain: float,
+    count: int,
+    dt: float,
+) -> Array:
+    """Return the encoder's reading of each drum at the end of each of the last `count` ticks, shape (m, count) [m].
+
+    Parameters
+    ----------
+    payouts, rates : set-points of the ticks, oldest first, at least count + delay/dt + 1 of them [m], [m/s]
+    late : by how much later than the delay each of them took effect (ticks), same shape
+    tensions : at the top at the end of each tick, same shape [N]; NaN where unknown: there the power limits nothing
+    drums : fields of `Drum`, shape (m, 13)
+    starts : payout and rate at the start of the `count` ticks, shape (m, 2) [m], [m/s]
+    position_gain : of the servo's position loop [1/s]; 0: none
+    count : ticks
+    dt : tick period [s]
+    """
+    out, run = np.empty((len(drums), count)), _run(len(rates), count, 0, position_gain, dt)
+    # held here until the call is over
+    arrays = [np.ascontiguousarray(one, dtype=float) for one in (payouts, rates, late, tensions, drums, starts)]
+    addresses = [one.ctypes.data for one in arrays]
+    library().heave_core_servo(run.ctypes.data, *addresses, len(drums), out.ctypes.data)
+    return out
+
+
+def predicted_reading(
+    payouts: Array,
+    rates: Array,
+    tensions: Array,
+    readings: Array,
+    drum: Array,
+    position_gain: float,
+    fitted: int,
+    dt: float,
+) -> float:
+    """Return what the encoder should read at the end of the last tick [m].
+
+    Payout and rate at the start are those that explain the first `fitted` of the `readings` best.
+
+    Parameters
+    ----------
+    payouts, rates : set-points of the ticks, oldest first, more of them than readings by the delay [m], [m/s]
+    tensions : at the top at the end of each of these ticks [N]; NaN: unknown
+    readings : at the start of the record and at the end of each of its ticks [m], shape (count + 1,)
+    drum : fields of `Drum`, shape (13,)
+    position_gain : of the servo's position loop [1/s]; 0: none
+    fitted : readings
+    dt : tick period [s]
+    """
+    count = len(readings) - 1
+    run, work, found = _run(len(rates), count, fitted, position_gain, dt), np.empty(2 * fitted + count), np.empty(1)
+    given = (payouts, rates, np.zeros(len(rates)), tensions, readings, drum)
+    arrays = [np.ascontiguousarray(one, dtype=float) for one in given]
+    addresses = [one.ctypes.data for one in arrays]
+    library().heave_core_servo_reading(run.ctypes.data, *addresses, work.ctypes.data, found.ctypes.data)
+    return float(found[0])
