@@ -173,8 +173,7 @@ class ClosedLoop:
                 state.segment_tensions[0],
             ]
         )
-        order = outputs.order
-        command = WinchCommand(order.sequence, order.payout, order.payout_rate, order.brake)
+        command = WinchCommand(*outputs.order)
         winch = self.winch.step(tick, command, state.top_tension)
         self.plant.advance(tick, vessel.boom_tip, (winch.payout, winch.payout_rate), outputs.depth_set_point)
         self._boom_tip = vessel.boom_tip

@@ -55,7 +55,7 @@ WINCH_STATE = (
 _winch_values = attrgetter(*WINCH_STATE)
 _WINCH_STATE = Packer(topics.WINCH_STATE.type, (_STAMP, *WINCH_STATE))
 
-WINCH_COMMAND = ("sequence", "payout", "payout_rate", "brake")
+WINCH_COMMAND = ("sequence", "payout", "payout_rate", "brake", "mean_payout")
 DRUM_MOTION = ("payout", "payout_rate", "payout_acceleration", "encoder_payout", "encoder_payout_rate")
 
 
@@ -101,8 +101,8 @@ def winch_state_message(state: WinchState, stamp: int) -> bytes:
 
 def winch_command_of(reading: WireReading) -> WinchCommand:
     """Return the command in a `reading` of the fields WINCH_COMMAND."""
-    sequence, payout, payout_rate, brake = reading.numbers
-    return WinchCommand(int(sequence), payout, payout_rate, bool(brake))
+    sequence, payout, payout_rate, brake, mean = reading.numbers
+    return WinchCommand(int(sequence), payout, payout_rate, bool(brake), mean)
 
 
 def drum_motion_of(reading: WireReading) -> PointMotion:

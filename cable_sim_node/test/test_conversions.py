@@ -87,10 +87,10 @@ def test_winch_state_and_command_keep_every_field() -> None:
             assert getattr(message, name) == value, name
     assert message.limits_hit == WinchStateMessage.LIMIT_SPEED + WinchStateMessage.LIMIT_ACCELERATION
     assert message.power < 0.0
-    command = WinchCommandMessage(sequence=7, payout=1.5, payout_rate=-0.2, brake=True)
+    command = WinchCommandMessage(sequence=7, payout=1.5, payout_rate=-0.2, brake=True, mean_payout=1.25)
     reader = MessageReader(topics.WINCH_COMMAND.type, conversions.WINCH_COMMAND)
     heard = reader.reading(bytes(serialize_message(command)))
-    assert conversions.winch_command_of(heard) == WinchCommand(7, 1.5, -0.2, True)
+    assert conversions.winch_command_of(heard) == WinchCommand(7, 1.5, -0.2, True, 1.25)
 
 
 def test_hardware_that_knows_only_its_encoder_moves_the_plant_by_it() -> None:

@@ -190,6 +190,7 @@ class _Listener:
         command = message_type(topics.WINCH_COMMAND.type)(sequence=self._sequence)
         command.brake = self._plan.phase(self._time).startswith("braked")
         command.payout = state.encoder_payout if state is not None and math.isfinite(state.encoder_payout) else 0.0
+        command.mean_payout = command.payout
         return command
 
     def _sample(self, tick: int) -> Any:

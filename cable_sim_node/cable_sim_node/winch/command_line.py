@@ -21,6 +21,7 @@ class WinchCommand(NamedTuple):
     payout: float = 0.0  # set-point [m]
     payout_rate: float = 0.0  # set-point [m/s]
     brake: bool = False  # stop within the limits, then hold with the brake
+    mean_payout: float = math.nan  # that the sender works about; the drive does not go by it; NaN: none stated [m]
 
     def is_finite(self) -> bool:
         """Return whether both set-points are finite numbers."""

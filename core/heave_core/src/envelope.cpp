@@ -14,11 +14,19 @@ namespace {
 
 struct Limits {
     double rate, travel;  // R [m/s], D [m]
-    double lower, upper;  // of the speed about the asked move [m/s]
-    double by_travel;     // the narrower one of those that travel leaves [m/s]
+    double in, out;       // orders, each way, with which the drum reaches R within `bound_time` [m/s]
+    double lower, upper;  // of the order about the asked move, travel counted too [m/s]
 };
 
-Limits limits_of(const Design &design, const State &state, const Readings &readings, const Ship &ship, double share) {
+// Order about the asked move with which the nominal drum, now at a speed v, reaches a speed V within a time t [m/s]:
+// V = v + (v_set - v) (1 - exp(-t/T)). A drum with a lag needs orders ahead of its speed, and those are no harm.
+double order_for(const Design &design, double reached, double now) {
+    if (design.winch.is_first_order) return reached;  // its order is asked as the speed that it has at once
+    return now + (reached - now) / -std::expm1(-design.envelope.bound_time / design.winch.lag);
+}
+
+Limits limits_of(const Design &design, const State &state, const Readings &readings, const Ship &ship, double share,
+                 double move) {
     const Bounds &bounds = design.envelope;
     const bool has_count = state.count_age <= bounds.count_time, has_mru = state.mru_age <= bounds.mru_time;
     const double early = 1.0 + (bounds.early_factor - 1.0) * (1.0 - ship.filling);
@@ -26,7 +34,7 @@ Limits limits_of(const Design &design, const State &state, const Readings &readi
     const double swing = state.lead / std::sqrt(std::max(design.cable.inertia, 1.0));  // at the load's own frequency
     const double rate = share * (bounds.rate_factor * factor * ship.rate + swing) + bounds.rate_margin;
     const double travel = bounds.travel_factor * factor * ship.heave + bounds.travel_margin + state.allowance + state.lead;
-    const double lag = design.winch.delay + design.winch.lag;
+    const double lag = design.winch.delay + design.winch.lag, now = state.drum.rate - move;
     double out = (travel - state.travel_sent) / lag, in = (travel + state.travel_sent) / lag;
     if (has_count) {
         out = std::min(out, (travel - state.travel_count) / lag);
@@ -34,7 +42,9 @@ Limits limits_of(const Design &design, const State &state, const Readings &readi
     }
     const bool gives_way = bounds.highest_tension > 0.0 && readings.load > bounds.highest_tension;
     if (gives_way) out = rate;
-    return {rate, travel, -clip(in, 0.0, rate), clip(out, 0.0, rate), std::max(std::min(in, out), 0.0)};
+    const auto order = [&](double reached) { return order_for(design, reached, now); };
+    return {rate, travel, std::max(-order(-rate), 0.0), std::max(order(rate), 0.0),
+            std::min(order(-clip(in, 0.0, rate)), 0.0), std::max(order(clip(out, 0.0, rate)), 0.0)};
 }
 
 // By how much the drum leads or trails the asked move where the load follows it: of a z'' + b z' + z = -payout, and twice
@@ -132,9 +142,10 @@ struct Asked {
 double bounded(const Design &design, State &state, const Limits &limits, const Asked &asked, double move, Order &order) {
     const Bounds &bounds = design.envelope;
     const double about = asked.speed - move, kept = clip(about, limits.lower, limits.upper), dt = design.tick_period;
-    const bool is_bound = kept != about, by_rate = std::abs(about) > limits.rate;
+    const double fastest = about < 0.0 ? limits.in : limits.out;
+    const bool is_bound = kept != about, by_rate = std::abs(about) > fastest;
     // an order far outside counts for more
-    const double weight = is_bound ? std::max(std::abs(about) / std::max(limits.rate, 1e-3), 1.0) : 0.0;
+    const double weight = is_bound ? std::max(std::abs(about) / std::max(fastest, 1e-3), 1.0) : 0.0;
     state.bound += (weight - state.bound / bounds.bound_window) * dt;
     if (!is_bound) return asked.speed;
     state.bound_ticks += 1.0;
@@ -144,7 +155,7 @@ double bounded(const Design &design, State &state, const Limits &limits, const A
     if (state.bound > bounds.bound_time) {
         const bool by_count = std::abs(state.travel_count) > std::abs(state.travel_sent);
         const double travel = by_count ? state.travel_count : state.travel_sent;
-        enter(state, TAKEN, by_rate ? RATE : TRAVEL, by_rate ? about : travel, by_rate ? limits.rate : limits.travel);
+        enter(state, TAKEN, by_rate ? RATE : TRAVEL, by_rate ? about : travel, by_rate ? fastest : limits.travel);
     }
     return move + kept;
 }
@@ -192,7 +203,7 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     const bool stops = int(readings.duty) == STOP && state.phase == FREE;
     if (!is_finite && state.phase == FREE) enter(state, stops ? RAMP : TAKEN, NOT_FINITE, NOT_KNOWN, NOT_KNOWN);
     const double share = state.phase == TAKEN ? std::max(1.0 - state.phase_time / bounds.takeover_time, 0.0) : 1.0;
-    const Limits limits = limits_of(design, state, readings, ship, share);
+    const Limits limits = limits_of(design, state, readings, ship, share, move);
 
     double speed = asked.speed;
     bool brake = readings.brake != 0.0;

@@ -8,6 +8,7 @@ import tty
 from types import SimpleNamespace
 
 import pytest
+import yaml
 from builtin_interfaces.msg import Time
 from heave_bringup.errors import CommandError
 from heave_devices.adapt import device as device_module
@@ -50,6 +51,49 @@ def test_a_velocity_controller_gets_the_rate_in_turns_of_its_drum():
     assert state.fault == 0
     device.close()
     assert list(node.sent["/velocity_controller/commands"][-1].data) == [0.0], "at the end it is told to stop"
+
+
+EVERY_ORDER = """
+payout: {topic: /joint_states, type: sensor_msgs/msg/JointState, field: 'position[name=drum]', unit: m}
+command:
+  topic: /orders
+  type: std_msgs/msg/Float64MultiArray
+  set:
+    data[0]: payout
+    data[1]: {quantity: payout_rate, unit: m/s, positive: in}
+    data[2]: {quantity: mean_payout, unit: mm, positive: in}
+    data[3]: brake
+    data[4]: enable
+    data[5]: sequence
+"""
+COMMAND = {"sequence": 2, "payout": 0.5, "payout_rate": 0.3, "brake": False, "mean_payout": 0.2}
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "entries"),
+    [
+        ("sequence", 3, {5: 3.0}),
+        ("payout", 0.6, {0: 0.6}),
+        ("payout_rate", 0.4, {1: -0.4}),
+        ("brake", True, {0: 0.0, 1: 0.0, 3: 1.0, 4: 0.0}),
+        ("mean_payout", 0.1, {2: -100.0}),
+    ],
+)
+def test_every_field_of_a_command_reaches_a_device_that_maps_it(field, value, entries):
+    """Whatever the interface says of an order can be had: one changed field changes what belongs to it, and no more."""
+    assert set(COMMAND) | {"header"} == set(WinchCommand.get_fields_and_field_types())
+
+    def sent_for(command):
+        node = Node()
+        LiveDevice(device_map_of("every", yaml.safe_load(EVERY_ORDER)), node)
+        node.callbacks["/joint_states"](joints(0.0))
+        node.callbacks["winch/command"](WinchCommand(sequence=1, brake=True))
+        node.callbacks["winch/command"](WinchCommand(**command))
+        return list(node.sent["/orders"][-1].data)
+
+    expected = dict(enumerate([0.5, -0.3, -200.0, 0.0, 1.0, 2.0]))
+    assert dict(enumerate(sent_for(COMMAND))) == pytest.approx(expected)
+    assert dict(enumerate(sent_for(COMMAND | {field: value}))) == pytest.approx(expected | entries)
 
 
 def test_a_position_controller_is_told_where_in_its_own_count_and_stays_there_to_stop():

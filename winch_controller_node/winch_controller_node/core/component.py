@@ -447,7 +447,7 @@ class WinchController:
         order = self._command.order(command, decision.mode, self._estimation.set_point)
         order = self._leave(order, move, measurements)
         self.proofs.note(order)
-        order = self._with_place(order, loop.payout)
+        order = self._with_places(order, loop.payout)
         command = self._command.last
         self._note_kpi(loop)
         does = loop_words(decision.mode.mode, is_damped_blind=decision.is_damped and not loop.knows_tip)
@@ -502,15 +502,18 @@ class WinchController:
         self._winch.give(order)
         return sent
 
-    def _with_place(self, order: WinchOrder, payout: float) -> WinchOrder:
-        """Return an `order` with the place that belongs to its speed, with the drum at a `payout` [m].
+    def _with_places(self, order: WinchOrder, payout: float) -> WinchOrder:
+        """Return an `order` with the payout of its rate and the mean one; the drum is at `payout` [m].
 
-        A nominal winch with a position loop beside its speed, or with nothing else, has its own set-point already.
+        Both are in the encoder's count. A first-order winch goes by the payout that it was ordered to.
         """
-        if not self._command.goes_by_rate or not math.isfinite(order.payout_rate):
+        count_at, lifted = self.observer.encoder.count_at, self._command.last.lift.payout
+        order = order._replace(mean_payout=count_at(self._estimation.set_point + lifted))
+        speed = self._command.speed_of(order, count_at)
+        if not math.isfinite(speed):
             return order
-        place = self._place.at_end(order.payout_rate, payout, is_braked=order.brake)
-        return order._replace(payout=self.observer.encoder.count_at(place))
+        place = self._place.at_end(speed, payout, is_braked=order.brake)
+        return self._command.with_payout(order, count_at(place))
 
     def leave_out(self, tick: int) -> tuple[str, ...]:
         """Let tick k pass, predicted: no readings were taken and no order was given, so the winch has kept the last.

@@ -201,7 +201,7 @@ class OrderEnvelope:
             alarms.append(self.reason)
         if sent.payout == order.payout and sent.rate == order.payout_rate and bool(sent.brake) == order.brake:
             return order, alarms
-        return WinchOrder(order.sequence, sent.payout, sent.rate, bool(sent.brake)), alarms
+        return order._replace(payout=sent.payout, payout_rate=sent.rate, brake=bool(sent.brake)), alarms
 
 
 def _readings(raw: Measurements, asked: Asked, order: WinchOrder, is_acknowledged: bool) -> tuple[float, ...]:

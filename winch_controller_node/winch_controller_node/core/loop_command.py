@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -80,6 +81,7 @@ class LoopCommand:
     def __init__(self, design: ControllerDesign, law: ControlLaw) -> None:
         self._sequence = 0
         self.last = NO_COMMAND
+        self._ahead = 0.0
         self._minute = OrderMinute(design.tick_period)
         self._tension = TensionSetPoint(design.parameters.tension, tick_period=design.tick_period)
         self._travel = Travel(tick_period=design.tick_period)
@@ -182,6 +184,7 @@ class LoopCommand:
         if preview is not None:
             preview = replace(preview, heave=mode.authority * preview.heave)
         payout, rate = self.governor.predict(tick.total_state)
+        self._ahead = payout
         standing = self._standing_command(tick.total_state, payout)
         mean_payout, mean_rate = self.governor.predict(tick.mean_state)
         state = LoopState(
@@ -213,10 +216,20 @@ class LoopCommand:
         self._minute.note(self._speed_asked, governed.sent)
         return self.last
 
-    @property
-    def goes_by_rate(self) -> bool:
-        """Whether the nominal winch follows the rate of an order alone."""
-        return not self._is_first_order and self._winch.position_gain == 0.0
+    def speed_of(self, order: WinchOrder, count_at: Callable[[float], float]) -> float:
+        """Return the rate at which a speed servo is to turn under an `order` [m/s]; NaN for a first-order winch.
+
+        `count_at` gives the count of the drive's position loop at a payout.
+        """
+        if self._is_first_order:
+            return math.nan
+        held = order.payout - count_at(self._ahead)
+        return order.payout_rate if order.brake else order.payout_rate + self._winch.position_gain * held
+
+    def with_payout(self, order: WinchOrder, payout: float) -> WinchOrder:
+        """Return an `order` that asks for the same speed, by another `payout` [m]."""
+        held = 0.0 if order.brake else self._winch.position_gain * (order.payout - payout)
+        return order._replace(payout=payout, payout_rate=order.payout_rate + held)
 
     def order(self, command: TickCommand, mode: ModeOutput, mean_payout: float) -> WinchOrder:
         """Return the set-points of a command.

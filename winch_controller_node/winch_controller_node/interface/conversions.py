@@ -64,8 +64,8 @@ def winch_reading_of(reading: WireReading) -> WinchReading:
 
 def winch_order_of(reading: WireReading) -> WinchOrder:
     """Return the command in a `reading` of the fields of a WinchOrder."""
-    sequence, payout, rate, brake = reading.numbers
-    return WinchOrder(int(sequence), payout, rate, bool(brake))
+    sequence, payout, rate, brake, mean = reading.numbers
+    return WinchOrder(int(sequence), payout, rate, bool(brake), mean)
 
 
 def heave_preview(message: Any) -> HeavePreview:

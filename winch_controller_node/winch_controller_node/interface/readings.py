@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -94,12 +95,14 @@ class WinchOrder(NamedTuple):
     sequence : number of the command
     payout, payout_rate : set-points [m], [m/s]
     brake : True: on
+    mean_payout : that the winch works about [m]; NaN: none stated
     """
 
     sequence: int
     payout: float
     payout_rate: float
     brake: bool
+    mean_payout: float = math.nan
 
 
 class SensorState(NamedTuple):

@@ -39,7 +39,7 @@ class WinchModelParameters(WinchFigures):
     speed_gain: float = parameter(1.0, "", 0.1, 10.0, "Speed that the servo settles at over its set-point.")
     hauling_gain: float = parameter(1.0, "", 0.1, 10.0, "Factor on speed_gain while it hauls in.")
     position_gain: float = parameter(0.0, "1/s", 0.0, 1e3,
-        "k_p of the servo's position loop; the payout set-point is then the mean payout.")  # fmt: skip
+        "k_p of the servo's position loop, which acts beside its speed loop.")  # fmt: skip
     set_point_reach: float = parameter(1.0, "", 1.0, 1e3,
         "Largest speed set-point that has an effect, over speed_limit; above 1 it drives a slow servo harder.",
     )  # fmt: skip

@@ -132,7 +132,9 @@ class LiveDevice:
             self._publish(self.adapter.on_samples([sample], time.monotonic()))
 
     def _on_command(self, message: Any) -> None:
-        self.command(WinchOrder(message.payout, message.payout_rate, message.brake, message.sequence))
+        self.command(
+            WinchOrder(message.payout, message.payout_rate, message.brake, message.sequence, message.mean_payout)
+        )
 
     def command(self, order: WinchOrder) -> None:
         """Pass on an `order` of the controller."""

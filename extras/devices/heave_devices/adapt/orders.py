@@ -22,7 +22,7 @@ from heave_devices.adapt.plc.polled import PolledLink
 from heave_devices.formats.registers import register_of
 from heave_devices.live.adapter import WINCH_STATE, Adapter
 from heave_devices.live.winch_handshake import WinchHandshake, WinchOrder
-from heave_devices.maps.command_map import CommandMap
+from heave_devices.maps.command_map import ORDERS, CommandMap
 from heave_devices.maps.device_map import DeviceMap
 from heave_devices.maps.field_path import FieldPath
 
@@ -131,10 +131,13 @@ class Orders:
         place = self._adapter.newest.get("payout")
         if place is None or self._send is None:
             return
-        payout = (place if order.brake else order.payout) + self._adapter.taker.zeros.get("payout", 0.0)
+        zero = self._adapter.taker.zeros.get("payout", 0.0)
+        payout = place if order.brake else order.payout
+        mean = order.mean_payout if math.isfinite(order.mean_payout) else payout
         self._passed_on += 1
         values = {
-            **{"payout": payout, "payout_rate": order.payout_rate, "brake": int(order.brake)},
+            **{"payout": payout + zero, "payout_rate": order.payout_rate, "mean_payout": mean + zero},
+            **{"brake": int(order.brake)},
             **{"enable": int(not order.brake), "reset": int(self.handshake.wants_reset)},
             **{"sequence": order.sequence, "watchdog": self._passed_on},
         }
@@ -185,7 +188,7 @@ def _message_sender(command: CommandMap, node: Node, name: str) -> Callable[[Val
         return message
 
     try:
-        message_of(dict.fromkeys(("payout", "payout_rate", "brake", "enable", "reset", "sequence", "watchdog"), 0.0))
+        message_of(dict.fromkeys(ORDERS, 0.0))
     except (LookupError, TypeError, AssertionError) as error:
         raise ParameterError(f"{name}: command: set: {error}") from None
     return lambda values: publisher.publish(message_of(values))

@@ -26,6 +26,7 @@ class WinchOrder(NamedTuple):
     payout_rate: float  # set-point [m/s]
     brake: bool  # stop, and hold with the brake
     sequence: int  # number of the command
+    mean_payout: float = math.nan  # that the controller works about; NaN: it states none [m]
 
 
 class WinchHandshake:

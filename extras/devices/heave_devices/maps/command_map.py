@@ -17,13 +17,16 @@ from heave_devices.maps.field_path import FieldPath
 from heave_devices.maps.link import Link, read_link
 
 _FORM = re.compile(r"[ +-]?0?\d{0,2}(\.\d{1,2})?[a-zA-Z]?")
-ORDERS = ("payout", "payout_rate", "brake", "enable", "reset", "sequence", "watchdog")
-"""Orders for a winch: set-points, brake (1: stop and brake), its opposite `enable`, `reset` (1: a latched
-fault is acknowledged), the number of the controller's command, and `watchdog`, which counts what is sent.
+ORDERS = ("payout", "payout_rate", "mean_payout", "brake", "enable", "reset", "sequence", "watchdog")
+"""Orders for a winch: set-points, the payout that it works about, brake (1: stop and brake), its opposite `enable`,
+`reset` (1: a latched fault is acknowledged), the number of the controller's command, and `watchdog`, which counts what
+is sent.
 """
+MOTIONS = {"payout": "payout", "payout_rate": "payout_rate", "mean_payout": "payout"}
+"""Orders that have a unit and a direction: the quantity that each is one of."""
 COUNTERS = ("sequence", "watchdog")
 """Orders that begin again after the largest number that their field holds."""
-_EXAMPLE = dict.fromkeys(ORDERS, 0) | {"payout": 1.0, "payout_rate": 0.5, "sequence": 1}
+_EXAMPLE = dict.fromkeys(ORDERS, 0) | {"payout": 1.0, "payout_rate": 0.5, "mean_payout": 1.0, "sequence": 1}
 
 
 @dataclass(frozen=True)
@@ -198,9 +201,9 @@ def _order(path: str, entry: Any) -> Order:
     if quantity not in ORDERS:
         raise MapError(f"{where}: quantity = {quantity!r} must be one of {', '.join(ORDERS)}")
     scale = as_kind(float, f"{where}: scale", given.get("scale", 1.0))
-    if quantity not in ("payout", "payout_rate"):
+    if quantity not in MOTIONS:
         return Order(path, quantity, scale)
-    channel = read_channel(quantity, {name: given[name] for name in ("unit", "positive") if name in given})
+    channel = read_channel(MOTIONS[quantity], {name: given[name] for name in ("unit", "positive") if name in given})
     if not math.isfinite(scale) or scale == 0.0:
         raise MapError(f"{where}: scale = {scale:g} must not be 0")
-    return Order(path, quantity, scale / channel.factor(quantity))
+    return Order(path, quantity, scale / channel.factor(MOTIONS[quantity]))

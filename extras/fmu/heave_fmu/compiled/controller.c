@@ -15,6 +15,7 @@ void controller_begin(Controller *controller)
 {
     memset(controller, 0, sizeof *controller);
     filter_begin(&controller->filter);
+    controller->place = NAN;
 }
 
 /* Move the unit below a locked winch by a tick, its outlet at `tip`; heave and rate in `state`. See SimulatedUnit. */
@@ -115,4 +116,18 @@ void controller_sent(Controller *controller, const Order *ordered, const Order *
     }
     const double more = sent->payout_rate - ordered->payout_rate;
     if (more != 0.0) controller->command += more * (more >= CREEP ? SPEED_GAIN : SPEED_GAIN * HAULING_GAIN);
+}
+
+Order controller_placed(Controller *controller, const Order *sent)
+{
+    const double *x = controller->filter.x, drum = dot(DRUM_PAYOUT, x, ORDER), ahead = dot(AHEAD[0], x, ORDER);
+    Order placed = *sent;
+    if (sent->brake || isnan(controller->place)) controller->place = drum;
+    placed.payout = controller->place;
+    if (sent->brake) return placed;
+    const double speed = sent->payout_rate + POSITION_GAIN * (sent->payout - ahead);
+    controller->place += TICK_PERIOD * (speed + (drum - controller->place) / PLACE_LEAK);
+    placed.payout = controller->place = clip(controller->place, drum - PLACE_REACH, drum + PLACE_REACH);
+    placed.payout_rate += POSITION_GAIN * (sent->payout - placed.payout);
+    return placed;
 }

@@ -60,8 +60,9 @@ static void do_tick(Instance *instance)
     const Order ordered = controller_step(&instance->controller, instance->done, readings, count);
     const Within asked = {ordered.payout, ordered.payout_rate, ordered.brake};
     const Within within = last_step(instance->envelope, &seen, &asked);
-    const Order order = {within.payout, within.payout_rate, within.brake != 0.0};
-    controller_sent(&instance->controller, &ordered, &order);
+    const Order sent = {within.payout, within.payout_rate, within.brake != 0.0};
+    controller_sent(&instance->controller, &ordered, &sent);
+    const Order order = controller_placed(&instance->controller, &sent);
     values[winch_command_payout] = order.payout;
     values[winch_command_payout_rate] = order.payout_rate;
     values[winch_command_brake] = order.brake;

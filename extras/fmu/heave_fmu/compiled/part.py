@@ -19,6 +19,7 @@ from heave_node.interface import topics
 from heave_node.interface.sensors import DEPTH, MRU, Water, WireReading
 from winch_controller_node.core.envelope import nominal_design
 from winch_controller_node.core.estimation.reading_terms import tick_of
+from winch_controller_node.core.place_of_orders import PlaceOfOrders
 from winch_controller_node.design.design import ControllerDesign, design_controller
 from winch_controller_node.interface.sensors import LEVER_ARM_X, LEVER_ARM_Y, MRU_SCALE
 from winch_controller_node.laws.parts.loop_state import AuthorityShift, LoopState, Reference
@@ -110,6 +111,7 @@ class FixedControllerPart(Part):
         self._free_unit = SimulatedUnit(self.taut_cable, dt)
         self._command, self._authority, self._depth_zero = 0.0, 0.0, math.nan
         self.envelope, self._seen = Envelope(self.nominal), NOTHING_SEEN
+        self._place = PlaceOfOrders(dt)
 
     def step(self, tick: int) -> list[str]:
         """See Part."""
@@ -138,7 +140,12 @@ class FixedControllerPart(Part):
             self._command = gain * payout
         elif order.rate != sent:
             self._command += (order.rate - sent) * controller.winch.gain_at(order.rate - sent)
-        self.send(topics.WINCH_COMMAND, tick, (tick, order.payout, order.rate, bool(order.brake)))
+        is_braked = bool(order.brake)
+        speed = order.rate + (0.0 if is_braked else gain * (order.payout - payout))
+        at_end = self._place.at_end(speed, float(self._rows.payout @ estimate), is_braked=is_braked)
+        held = 0.0 if is_braked else gain * (order.payout - at_end)
+        # the mean payout is that of the start, 0
+        self.send(topics.WINCH_COMMAND, tick, (tick, at_end, order.rate + held, is_braked, 0.0))
         self.send(topics.CONTROLLER_STATE, tick, ("standby" if brake else "compensating", self._authority, 0.0))
         return []
 

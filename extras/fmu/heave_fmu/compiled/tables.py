@@ -11,6 +11,7 @@ from heave_core.library import dtype_of, fill
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import ATMOSPHERIC_PRESSURE
 from winch_controller_node.core.estimation.reading_terms import ON_TICK
+from winch_controller_node.core.place_of_orders import LEAK, REACH
 from winch_controller_node.laws.parts.governor import SpeedServo, drum_ahead
 from winch_controller_node.model.estimator import row_with_differences
 from winch_controller_node.model.loop_rows import loop_rows
@@ -82,6 +83,8 @@ def design_header(part: FixedControllerPart) -> str:
         "ACCELERATION": limits.acceleration,
         "PAYOUT_MINIMUM": limits.payout_minimum,
         "PAYOUT_MAXIMUM": limits.payout_maximum,
+        "PLACE_LEAK": LEAK,
+        "PLACE_REACH": REACH,
     }
     arrays = {
         "MODEL_F": model.A,
@@ -96,6 +99,7 @@ def design_header(part: FixedControllerPart) -> str:
         "IS_GATED": np.array([float(known.is_gated) for known in design.measurements]),
         "IS_SEA": np.array([float(name in design.sea_states) for name in model.state_names]),
         "TIP": rows.tip,
+        "DRUM_PAYOUT": rows.payout,
         "AHEAD": drum_ahead(model, winch),
         "GAIN": law.gain,
         "FREE_A": free.A,

@@ -68,7 +68,7 @@ class ObservationLog:
         if not self._ticks:
             self._first = loop.number
             self.epoch, self._is_broken = (self._first if self._is_broken else self.epoch), False
-        sequence, payout, rate, brake = WinchOrder(0, 0.0, 0.0, True) if order is None else order
+        sequence, payout, rate, brake, _ = WinchOrder(0, 0.0, 0.0, True) if order is None else order
         brake = brake or (winch is not None and (winch.brake or winch.fault != WinchFault.NONE))
         encoder = math.nan if observer.payout is None else observer.encoder.as_read
         taken, limits = (math.nan, 0) if winch is None else (winch.command_sequence, winch.limits_hit)
