@@ -25,6 +25,9 @@ from cable_sim_node.markers import plant_markers
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.sensors.suite import SensorReadings
 
+MARKERS_PERIOD = 0.5
+"""Time from one set of markers to the next [s]."""
+
 
 class CableSimNode(ClockMasterNode):
     """Publishes state and sensor readings of t_k; integrates to t_{k+1} with the boom tip and the payout of then."""
@@ -170,10 +173,7 @@ class CableSimNode(ClockMasterNode):
             raise NodeError(str(error)) from error
 
     def _are_markers_due(self, tick: Tick) -> bool:
-        rate = self.parameters.markers_rate
-        if rate == 0.0:
-            return False
-        ticks: int = max(1, round(1.0 / (rate * self.run.tick_period)))
+        ticks: int = max(1, round(MARKERS_PERIOD / self.run.tick_period))
         return tick.number % ticks == 0
 
 

@@ -31,7 +31,6 @@ class CableSimNodeParameters(CableSimParameters):
     shadow_follows_programme: bool = parameter(False,
         description="The uncompensated plant follows the controller's depth programme; false: its winch stays locked.",
     )  # fmt: skip
-    markers_rate: float = parameter(2.0, "Hz", 0.0, 1000.0, "Rate of the markers; 0 publishes none.")
     sensors: SensorsParameters = group(SensorsParameters)
 
     def __post_init__(self) -> None:

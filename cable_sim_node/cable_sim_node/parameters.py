@@ -206,8 +206,8 @@ class CompensatorParameters(Checked):
     damping: float = parameter(0.0, "N s/m", 0.0, None, "Damping of the compensator.")
     moving_mass: float = parameter(500.0, "kg", 1.0, None, "Mass that moves with the sheave.")
     stroke: float = parameter(4.0, "m", 1e-3, None, "Full stroke; the end stops are at plus and minus half of it.")
-    stop_stiffness: float = parameter(2e6, "N/m", 1.0, None, "Stiffness of the end stops.")
-    stop_damping: float = parameter(2e5, "N s/m", 0.0, None, "Damping of the end stops; the stops never pull.")
+    stop_stiffness: float = 2e6  # stiffness of the end stops [N/m]
+    stop_damping: float = 2e5  # damping of the end stops [N s/m]; the stops never pull
     preload: float = parameter(0.0, "N", 0.0, None,
         "Force at mid-stroke; 0 means the static top tension at the start of the run.")  # fmt: skip
 
@@ -237,12 +237,10 @@ class SolverParameters(Checked):
 
     time_step: float = parameter(0.05, "s", 1e-6, 1.0,
         "Largest inner step; an interval is divided into equal steps of at most this.")  # fmt: skip
-    spectral_radius: float = parameter(0.8, "", 0.0, 1.0,
-        "Amplitude of the fastest oscillation that remains after a step: 1 keeps all energy, 0 removes it at once.",
-    )  # fmt: skip
-    tolerance: float = parameter(1e-4, "", 1e-12, 1e-2,
-        "Largest Newton correction accepted as converged, in segment lengths.")  # fmt: skip
-    iterations: int = parameter(12, "", 2, 100, "Newton iterations before a step is halved.")
+    # amplitude of the fastest oscillation that remains after a step: 1 keeps all energy, 0 removes it at once [-]
+    spectral_radius: float = 0.8
+    tolerance: float = 1e-4  # largest Newton correction accepted as converged, in segment lengths [-]
+    iterations: int = 12  # Newton iterations before a step is halved [-]
 
 
 @dataclass(frozen=True)

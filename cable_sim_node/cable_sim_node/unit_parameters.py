@@ -65,8 +65,7 @@ class OscillationParameters:
     drag_coefficient: tuple[float, ...] = parameter((), "", 0.0, None,
         "Vertical C_D at each point, for the vertical drag_area.")  # fmt: skip
     width: float = parameter(0.0, "m", 0.0, None, "Length that KC is formed with.")
-    memory: float = parameter(60.0, "s", 1.0, None,
-        "Time constant over which z_m is taken, the square root of 2 times the rms of the heave.")  # fmt: skip
+    memory: float = 60.0  # time constant over which z_m is taken, the square root of 2 times the rms of the heave [s]
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -107,9 +106,8 @@ class UnitParameters:
     drag_coefficient: tuple[float, ...] = parameter((1.5, 1.5, 1.5), "", 0.0, None, "C_D along x, y, z.", length=3)
     drag_area: tuple[float, ...] = parameter((0.5, 0.5, 0.5), "m^2", 0.0, None,
         "Projected area along x, y, z.", length=3)  # fmt: skip
-    drag_law: str = parameter("per_axis",
-        description="Drag along each axis from the speed along it (thesis 5.2.2), or isotropic drag along the flow.",
-        choices=("per_axis", "isotropic"))  # fmt: skip
+    # drag along each axis from the speed along it (thesis 5.2.2), or isotropic drag along the flow
+    drag_law: str = "per_axis"
     thrust: tuple[float, ...] = parameter((0.0, 0.0, 0.0), "N",
         description="Constant thruster force on the unit, x, y, z.", length=3)  # fmt: skip
     attachment_breaking_force: float = parameter(0.0, "N", 0.0, None,

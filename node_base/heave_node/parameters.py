@@ -1,8 +1,9 @@
 """Node parameters as frozen dataclasses: each value has a type, a unit, a range and a description, and is checked once.
 
 A parameter set is a frozen dataclass whose fields are made by `parameter`. A field whose type is itself a parameter
-set is a group; its members have dotted names (`unit.mass`). Pure Python: components and design tools use it without
-ROS.
+set is a group; its members have dotted names (`unit.mass`). A field that is made otherwise is no parameter: its default
+is a constant of every run, which tests and published models may replace. Pure Python: components and design tools use
+it without ROS.
 
 >>> @dataclass(frozen=True)
 ... class Winch:
@@ -194,8 +195,8 @@ def _infos(parameters_type: type, prefix: str, defaults: object) -> Iterator[Par
         hint = hints[field.name]
         if dataclasses.is_dataclass(hint):  # the group that is there may be narrower than its hint
             yield from _infos(type(default), f"{prefix}{field.name}.", default)
-            continue
-        yield _info(field, hint, prefix + field.name, default)
+        elif "parameter" in field.metadata:
+            yield _info(field, hint, prefix + field.name, default)
 
 
 class Checked:
@@ -248,7 +249,7 @@ def flatten(parameters: object, prefix: str = "") -> dict[str, Value]:
         value = getattr(parameters, field.name)
         if dataclasses.is_dataclass(value):
             values |= flatten(value, f"{prefix}{field.name}.")
-        else:
+        elif "parameter" in field.metadata:
             values[prefix + field.name] = value
     return values
 

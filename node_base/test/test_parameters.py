@@ -23,6 +23,7 @@ from hypothesis import strategies as st
 class Inner:
     mass: float = parameter(1.0, "kg", 0.0, None, "Mass.")
     area: tuple[float, ...] = parameter((1.0, 2.0, 3.0), "m^2", 0.0, None, "Areas.", length=3)
+    stiffness: float = 2.0  # a constant [N/m]
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,13 @@ def build(**values):
 def test_defaults_hold_where_nothing_is_given_and_a_group_may_change_them():
     assert build() == Outer()
     assert build().unit.mass == 5.0
+
+
+def test_a_field_that_is_no_parameter_is_a_constant_that_no_file_can_set():
+    assert [one.name for one in describe(Inner)] == ["mass", "area"]
+    assert set(flatten(Inner(stiffness=3.0))) == {"mass", "area"}
+    with pytest.raises(ParameterError, match=r"there is no parameter unit\.stiffness"):
+        build(unit__stiffness=3.0)
 
 
 def test_dotted_names_reach_into_groups():

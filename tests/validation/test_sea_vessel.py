@@ -190,7 +190,6 @@ def test_a_loop_turn_disturbs_the_mru_as_its_equation_says(gallery):
         "mru.high_pass_period": 60.0,
         "mru.noise": 0.0,
         "mru.rate_noise": 0.0,
-        "mru.turn_sensitivity": 0.01,
         "estimate.period": 3600.0,
     }
     parameters = build_parameters(WaveVesselParameters, values, where="test")

@@ -20,7 +20,7 @@ class PoseSensorParameters(SensorParameters):
     """Encoders of the crane's joints, read together. A scale, and a fault of one, is that of all of them."""
 
     rate: float = parameter(20.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
-    angle_resolution: float = parameter(0.0, "rad", 0.0, 0.1, "Step of the measured angles; 0 means none.")
+    angle_resolution: float = 0.0  # step of the measured angles [rad]; 0 means none
 
     def view(self, truth: Array) -> View:
         """See the joints [rad], [m], and their rates [rad/s], [m/s], shape (8,)."""

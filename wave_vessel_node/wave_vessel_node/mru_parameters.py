@@ -35,14 +35,13 @@ class MruParameters:
     stamp_error: float = parameter(0.0, "s", -5.0, 5.0,
         "Time by which the stamp is late: above 0 an additional delay that it does not account for, below 0 readings "
         "are newer than their stamp.")  # fmt: skip
-    settling_periods: float = parameter(10.0, "", 0.0, 50.0,
-        "After a restart or a turn the status is settling for this many periods of the high-pass filter.")  # fmt: skip
-    restart_bias: float = parameter(0.02, "m/s^2", -1.0, 1.0,
-        "Error of vertical acceleration right after a restart; it decays with the period of the high-pass filter.",
-    )  # fmt: skip
-    turn_sensitivity: float = parameter(0.01, "", -1.0, 1.0,
-        "Error of vertical acceleration per centripetal acceleration in a turn (tilt of the vertical).")  # fmt: skip
-    restart_duration: float = parameter(2.0, "s", 0.0, 600.0, "Time for which the unit is silent while it restarts.")
+    # after a restart or a turn the status is settling for this many periods of the high-pass filter [-]
+    settling_periods: float = 10.0
+    # error of vertical acceleration right after a restart [m/s^2]; it decays with the period of the high-pass filter
+    restart_bias: float = 0.02
+    # error of vertical acceleration per centripetal acceleration in a turn (tilt of the vertical) [-]
+    turn_sensitivity: float = 0.01
+    restart_duration: float = 2.0  # time for which the unit is silent while it restarts [s]
     faults: FaultParameters = group(MruFaultParameters)
 
     def __post_init__(self) -> None:

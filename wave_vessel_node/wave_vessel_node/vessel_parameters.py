@@ -46,7 +46,7 @@ class CourseParameters:
     turn_rate: float = parameter(0.01, "rad/s", 1e-4, 0.2, "Largest rate of turn during the change of heading.")
     speed_change_start: float = parameter(0.0, "s", 0.0, None, "Time at which the speed changes.")
     speed_change: float = parameter(0.0, "m/s", -15.0, 15.0, "Change of the forward speed; 0 means none.")
-    speed_change_duration: float = parameter(60.0, "s", 1.0, None, "Duration of the change of speed.")
+    speed_change_duration: float = 60.0  # duration of the change of speed [s]
 
 
 @dataclass(frozen=True)
@@ -56,4 +56,4 @@ class DriftParameters:
     standard_deviation: tuple[float, ...] = parameter((0.0, 0.0), "m", 0.0, 100.0,
         "Standard deviation of the slow drift in surge and sway; 0 means none.", length=2)  # fmt: skip
     period: float = parameter(120.0, "s", 20.0, 1000.0, "Natural period of the drift under mooring or DP.")
-    damping_ratio: float = parameter(0.15, "", 0.02, 1.0, "Damping ratio of the slow drift.")
+    damping_ratio: float = 0.15  # damping ratio of the slow drift [-]

@@ -93,7 +93,7 @@ class UsblParameters(SensorParameters):
     noise: float = parameter(0.1, "m", 0.0, 1000.0, "Standard deviation on each axis at zero range.")
     range_noise: float = parameter(0.003, "", 0.0, 1.0, "Standard deviation on each axis per slant range.")
     bias: float = parameter(0.0, "m", -1000.0, 1000.0, "Constant error on each axis.")
-    sound_speed: float = parameter(1500.0, "m/s", 100.0, 10_000.0, "Speed of sound.")
+    sound_speed: float = 1500.0  # speed of sound [m/s]
 
     def view(self, truth: SensorTruth) -> View:
         """See the position x, y, z [m], later by the way of the sound."""

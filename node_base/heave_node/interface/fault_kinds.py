@@ -63,9 +63,7 @@ FAULTS: dict[str, FaultKind] = {
         "additional delay, at least 0 and for the mru at most 10 [s]",
         {"winch": "commands arrive later"},
     ),
-    "restart": FaultKind(
-        "silent (0: for `restart_duration`), then settling: its high-pass filter starts again", ("mru",)
-    ),
+    "restart": FaultKind("silent (0: for 2 s), then settling: its high-pass filter starts again", ("mru",)),
     "drive": FaultKind("the drive trips", ("winch",)),
     "emergency_stop": FaultKind("the emergency stop is pressed", ("winch",)),
     "reverse": FaultKind("the drum turns against the command", ("winch",)),

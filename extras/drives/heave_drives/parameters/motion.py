@@ -38,8 +38,7 @@ class FrictionParameters(Checked):
 
     coulomb: float = parameter(0.0, "N", 0.0, 1e9, "Friction independent of load.")
     load: float = parameter(0.0, "", 0.0, 1.0, "Friction proportional to tension, as a fraction of it.")
-    slip_speed: float = parameter(0.01, "m/s", 1e-6, 100.0,
-        "Rope speed at which the two frictions above reach 76 % of their value.")  # fmt: skip
+    slip_speed: float = 0.01  # rope speed at which the two frictions above reach 76 % of their value [m/s]
     viscous: float = parameter(0.0, "N s/m", 0.0, 1e9, "Friction proportional to speed.")
 
     def rate(self, tension: float, mass: float) -> float:

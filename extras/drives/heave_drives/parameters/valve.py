@@ -13,9 +13,9 @@ from heave_drives.parameters.motion import FrictionParameters, MotionParameters
 class FluidParameters(Checked):
     """Oil in the lines between valve and motors."""
 
-    bulk_modulus: float = parameter(1.1e9, "Pa", 1e6, 1e11, "Bulk modulus of the oil alone.")
-    trapped_air: float = parameter(0.005, "", 0.0, 0.5, "Volume fraction of air, at atmospheric pressure.")
-    line_volume: float = parameter(6e-4, "m^3", 1e-6, 10.0, "Volume of each of the two lines, valve to motors.")
+    bulk_modulus: float = 1.1e9  # bulk modulus of the oil alone [Pa]
+    trapped_air: float = 0.005  # volume fraction of air, at atmospheric pressure [-]
+    line_volume: float = 6e-4  # volume of each of the two lines, valve to motors [m^3]
     leakage: float = parameter(1e-11, "m^3/s/Pa", 0.0, 1e-6, "Leakage of the motors per unit pressure difference.")
 
 
@@ -24,12 +24,11 @@ class ServoValveParameters(Checked):
     """All servo valves together, on one set-point."""
 
     rated_flow: float = parameter(800.0 / 6e4, "m^3/s", 1e-6, 10.0, "Flow at the rated pressure drop, fully open.")
-    rated_drop: float = parameter(35e5, "Pa", 1e3, 1e8, "Rated pressure drop across one control edge.")
+    rated_drop: float = 35e5  # rated pressure drop across one control edge [Pa]
     frequency: float = parameter(314.159, "rad/s", 1.0, 1e4, "Natural frequency of the spool.")
     damping: float = parameter(1.0, "", 0.05, 5.0, "Damping ratio of the spool.")
-    input_limit: float = parameter(1.0, "", 1.0, 1e6, "Largest spool set-point, as a fraction of full stroke.")
-    laminar_pressure: float = parameter(5e4, "Pa", 100.0, 1e7,
-        "Pressure drop below which the flow of an edge is linear in it.")  # fmt: skip
+    input_limit: float = 1.0  # largest spool set-point, as a fraction of full stroke [-]
+    laminar_pressure: float = 5e4  # pressure drop below which the flow of an edge is linear in it [Pa]
 
 
 @dataclass(frozen=True)
@@ -41,9 +40,8 @@ class SupplyParameters:
         "Gas volume at precharge; 0: constant supply pressure.")  # fmt: skip
     precharge: float = parameter(16e6, "Pa", 1e5, 1e8, "Gas pressure of the empty accumulator, above atmospheric.")
     pump_flow: float = parameter(2000.0 / 6e4, "m^3/s", 1e-6, 10.0, "Largest pump flow; used with an accumulator.")
-    pump_rate: float = parameter(6.0, "1/s", 0.01, 1e3, "Bandwidth of the pump flow (reciprocal of its time constant).")
-    droop: float = parameter(1e6, "Pa", 1e3, 1e8,
-        "Pressure drop below the set pressure at which the pump delivers its full flow.")  # fmt: skip
+    pump_rate: float = 6.0  # bandwidth of the pump flow (reciprocal of its time constant) [1/s]
+    droop: float = 1e6  # pressure drop below the set pressure at which the pump delivers its full flow [Pa]
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -68,8 +66,7 @@ class ValveControlledParameters(Checked):
     motor_radians_per_metre: float = parameter(600.0, "rad/m", 0.1, 1e6, "Motor rotation per metre of payout.")
     motor_inertia: float = parameter(0.01, "kg m^2", 1e-9, 1e5,
         "Inertia of all motors and everything that turns with them.")  # fmt: skip
-    load_mass: float = parameter(0.0, "kg", 0.0, 1e8,
-        "Mass moving rigidly with the rope; its weight is part of the tension.")  # fmt: skip
+    load_mass: float = 0.0  # mass moving rigidly with the rope [kg]; its weight is part of the tension
     gain: float = parameter(0.1, "s/m", 0.0, 1e4,
         "Gain of the speed loop: spool position (fraction of full) per speed error.")  # fmt: skip
     feed_forward: float = parameter(1.0, "s/m", 0.0, 1e3,
