@@ -183,7 +183,7 @@ def _check(options: argparse.Namespace, scenario: Scenario, replaced: Replacemen
     """Refuse, before anything starts, what this run cannot be; warn of what its files leave open."""
     from heave_bringup.output import warn
     from heave_bringup.run.checks.files import check_files
-    from heave_bringup.run.checks.rest import check_rest
+    from heave_bringup.run.checks.rest import check_design, check_rest
     from heave_bringup.run.checks.waves import check_waves
     from heave_bringup.run.criteria import refuse_unknown
 
@@ -193,6 +193,8 @@ def _check(options: argparse.Namespace, scenario: Scenario, replaced: Replacemen
     unread = {*scenario.run.external, *replaced.programs}
     if "wave_vessel" not in unread:
         warn(check_files(scenario))
+    if "winch_controller" not in unread:
+        check_design(scenario)
     if "cable_sim" not in unread:
         check_rest(scenario)
     if not {"wave_vessel", "cable_sim"} & unread:
