@@ -312,8 +312,8 @@ def check_inputs(parameters: WinchControllerParameters, tick_period: float) -> N
     unit = parameters.unit
     if not unit.weight_in_fluid(parameters.water_density, parameters.gravity) > 0.0:
         raise DesignError(
-            f"the load floats: unit.volume of {unit.volume:g} m^3 displaces {unit.volume * parameters.water_density:.0f} kg "
-            f"of water, unit.mass is {unit.mass:g} kg; check both"
+            f"the load floats: unit.volume of {unit.volume:g} m^3 displaces "
+            f"{unit.volume * parameters.water_density:.0f} kg of water, unit.mass is {unit.mass:g} kg; check both"
         )
 
 

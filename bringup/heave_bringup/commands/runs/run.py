@@ -89,7 +89,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--quiet",
         action="store_true",
-        help="print only alarms, warnings and errors; the result is in --json and the exit status",
+        help="print only alarms, warnings and errors; see --json and the exit status for the result",
     )
     add_full(parser)
     parser.add_argument("--no-report", action="store_true", help="do not write the HTML report")
@@ -100,18 +100,17 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
     """Let the user of `parser` say who takes the place of a node, and where the nodes run."""
     add_replace(
         parser,
-        f"do not start NODE; may be repeated. {EXTERNAL}: hardware or another program replaces it, in real time (the "
+        f"replace NODE; repeatable. {EXTERNAL}: by hardware or another program, in real time (the "
         "topic of a sensor, such as winch/load_cell, replaces that sensor only; CLOCK is how it stamps: simulated, own "
-        f"or none, else detected; S is its latency [s]). {LOCKSTEP}: your program takes part in every cycle under its "
-        f"name (docs/contract.md); in place of cable_sim, start ship_clock as clock master. {BAG}: play back what NODE "
-        "published in that bag; the other nodes run live. fmu: a drive in place of virtual_winch, as an FMU or a map "
-        "that names one (.yaml). Its code runs with your rights: use only one that you trust. "
-        f"{NONE}: run without it; only {ADVISER} is optional: the controller then keeps its nominal parameters",
+        f"or none, else detected; S is its latency [s]). {LOCKSTEP}: by your program, which takes part in every cycle "
+        f"(docs/contract.md); in place of cable_sim, start ship_clock as clock master. {BAG}: by its messages in that "
+        "bag. fmu: virtual_winch only, by an FMU or a map that names one (.yaml); its code runs with your rights, so "
+        f"use only one that you trust. {NONE}: {ADVISER} only; the controller keeps its nominal parameters",
     )
     parser.add_argument(
         "--envelope",
         action="store_true",
-        help=f"let {ENVELOPE} stand between the controller and the winch: it bounds what a controller of yours orders",
+        help=f"put {ENVELOPE} between controller and winch, to limit the commands of your own controller",
     )
     parser.add_argument(
         "--composed",
