@@ -269,7 +269,9 @@ def _check_composed(options: argparse.Namespace, elsewhere: Sequence[str]) -> No
     if options.publish and not options.composed:
         raise ParameterError("--publish: goes with --composed; without it every message is published")
     if options.composed and elsewhere:
-        raise ParameterError(f"--composed: all nodes must be the suite's own, but {elsewhere[0]} is replaced")
+        raise ParameterError(
+            f"--composed: {elsewhere[0]} is replaced, so the nodes need a process each; omit --composed"
+        )
 
 
 def _composed(options: argparse.Namespace) -> Composed | None:
