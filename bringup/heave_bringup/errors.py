@@ -64,8 +64,8 @@ class VerdictError(CommandError):
 
     def __init__(self, failures: Sequence[str], where: str = "the verdict above") -> None:
         first = failures[0].partition(" (")[0]
-        more = f" and {len(failures) - 1} more" if len(failures) > 1 else ""
-        super().__init__(f"verdict FAILED: {first}{more}; see {where}")
+        many = f"{len(failures)} criteria failed, first: " if len(failures) > 1 else ""
+        super().__init__(f"verdict FAILED: {many}{first}; see {where}")
 
 
 class AnotherRunError(CommandError):

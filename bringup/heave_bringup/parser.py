@@ -113,7 +113,9 @@ def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
         )
         subparser.set_defaults(execute=command.execute)
         subparser.add_argument(
-            "--json", metavar="FILE", help="write the result as JSON; - for standard output, and nothing else there"
+            "--json",
+            metavar="FILE",
+            help="write the result as JSON to FILE (- for standard output, and nothing else there)",
         )
         if name_of(command) in words[:1] or not _is_known(words[:1]):
             command.add_arguments(subparser)

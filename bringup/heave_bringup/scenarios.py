@@ -26,6 +26,8 @@ from heave_bringup.nodes import MASTER, NODE_BY_NAME, NODES
 from heave_bringup.settings import Setting, meant, near_places, parse_setting
 
 SCENARIO_FOLDER = "scenarios"
+STORED = "scenario.yaml"
+"""File in the folder of a run: its scenario, all active values."""
 SCENARIOS_OF_EXTRAS = "heave.scenarios"
 """Group of entry points: packages with a folder of scenarios of their own."""
 NAMES_OF_FILES = ("rao_file", "spectrum_file", "recording_file")
@@ -89,6 +91,9 @@ def find_scenario(name: str) -> Path:
         return path
     if _CASE.fullmatch(name):
         raise ParameterError(f"{name}: is a case of a table; `heave campaign --case {name}` writes its scenario")
+    if path.is_dir():
+        of_run = next((place for place in (path, path.parent) if (place / STORED).is_file()), path)
+        raise ParameterError(f"{name}: this is a folder; the scenario of a run is its file {of_run / STORED}")
     if path.suffix in (".yaml", ".yml") or path.parent != Path():
         raise ParameterError(f"{name}: no such file")
     near = difflib.get_close_matches(name, shipped, n=1)

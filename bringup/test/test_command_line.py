@@ -20,7 +20,7 @@ from heave_bringup.cli import main
         (["run", "b2_calm_300", "--publish"], "heave: --publish: goes with --composed"),
         (
             ["run", "b2_calm_300", "--composed", "--replace", "wave_vessel=lockstep"],
-            "heave: --composed: all nodes must be the suite's own, but wave_vessel is replaced",
+            "heave: --composed: wave_vessel is replaced, so the nodes need a process each; omit --composed",
         ),
         (
             ["run", "b2_calm_300", "--replace", "virtual_winch=lockstep", "--replace", "virtual_winch=fmu:drive.fmu"],

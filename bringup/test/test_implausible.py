@@ -64,7 +64,7 @@ def test_where_a_recorded_motion_stood_still_is_known_before_the_run(tmp_path):
     [
         ("system.cable.axial_stiffness=1000", "it would part; check cable.axial_stiffness (1000 N"),
         ("system.cable.stiffness_quadratic=-1e4", "stiffness_quadratic = -10000"),
-        ("system.unit.volume=20", "the line does not hang: the unit's buoyancy lifts it above the boom tip"),
+        ("cable_sim.unit.volume=20", "the line does not hang: the unit's buoyancy lifts it above the boom tip"),
     ],
 )
 def test_a_line_that_has_no_rest_is_refused_before_a_run_by_its_cause(setting, says, tmp_path, capsys):
@@ -74,6 +74,39 @@ def test_a_line_that_has_no_rest_is_refused_before_a_run_by_its_cause(setting, s
     assert main(["run", "b2_calm_300", "--bag", str(tmp_path / "out"), "--set", setting]) == 2
     assert says in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("setting", "says"),
+    [
+        ("system.unit.mass=1000", "the load floats: unit.volume of 3 m^3 displaces 3075 kg of water"),
+        ("winch_controller.unit.mass=1000", "the load floats"),
+        ("winch_controller.sensors.use=[mru]", "sensors.use must include the encoder"),
+        ("system.winch.command_delay=9", "longer than the boom tip can usefully be predicted"),
+    ],
+)
+def test_what_no_controller_serves_is_refused_before_a_run(setting, says, tmp_path, capsys):
+    assert main(["run", "unit_1500", "--bag", str(tmp_path / "out"), "--set", setting]) == 2
+    assert says in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_file_of_another_kind_is_named_with_its_command(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "my_lift"]) == 0
+    (tmp_path / "plan.yaml").write_text("scenario: b2_calm_300\nphases: [{name: deck}]\n")
+    (tmp_path / "scenario.yaml").write_text("")
+    for command, file, says in (
+        ("run", "plan.yaml", "plan.yaml: this is a lift plan; use heave lift plan.yaml"),
+        ("design", "plan.yaml", "plan.yaml: this is a lift plan; use heave lift plan.yaml"),
+        ("lift", "my_lift.yaml", "my_lift.yaml: this is a scenario; use heave run my_lift.yaml"),
+        ("campaign", "my_lift.yaml", "my_lift.yaml: this is a scenario; use heave run my_lift.yaml"),
+        ("accept", "my_lift.yaml", "my_lift.yaml: this is a scenario; use heave run my_lift.yaml"),
+        ("run", ".", ".: this is a folder; the scenario of a run is its file scenario.yaml"),
+    ):
+        capsys.readouterr()
+        assert main([command, file]) == 2
+        assert capsys.readouterr().err == f"heave: {says}\n"
 
 
 STEEP = ["system.sea.significant_wave_height=5", "system.sea.peak_period=3"]

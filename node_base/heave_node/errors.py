@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 import inspect
+import sysconfig
 import traceback
 from pathlib import Path
 from types import FrameType
 
 SUITE = frozenset(
     (
-        *("heave_node", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "heave_bags", "heave_bringup"),
+        *(
+            "heave_core",
+            "heave_node",
+            "wave_vessel_node",
+            "cable_sim_node",
+            "winch_controller_node",
+            "heave_bags",
+            "heave_bringup",
+        ),
         *("heave_devices", "heave_studies", "heave_statics", "heave_drives", "heave_panel", "heave_fmu"),
     )
 )
 """Packages whose ValueError is worded for the user."""
+
+LIBRARIES = frozenset(Path(sysconfig.get_path(kind)).resolve() for kind in ("stdlib", "purelib", "platlib"))
+"""Folders of Python and of what is installed."""
 
 
 class NodeError(Exception):
@@ -26,7 +38,8 @@ def one_line(error: BaseException, of: type | None = None) -> str:
     Parameters
     ----------
     error : that ended a node
-    of : class of the node; the place is the innermost line in the folder of its file, where it has a part in the error
+    of : class of the node; the place is the innermost line of the user's own code, such as a law from a file, else in
+        the folder of the node's file, else of all
     """
     text = " ".join(str(error).split())
     if text and _is_foreseen(error):
@@ -53,12 +66,21 @@ def _place(error: BaseException, of: type | None) -> str:
     """Return file and line of an error; "" where Python does not know."""
     if isinstance(error, SyntaxError) and error.filename:
         return f"{Path(error.filename).name}, line {error.lineno}"
-    places = [(Path(frame.f_code.co_filename), line) for frame, line in _frames(error)]
+    frames = _frames(error)
+    places = [(Path(frame.f_code.co_filename), line) for frame, line in frames]
+    of_user = [place for place, (frame, _) in zip(places, frames, strict=True) if _is_of_user(frame)]
     home = _folder_of(of)
     own = [place for place in places if home is not None and home in place[0].resolve().parents]
-    for path, line in reversed(own or places):
+    for path, line in reversed(of_user or own or places):
         return f"{path.name}, line {line}"
     return ""
+
+
+def _is_of_user(frame: FrameType) -> bool:
+    """Return whether the code of a frame is neither the suite's nor a library's."""
+    package = str(frame.f_globals.get("__package__") or "").partition(".")[0]
+    file = Path(frame.f_code.co_filename)
+    return package not in SUITE and file.suffix == ".py" and not LIBRARIES & {*file.resolve().parents}
 
 
 def _folder_of(kind: type | None) -> Path | None:

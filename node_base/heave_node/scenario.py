@@ -17,13 +17,13 @@ import yaml
 from heave_node.bare_words import read_bare
 from heave_node.catalogue import with_entries
 from heave_node.files.bounded_yaml import DUMPER, EXPONENT, YamlError, parse_yaml
+from heave_node.files.file_kinds import PARAMETERS_KEY, refuse_other_kind
 from heave_node.parameters import Given, ParameterError
 from heave_node.system_parameters import SYSTEM, own_name
 
 WILDCARD = "/**"
 CHANGED = "changed"
 """Begins the comment of a stored scenario that names the parameters that were changed for the run."""
-PARAMETERS_KEY = "ros__parameters"
 MOST_VALUES = 20_000
 """Names and values of a file: all parameters of all nodes are two thousand."""
 MOST_SECTIONS = 500
@@ -82,6 +82,7 @@ def parse_sections(content: bytes, where: str) -> Sections:
         raise ParameterError(f"{where}: {error}") from error
     if not isinstance(nodes, Mapping):
         raise ParameterError(f"{where}: must be a mapping of node names to {PARAMETERS_KEY}")
+    refuse_other_kind(nodes, (PARAMETERS_KEY,), where)
     sections: Sections = {}
     _collect(nodes, "", where, sections)
     if len(sections) > MOST_SECTIONS:
@@ -99,7 +100,7 @@ def _collect(content: Mapping[str, Any], namespace: str, where: str, sections: S
             _collect(section, name, where, sections)
             continue
         if not isinstance(section, Mapping) or set(section) != {PARAMETERS_KEY}:
-            raise ParameterError(f"{where}: {key}: must contain only {PARAMETERS_KEY}")
+            raise ParameterError(f"{where}: {key}: must contain only {PARAMETERS_KEY}{_beside(section)}")
         values = flatten_names(section[PARAMETERS_KEY] or {}, f"{where}: {key}")
         if not values:
             raise ParameterError(f"{where}: {key}: has no parameters")
@@ -107,6 +108,13 @@ def _collect(content: Mapping[str, Any], namespace: str, where: str, sections: S
         if repeated:
             raise ParameterError(f"{where}: {key}: {min(repeated)} appears twice, in two sections with this name")
         sections[name] |= values
+
+
+def _beside(section: object) -> str:
+    """Return what to do about names that stand beside the parameters of a node, in place of below them."""
+    if not isinstance(section, Mapping) or PARAMETERS_KEY not in section:
+        return ""
+    return f"; indent {sorted(str(name) for name in section if name != PARAMETERS_KEY)[0]} below it"
 
 
 def _is_namespace(section: object) -> bool:

@@ -1,5 +1,7 @@
 """One line for a user: the words of whoever foresaw an error, and for all others its type, file and line."""
 
+import inspect
+
 from heave_node.errors import NodeError, one_line
 from heave_node.tick.clock_rule import parse_clock
 from heave_node.tick.gate import Inbox
@@ -42,6 +44,16 @@ def test_the_place_is_in_the_users_code_also_where_a_library_raised_the_error():
         json.loads("{")
 
     assert "(test_errors.py, line " in one_line(caught(ask_the_library), NodeOfTheirs)
+
+
+def test_the_place_is_in_a_law_of_the_users_own_that_the_suite_called(tmp_path):
+    law = tmp_path / "my_law.py"
+    law.write_text("def command(state):\n    return state.y\n")
+    theirs, suites = {}, {"__package__": "heave_node"}
+    exec(compile(law.read_text(), str(law), "exec"), theirs)
+    exec(compile("def tick(law):\n    law(0)\n", inspect.getfile(Inbox), "exec"), suites)
+    line = one_line(caught(lambda: suites["tick"](theirs["command"])), Inbox)
+    assert line == "AttributeError: 'int' object has no attribute 'y' (my_law.py, line 2)"
 
 
 def test_the_suite_words_its_own_value_errors():

@@ -16,8 +16,8 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NODE.PARAM=VALUE",
-        help="change a parameter of one node; system.PARAM changes both the ship and the controller's model of it, "
-        "all.PARAM the run; may be repeated",
+        help="set a parameter of one node; system.PARAM sets it for both plant and controller, all.PARAM for "
+        "the run; repeatable",
     )
 
 
@@ -36,18 +36,18 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
 
 def add_bags(parser: argparse.ArgumentParser) -> None:
     """Let the user of `parser` name one or several bags."""
-    parser.add_argument("bags", metavar="BAG", type=Path, nargs="+", help="bag folder, or the folder of a run")
+    parser.add_argument("bags", metavar="BAG", type=Path, nargs="+", help="bag folder or run folder")
     parser.add_argument(
-        "--transient", type=float, metavar="S", help="initial time that the figures leave out (default: the bag's)"
+        "--transient", type=float, metavar="S", help="initial time to exclude from the figures (default: the bag's)"
     )
     parser.add_argument(
         "--scenario",
         metavar="SCENARIO",
-        help="scenario of the run, for bags from other recorders, which do not carry one",
+        help="scenario of the run, for bags that do not contain one",
     )
 
 
-SAME_SEA = "the efficiency of law industrial in the same sea, with the same seed"
+SAME_SEA = "the efficiency of law industrial in the same sea"
 """The reference beside the efficiency, in the words of the help."""
 
 
@@ -56,16 +56,14 @@ def add_baseline(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--baseline",
         action=argparse.BooleanOptionalAction,
-        help=f"show beside the efficiency {SAME_SEA} (default where heave[studies] is installed): the scenario is run "
-        "again, without ROS, once, and the result is kept beside the bag; --no-baseline saves the time",
+        help=f"also show {SAME_SEA}. The scenario is run again without ROS, once; the result is saved beside the bag "
+        "(default: yes)",
     )
 
 
 def add_full(parser: argparse.ArgumentParser) -> None:
     """Let the user of `parser` see every figure of merit."""
-    parser.add_argument(
-        "--full", action="store_true", help="print every figure of merit, not only those that sum the run up"
-    )
+    parser.add_argument("--full", action="store_true", help="print all figures of merit, not only the summary")
 
 
 def add_network(parser: argparse.ArgumentParser, default: object = False) -> None:
@@ -74,7 +72,7 @@ def add_network(parser: argparse.ArgumentParser, default: object = False) -> Non
         "--network",
         action="store_true",
         default=default,
-        help="let nodes on other hosts join; without it, nothing leaves this machine",
+        help="let nodes on other hosts join; by default nothing leaves this machine",
     )
 
 
@@ -104,5 +102,5 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--dask",
         metavar="ADDRESS",
-        help="run the cases on the workers of this Dask scheduler (tcp://HOST:PORT) instead; needs the extra dask",
+        help="run on the workers of this Dask scheduler (tcp://HOST:PORT); needs the extra dask",
     )

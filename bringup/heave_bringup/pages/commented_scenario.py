@@ -8,9 +8,10 @@ from collections.abc import Mapping
 
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_node.catalogue import FROM, KINDS, find
+from heave_node.files.file_kinds import PARAMETERS_KEY
 from heave_node.parameters import ParameterInfo, describe
 from heave_node.run_parameters import RunParameters
-from heave_node.scenario import PARAMETERS_KEY, WILDCARD, Sections, nest_names
+from heave_node.scenario import WILDCARD, Sections, nest_names
 from heave_node.system_parameters import SYSTEM, system_names
 
 from heave_bringup.nodes import NODE_BY_NAME, NODES

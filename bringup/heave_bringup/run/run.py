@@ -29,7 +29,7 @@ from heave_bringup.progress import ProgressLine
 from heave_bringup.replacements import Replacements
 from heave_bringup.run.launcher import Launcher, NodeProcess
 from heave_bringup.run.monitor import Monitor
-from heave_bringup.scenarios import Scenario
+from heave_bringup.scenarios import STORED, Scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
 
 RUNS = "runs"
@@ -58,7 +58,7 @@ class RunFolder:
     def __post_init__(self) -> None:
         self.bag = self.path / "bag"
         self.report = self.path / "report.html"
-        self.scenario = self.path / "scenario.yaml"
+        self.scenario = self.path / STORED
         self.logs = self.path / "logs"
 
 

@@ -136,6 +136,7 @@ def parse_yaml(text: str | bytes, *, only_true_and_false: bool = False, most_val
     """
     if len(text) > LARGEST_YAML:
         raise YamlError(f"it has {len(text)} characters, {LARGEST_YAML} are allowed")
+    words = ""
     try:
         words = text if isinstance(text, str) else text.decode()
         _check_events(words, most_values)
@@ -143,8 +144,19 @@ def parse_yaml(text: str | bytes, *, only_true_and_false: bool = False, most_val
     except YamlError:
         raise
     except _WRONG as error:
-        complaint = " ".join(str(error).replace('in "<unicode string>", ', "").split())
-        raise YamlError(f"it is not valid YAML: {complaint[:500]}") from error
+        raise YamlError(_complaint(error, words)) from error
+
+
+def _complaint(error: Exception, text: str) -> str:
+    """Return what is wrong with a `text` that is no YAML: the line, what to look at, and the parser's own words."""
+    mark = getattr(error, "problem_mark", None)
+    if mark is None:
+        return f"it is not valid YAML: {' '.join(str(error).split())[:500]}"
+    lines = text.splitlines()
+    line = lines[mark.line] if mark.line < len(lines) else ""
+    is_tab = "\t" in line[: len(line) - len(line.lstrip())]
+    hint = "indent with spaces, not tabs" if is_tab else "check its indentation, quotes and brackets"
+    return f"line {mark.line + 1} is not valid YAML: {hint} ({getattr(error, 'problem', None) or 'unknown'})"
 
 
 def _check_events(text: str, most_values: int) -> None:

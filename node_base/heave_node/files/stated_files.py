@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from heave_node.files.bounded_yaml import parse_yaml
+from heave_node.files.file_kinds import refuse_other_kind
 from heave_node.files.given_files import read_given
 from heave_node.parameters import ParameterError
 
@@ -51,6 +52,8 @@ def read_stated(path: Path, known: Iterable[str], needed: Iterable[str]) -> tupl
         raise (
             error if isinstance(error, ParameterError) else ParameterError(f"{path}: {' '.join(str(error).split())}")
         ) from error
+    known = tuple(known)
+    refuse_other_kind(content, known, str(path))
     refuse_keys(content, known, str(path))
     for key in needed:
         if not content.get(key):

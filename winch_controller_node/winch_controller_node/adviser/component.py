@@ -42,7 +42,7 @@ from winch_controller_node.beliefs.corrections import Correction, corrections
 from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, out_of_range, with_value
 from winch_controller_node.design.design import ControllerDesign, assumed_cable, design_controller, length_followed
 from winch_controller_node.design.seas import possible_seas
-from winch_controller_node.interface.observations import Observations
+from winch_controller_node.interface.observations import TICK_COLUMNS, Observations
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 

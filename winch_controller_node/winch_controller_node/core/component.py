@@ -507,8 +507,8 @@ class WinchController:
 
         Both are in the encoder's count. A first-order winch goes by the payout that it was ordered to.
         """
-        count_at, lifted = self.observer.encoder.count_at, self._command.last.lift.payout
-        order = order._replace(mean_payout=count_at(self._estimation.set_point + lifted))
+        count_at = self.observer.encoder.count_at
+        order = order._replace(mean_payout=count_at(self._estimation.set_point))
         speed = self._command.speed_of(order, count_at)
         if not math.isfinite(speed):
             return order

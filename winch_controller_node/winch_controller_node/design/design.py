@@ -210,7 +210,7 @@ def design_controller(
         model that is not stabilisable or not detectable; the message says which.
     """
     length = parameters.length if length is None else length
-    _check_inputs(parameters, tick_period)
+    check_inputs(parameters, tick_period)
     cable = assumed_cable(parameters, length) if cable is None else cable
     model = augmented_model(model_inputs(parameters, cable), tick_period)
     measurements = measurement_models(parameters, model, cable)
@@ -278,7 +278,14 @@ def carry_by_name(old: ControllerDesign, new: ControllerDesign) -> Array:
     return matrix
 
 
-def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> None:
+def check_inputs(parameters: WinchControllerParameters, tick_period: float) -> None:
+    """Refuse what no design serves; raises DesignError.
+
+    Parameters
+    ----------
+    parameters : of the controller
+    tick_period : [s]
+    """
     if not tick_period > 0.0:
         raise DesignError(f"tick_period must be above 0; got {tick_period:g} s")
     delay = parameters.winch.command_delay
@@ -296,8 +303,8 @@ def _check_inputs(parameters: WinchControllerParameters, tick_period: float) -> 
     unit = parameters.unit
     if not unit.weight_in_fluid(parameters.water_density, parameters.gravity) > 0.0:
         raise DesignError(
-            f"a unit that floats hangs on no cable: unit.mass of {unit.mass:g} kg is less than the water that "
-            f"unit.volume of {unit.volume:g} m^3 displaces; state both as they are"
+            f"the load floats: unit.volume of {unit.volume:g} m^3 displaces "
+            f"{unit.volume * parameters.water_density:.0f} kg of water, unit.mass is {unit.mass:g} kg; check both"
         )
 
 

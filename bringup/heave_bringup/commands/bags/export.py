@@ -15,7 +15,7 @@ from heave_bringup.errors import CommandError
 if TYPE_CHECKING:
     from heave_bags.analyse.time_base import Column
 
-SUMMARY = "Write the signals of a bag on one time base, as CSV, Parquet or a spreadsheet."
+SUMMARY = "Export the signals of a bag on a common time base as CSV, Parquet or a spreadsheet."
 EXAMPLES = (
     "heave export runs/b2_calm_300-001 --csv b2.csv",
     "heave export runs/b2_calm_300-001 --topics winch/state winch/load_cell --period 0.1 --parquet winch.parquet",
@@ -26,9 +26,9 @@ ENDINGS = (".csv", ".parquet", ".xlsx")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
-    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder, or the folder of a run")
+    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder or run folder")
     for ending in ENDINGS:
-        words = "; needs the package xlsxwriter" if ending == ".xlsx" else ""
+        words = "; needs heave[xlsx]" if ending == ".xlsx" else ""
         parser.add_argument(
             f"--{ending[1:]}", type=Path, metavar=f"FILE{ending}", help=f"write the table to this file{words}"
         )
@@ -37,11 +37,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="TOPIC",
-        help="every number of these topics (winch/state), instead of the signals of the run: heave of boom tip, unit "
-        "and uncompensated unit, payout, tension, mode",
+        help="export every number of these topics (e.g. winch/state) instead of the default signals: heave of"
+        " boom tip, load and load with the winch locked, payout, tension, mode",
     )
     parser.add_argument(
-        "--period", type=float, metavar="S", help="of the rows; default: the shortest that a signal was recorded with"
+        "--period", type=float, metavar="S", help="time between rows (default: that of the fastest signal)"
     )
 
 

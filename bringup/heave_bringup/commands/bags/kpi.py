@@ -10,7 +10,7 @@ from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_bags, add_baseline
 
-SUMMARY = "Print the figures of merit of one or several bags, side by side."
+SUMMARY = "Print the figures of merit of one or more bags, side by side."
 EXAMPLES = ("heave kpi runs/b2_calm_300-001/bag --window 60 --table kpis.csv",)
 
 
@@ -18,7 +18,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_bags(parser)
     add_baseline(parser)
-    parser.add_argument("--window", type=float, metavar="S", help="also print figures for each S seconds of the run")
+    parser.add_argument(
+        "--window", type=float, metavar="S", help="also print the figures for each S seconds of the run"
+    )
     parser.add_argument("--table", type=Path, metavar="FILE", help="write the figures to this .csv, .parquet or .xlsx")
 
 

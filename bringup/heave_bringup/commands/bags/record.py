@@ -10,7 +10,7 @@ from heave_node.parameters import ParameterError
 from heave_bringup.commands.arguments import add_network
 from heave_bringup.errors import CommandError
 
-SUMMARY = "Record every topic of any type, on a ship or beside any other program, until Ctrl-C."
+SUMMARY = "Record all topics, of any type, until Ctrl-C; for use on a ship or beside other programs."
 EXAMPLES = ("heave record sea_trial --set split_duration=600.0",)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from heave_bringup.errors import CommandError
 
-SUMMARY = "Recover what is readable in a damaged bag into a new one, or reindex a folder; report what is lost."
+SUMMARY = "Recover a damaged bag into a new one, or rebuild an index; report what is lost."
 EXAMPLES = ("heave repair damaged/bag --output saved",)
 
 

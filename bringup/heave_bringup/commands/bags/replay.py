@@ -9,7 +9,7 @@ from heave_bags.play.player_options import add_arguments as add_player_arguments
 
 from heave_bringup.errors import CommandError
 
-SUMMARY = "Republish a bag with the recorded types and quality of service, and /clock; or answer it again."
+SUMMARY = "Republish a bag with its recorded types, quality of service and /clock, or re-run the adviser on it."
 EXAMPLES = (
     "heave replay runs/b2_calm_300-001/bag --rate 4 --nodes wave_vessel",
     "heave replay runs/b2_calm_300-001/bag --adviser",
@@ -22,8 +22,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--adviser",
         action="store_true",
-        help="publish nothing: give the bag's observations to an adviser and compare its beliefs with the recorded "
-        "ones, bit for bit",
+        help="publish nothing: re-run the adviser on the bag's observations and compare its results with the "
+        "recorded ones, bit for bit",
     )
 
 

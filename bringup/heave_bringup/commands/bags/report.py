@@ -12,7 +12,7 @@ from heave_node.parameters import ParameterError
 from heave_bringup.commands.arguments import add_bags, add_baseline, add_full
 from heave_bringup.errors import VerdictError
 
-SUMMARY = "Write the HTML report of one or several bags: one file that opens offline; on request a PDF too."
+SUMMARY = "Write the HTML report of one or more bags: one file that opens offline. Optionally PDF."
 EXAMPLES = (
     "heave report runs/b2_calm_300-001 --pdf",
     "heave report runs/b2_calm_300-001 runs/b2_calm_300-002 --output compared.html",
@@ -31,21 +31,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--whatif",
         action=argparse.BooleanOptionalAction,
         default=None,
-        help="experimental, needs heave[studies]: unit, uncompensated motion and law industrial from the sensors of "
-        "the record alone, with bands, in the place of the controller's estimates. It takes minutes, once: the answer "
-        "is kept beside the bag and shown from then on; --no-whatif leaves it out, --no-baseline law industrial",
+        help="experimental, needs heave[studies]: reconstruct load motion, motion with the winch locked and law "
+        "industrial from the sensors alone, with uncertainty bands, instead of the controller's estimates. Takes "
+        "minutes the first time; the result is saved beside the bag",
     )
     add_full(parser)
     parser.add_argument(
         "--output",
         type=Path,
         metavar="FILE.html",
-        help=f"default: {REPORT} beside the bag; of several bags comparison-NNN.html above their runs",
+        help=f"default: {REPORT} beside the bag; for several bags comparison-NNN.html in the folder above",
     )
     parser.add_argument(
-        "--pdf", action="store_true", help="also as PDF (A4), beside the HTML file; needs Chromium, Chrome or Edge"
+        "--pdf", action="store_true", help="also write a PDF (A4) beside the HTML file; needs Chromium, Chrome or Edge"
     )
-    parser.add_argument("--picture", type=Path, metavar="FILE.png", help="also the head of the page as a picture")
+    parser.add_argument("--picture", type=Path, metavar="FILE.png", help="also save the top of the page as a picture")
 
 
 def execute(options: argparse.Namespace) -> None:

@@ -14,7 +14,7 @@ from heave_bringup.errors import CommandError
 if TYPE_CHECKING:
     from winch_controller_node.design.report import DesignReport
 
-SUMMARY = "What the winch must do (stroke, speed, torque, power), predicted motion, gains, margins, trade-offs."
+SUMMARY = "Show what the winch must deliver (stroke, speed, torque, power), predicted motion, gains and margins."
 EXAMPLES = ("heave design unit_1500 --set system.sea.peak_period=12",)
 
 HOURS = 3.0
@@ -24,7 +24,7 @@ HOURS = 3.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_scenario(parser)
-    parser.add_argument("--length", type=float, metavar="M", help="deployed length (default: the scenario's)")
+    parser.add_argument("--length", type=float, metavar="M", help="rope paid out (default: the scenario's)")
     parser.add_argument("--pictures", type=Path, metavar="DIR", help="draw the figures into this folder")
 
 

@@ -17,7 +17,7 @@ from heave_bringup.errors import CommandError
 if TYPE_CHECKING:
     from cable_sim_node.reports.modes import ModesReport
 
-SUMMARY = "Print and draw natural periods and mode shapes of cable and unit, and the lengths at which they resonate."
+SUMMARY = "Print and draw natural periods and mode shapes of rope and load, and the rope lengths that resonate."
 EXAMPLES = ("heave modes b3_deep_900", "heave modes b6_resonance_payout --period 10 --longest 900")
 
 
@@ -25,13 +25,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_scenario(parser)
     for name, metavar, text in (
-        ("--length", "M", "cable out (default: the scenario's)"),
-        ("--longest", "M", "longest length of the resonance map (default: the cable out)"),
-        ("--period", "S", "period for which to find the resonant length (default: the sea's peak period)"),
-        ("--amplitude", "M", "boom-tip amplitude at which drag is linearised (default: 0.5)"),
+        ("--length", "M", "rope paid out (default: the scenario's)"),
+        ("--longest", "M", "longest rope of the resonance map (default: that paid out)"),
+        ("--period", "S", "find the resonant rope length for this period (default: the sea's peak period)"),
+        ("--amplitude", "M", "linearise drag at this boom-tip amplitude (default: 0.5)"),
     ):
         parser.add_argument(name, type=float, metavar=metavar, help=text)
-    parser.add_argument("--modes", type=int, default=4, metavar="N", help="modes of each kind (default: 4)")
+    parser.add_argument("--modes", type=int, default=4, metavar="N", help="number of modes of each kind (default: 4)")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="PNG or SVG (default: SCENARIO_modes.svg)")
 
 

@@ -12,7 +12,7 @@ from heave_bringup.commands.arguments import add_namespace, add_network
 from heave_bringup.errors import VerdictError
 from heave_bringup.replacements import EXTERNAL, OPTION, add_replace, parse_replacements
 
-SUMMARY = "Check a live external node against the contract; a winch is braked and released, never moved."
+SUMMARY = "Check a running external node against the contract. A winch is braked and released, never moved."
 EXAMPLES = ("heave check --replace virtual_winch=external", "heave check --replace wave_vessel=external:own")
 
 REPLACEABLE = ("winch_controller", "virtual_winch", "wave_vessel", "cable_sim")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from heave_bringup.operate.link import RunLink
     from heave_bringup.operate.tasks import Move, Task
 
-SUMMARY = "Operate a run that is under way in another terminal, with one verb."
+SUMMARY = "Operate a run from another terminal: status, mode, moves, gain, stop, faults."
 EXAMPLES = (
     "heave operate status",
     "heave operate depth 295 --speed 0.2",
@@ -55,16 +55,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     verb("status", "print one line of status")
     mode = verb("mode", "request a mode of the controller", "mode compensating")
     mode.add_argument("mode", choices=MODES)
-    mode.add_argument("--tension", type=_number(0.0), default=0.0, metavar="N", help="to hold in constant_tension [N]")
+    mode.add_argument(
+        "--tension", type=_number(0.0), default=0.0, metavar="N", help="tension to hold in constant_tension [N]"
+    )
     mode.add_argument(
         "--unproved",
         action="store_true",
-        help="compensate although neither load cell nor depth sensor has proved the motion reference unit",
+        help="compensate although neither load cell nor depth sensor has confirmed the MRU",
     )
     depth = verb(
         "depth", "move the load to a mean depth and wait until it is there; Ctrl-C ends the move smoothly", "depth 295"
     )
-    depth.add_argument("depth", type=_number(), metavar="D", help="positive down [m]")
+    depth.add_argument("depth", type=_number(), metavar="D", help="depth [m], positive down")
     _add_move(depth)
     move = verb(
         "move", "move the load up or down from where it hangs, and wait until it is there", "move -2 --speed 0.1"
@@ -104,7 +106,7 @@ def _add_shared(parser: argparse.ArgumentParser, default: str | None = None) -> 
 
 def _add_move(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--speed", type=_number(0.0), default=0.0, metavar="V", help="largest [m/s] (default: the controller's)"
+        "--speed", type=_number(0.0), default=0.0, metavar="V", help="maximum speed [m/s] (default: the controller's)"
     )
     parser.add_argument("--no-wait", action="store_true", help="return as soon as the move has started")
 
@@ -125,7 +127,7 @@ def _add_fault(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
     inject = actions.add_parser(
         "inject",
-        help="from the next tick on",
+        help="inject a fault, from the next cycle on",
         epilog=_kinds_of_faults(),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -141,7 +143,7 @@ def _add_fault(parser: argparse.ArgumentParser) -> None:
     inject.add_argument(
         "--magnitude", type=_number(), default=0.0, metavar="X", help="in the unit of the kind of fault"
     )
-    clear = actions.add_parser("clear", help="the faults of a device, or of all")
+    clear = actions.add_parser("clear", help="clear the faults of one device or of all")
     clear.add_argument("device", choices=(*devices, "all"))
 
 

@@ -89,7 +89,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--quiet",
         action="store_true",
-        help="print only alarms, warnings and errors; the result is in --json and the exit status",
+        help="print only alarms, warnings and errors; see --json and the exit status for the result",
     )
     add_full(parser)
     parser.add_argument("--no-report", action="store_true", help="do not write the HTML report")
@@ -100,18 +100,17 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
     """Let the user of `parser` say who takes the place of a node, and where the nodes run."""
     add_replace(
         parser,
-        f"do not start NODE; may be repeated. {EXTERNAL}: hardware or another program replaces it, in real time (the "
+        f"replace NODE; repeatable. {EXTERNAL}: by hardware or another program, in real time (the "
         "topic of a sensor, such as winch/load_cell, replaces that sensor only; CLOCK is how it stamps: simulated, own "
-        f"or none, else detected; S is its latency [s]). {LOCKSTEP}: your program takes part in every cycle under its "
-        f"name (docs/contract.md); in place of cable_sim, start ship_clock as clock master. {BAG}: play back what NODE "
-        "published in that bag; the other nodes run live. fmu: a drive in place of virtual_winch, as an FMU or a map "
-        "that names one (.yaml). Its code runs with your rights: use only one that you trust. "
-        f"{NONE}: run without it; only {ADVISER} is optional: the controller then keeps its nominal parameters",
+        f"or none, else detected; S is its latency [s]). {LOCKSTEP}: by your program, which takes part in every cycle "
+        f"(docs/contract.md); in place of cable_sim, start ship_clock as clock master. {BAG}: by its messages in that "
+        "bag. fmu: virtual_winch only, by an FMU or a map that names one (.yaml); its code runs with your rights, so "
+        f"use only one that you trust. {NONE}: {ADVISER} only; the controller keeps its nominal parameters",
     )
     parser.add_argument(
         "--envelope",
         action="store_true",
-        help=f"let {ENVELOPE} stand between the controller and the winch: it bounds what a controller of yours orders",
+        help=f"put {ENVELOPE} between controller and winch, to limit the commands of your own controller",
     )
     parser.add_argument(
         "--composed",
@@ -183,7 +182,7 @@ def _check(options: argparse.Namespace, scenario: Scenario, replaced: Replacemen
     """Refuse, before anything starts, what this run cannot be; warn of what its files leave open."""
     from heave_bringup.output import warn
     from heave_bringup.run.checks.files import check_files
-    from heave_bringup.run.checks.rest import check_rest
+    from heave_bringup.run.checks.rest import check_design, check_rest
     from heave_bringup.run.checks.waves import check_waves
     from heave_bringup.run.criteria import refuse_unknown
 
@@ -193,6 +192,8 @@ def _check(options: argparse.Namespace, scenario: Scenario, replaced: Replacemen
     unread = {*scenario.run.external, *replaced.programs}
     if "wave_vessel" not in unread:
         warn(check_files(scenario))
+    if "winch_controller" not in unread:
+        check_design(scenario)
     if "cable_sim" not in unread:
         check_rest(scenario)
     if not {"wave_vessel", "cable_sim"} & unread:
@@ -268,7 +269,9 @@ def _check_composed(options: argparse.Namespace, elsewhere: Sequence[str]) -> No
     if options.publish and not options.composed:
         raise ParameterError("--publish: goes with --composed; without it every message is published")
     if options.composed and elsewhere:
-        raise ParameterError(f"--composed: all nodes must be the suite's own, but {elsewhere[0]} is replaced")
+        raise ParameterError(
+            f"--composed: {elsewhere[0]} is replaced, so the nodes need a process each; omit --composed"
+        )
 
 
 def _composed(options: argparse.Namespace) -> Composed | None:

@@ -11,7 +11,7 @@ from heave_node.loads.payload import payload_words
 if TYPE_CHECKING:
     from rich.table import Table
 
-SUMMARY = "List cables, units and winches with published particulars, which a scenario can name."
+SUMMARY = "List cables, loads and winches with published data that a scenario can refer to by name."
 EXAMPLES = ("heave catalogue cable", "heave catalogue cable wire_28mm_6x36")
 
 HOW_TO_USE = """in a scenario: system: {cable: NAME, unit: NAME, winch: NAME}; for one run: --set system.cable=NAME
@@ -20,8 +20,8 @@ all values of an entry, and its sources: heave catalogue KIND NAME"""
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
-    parser.add_argument("kind", nargs="?", choices=KINDS, help="one kind only")
-    parser.add_argument("name", nargs="?", metavar="NAME", help="one entry, with all its values and its sources")
+    parser.add_argument("kind", nargs="?", choices=KINDS, help="list one kind only")
+    parser.add_argument("name", nargs="?", metavar="NAME", help="show one entry with all its values and sources")
 
 
 def execute(options: argparse.Namespace) -> None:

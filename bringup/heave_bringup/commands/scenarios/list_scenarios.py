@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-SUMMARY = "List the shipped scenarios: load in air and in water, rope, and what each is for."
+SUMMARY = "List the shipped scenarios, with load in air and in water, rope length and purpose."
 EXAMPLES = ("heave list",)
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from heave_bringup.scenarios import Scenario
 
-SUMMARY = "Write a scenario file of your own, with unit and meaning beside each value."
+SUMMARY = "Write your own scenario file, with a unit and a comment beside each value."
 EXAMPLES = (
     "heave new my_lift",
     "heave new my_lift --mass 6000 --volume 1.2 --depth 2000 --hs 2.2 --tp 9",
@@ -40,26 +40,26 @@ class Quantity(NamedTuple):
 
 
 LIFT = {
-    "mass": Quantity("mass", "kg", "of the load in air; state --volume or --density with it"),
-    "volume": Quantity("volume", "m^3", "of displaced water; added mass and drag area keep their proportions"),
-    "density": Quantity("density", "kg/m^3", "mean density of the load, in place of its volume; solid steel has 7850"),
+    "mass": Quantity("mass", "kg", "mass of the load in air; needs --volume or --density"),
+    "volume": Quantity("volume", "m^3", "displaced volume; added mass and drag area scale with it"),
+    "density": Quantity("density", "kg/m^3", "mean density of the load, instead of --volume (solid steel: 7850)"),
     "hs": Quantity("Hs", "m", "significant wave height"),
     "tp": Quantity("Tp", "s", "peak period"),
-    "length": Quantity("length", "m", "deployed length of the cable"),
-    "depth": Quantity("depth", "m", "of the load; the rope is longer by the height of the boom tip"),
+    "length": Quantity("length", "m", "rope paid out"),
+    "depth": Quantity("depth", "m", "depth of the load; rope length is depth plus height of the boom tip"),
 }
 SEA = {"hs": "system.sea.significant_wave_height", "tp": "system.sea.peak_period"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
-    parser.add_argument("file", metavar="SCENARIO", help="name or file to write: my_lift gives my_lift.yaml")
+    parser.add_argument("file", metavar="SCENARIO", help="name or file to write; my_lift writes my_lift.yaml")
     add_model(parser, "begin with the values of this one")
     for kind in KINDS:
         parser.add_argument(f"--{kind}", metavar="NAME", help=f"a {kind} of the catalogue (heave catalogue {kind})")
     for name, of in LIFT.items():
         parser.add_argument(f"--{name}", metavar=of.unit.upper(), type=float, help=of.words)
-    parser.add_argument("--title", metavar="TEXT", help="name of the lift, at the head of its reports")
+    parser.add_argument("--title", metavar="TEXT", help="title of the lift in its reports")
     parser.add_argument("--force", action="store_true", help="overwrite an existing file")
 
 

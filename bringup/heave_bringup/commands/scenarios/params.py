@@ -14,21 +14,21 @@ from heave_bringup.nodes import NODE_BY_NAME
 if TYPE_CHECKING:
     from rich.table import Table
 
-SUMMARY = "Print every parameter of every node: unit, range, default, meaning."
+SUMMARY = "Print the parameters of every node, with unit, range, default and meaning."
 EXAMPLES = ("heave params winch_controller mpc.", "heave params peak_period", 'heave params "*noise*"')
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     node = parser.add_argument(
-        "node", metavar="NODE", nargs="?", help="of the suite, or all for the parameters of the run; may be left out"
+        "node", metavar="NODE", nargs="?", help="node of the suite, or all for the run's parameters (optional)"
     )
     completed_by(node, lambda: [*NODE_BY_NAME, "all"])
     pattern = parser.add_argument(
         "pattern",
         metavar="PATTERN",
         nargs="?",
-        help="a part of the name, or with * and ?; a word of the meaning, or a value to choose",
+        help="part of the name, a pattern with * and ?, a word of the meaning, or a choice",
     )
     completed_by(pattern, _names)
 

@@ -9,8 +9,23 @@ from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.tension_law import overstrained_words
 from cable_sim_node.vertical.axial_line import axial_line
 from heave_node.parameters import ParameterError
+from winch_controller_node.design.design import check_inputs
+from winch_controller_node.model.lqr import DesignError
 
 from heave_bringup.scenarios import Scenario
+
+
+def check_design(scenario: Scenario) -> None:
+    """Refuse a load that floats, sensors that do not suffice, or a delay beyond prediction in a `scenario` that moves
+    the winch, as the controller would once it runs.
+
+    Raises ParameterError with the cause.
+    """
+    if scenario.moves_winch:
+        try:
+            check_inputs(scenario.parameters["winch_controller"], scenario.run.tick_period)
+        except DesignError as error:
+            raise ParameterError(f"{scenario.path}: winch_controller: {error}") from error
 
 
 def check_rest(scenario: Scenario) -> None:

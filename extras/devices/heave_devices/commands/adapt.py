@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from heave_devices.adapt.session import Session
     from heave_devices.maps.device_map import DeviceMap
 
-SUMMARY = "Put a sensor or a winch of others into a run by a map file: serial, UDP, TCP, Modbus/TCP, OPC UA, ROS."
+SUMMARY = "Connect a third-party sensor or winch using a mapping file: serial, UDP, TCP, Modbus/TCP, OPC UA, ROS."
 EXAMPLES = (
     "heave adapt --list",
     "heave adapt --show psxn > my_mru.yaml",
@@ -29,15 +29,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument("maps", metavar="MAP", nargs="*", help="map file, or a shipped one (--list)")
     parser.add_argument("--list", action="store_true", help="list the shipped maps")
-    parser.add_argument("--show", metavar="NAME", help="print a shipped map, to be written into a file of your own")
-    parser.add_argument("--check", action="store_true", help="read the maps, say what they do, and open nothing")
+    parser.add_argument("--show", metavar="NAME", help="print a shipped map, to be saved and edited")
+    parser.add_argument(
+        "--check", action="store_true", help="check the maps and print what they do, without opening a device"
+    )
     parser.add_argument(
         "--wiggle",
         type=float,
         metavar="MM",
-        help="move a winch by MM millimetres and back, and judge signs and units",
+        help="move the winch by MM millimetres and back, and check signs and units",
     )
-    parser.add_argument("--duration", type=float, default=math.inf, metavar="S", help="end after S seconds")
+    parser.add_argument("--duration", type=float, default=math.inf, metavar="S", help="stop after S seconds")
     add_namespace(parser, "the run is in namespace NAME")
     add_network(parser)
 

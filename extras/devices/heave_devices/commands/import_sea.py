@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from heave_devices.records.sea_mapping import SeaMapping
 
-SUMMARY = "Make a sea from a ship's own record: a bag with any standard motion type, or a log in columns."
+SUMMARY = "Make a sea from a ship's record: a bag with a standard motion type, a log in columns, or a device's raw log."
 EXAMPLES = (
     "heave import sea_trial/ --topic /imu/data --output sea.csv",
     "heave import mru.csv --column heave_m --output sea.csv --scenario sea.yaml --like unit_1500",
@@ -34,57 +34,57 @@ EXAMPLES = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument(
-        "source", metavar="BAG|LOG", type=Path, help="bag folder, MCAP file, or log: columns, or what a device sent"
+        "source", metavar="BAG|LOG", type=Path, help="bag folder, MCAP file, or log (columns, or a device's raw output)"
     )
     chosen = parser.add_mutually_exclusive_group(required=True)
-    chosen.add_argument("--topic", help="the one topic of a standard type that holds the motion")
-    chosen.add_argument("--column", help="the one column of a log that holds heave [m], positive up")
+    chosen.add_argument("--topic", help="topic of a standard type that holds the motion")
+    chosen.add_argument("--column", help="column that holds heave [m], positive up")
     chosen.add_argument(
         "--mapping",
         type=Path,
         metavar="FILE",
-        help="mapping file: where to find surge, heave, roll...; the map of a device (heave adapt) reads its log",
+        help="mapping file: where to find surge, heave, roll...; or the device's map (heave adapt)",
     )
     parser.add_argument(
         "--output", type=Path, required=True, metavar="FILE", help="CSV file to write, for wave_vessel's file source"
     )
-    parser.add_argument("--scenario", type=Path, metavar="FILE", help="write a scenario that runs in this sea, too")
-    add_model(parser, "where its other values are from")
+    parser.add_argument("--scenario", type=Path, metavar="FILE", help="also write a scenario that runs in this sea")
+    add_model(parser, "scenario to take the other values from")
     for name, words in (("from", "begin"), ("to", "end")):
         parser.add_argument(
             f"--{name}",
             dest=words,
             default="",
             metavar="TIME",
-            help=f"{words} here: seconds from the start of the record, or a time as in 2025-03-01T12:00:00Z",
+            help=f"{words} here: seconds from the start of the record, or a time such as 2025-03-01T12:00:00Z",
         )
     parser.add_argument(
         "--bridge",
         type=float,
         default=DEFAULT_BRIDGE,
         metavar="S",
-        help=f"longest gap that is interpolated over, at most {LONGEST_BRIDGE:g} s (default: {DEFAULT_BRIDGE:g})",
+        help=f"interpolate gaps up to S seconds, at most {LONGEST_BRIDGE:g} (default: {DEFAULT_BRIDGE:g})",
     )
     _add_log_options(parser)
     parser.add_argument(
         "--accept-implausible",
         action="store_true",
-        help="take implausible figures (heave of 130 m, fill values, a sensor that stands still) as they are",
+        help="accept implausible values (heave of 130 m, fill values, a frozen sensor)",
     )
-    parser.add_argument("--force", action="store_true", help="write over files that are there")
+    parser.add_argument("--force", action="store_true", help="overwrite existing files")
 
 
 def _add_log_options(parser: argparse.ArgumentParser) -> None:
     """Add what says how a log in columns is read, over what the mapping file says."""
-    parser.add_argument("--scale", type=float, metavar="X", help="of --column: metres = X * number, as 0.01 for cm")
+    parser.add_argument("--scale", type=float, metavar="X", help="scale of --column: metres = X * number (0.01 for cm)")
     parser.add_argument(
         "--time-column",
         nargs="+",
         metavar="NAME",
-        help="heading of the time, those of date and time, or of GPS week and seconds (default: found by their names)",
+        help="heading of the time column, of date and time, or of GPS week and seconds (default: found by name)",
     )
-    parser.add_argument("--time-scale", type=float, metavar="X", help="seconds = X * number, as 0.001 for milliseconds")
-    parser.add_argument("--date-order", choices=DATE_ORDERS, help="how to read 01/03/2025 (default: as the dates show)")
+    parser.add_argument("--time-scale", type=float, metavar="X", help="seconds = X * number (0.001 for milliseconds)")
+    parser.add_argument("--date-order", choices=DATE_ORDERS, help="how to read 01/03/2025 (default: detected)")
 
 
 def execute(options: argparse.Namespace) -> None:

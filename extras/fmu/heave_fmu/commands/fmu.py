@@ -11,7 +11,7 @@ from heave_bringup.errors import CommandError
 from heave_node.extras import how_to_install
 from heave_node.parameters import ParameterError
 
-SUMMARY = "Export sea and vessel, plant, winch and controller of a scenario as FMUs for co-simulation (FMI 2.0)."
+SUMMARY = "Export vessel, plant, winch and controller of a scenario as FMUs for co-simulation (FMI 2.0)."
 EXAMPLES = (
     "heave fmu b2_calm_300",
     "heave fmu b3_deep_900 --part plant --part winch --folder fmus",
@@ -29,15 +29,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         choices=PARTS,
         metavar="PART",
-        help=f"export only this one of {', '.join(PARTS)}; without it all, and the system that wires them for libcosim",
+        help=f"export only this part: {', '.join(PARTS)} (default: all, wired for libcosim)",
     )
     parser.add_argument(
         "--language",
         choices=("python", "c"),
         default="python",
-        help="c: the controller is filter, law and governor of one design in C, with its sources (default: python)",
+        help="c: controller in C (filter, law and governor of one design) with sources (default: python)",
     )
-    parser.add_argument("--folder", type=Path, metavar="DIR", help="for the files (default: SCENARIO_fmu)")
+    parser.add_argument("--folder", type=Path, metavar="DIR", help="output folder (default: SCENARIO_fmu)")
 
 
 def execute(options: argparse.Namespace) -> None:

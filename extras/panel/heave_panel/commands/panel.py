@@ -9,7 +9,7 @@ from heave_bringup.commands.arguments import add_namespace, add_network, port_nu
 from heave_bringup.errors import CommandError
 from heave_node.extras import missing_extra
 
-SUMMARY = "Serve an operator's page for a run that is under way in another terminal."
+SUMMARY = "Serve an operator's page in the browser for a run in another terminal."
 EXAMPLES = ("heave panel", "heave panel --port 8090", "heave panel --host 0.0.0.0")
 
 DEFAULT_PORT = 8080

@@ -10,7 +10,7 @@ from heave_bringup.commands.arguments import add_namespace, add_network, port_nu
 from heave_bringup.errors import CommandError
 from heave_node.extras import missing_extra
 
-SUMMARY = "Stream a run that is under way, or a replayed bag, to Foxglove on this machine, which needs no ROS."
+SUMMARY = "Stream a run or a replayed bag to Foxglove on this machine; Foxglove needs no ROS."
 EXAMPLES = (
     "heave view",
     "heave view --port 8766",

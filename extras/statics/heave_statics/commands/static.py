@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from cable_sim_node.reports.report import LoadReport
     from heave_bringup.scenarios import Scenario
 
-SUMMARY = "Print and draw cable and unit at rest: hanging, towed, moored, at the limit of reach, or laid."
+SUMMARY = "Print and draw the static shape of rope and load: hanging, towed, moored, at full reach, or being laid."
 EXAMPLES = (
     "heave static s300_driven --set 'cable_sim.current=[0.5, 0.0]' --picture shape.png",
     "heave static s300_driven --towing --speed 0.5 1 1.5 2",
@@ -47,16 +47,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     problems = parser.add_mutually_exclusive_group()
     problems.set_defaults(problem="hanging")
     for name, text in (
-        ("towing", "unit and cable behind a ship under way at each --speed: depth and layback"),
+        ("towing", "towed behind the ship at each --speed: depth and layback"),
         ("mooring", "lower end fixed to the seabed, ship offset by each --offset or pulled by each --pull"),
-        ("footprint", "how far the unit reaches with its --thrust, in all directions"),
-        ("laying", "the cable alone, laid on the seabed at each --speed: touchdown, suspended length"),
+        ("footprint", "reach of a vehicle with --thrust, in all directions"),
+        ("laying", "cable laid on the seabed at each --speed: touchdown point, suspended length"),
     ):
         problems.add_argument(f"--{name}", dest="problem", action="store_const", const=name, help=text)
     for name, metavar, text in (
-        ("--speed", "M/S", "towing, laying: speed of the ship over ground; several for a table"),
-        ("--offset", "M", "mooring: horizontal distance of the boom tip from the lower end; several for a table"),
-        ("--pull", "N", "mooring: horizontal force of the ship on the boom tip; several for a table"),
+        ("--speed", "M/S", "towing, laying: ship's speed over ground; several give a table"),
+        ("--offset", "M", "mooring: horizontal distance from lower end to boom tip; several give a table"),
+        ("--pull", "N", "mooring: horizontal force at the boom tip; several give a table"),
     ):
         parser.add_argument(name, type=float, nargs="+", metavar=metavar, help=text)
     for name, metavar, text in (
@@ -66,17 +66,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             "towing, laying, mooring: direction of ship, offset or pull, from x towards y (default: 0)",
         ),
         ("--depth", "M", "mooring, footprint, laying: water depth (default: cable_sim.seabed.depth)"),
-        ("--thrust", "N", "footprint: largest horizontal force of the unit's thrusters"),
+        ("--thrust", "N", "footprint: largest horizontal thrust of the vehicle"),
         ("--tension-limit", "N", "footprint: largest tension at the boom tip (default: none)"),
         (
             "--vertical-pull",
             "N",
-            "footprint: vertical pull of the cable that lifts the unit (default: its weight in water)",
+            "footprint: vertical pull that lifts the vehicle (default: its weight in water)",
         ),
         (
             "--payout-speed",
             "M/S",
-            "laying: payout speed of the cable (default: what covers seabed.slope, the ship's speed on the flat)",
+            "laying: payout speed (default: enough to follow seabed.slope)",
         ),
         ("--bottom-tension", "N", "laying: tension of the cable at touchdown (default: 0)"),
     ):

@@ -14,7 +14,7 @@ from heave_node.parameters import ParameterError
 if TYPE_CHECKING:
     from heave_studies.accept.session import Parts
 
-SUMMARY = "Run an acceptance test by a procedure, with virtual or real parts or on a record; one report to sign."
+SUMMARY = "Run an acceptance test on simulated parts, real parts or a record, and write a report to sign."
 EXAMPLES = (
     "heave accept --list",
     "heave accept winch_factory_test --pdf                      # the virtual winch",
@@ -27,20 +27,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument("procedure", metavar="PROCEDURE", nargs="?", help="procedure file, or a shipped one (--list)")
     parser.add_argument("--list", action="store_true", help="list the shipped procedures")
+    parser.add_argument("--show", metavar="NAME", help="print a shipped procedure, to be saved and edited")
+    parser.add_argument("--figures", action="store_true", help="list the figures that criteria may use")
     parser.add_argument(
-        "--show", metavar="NAME", help="print a shipped procedure, to be written into a file of your own"
+        "--check", action="store_true", help="check the procedure and list its steps, without running it"
     )
-    parser.add_argument("--figures", action="store_true", help="list the figures that a step's criteria may name")
-    parser.add_argument("--check", action="store_true", help="read the procedure, list its steps, and run nothing")
     add_settings(parser)
-    parser.add_argument("--scenario", default="", metavar="SCENARIO", help="in the place of the procedure's")
-    parser.add_argument("--step", action="append", default=[], metavar="NAME", help="only this step; may be repeated")
-    parser.add_argument("--winch", metavar="MAP", help="real winch, by its map (heave adapt): it will move")
+    parser.add_argument(
+        "--scenario", default="", metavar="SCENARIO", help="use this scenario instead of the procedure's"
+    )
+    parser.add_argument("--step", action="append", default=[], metavar="NAME", help="run only this step; repeatable")
+    parser.add_argument("--winch", metavar="MAP", help="real winch, by its map (heave adapt). IT WILL MOVE")
     add_replace(
         parser,
-        "in runs a real part, served by heave adapt in another terminal, takes the place of NODE; a sensor's topic, as "
-        "winch/load_cell, replaces that sensor alone. CLOCK says how it stamps: simulated, own, none; detected if not "
-        "given",
+        "in runs, use a real part (heave adapt in another terminal) instead of NODE; a sensor's topic "
+        "such as winch/load_cell replaces that sensor only. CLOCK is how it stamps: simulated, own or "
+        "none (default: detected)",
         f"{EXTERNAL}[:CLOCK]",
     )
     parser.add_argument(
@@ -48,13 +50,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="[STEP=]FILE",
-        help="run nothing: judge this bag or log, of every step or of STEP",
+        help="run nothing; judge this bag or log, for all steps or for STEP",
     )
-    parser.add_argument("--map", type=Path, metavar="FILE", help="where the quantities of the record are found")
+    parser.add_argument("--map", type=Path, metavar="FILE", help="map: where to find the quantities in the record")
     parser.add_argument(
         "--output", type=Path, metavar="DIR", help="folder for records and report (default: runs/PROCEDURE-NNN)"
     )
-    parser.add_argument("--pdf", action="store_true", help="also as PDF (A4); needs Chromium, Chrome or Edge")
+    parser.add_argument("--pdf", action="store_true", help="also write a PDF (A4); needs Chromium, Chrome or Edge")
     add_network(parser)
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from heave_studies.campaign.plan import Campaign
 
-SUMMARY = "Run many cases of a scenario (seeds, a grid, random draws) without ROS, and print a table."
+SUMMARY = "Run many cases of a scenario (seeds, a grid, random draws) without ROS and print a table."
 EXAMPLES = (
     "heave campaign b2_calm_300 --vary winch_controller.law=off,lqg,mpc --seeds 3",
     "heave campaign b9_model_error --json result.json",
@@ -34,55 +34,54 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "campaign",
         metavar="CAMPAIGN",
         nargs="?",
-        help="a shipped campaign, or a file (format: heave_studies/campaign/campaign_file.py); with --vary a scenario",
+        help="a shipped campaign or a file (format: heave_studies/campaign/campaign_file.py); with --vary, a scenario",
     )
     parser.add_argument(
         "--case",
         metavar="FILE.parquet:CASE",
-        help="write the scenario of one case of a table that --output wrote, to run it over ROS; the files that it "
-        "read and that are gone are written beside it",
+        help="write the scenario of one case of a table from --output, to run it over ROS (with any files it "
+        "needs that no longer exist)",
     )
     parser.add_argument(
         "--vary",
         action="append",
         default=[],
         metavar="NODE.PARAM=V,V,...",
-        help="run the scenario CAMPAIGN with each of these values, without a file; repeated: every combination",
+        help="run scenario CAMPAIGN with each of these values; repeatable: all combinations",
     )
-    parser.add_argument("--seeds", type=int, metavar="N", help="run each case with N seeds, instead of the file's")
+    parser.add_argument("--seeds", type=int, metavar="N", help="number of seeds per case, instead of the file's")
     add_settings(parser)
     add_workers(parser)
     parser.add_argument(
         "--baseline",
         action=argparse.BooleanOptionalAction,
         default=True,
-        help=f"show beside the efficiency {SAME_SEA} (default): each case is run again, in twice the time; "
-        "--no-baseline saves it",
+        help=f"also show {SAME_SEA}; each case is run twice (default: yes)",
     )
-    parser.add_argument("--duration", type=float, metavar="S", help="simulated time of a case, instead of the file's")
+    parser.add_argument("--duration", type=float, metavar="S", help="simulated time per case, instead of the file's")
     parser.add_argument("--draws", type=int, metavar="N", help="only the first N of the file's random draws")
     parser.add_argument(
         "--output",
         type=Path,
         metavar="FILE.parquet",
-        help="table with all that repeats each case (--case FILE.parquet:CASE). Results are kept as they come: the "
-        "same command again goes on where it was ended; with --case the scenario file to write",
+        help="result table; any case can be run again from it (--case FILE.parquet:CASE). Results are saved "
+        "as they arrive; repeat the command to resume. With --case: the scenario file to write",
     )
     parser.add_argument("--csv", type=Path, metavar="FILE", help="the figures of every case as CSV")
     parser.add_argument(
         "--plot",
         type=Path,
         metavar="FILE",
-        help="a picture (.png, .svg, .pdf) over what was varied",
+        help="plot (.png, .svg, .pdf) against what was varied",
     )
     parser.add_argument(
         "--tornado",
         type=Path,
         metavar="FILE",
-        help="a picture (.png, .svg, .pdf) of what matters: the figure's rank correlation with each parameter drawn",
+        help="plot (.png, .svg, .pdf) of what matters: rank correlation of the figure with each drawn parameter",
     )
     parser.add_argument(
-        "--kpi", default="unit_sigma_m", metavar="KPI", help="figure of merit of the pictures (default: unit_sigma_m)"
+        "--kpi", default="unit_sigma_m", metavar="KPI", help="figure of merit to plot (default: unit_sigma_m)"
     )
 
 

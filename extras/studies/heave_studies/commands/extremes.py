@@ -12,7 +12,7 @@ from heave_node.parameters import ParameterError
 if TYPE_CHECKING:
     from rich.table import Table
 
-SUMMARY = "Print the largest motion and tension to be expected in 3 h of the same sea, with confidence."
+SUMMARY = "Print the largest motion and tension expected in 3 h of the same sea, with confidence bounds."
 EXAMPLES = (
     "heave extremes runs/b3_deep_900-001/bag",
     "heave extremes b3.parquet --hours 1    # of heave campaign b3_seeds --no-baseline --output b3.parquet",
@@ -28,11 +28,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "source",
         metavar="BAG|TABLE.parquet",
         type=Path,
-        help="bag of a long run, or table of a campaign with many seeds",
+        help="bag of a long run, or result table of a campaign with many seeds",
     )
-    parser.add_argument("--hours", type=float, default=HOURS, metavar="H", help="of the same sea (default: 3)")
+    parser.add_argument("--hours", type=float, default=HOURS, metavar="H", help="duration of the same sea (default: 3)")
     parser.add_argument(
-        "--transient", type=float, metavar="S", help="initial time of a bag that is left out (default: the bag's)"
+        "--transient", type=float, metavar="S", help="initial time of a bag to exclude (default: the bag's)"
     )
 
 

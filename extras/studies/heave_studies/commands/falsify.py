@@ -15,7 +15,7 @@ from heave_node.parameters import ParameterError
 if TYPE_CHECKING:
     from heave_studies.falsify.search import Found, Search
 
-SUMMARY = "Search sea, plant, faults and operator for the worst minute of a scenario that no alarm announces."
+SUMMARY = "Find the worst case without an alarm by varying sea, plant, faults and operator actions."
 EXAMPLES = (
     "heave falsify b3_deep_900 --budget 3600",
     "heave falsify b2_calm_300 --space my_space.yaml --output my_search",
@@ -34,35 +34,41 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_scenario(parser)
     parser.add_argument(
-        "--space", default=SPACE, metavar="CAMPAIGN", help=f"what is searched: the draws of this campaign ({SPACE})"
+        "--space",
+        default=SPACE,
+        metavar="CAMPAIGN",
+        help=f"search space: the draws of this campaign (default: {SPACE})",
     )
-    parser.add_argument("--budget", type=float, default=600.0, metavar="S", help="wall time of the search (600)")
-    parser.add_argument("--duration", type=float, metavar="S", help="simulated time of a case, instead of the space's")
+    parser.add_argument(
+        "--budget", type=float, default=600.0, metavar="S", help="wall time of the search (default: 600)"
+    )
+    parser.add_argument("--duration", type=float, metavar="S", help="simulated time per case, instead of the space's")
     parser.add_argument(
         "--population",
         type=int,
         metavar="N",
-        help="cases of a generation, instead of the draws' count; how long one takes is in the result",
+        help="cases per generation, instead of the draws' count",
     )
-    parser.add_argument("--seed", type=int, metavar="N", help="of the search, instead of the draws'")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed of the search, instead of the draws'")
     parser.add_argument("--processes", type=int, metavar="N", help="default: one per processor")
     parser.add_argument(
         "--severity",
         default="medium",
         choices=("event", "low", "medium", "high", "critical"),
-        help="least severity of an alarm that counts: one in a minute, or in the minute before, announces it (medium)",
+        help="lowest severity of an alarm that counts as a warning, in the worst minute or the one before "
+        "(default: medium)",
     )
     parser.add_argument(
-        "--bound", type=float, metavar="X", help="ratio of the worst minute above which the verdict is FAILED (1.05)"
+        "--bound", type=float, metavar="X", help="FAILED if the worst minute exceeds this ratio (default: 1.05)"
     )
     parser.add_argument(
-        "--keep", type=int, default=3, metavar="N", help="worst cases that are written as scenarios (3)"
+        "--keep", type=int, default=3, metavar="N", help="number of worst cases to save as scenarios (default: 3)"
     )
     parser.add_argument(
         "--output",
         type=Path,
         metavar="DIR",
-        help="folder of journal and scenarios (default: falsify-SCENARIO); the same command again goes on there",
+        help="folder for journal and scenarios (default: falsify-SCENARIO); repeat the command to resume",
     )
 
 

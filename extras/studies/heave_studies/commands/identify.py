@@ -12,7 +12,7 @@ from heave_bringup.errors import CommandError
 if TYPE_CHECKING:
     from heave_studies.identification.cable import Identification
 
-SUMMARY = "Identify the two-state cable, a z'' + b z' + z = z0 - p, from a simulated or a recorded response."
+SUMMARY = "Fit the second-order cable model a z'' + b z' + z = z0 - p to a simulated or recorded response."
 EXAMPLES = ("heave identify b3_deep_900 --drag quadratic",)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from heave_bags.analyse.run_record import RunRecord
 
-SUMMARY = "Experimental: a lift by phases: limits, go or no-go by a forecast; its bag by the same criteria."
+SUMMARY = "Experimental: plan a lift in phases: limiting seas, go or no-go for a forecast, as-built check of its bag."
 EXAMPLES = ("heave lift module_1500", "heave lift my_lift.yaml --forecast forecast.csv --bag runs/my_lift-001/bag")
 
 GUIDE = "docs/guide/howto/plan_a_lift.md"
@@ -20,9 +20,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument("plan", metavar="PLAN", help="a plan: a YAML file, or the shipped module_1500")
     parser.add_argument(
-        "--forecast", type=Path, metavar="FILE.csv", help="seas to come, with the columns time, hs, tp: when to go"
+        "--forecast", type=Path, metavar="FILE.csv", help="forecast with the columns time, hs, tp: gives go or no-go"
     )
-    parser.add_argument("--bag", type=Path, metavar="BAG", help="bag of the lift: judged phase by phase")
+    parser.add_argument("--bag", type=Path, metavar="BAG", help="bag of the lift, to be judged phase by phase")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="default: PLAN_lift.html")
     parser.add_argument("--processes", type=int, metavar="N", help="default: one per processor")
 

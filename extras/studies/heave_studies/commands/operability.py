@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from heave_studies.campaign.plan import Campaign
     from heave_studies.operability.study import Place, Situation
 
-SUMMARY = "Find the seas in which criteria hold, compensated and not, and how long one waits for them."
+SUMMARY = "Find the limiting sea with AHC and with the winch locked, and the waiting time for it."
 EXAMPLES = (
     "heave operability unit_1500 --record 46042w1996.txt.gz",
     "heave operability b3_deep_900 --heights 1 2 3 4 --periods 8 10 12 --require 'unit_sigma_m<0.02'",
@@ -39,16 +39,16 @@ EXAMPLES = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_grid(parser, seeds=2)
-    parser.add_argument("--headings", type=float, nargs="+", metavar="DEG", help="of a vessel with RAOs [deg]")
+    parser.add_argument("--headings", type=float, nargs="+", metavar="DEG", help="headings of a vessel with RAOs [deg]")
     parser.add_argument(
         "--vary",
         action="append",
         default=[],
         metavar="PLACE=[V, ...]",
-        help="another parameter, each value a situation of its own: depth (system.length), cable_sim.current",
+        help="another parameter; each value is studied separately (system.length, cable_sim.current)",
     )
     parser.add_argument("--windows", type=float, nargs="+", metavar="H", help="weather windows [h] (default: 6 12 24)")
-    parser.add_argument("--alpha", type=Path, metavar="FILE", help="alpha factors: a .csv of hours by wave heights")
+    parser.add_argument("--alpha", type=Path, metavar="FILE", help="alpha factors: a .csv, hours by wave heights")
     add_files(parser, "operability", "the limits")
 
 

@@ -24,20 +24,22 @@ def add_grid(parser: argparse.ArgumentParser, seeds: int) -> None:
     add_scenario(parser)
     parser.add_argument("--heights", type=float, nargs="+", metavar="HS", help="significant wave heights [m]")
     parser.add_argument("--periods", type=float, nargs="+", metavar="TP", help="peak periods [s]")
-    parser.add_argument("--seeds", type=int, default=seeds, metavar="N", help=f"seeds of each sea (default: {seeds})")
-    parser.add_argument("--duration", type=float, metavar="S", help="simulated time of a case, not the scenario's")
+    parser.add_argument("--seeds", type=int, default=seeds, metavar="N", help=f"seeds per sea (default: {seeds})")
+    parser.add_argument(
+        "--duration", type=float, metavar="S", help="simulated time per case, instead of the scenario's"
+    )
     parser.add_argument(
         "--require",
         action="append",
         default=[],
         metavar="KPI<VALUE",
-        help="a criterion beside the scenario's own, as dynamic_amplification<1.2 or tension_max<400kN",
+        help="add a criterion, such as dynamic_amplification<1.2 or tension_max<400kN",
     )
     parser.add_argument(
         "--record",
         type=Path,
         metavar="FILE",
-        help="seas of the place: NDBC's spectra, what wavespectra reads, a .csv with time, hs, tp or a scatter diagram",
+        help="seas of the site: NDBC spectra, any wavespectra format, a .csv with time, hs, tp, or a scatter diagram",
     )
 
 
@@ -47,13 +49,13 @@ def add_files(parser: argparse.ArgumentParser, name: str, result: str) -> None:
         "--output",
         type=Path,
         metavar="FILE.parquet",
-        help=f"table of the cases (default: NAME_{name}.parquet); an ended study goes on from it",
+        help=f"table of the cases (default: NAME_{name}.parquet); repeat the command to resume",
     )
     parser.add_argument(
-        "--cases", type=Path, metavar="FILE.parquet", help="report the cases of this table; nothing is run"
+        "--cases", type=Path, metavar="FILE.parquet", help="run nothing; report the cases of this table"
     )
     parser.add_argument("--report", type=Path, metavar="FILE.html", help=f"default: NAME_{name}.html")
-    parser.add_argument("--csv", type=Path, metavar="FILE", help=f"{result} as CSV")
+    parser.add_argument("--csv", type=Path, metavar="FILE", help=f"write {result} as CSV")
     add_workers(parser)
 
 

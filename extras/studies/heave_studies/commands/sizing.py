@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from heave_studies.campaign.plan import Campaign
     from heave_studies.sizing.study import Knee, Prices, Sized
 
-SUMMARY = "Find the winch that is needed: what speed, acceleration, power and delay are worth, and what they cost."
+SUMMARY = "Find the winch size: what speed, acceleration, power and delay gain and what they cost."
 EXAMPLES = (
     "heave sizing unit_1500 --record 46042w1996.txt.gz",
     "heave sizing b3_deep_900 --speed 0.6 1 1.5 --acceleration --power --delay --require 'unit_sigma_m<0.05'",
@@ -53,12 +53,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(
             f"--{name}", type=float, nargs="*", metavar="V", help=f"{words} to try; without values: none is tried"
         )
-    parser.add_argument("--efficiency", type=float, metavar="E", help="of the drive, either way (default: 0.8)")
     parser.add_argument(
-        "--regeneration", type=float, metavar="R", help="share of regenerated energy that is used (default: 0)"
+        "--efficiency", type=float, metavar="E", help="drive efficiency in either direction (default: 0.8)"
     )
-    parser.add_argument("--energy-price", type=float, metavar="P", help="of a kWh, any currency (default: 0.3)")
-    add_files(parser, "sizing", "the buyer's table")
+    parser.add_argument(
+        "--regeneration", type=float, metavar="R", help="fraction of regenerated energy that is used (default: 0)"
+    )
+    parser.add_argument("--energy-price", type=float, metavar="P", help="price per kWh, any currency (default: 0.3)")
+    add_files(parser, "sizing", "the comparison")
 
 
 def execute(options: argparse.Namespace) -> None:

@@ -10,15 +10,17 @@ from heave_bringup.errors import CommandError
 
 from heave_studies.whatif import DRAWS
 
-SUMMARY = "Experimental: say what another law, gain or winch would have done in the sea of a bag, by its sensors."
+SUMMARY = "Experimental: predict from a bag's sensors what another law, gain or winch would have done in its sea."
 EXAMPLES = ("heave whatif runs/b2_calm_300-001/bag --compare off,industrial,lqg,mpc",)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
-    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder, or the folder of a run")
-    parser.add_argument("--law", default="", help="the law that is asked for (default: that of the record)")
-    parser.add_argument("--compare", default="", metavar="LAW,LAW", help="further laws: off,industrial,lqg,mpc")
+    parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder or run folder")
+    parser.add_argument("--law", default="", help="law to predict (default: the recorded one)")
+    parser.add_argument(
+        "--compare", default="", metavar="LAW,LAW", help="more laws to compare, such as off,industrial,lqg,mpc"
+    )
     add_settings(parser)
     parser.add_argument(
         "--know",
@@ -29,13 +31,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "cable.inertia_factor, cable.damping_factor, cable.drag_factor, cable.stiffness_factor, mru.scale, mru.delay "
         "[s] or mru.lever_arm [m]; may be repeated",
     )
-    parser.add_argument("--scenario", metavar="SCENARIO", help="of the run, for a record that carries none")
-    parser.add_argument("--transient", type=float, metavar="S", help="initial time that is left out (the scenario's)")
-    parser.add_argument("--end", type=float, metavar="S", help="time at which the record is cut off")
     parser.add_argument(
-        "--draws", type=int, default=DRAWS, metavar="N", help="plants that are tried for the bands (%(default)s)"
+        "--scenario", metavar="SCENARIO", help="scenario of the run, for a bag that does not contain one"
     )
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the draws (1)")
+    parser.add_argument(
+        "--transient", type=float, metavar="S", help="initial time to exclude (default: the scenario's)"
+    )
+    parser.add_argument("--end", type=float, metavar="S", help="ignore the bag after this time")
+    parser.add_argument(
+        "--draws",
+        type=int,
+        default=DRAWS,
+        metavar="N",
+        help="number of plants for the uncertainty bands (default: %(default)s)",
+    )
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of the draws (default: 1)")
     parser.add_argument(
         "--output", type=Path, metavar="FILE", help="page to write (default: whatif.html beside the bag)"
     )
