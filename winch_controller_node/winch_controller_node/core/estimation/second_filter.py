@@ -1,7 +1,8 @@
 """A filter beside the active one that explains the same readings otherwise, and the evidence for either.
 
-Both predict each reading. The mean squares of their innovations over the last waves, those within the noise left out,
-say in nats which of them is right. The second one costs a step of the filter each tick, for as long as it is there.
+Both predict each reading. The mean squares of their innovations second by second, those within the noise left out, say
+in nats which of them is right, where one of them explains what was read in that second. The second one costs a step of
+the filter each tick, for as long as it is there.
 """
 
 from __future__ import annotations
@@ -13,37 +14,65 @@ from winch_controller_node.beliefs.beliefs import Adopted
 from winch_controller_node.design.design import ControllerDesign, carry_by_name
 from winch_controller_node.model.estimator import Innovation, KalmanEstimator, Measurement
 
+BLOCK = 1.0
+"""Time of which the innovations of one measurement count as one independent one [s]."""
+
 MEMORY = 20.0
-"""Memory of the mean squares [s]: a wave or two. One independent innovation a second counts."""
+"""Memory of the evidence [blocks]: a wave or two."""
 
 SETTLING = 3.0
 """Time from the beginning of the second filter in which nothing is compared [s]."""
 
+EXPLAINED = 4.0
+"""Largest mean square of a block's innovations over their noise that a filter explains.
+
+Of two filters that do not, the one that is nearer is not right: limits act, a sensor or a drive is at fault.
+"""
+
+CLEARLY = 1.0 / 16.0
+"""One that leaves no more than this share of what the other leaves is right all the same [-]."""
+
 LARGEST = 1e4
-"""Largest square of one innovation over its noise: a spike says no more."""
+"""Largest mean square of a block that counts: a spike, or a jump to another belief, says no more."""
 
 
 class RowEvidence:
-    """Mean squares of the innovations of one measurement, of the active filter and of the second one."""
+    """Innovations of one measurement, of the active filter and of the second one.
+
+    Attributes
+    ----------
+    nats : evidence for the second filter [nats]; negative: for the active one
+    active, second : mean squares of the last block over their noise
+    """
 
     def __init__(self) -> None:
-        self._count = 0
-        self._time = self.active = self.second = 0.0
+        self.nats = self._blocks = 0.0
+        self.active = self.second = 1.0
+        self._sums, self._count = (0.0, 0.0), 0
 
-    def add(self, active: Innovation, second: Innovation, elapsed: float) -> None:
-        """Take in a reading by the `active` filter and by the `second` one, `elapsed` since the first [s]."""
-        self._count += 1
-        self._time = elapsed
-        weight = max(elapsed / MEMORY, 1.0) / self._count
+    def add(self, active: Innovation, second: Innovation) -> None:
+        """Take in a reading by the `active` filter and by the `second` one."""
         noise = max(active.sigma, second.sigma) ** 2
-        self.active += weight * (min(active.value**2 / noise, LARGEST) - self.active)
-        self.second += weight * (min(second.value**2 / noise, LARGEST) - self.second)
+        self._sums = self._sums[0] + active.value**2 / noise, self._sums[1] + second.value**2 / noise
+        self._count += 1
+
+    def close(self) -> None:
+        """End a block: it says who is right where one of the two explains what was read in it."""
+        self.nats -= self.nats / MEMORY
+        self._blocks -= self._blocks / MEMORY
+        if self._count == 0:
+            return
+        self.active, self.second = (min(max(one / self._count, 1.0), LARGEST) for one in self._sums)
+        self._sums, self._count = (0.0, 0.0), 0
+        nearer, other = sorted((self.active, self.second))
+        if nearer <= max(EXPLAINED, CLEARLY * other):
+            self.nats += 0.5 * math.log(self.active / self.second)
+            self._blocks += 1.0
 
     @property
-    def nats(self) -> float:
-        """Evidence for the second filter [nats]; negative: for the active one."""
-        seconds = min(self._time, MEMORY)
-        return 0.5 * seconds * math.log(max(self.active, 1.0) / max(self.second, 1.0))
+    def ratio(self) -> float:
+        """How much nearer to the second filter's prediction the readings are than to the active one's [-]."""
+        return math.exp(self.nats / max(self._blocks, 1.0))
 
 
 class SecondFilter:
@@ -74,6 +103,7 @@ class SecondFilter:
         self._estimator.continue_at(tick, start, covariance, active.streams)
         self._settling = settling
         self._first = tick
+        self._block = round(BLOCK / self._dt)
         self._rows: dict[str, RowEvidence] = {}
 
     def step(
@@ -97,14 +127,17 @@ class SecondFilter:
         """
         known = self._estimator.measurements
         self._estimator.step(tick, command, [reading for reading in readings if reading.name in known])
-        elapsed = (tick - self._first) * self._dt - self._settling
-        if elapsed <= 0.0:
+        elapsed = tick - self._first - round(self._settling / self._dt)
+        if elapsed <= 0:
             return
         for name, mine in self._estimator.innovations.items():
             other = said.get(name)
             if name in unjudged or other is None or not math.isfinite(mine.nis + other.nis):
                 continue
-            self._rows.setdefault(name, RowEvidence()).add(other, mine, elapsed)
+            self._rows.setdefault(name, RowEvidence()).add(other, mine)
+        if elapsed % self._block == 0:
+            for row in self._rows.values():
+                row.close()
 
     @property
     def nats(self) -> float:
@@ -120,7 +153,7 @@ class SecondFilter:
     def witness(self) -> tuple[str, float]:
         """Measurement that says most for it, and how much nearer its readings are to its prediction [-]."""
         name = max(self._rows, key=lambda name: self._rows[name].nats)
-        return name, math.sqrt(max(self._rows[name].active, 1.0) / max(self._rows[name].second, 1.0))
+        return name, self._rows[name].ratio
 
     def state(self, tick: int) -> Adopted:
         """Return its state after `tick`, to go on from."""

@@ -28,7 +28,7 @@ LOOKS = 2
 A drum that lags behind turns back late.
 """
 
-SEPARATED = 8.0
+SEPARATED = 5.0
 """Evidence of a third sensor for the count, or for the commands, at which drive or encoder is named [nats]."""
 
 KNOWN_TIME, KNOWN = 10.0, 0.8
