@@ -194,9 +194,9 @@ CONTRACTS: tuple[Contract, ...] = (
         advice="Publish one state for each `clock` message that comes, from the first one on, also before the first "
         "command. Follow `payout_rate` within your limits of speed and acceleration; or, with a position loop of your "
         "own, `payout`: the integral of that rate, where the drum is to be at the end of the interval, in the count of "
-        "`encoder_payout`. State the lag of the loop as `system.winch.time_constant`. `mean_payout` is what the winch works "
-        "about, to display or to centre a drum that drifts. `command_sequence` echoes "
-        "the number of the newest command in effect: lateness is measured by it. `payout`, `payout_rate`, "
+        "`encoder_payout`. State the lag of the loop as `system.winch.time_constant`. `mean_payout` is what the winch "
+        "works about, to display or to centre a drum that drifts. `command_sequence` echoes the number "
+        "of the newest command in effect: lateness is measured by it. `payout`, `payout_rate`, "
         "`payout_acceleration`, `tension` and `power` are NaN where the drive does not know them. The controller takes "
         "limits and lag from `system.winch` of the scenario: set them to those of your drive.",
     ),
