@@ -180,6 +180,8 @@ class BeliefsInForce:
         if beliefs.design is not None:
             carried = self._in_force.take_design(parameters, beliefs.design)
         self._in_force.take_limits(parameters.winch)
+        if beliefs.design is None:
+            estimation.take_limits(self._in_force.design)
         if beliefs.adopted is not None:
             estimation.adopt(self._in_force.design, None if carried is None else carried[0], beliefs.adopted, tick - 1)
         elif carried is not None:

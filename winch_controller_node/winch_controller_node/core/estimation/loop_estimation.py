@@ -128,6 +128,10 @@ class LoopEstimation:
 
     # another design
 
+    def take_limits(self, design: ControllerDesign) -> None:
+        """Go by the limits and gain of the winch of a `design` whose model is the present one."""
+        self._design = design
+
     def take_design(self, design: ControllerDesign) -> None:
         """Go on with a design of the same states, each of which means the same."""
         self.estimator.set_model(design.model, design.measurements, design.drag, design.slack)
