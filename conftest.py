@@ -2,7 +2,7 @@
 
 Hypothesis tries the same examples each time, so that a change is judged by what it changed; another search is
 `pytest --hypothesis-profile=search`. Of the tests of whole loops with many cases the ordinary suite takes a sample: the
-cases that `tests/long_cases.txt` lists are marked `long`.
+cases that `tests/long_cases.txt` lists are marked `long`. Files begin in the order of what they cost the last time.
 """
 
 import importlib
@@ -28,14 +28,44 @@ LONG_CASES = frozenset((Path(__file__).parent / "tests" / "long_cases.txt").read
 """Tests, by node id, that `make test` leaves to `make validate`."""
 
 
+COSTS = "heave/seconds_by_file"
+"""Name in the cache of pytest: what each file of tests took when it was run last [s]."""
+SLOW = 20.0
+"""What a slow test of a file that was not run yet is taken to cost [s]."""
+
+seconds: Counter[str] = Counter()
+"""What each file has taken so far in this run [s]."""
+
+
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark long cases, and begin with the files that have most slow tests.
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark long cases, and begin with the files that take longest.
 
     A processor that gets one of those last works on alone.
     """
     for item in items:
         if item.nodeid in LONG_CASES:
             item.add_marker(pytest.mark.long)
-    slow = Counter(item.path for item in items if item.get_closest_marker("slow"))
-    items.sort(key=lambda item: -slow[item.path])
+    assert config.cache is not None
+    known = config.cache.get(COSTS, {})
+    slow = Counter(file_of(item.nodeid) for item in items if item.get_closest_marker("slow"))
+    items.sort(key=lambda item: -known.get(file_of(item.nodeid), SLOW * slow[file_of(item.nodeid)]))
+
+
+def file_of(test: str) -> str:
+    """Return the file of a test by its node id."""
+    return test.partition("::")[0]
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Note what a test took, its fixtures included."""
+    seconds[file_of(report.nodeid)] += report.duration
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Keep what files took for the order of the next run; a part of a file says nothing of the whole."""
+    if hasattr(session.config, "workerinput") or session.config.cache is None:
+        return
+    is_whole = not any("::" in argument for argument in session.config.args) and not session.config.option.keyword
+    if is_whole:
+        session.config.cache.set(COSTS, {**session.config.cache.get(COSTS, {}), **seconds})

@@ -21,8 +21,10 @@ from winch_controller_node.beliefs.beliefs import (
 )
 from winch_controller_node.beliefs.quantities import with_value
 from winch_controller_node.core.component import WinchController
+from winch_controller_node.core.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.readings import Measurements
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
 
@@ -232,11 +234,11 @@ def held(root, kind):
     found, seen, todo = [], set(), deque([("", root)])
     while todo:
         way, one = todo.popleft()
+        if isinstance(one, kind):
+            found.append((way, one))
         if isinstance(one, (*ATOMS, np.ndarray, np.generic)) or id(one) in seen:
             continue
         seen.add(id(one))
-        if isinstance(one, kind):
-            found.append((way, one))
         if isinstance(one, dict | MappingProxyType):
             parts = [(f"[{key!r}]", value) for key, value in one.items()]
         elif isinstance(one, tuple | list | set | frozenset | deque):
@@ -258,7 +260,7 @@ def held(root, kind):
 def test_the_walk_finds_what_is_hidden():
     sea = NOMINAL.sea
     box = SimpleNamespace(a=[{"b": partial(print, sea)}], c=(lambda: sea,), d=np.zeros(3))
-    assert [one for _, one in held(box, SeaModelParameters)] == [sea]
+    assert {one for _, one in held(box, SeaModelParameters)} == {sea}
     assert {way.split(".")[1][:1] for way, _ in held(made(), SeaModelParameters)} >= {"_"}
 
 
@@ -330,3 +332,44 @@ def test_what_did_not_come_into_force_is_sent_again(batch_of):
     assert again.design is not None
     assert again.number > 3
     assert adviser.advise(batch_of(20, beliefs=again.number, **silent)).design is None
+
+
+GIVEN = ("._beliefs.nominal", "._beliefs._plain", "._winch.drum._nominal", "._estimation.second.design")
+"""Who holds nominal values: their home and design, the drum that is compared with them, and the filter that is."""
+
+
+@pytest.mark.parametrize("law", ["mpc", "lqg", "feedforward"])
+@pytest.mark.parametrize("seed", range(3))
+def test_whatever_limits_become_active_nobody_goes_by_others(law, seed):
+    """Drawn at random, in any order: each holder of a winch or of its limits in the core is asked."""
+    random = np.random.default_rng(seed)
+    nominal = dataclasses.replace(NOMINAL, law=law)
+    controller = WinchController(nominal, tick_period=DT)
+    for number in range(1, 6):
+        tick, names = (
+            (number - 1) * (AFTER + 1) + 1,
+            ("speed_gain", "speed_in", "speed_out", "acceleration_in", "acceleration_out"),
+        )
+        drawn = {f"winch.{name}": float(random.uniform(0.4, 1.4)) for name in names if random.integers(2)}
+        assert controller.take(answer(tick - 1, drawn, number=number, nominal=nominal))
+        stepped(controller, tick, tick + AFTER)
+        assumed = controller.parameters.winch
+        assert assumed == parameters_under(controller.beliefs, nominal).winch
+        holders = [
+            (way, one)
+            for kind in (WinchModelParameters, WinchControllerParameters)
+            for way, one in held(controller, kind)
+        ]
+        others = [way for way, one in holders if getattr(one, "winch", one) != assumed and not way.startswith(GIVEN)]
+        others += [way for way, one in held(controller, WinchLimits) if one != controller.design.limits]
+        assert others == []
+
+
+def test_a_window_of_figures_counts_the_limits_of_each_tick():
+    """At 0.9 m/s of a winch of 1 m/s no limit is reached; the same rate is above 97 % of one of 0.9 m/s."""
+    window = KpiWindow(60.0, tick_period=DT)
+    rows = dict.fromkeys(("unit", "uncompensated", "tip", "payout"), 0.0)
+    for tick in range(400):
+        winch = dataclasses.replace(NOMINAL.winch, speed_limit=1.0 if tick < 300 else 0.9, acceleration_limit=100.0)
+        window.add(**rows, rate=0.9, tension=1e4, winch=winch)
+    assert window.figures().time_at_limit == pytest.approx(0.25)

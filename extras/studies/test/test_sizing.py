@@ -19,7 +19,7 @@ from heave_studies.campaign.runs import CaseResult, Task
 from heave_studies.commands.sizing import _left_out
 from heave_studies.operability.seas import HEIGHT, PERIOD
 from heave_studies.sizing.candidates import PLACES, STOP, Candidate, as_link, candidates, own_winch
-from heave_studies.sizing.page import DUTY, duty_rows
+from heave_studies.sizing.sheets import DUTY
 from heave_studies.sizing.study import Prices, even_seas, knees, size_winches
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -113,8 +113,8 @@ def test_the_duty_cycle_of_an_hour_is_load_cycles_a_range_of_equal_damage_and_ti
 def test_a_table_made_before_a_figure_was_counted_has_a_dash_for_it():
     frame = frame_of([OWN]).drop(columns=["tension_cycles_per_h", "tension_range_equivalent_n"])
     found = size_winches(frame, [RESIDUAL], even_seas(frame), PRICES)
-    (row,) = duty_rows(found)
-    assert len(row) == len(DUTY)
+    (row,) = DUTY.cells(found)
+    assert len(row) == len(DUTY.headings)
     assert row[-2:] == ["-", "-"]
     assert row[-3] != "-"
 

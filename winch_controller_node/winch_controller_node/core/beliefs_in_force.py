@@ -183,6 +183,8 @@ class BeliefsInForce:
             carried = self._in_force.take_design(parameters, beliefs.design)
         self._in_force.take_limits(parameters.winch)
         self._note_plain()
+        if beliefs.design is None:
+            estimation.take_limits(self._in_force.design)
         if beliefs.adopted is not None:
             estimation.adopt(self._in_force.design, None if carried is None else carried[0], beliefs.adopted, tick - 1)
         elif carried is not None:

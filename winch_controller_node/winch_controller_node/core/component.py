@@ -102,7 +102,7 @@ class WinchController:
         self._travel_episodes = Episode(tick_period), Episode(tick_period)
         self._programme = Programme(parameters.programme)
         self._operator = OperatorSpeed(parameters.operator, tick_period=tick_period)
-        self._kpi = KpiWindow(parameters.kpi_window, parameters.winch, tick_period=tick_period)
+        self._kpi = KpiWindow(parameters.kpi_window, tick_period=tick_period)
         self._beliefs = BeliefsInForce(self._in_force, self._estimation, self._winch)
         self._encoder = EncoderReflex(tick_period)
         self._after_stop = AfterStop(tick_period)
@@ -614,6 +614,7 @@ class WinchController:
             payout=loop.payout,
             rate=loop.total_payout_rate,
             tension=loop.sensed.tension,
+            winch=self.parameters.winch,
         )
 
     # changes of mode, without a step in the motion

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from cable_sim_node.physics.current import current_of
 from cable_sim_node.physics.properties import cable_sections, unit_properties
 from cable_sim_node.reports.report import labelled_rows
 from heave_node.numerics.arrays import Array
+from heave_node.sheet import Column, Sheet
 from numpy.typing import ArrayLike
 
 from heave_statics.problems import towing_cable
@@ -66,52 +68,21 @@ class HangingReport:
         """Direction in which the cable leaves the boom tip, from x towards y [rad]."""
         return math.atan2(-self.boom_tip_force[1], -self.boom_tip_force[0])
 
+    @property
+    def horizontal_offset(self) -> float:
+        """Distance of the unit from below the boom tip [m]."""
+        return float(np.hypot(*(self.unit - self.boom_tip)[:2]))
+
     def values(self) -> dict[str, object]:
         """Return the numbers with units in their names, for a machine."""
-        return {
-            "length_m": self.shape.cable.length,
-            "stretched_length_m": self.shape.stretched_length,
-            "boom_tip_m": self.boom_tip.tolist(),
-            "unit_m": self.unit.tolist(),
-            "boom_tip_force_n": (self.boom_tip_force + 0.0).tolist(),
-            "unit_pull_n": (self.unit_pull + 0.0).tolist(),
-            "unit_weight_n": self.unit_weight,
-            "unit_wet_percent": 100.0 * self.unit_wet,
-            "top_tension_n": self.top_tension,
-            "top_angle_deg": math.degrees(self.top_angle),
-            "top_azimuth_deg": math.degrees(self.top_azimuth),
-            "least_tension_n": float(self.shape.tension.min()),
-            "horizontal_offset_m": float(np.hypot(*(self.unit - self.boom_tip)[:2])),
-            "clearance_m": self.clearance,
-            "pressure_shortening_m": self.pressure_shortening,
-        }
+        return REPORT.record(self)
 
     def table(self) -> str:
         """Return the report as text for a person."""
-
-        def vector(value: Array) -> str:
-            return "  ".join(f"{component + 0.0:12.3f}" for component in value)
-
-        stretch = self.shape.stretched_length - self.shape.cable.length
-        offset = float(np.hypot(*(self.unit - self.boom_tip)[:2]))
-        rows = [
-            ("", "           x             y             z"),
-            ("boom tip [m]", vector(self.boom_tip)),
-            ("unit [m]", vector(self.unit)),
-            ("force on the cable at the boom tip [kN]", vector(self.boom_tip_force / 1e3)),
-            ("force of the cable on the unit [kN]", vector(self.unit_pull / 1e3)),
-            ("unstretched length [m]", f"{self.shape.cable.length:12.3f}"),
-            ("stretch [m]", f"{stretch:12.4f}"),
-            ("shortening by water pressure, at most [m]", f"{self.pressure_shortening:12.4f}"),
-            ("horizontal offset of the unit [m]", f"{offset:12.3f}"),
-            (f"weight of the unit {self._where} [kN]", f"{self.unit_weight / 1e3:12.3f}"),
-            ("top tension [kN]", f"{self.top_tension / 1e3:12.3f}"),
-            ("top angle from the vertical [deg]", f"{math.degrees(self.top_angle):12.3f}"),
-            ("smallest tension [kN]", f"{float(self.shape.tension.min()) / 1e3:12.3f}"),
-        ]
+        rows = [("", "           x             y             z"), *REPORT.lines(self)]
         if self.clearance is not None:
             rows.append(("unit above the seabed [m]", f"{self.clearance:12.3f}"))
-        return labelled_rows(rows)
+        return labelled_rows([(name.format(where=self._where), cell) for name, cell in rows])
 
     @property
     def _where(self) -> str:
@@ -155,6 +126,40 @@ class HangingReport:
             f"{self.shape.cable.length:g} m out: top tension {self.top_tension / 1e3:.2f} kN,"
             f" top angle {math.degrees(self.top_angle):.2f} deg"
         )
+
+
+def _vector(values: Sequence[float]) -> str:
+    return "  ".join(f"{value:12.3f}" for value in values)
+
+
+def _kilo(values: Sequence[float]) -> str:
+    return _vector([value / 1e3 for value in values])
+
+
+def _listed(name: str) -> Callable[[HangingReport], list[float]]:
+    """Return the function that lists a vector of a report, without -0."""
+    return lambda report: (getattr(report, name) + 0.0).tolist()
+
+
+REPORT = Sheet(
+    Column("boom tip [m]", _listed("boom_tip"), "boom_tip_m", _vector),
+    Column("unit [m]", _listed("unit"), "unit_m", _vector),
+    Column("force on the cable at the boom tip [kN]", _listed("boom_tip_force"), "boom_tip_force_n", _kilo),
+    Column("force of the cable on the unit [kN]", _listed("unit_pull"), "unit_pull_n", _kilo),
+    Column("unstretched length [m]", "shape.cable.length", "length_m", "12.3f"),
+    Column("", "shape.stretched_length", "stretched_length_m"),
+    Column("stretch [m]", lambda one: one.shape.stretched_length - one.shape.cable.length, form="12.4f"),
+    Column("shortening by water pressure, at most [m]", "pressure_shortening", "pressure_shortening_m", "12.4f"),
+    Column("horizontal offset of the unit [m]", "horizontal_offset", "horizontal_offset_m", "12.3f"),
+    Column("weight of the unit {where} [kN]", "unit_weight", "unit_weight_n", "12.3f", 1e-3),
+    Column("", lambda one: 100.0 * one.unit_wet, "unit_wet_percent"),
+    Column("top tension [kN]", "top_tension", "top_tension_n", "12.3f", 1e-3),
+    Column("top angle from the vertical [deg]", lambda one: math.degrees(one.top_angle), "top_angle_deg", "12.3f"),
+    Column("", lambda one: math.degrees(one.top_azimuth), "top_azimuth_deg"),
+    Column("smallest tension [kN]", lambda one: float(one.shape.tension.min()), "least_tension_n", "12.3f", 1e-3),
+    Column("", "clearance", "clearance_m"),
+)
+"""Lines of the report; `where` is the water or the air."""
 
 
 def pressure_shortening(parameters: CableSimParameters, shape: StaticShape) -> float:

@@ -12,6 +12,7 @@ from cable_sim_node.errors import StaticsError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of
 from cable_sim_node.reports.report import columns
+from heave_node.sheet import Column, Sheet
 
 from heave_statics.laying import Laying, covering_payout, critical_angle, lay
 from heave_statics.suspended import refuse_unbearable, static_sections
@@ -31,18 +32,18 @@ class LaidCable:
     payout: float  # speed of the cable [m/s]
     laying: Laying  # the steady shape
 
-    def values(self) -> dict[str, float]:
-        """Return the numbers with units in their names."""
-        return {
-            "speed_mps": self.speed,
-            "touchdown_behind_m": self.behind,
-            "touchdown_sideways_m": self.sideways,
-            "suspended_length_m": self.laying.suspended_length,
-            "tension_n": self.laying.tension,
-            "departure_angle_deg": math.degrees(self.laying.departure_angle),
-            "critical_angle_deg": math.degrees(self.critical_angle),
-            "payout_mps": self.payout,
-        }
+
+LAYS = Sheet(
+    Column("speed m/s", "speed", "speed_mps", ".2f"),
+    Column("touchdown astern m", "behind", "touchdown_behind_m", ".2f"),
+    Column("to port m", "sideways", "touchdown_sideways_m", ".2f"),
+    Column("suspended m", "laying.suspended_length", "suspended_length_m", ".2f"),
+    Column("tension kN", "laying.tension", "tension_n", ".3f", 1e-3),
+    Column("angle at ship deg", lambda one: math.degrees(one.laying.departure_angle), "departure_angle_deg", ".2f"),
+    Column("critical angle deg", lambda one: math.degrees(one.critical_angle), "critical_angle_deg", ".2f"),
+    Column("payout m/s", "payout", "payout_mps", ".3f"),
+)
+"""Columns of a lay at each speed."""
 
 
 @dataclass(frozen=True)
@@ -68,29 +69,12 @@ class LayingReport:
         return {
             "depth_m": self.depth,
             "course_deg": math.degrees(self.course),
-            "lays": [laid.values() for laid in self.lays],
+            "lays": LAYS.records(self.lays),
         }
 
     def table(self) -> str:
         """Return the report as text for a person."""
-        headings = (
-            *("speed m/s", "touchdown astern m", "to port m", "suspended m", "tension kN"),
-            *("angle at ship deg", "critical angle deg", "payout m/s"),
-        )
-        rows = [
-            (
-                f"{laid.speed:.2f}",
-                f"{laid.behind:.2f}",
-                f"{laid.sideways + 0.0:.2f}",
-                f"{laid.laying.suspended_length:.2f}",
-                f"{laid.laying.tension / 1e3:.3f}",
-                f"{math.degrees(laid.laying.departure_angle):.2f}",
-                f"{math.degrees(laid.critical_angle):.2f}",
-                f"{laid.payout:.3f}",
-            )
-            for laid in self.lays
-        ]
-        return columns(headings, rows)
+        return columns(LAYS.headings, LAYS.cells(self.lays))
 
     def draw(self, figure: Figure) -> None:
         """Draw the cable from the side at every speed, and the touchdown from above, into `figure`."""

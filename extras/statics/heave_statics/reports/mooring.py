@@ -12,6 +12,7 @@ from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of
 from cable_sim_node.reports.report import columns
 from heave_node.numerics.arrays import Array
+from heave_node.sheet import Column, Sheet
 
 from heave_statics.problems import mooring_cable, submerged_cable
 from heave_statics.shape import StaticShape
@@ -36,17 +37,17 @@ class MooredCable:
     below: float  # how far the cable sags below its lower end [m]
     shape: StaticShape  # s = 0 at the lower end
 
-    def values(self) -> dict[str, float]:
-        """Return the numbers with units in their names."""
-        return {
-            "offset_m": self.offset,
-            "horizontal_pull_n": self.pull,
-            "top_tension_n": self.shape.top_tension,
-            "top_angle_deg": math.degrees(self.shape.top_angle),
-            "anchor_tension_n": self.anchor_tension,
-            "anchor_angle_deg": math.degrees(self.anchor_angle),
-            "below_anchor_m": self.below,
-        }
+
+CABLES = Sheet(
+    Column("offset m", "offset", "offset_m", ".2f"),
+    Column("pull kN", "pull", "horizontal_pull_n", ".3f", 1e-3),
+    Column("top tension kN", "shape.top_tension", "top_tension_n", ".3f", 1e-3),
+    Column("top angle deg", lambda cable: math.degrees(cable.shape.top_angle), "top_angle_deg", ".2f"),
+    Column("bottom tension kN", "anchor_tension", "anchor_tension_n", ".3f", 1e-3),
+    Column("bottom angle deg", lambda cable: math.degrees(cable.anchor_angle), "anchor_angle_deg", ".2f"),
+    Column("", "below", "below_anchor_m"),
+)
+"""Columns of a moored cable at each place of the ship."""
 
 
 @dataclass(frozen=True)
@@ -72,30 +73,18 @@ class MooringReport:
         return {
             "depth_m": self.depth,
             "direction_deg": math.degrees(self.direction),
-            "cables": [cable.values() for cable in self.cables],
+            "cables": CABLES.records(self.cables),
         }
 
     def table(self) -> str:
         """Return the report as text for a person."""
-        headings = ("offset m", "pull kN", "top tension kN", "top angle deg", "bottom tension kN", "bottom angle deg")
-        rows = [
-            (
-                f"{cable.offset:.2f}",
-                f"{cable.pull / 1e3 + 0.0:.3f}",
-                f"{cable.shape.top_tension / 1e3:.3f}",
-                f"{math.degrees(cable.shape.top_angle):.2f}",
-                f"{cable.anchor_tension / 1e3:.3f}",
-                f"{math.degrees(cable.anchor_angle):.2f}",
-            )
-            for cable in self.cables
-        ]
         lying = [cable for cable in self.cables if cable.below > LIES_BELOW]
         notes = [
             f"offset {cable.offset:.2f} m: the cable sags {cable.below:.2f} m below its lower end; the seabed it "
             "would lie on is not modelled"
             for cable in lying
         ]
-        return "\n".join([columns(headings, rows), *notes])
+        return "\n".join([columns(CABLES.headings, CABLES.cells(self.cables)), *notes])
 
     def draw(self, figure: Figure) -> None:
         """Draw the cable from the side at every place, and the tensions over the offset, into `figure`."""

@@ -16,6 +16,7 @@ from cable_sim_node.physics.clearance import clearance_of
 from cable_sim_node.physics.current import current_of
 from cable_sim_node.reports.report import columns
 from heave_node.numerics.arrays import Array
+from heave_node.sheet import Column, Sheet
 from numpy.typing import ArrayLike
 
 from heave_statics.problems import towing_cable
@@ -36,17 +37,17 @@ class TowedUnit:
     sideways: float  # how far it is beside the course, positive to port [m]
     shape: StaticShape  # of the cable, s = 0 at the unit
 
-    def values(self) -> dict[str, float]:
-        """Return the numbers with units in their names."""
-        return {
-            "speed_mps": self.speed,
-            "unit_depth_m": self.depth,
-            "layback_m": self.layback,
-            "sideways_m": self.sideways,
-            "top_tension_n": self.shape.top_tension,
-            "top_angle_deg": math.degrees(self.shape.top_angle),
-            "least_tension_n": float(self.shape.tension.min()),
-        }
+
+TOWS = Sheet(
+    Column("speed m/s", "speed", "speed_mps", ".2f"),
+    Column("unit depth m", "depth", "unit_depth_m", ".2f"),
+    Column("layback m", "layback", "layback_m", ".2f"),
+    Column("to port m", "sideways", "sideways_m", ".2f"),
+    Column("top tension kN", "shape.top_tension", "top_tension_n", ".3f", 1e-3),
+    Column("top angle deg", lambda tow: math.degrees(tow.shape.top_angle), "top_angle_deg", ".2f"),
+    Column("smallest tension kN", lambda tow: float(tow.shape.tension.min()), "least_tension_n", ".3f", 1e-3),
+)
+"""Columns of a tow at each speed."""
 
 
 @dataclass(frozen=True)
@@ -69,32 +70,11 @@ class TowingReport:
 
     def values(self) -> dict[str, object]:
         """Return the numbers with units in their names, for a machine."""
-        return {"course_deg": math.degrees(self.course), "tows": [tow.values() for tow in self.tows]}
+        return {"course_deg": math.degrees(self.course), "tows": TOWS.records(self.tows)}
 
     def table(self) -> str:
         """Return the report as text for a person."""
-        headings = (
-            "speed m/s",
-            "unit depth m",
-            "layback m",
-            "to port m",
-            "top tension kN",
-            "top angle deg",
-            "smallest tension kN",
-        )
-        rows = [
-            (
-                f"{tow.speed:.2f}",
-                f"{tow.depth:.2f}",
-                f"{tow.layback:.2f}",
-                f"{tow.sideways + 0.0:.2f}",
-                f"{tow.shape.top_tension / 1e3:.3f}",
-                f"{math.degrees(tow.shape.top_angle):.2f}",
-                f"{float(tow.shape.tension.min()) / 1e3:.3f}",
-            )
-            for tow in self.tows
-        ]
-        return columns(headings, rows)
+        return columns(TOWS.headings, TOWS.cells(self.tows))
 
     def draw(self, figure: Figure) -> None:
         """Draw the cable from the side at every speed, and depth and layback over the speed, into `figure`."""

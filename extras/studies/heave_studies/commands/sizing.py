@@ -65,6 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Try the winches that `options` name, print the answer and the buyer's tables, write the page."""
+    import pandas
     from heave_bringup.output import write_result
     from heave_bringup.run.criteria import parse_requirement
     from heave_bringup.scenarios import load_scenario
@@ -73,6 +74,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_studies.operability.record import read_record
     from heave_studies.sizing import study
     from heave_studies.sizing.page import render
+    from heave_studies.sizing.sheets import BUYERS
 
     check_files(options)
     prices = _prices(options)
@@ -93,15 +95,15 @@ def execute(options: argparse.Namespace) -> None:
     knees = study.knees(found)
     about = About(f"{scenario.name}: which winch", table, facts)
     page.write_text(render(about, found, knees, criteria, seas, prices), "utf-8")
-    buyers = study.buyers_table(found)
+    buyers = BUYERS.records(found)
     if options.csv is not None:
-        buyers.to_csv(options.csv, index=False)
+        pandas.DataFrame(buyers).to_csv(options.csv, index=False)
     files = f"report    {page}\ncases     {table}"
     answer = {
         "seas": seas.name,
         "prices": asdict(prices),
         "knees": {knee.particular.name: {"value": knee.value, "is_open": knee.is_open} for knee in knees},
-        "winches": buyers.to_dict("records"),
+        "winches": buyers,
         "report": str(page),
     }
     write_result(options, [*_tables(found, knees, seas.name), *_left_out(scenario), files], answer)
@@ -158,15 +160,14 @@ def _campaign(
 
 
 def _tables(found: list[Sized], knees: list[Knee], seas: str) -> list[str | Table]:
-    from heave_bringup.output import make_table
+    from heave_bringup.output import sheet_table
 
-    from heave_studies.sizing.page import ABILITY, DUTY, ability_rows, duty_rows, knee_rows
+    from heave_studies.sizing.sheets import ABILITY, DUTY, KNEES
 
-    answer = [make_table(*knee_rows(knees))] if knees else []
     return [
         f"seas: {seas}",
-        *answer,
-        make_table(ABILITY, ability_rows(found)),
+        *([sheet_table(KNEES, knees)] if knees else []),
+        sheet_table(ABILITY, found),
         "an hour of compensation, mean over the workable seas",
-        make_table(DUTY, duty_rows(found)),
+        sheet_table(DUTY, found),
     ]

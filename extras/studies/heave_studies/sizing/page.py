@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import math
 from collections.abc import Iterable, Sequence
 
 from heave_bags.report.figure import Figure
@@ -12,19 +11,19 @@ from heave_bags.report.report import place_figure, render_page
 from heave_node.criteria import Criterion
 from heave_node.kpi import RATED_SHARE
 from heave_node.loads.cycles import DAMAGE_EXPONENT, LEAST_RANGE
+from heave_node.sheet import Sheet
 
 from heave_studies.operability.limits import FEWEST_SEEDS
 from heave_studies.operability.page import About
 from heave_studies.operability.page_parts import (
     cases_table,
     criteria_table,
-    number,
     provenance_table,
 )
 from heave_studies.operability.record import SeaRecord
-from heave_studies.sizing.candidates import PARTICULARS
 from heave_studies.sizing.figures import limits_figure, sweep_figure
-from heave_studies.sizing.study import ENOUGH, OF_THE_WINCH, Duty, Knee, Prices, Sized
+from heave_studies.sizing.sheets import ABILITY, DUTY, KNEES
+from heave_studies.sizing.study import ENOUGH, OF_THE_WINCH, Knee, Prices, Sized
 
 FOOTER = f"""SI units. Workable: within the largest sea in which the criteria hold, a mean over the seeds, linear
 between the seas that were run. An hour's figures are means over the workable seas of each winch, so that a winch which
@@ -34,31 +33,6 @@ arc of contact is longer than the stroke; count each further sheave. Tension cyc
 second does the damage of all cycles, by Miner's sum with m = {DAMAGE_EXPONENT:g} (stranded steel wire rope in tension,
 DNV-OS-E301 Ch.2 Sec.2). Above half rating: more than {100 * RATED_SHARE:g} % of the winch's speed or power.
 For a PDF, print this page."""
-
-ABILITY = (
-    "winch",
-    "speed [m/s]",
-    "acceleration [m/s^2]",
-    "power [kW]",
-    "delay [s]",
-    "workable [%]",
-    "mean limit Hs [m]",
-)
-DUTY = (
-    "winch",
-    "peak power [kW]",
-    "rms power [kW]",
-    "energy at the drum [kWh/h]",
-    "energy bought [kWh/h]",
-    "cost [1/h]",
-    "heat [kWh/h]",
-    "rope [km/h]",
-    "reversals [1/h]",
-    "bends [1/h]",
-    "above half rating [% of time]",
-    "tension cycles [1/h]",
-    "equivalent tension range [kN]",
-)
 
 
 def render(
@@ -92,10 +66,10 @@ def render(
         '<p class="lead">Which winch: what each can work in, and what an hour of it costs</p>',
         *_notices(found),
         f'<h2>Answer</h2><p class="caption">Seas: {place}. The knee gives {100 * ENOUGH:g} % of what the best of '
-        f"its sweep gives, all else as the scenario has it.</p>{table(*knee_rows(knees), texts=1)}",
+        f"its sweep gives, all else as the scenario has it.</p>{_table(KNEES, knees)}",
         criteria_table(criteria),
-        f"<h2>Winches</h2>{table(ABILITY, ability_rows(found), texts=1)}",
-        f'<h2>An hour of compensation</h2><p class="caption">{charged}</p>{table(DUTY, duty_rows(found), texts=1)}',
+        f"<h2>Winches</h2>{_table(ABILITY, found)}",
+        f'<h2>An hour of compensation</h2><p class="caption">{charged}</p>{_table(DUTY, found)}',
         "<h2>What each particular is worth</h2>",
         *(place_figure(sweep_figure(found, knee), drawn) for knee in knees),
         "<h2>Limits</h2>",
@@ -104,6 +78,10 @@ def render(
         provenance_table(about.facts),
     ]
     return render_page(about.title, "\n".join(body), drawn, footer=FOOTER)
+
+
+def _table(sheet: Sheet, rows: Sequence[object]) -> str:
+    return table(sheet.headings, sheet.cells(rows), texts=1)
 
 
 def _notices(found: Sequence[Sized]) -> Iterable[str]:
@@ -125,46 +103,3 @@ def _notices(found: Sequence[Sized]) -> Iterable[str]:
         "The scenario's criteria on the winch's own limits and power are left out: a winch counts by what it does for "
         f"the unit ({', '.join(OF_THE_WINCH)})."
     )
-
-
-def knee_rows(knees: Sequence[Knee]) -> tuple[list[str], list[list[str]]]:
-    """Return head and rows of the answer: of each particular in `knees` the scenario's, the knee and what they give."""
-    head = ["particular", "knee", "workable, the scenario's [%]", "workable, the best tried [%]"]
-    rows = [[knee.particular.heading, knee.text, f"{100 * knee.share:.1f}", f"{100 * knee.best:.1f}"] for knee in knees]
-    return head, rows
-
-
-def ability_rows(found: Sequence[Sized]) -> list[list[str]]:
-    """Return a row of ABILITY for each of the winches `found`."""
-    return [
-        [
-            one.winch.title,
-            *(particular.text(one.winch.value(particular)) for particular in PARTICULARS),
-            _share(one),
-            f"{one.limit['limit'].mean():.2f}",
-        ]
-        for one in found
-    ]
-
-
-def _share(one: Sized) -> str:
-    spread = f" ({100 * one.lower:.1f} to {100 * one.upper:.1f})" if one.upper > one.lower else ""
-    return f"{100 * one.share:.1f}{spread}"
-
-
-def duty_rows(found: Sequence[Sized]) -> list[list[str]]:
-    """Return a row of DUTY for each of the winches `found`."""
-    return [[one.winch.title, *_duty(one.duty)] for one in found]
-
-
-def _duty(duty: Duty) -> list[str]:
-    kilo = (duty.peak, duty.rms, duty.motoring, duty.electric)
-    per_hour = (f"{duty.cost:.2f}", number(1e-3 * duty.heat), number(1e-3 * duty.travel))
-    counts = (_count(duty.reversals), _count(duty.bending_cycles))
-    cycle = (number(duty.loaded), _count(duty.tension_cycles), number(1e-3 * duty.tension_range))
-    cells = [*(number(1e-3 * value) for value in kilo), *per_hour, *counts, *cycle]
-    return ["-"] * len(cells) if math.isnan(duty.peak) else cells
-
-
-def _count(value: float) -> str:
-    return f"{value:.0f}" if math.isfinite(value) else "-"

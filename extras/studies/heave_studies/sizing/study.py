@@ -254,37 +254,3 @@ def _knee(particular: Particular, own: Sized, sweep: Sequence[Sized]) -> Knee:
     way = (wanted - shares[first - 1]) / (shares[first] - shares[first - 1])
     value = values[first - 1] + float(way) * (values[first] - values[first - 1])
     return Knee(particular, value, own.share, float(shares[-1]), is_open=False)
-
-
-def buyers_table(found: Sequence[Sized]) -> pandas.DataFrame:
-    """Return a row for each of the winches `found`: its particulars, what it can work in, what an hour of it asks."""
-    rows = []
-    for one in found:
-        winch, duty = one.winch, one.duty
-        rows.append(
-            {
-                "winch": winch.title,
-                "speed_mps": winch.speed,
-                "acceleration_mps2": winch.acceleration,
-                "power_limit_w": winch.power,
-                "delay_s": winch.delay,
-                "workable_share": one.share,
-                "workable_share_lower": one.lower,
-                "workable_share_upper": one.upper,
-                "limit_mean_m": float(one.limit["limit"].mean()),
-                "power_peak_w": duty.peak,
-                "power_rms_w": duty.rms,
-                "energy_wh_per_h": duty.motoring,
-                "energy_regenerated_wh_per_h": duty.regenerated,
-                "electric_energy_wh_per_h": duty.electric,
-                "heat_wh_per_h": duty.heat,
-                "energy_cost_per_h": duty.cost,
-                "rope_travel_m_per_h": duty.travel,
-                "reversals_per_h": duty.reversals,
-                "bending_cycles_per_h": duty.bending_cycles,
-                "time_above_half_rating_percent": duty.loaded,
-                "tension_cycles_per_h": duty.tension_cycles,
-                "tension_range_equivalent_n": duty.tension_range,
-            }
-        )
-    return pandas.DataFrame(rows)

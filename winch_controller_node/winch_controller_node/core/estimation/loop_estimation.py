@@ -128,6 +128,10 @@ class LoopEstimation:
 
     # another design
 
+    def take_limits(self, design: ControllerDesign) -> None:
+        """Go by the limits and gain of the winch of a `design` whose model is the present one."""
+        self._design = design
+
     def carry(self, design: ControllerDesign, matrix: Array, added: Array | float = 0.0) -> None:
         """Go on with a design whose states are `matrix`, shape (n_new, n), times the present ones.
 

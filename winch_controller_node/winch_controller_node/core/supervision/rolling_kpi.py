@@ -20,17 +20,25 @@ class KpiWindow:
     Parameters
     ----------
     window : [s]; tick_period : [s]
-    winch : whose limits count
     """
 
-    def __init__(self, window: float, winch: WinchModelParameters, *, tick_period: float) -> None:
+    def __init__(self, window: float, *, tick_period: float) -> None:
         self._dt = tick_period
-        self._winch = winch
         self._ring: Array = np.full((max(2, round(window / tick_period)), len(COLUMNS)), np.nan)
         self._count = 0
         self._last_rate = 0.0
 
-    def add(self, *, unit: float, uncompensated: float, tip: float, payout: float, rate: float, tension: float) -> None:
+    def add(
+        self,
+        *,
+        unit: float,
+        uncompensated: float,
+        tip: float,
+        payout: float,
+        rate: float,
+        tension: float,
+        winch: WinchModelParameters,
+    ) -> None:
         """Take one tick in.
 
         Parameters
@@ -39,12 +47,13 @@ class KpiWindow:
             reports it
         payout, rate : of the winch, about its mean [m], [m/s]
         tension : at the top [N]; NaN: unknown
+        winch : whose limits count in this tick
         """
         acceleration = (rate - self._last_rate) / self._dt
         self._last_rate = rate
         is_limited = (
-            abs(rate) >= kpi.AT_LIMIT * self._winch.speed_limit
-            or abs(acceleration) >= kpi.AT_LIMIT * self._winch.acceleration_limit
+            abs(rate) >= kpi.AT_LIMIT * winch.speed_limit
+            or abs(acceleration) >= kpi.AT_LIMIT * winch.acceleration_limit
         )
         row = self._ring[self._count % len(self._ring)]
         row[:] = unit, uncompensated, tip, payout, rate, acceleration, tension, is_limited
