@@ -6,34 +6,20 @@ The modes are those that the controller reports, tick by tick: the words are hel
 from __future__ import annotations
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from heave_bags.analyse.events import COMPENSATES
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.pages.alarms import TABLES
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import LOOP
-from heave_node.interface.codes import COMPENSATION_LOST
+from winch_controller_node.core.supervision.modes import DAMPED, LOOP_WORDS
+
+from tests.campaigns.fault_matrix.words import CLAIMS, false_words
 
 START, END = 60.0, 80.0
 """When the fault comes, and when the run ends [s]."""
-SECOND = 1.0
-"""Time over which the words must hold [s]."""
-
-BRAKED = ("standby", "stopped", "emergency_stop", "off")
-CLAIMS = {
-    "Compensation continues": COMPENSATES,
-    "Constant tension continues": ("constant_tension",),
-    "Manual operation continues": ("manual",),
-    "fading out": ("fade_out", "stopping", *BRAKED),
-    "fades out": ("fade_out", "stopping", *BRAKED),
-    "Winch is stopping": ("stopping", *BRAKED),
-    "No compensation": BRAKED,
-    "Compensation does not begin": BRAKED,
-}
-"""What an alarm may claim, and the modes in which that is true: all along if it continues, at some time else."""
-
 SENSORS = ("mru", "depth", "encoder")
 FAULTS = [
     *((sensor, kind) for sensor in SENSORS for kind in ("freeze", "spike", "jump", "scale", "nan")),
@@ -59,22 +45,6 @@ def faulted(device: str, kind: str, scenario: str = "b2_calm_300") -> LoopRecord
     return ClosedLoop(loop_parameters(changed)).run()
 
 
-def false_words(record: LoopRecord) -> list[str]:
-    """Return the alarms of a run whose words were not true within a second: time, text and the modes there."""
-    time, modes = record.column("time"), np.array(record.modes)
-    wrong = []
-    for at, alarm in record.alarms:
-        after = set(modes[(time >= at) & (time < at + SECOND)])
-        ended = [one for when, one in record.alarms if at < when <= at + SECOND and one.code == COMPENSATION_LOST]
-        if ended and all(alarm.row.title not in str(one.values["reason"]) for one in ended):
-            continue  # something else has ended it meanwhile, and says so
-        for claim, allowed in CLAIMS.items():
-            holds = after <= set(allowed) if "continues" in claim else after & set(allowed)
-            if claim in alarm.text and not holds:
-                wrong.append(f"{at:.2f} s {alarm}: {sorted(after)}")
-    return wrong
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("device", "kind"), FAULTS)
 def test_what_an_alarm_says_of_compensation_is_true_in_the_second_after_it(device: str, kind: str) -> None:
@@ -91,3 +61,20 @@ def test_an_alarm_says_what_follows_in_this_run_not_what_may_follow() -> None:
     assert len(controller) > 50
     stated = [row.code for row in controller if re.search(r"continues|fades out|stops\b", row.consequence)]
     assert stated == ["COMMANDS_CUT"], "that is the winch's own watchdog"
+
+
+@pytest.mark.parametrize("mode", ["compensating", "fade_out", "constant_tension", "manual", "stopping", "standby"])
+def test_words_that_the_modes_belie_are_found(mode: str) -> None:
+    time = np.arange(0.0, 3.0, 0.05)
+    for claim, allowed in CLAIMS.items():
+        loop = SimpleNamespace(code="MRU_STALE", text=f"MRU STALE. {claim}.", row=SimpleNamespace(title="MRU STALE"))
+        record = SimpleNamespace(column=lambda _: time, modes=[mode] * time.size, alarms=[(1.0, loop)])
+        assert bool(false_words(record)) == (mode not in allowed), claim
+        assert false_words(record, begin=2.0) == []
+
+
+def test_each_claim_is_one_that_alarms_make() -> None:
+    """A claim that no alarm words any more would be looked for in vain."""
+    texts = " ".join(row.consequence for table in TABLES.values() for row in table.values())
+    texts += " ".join([DAMPED, *LOOP_WORDS.values()])
+    assert [claim for claim in CLAIMS if claim not in texts] == []

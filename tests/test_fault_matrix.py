@@ -275,6 +275,7 @@ def test_64_cases_keep_the_bars():
     """Eight faults in copies of each of eight loops, for 12 s each: some 40 s of one processor."""
     ran = list(run_cells([cell(64, index, branches=8) for index in range(64)], after=12.0))
     assert [found.failure for _, found in ran if found.failure] == []
+    assert [f"{one.words}: {text}" for one, found in ran for text in found.false_words] == []
     for bar in BARS:
         good, asked = kept(bar, ran)
         assert good >= HELD[bar.name] * asked, "\n".join(line(*one) for one in ran if breaches(one[1]))

@@ -35,6 +35,7 @@ from tests.campaigns.fault_matrix.judge import (
     unit_ratio,
 )
 from tests.campaigns.fault_matrix.moments import LANDINGS, Asked, Session
+from tests.campaigns.fault_matrix.words import false_words
 
 AFTER = 75.0
 """Time that is watched from the beginning of a fault on [s]."""
@@ -60,6 +61,7 @@ class Outcome:
     wrong: tuple[str, ...] = ()  # alarms that blame a healthy part
     alarms: tuple[str, ...] = ()  # the first ones, time after the fault [s] and code
     modes: tuple[str, ...] = ()  # that were taken after the fault
+    false_words: tuple[str, ...] = ()  # alarms whose consequence the modes of the next second belie
     failure: str = ""  # why the case could not be run; empty: it could
     seconds: float = 0.0  # of processor time that it took
 
@@ -195,6 +197,7 @@ def judged(
         wrong=tuple(dict.fromkeys(one.code for one in blamed(alarms, allowed, begin))),
         alarms=tuple(f"{one.time - begin:.2f} {one.code}" for one in alarms if one.time >= begin)[:12],
         modes=tuple(mode for mode, _ in groupby(modes)),
+        false_words=tuple(false_words(record, begin)),
     )
 
 
