@@ -177,6 +177,15 @@ double own_speed(const Design &design, const State &state, const Limits &limits,
 
 }  // namespace
 
+void begin_envelope(State &state) {
+    state = State{};
+    for (double *unknown : {&state.ramp, &state.read_heave, &state.read_rate, &state.count, &state.load,
+                            &state.held_tension, &state.mean_load, &state.measured.mean, &state.locked.mean})
+        *unknown = NOT_KNOWN;
+    state.mru_age = state.count_age = state.read_age = state.load_age = 1e9;
+    state.move.request = -1.0;
+}
+
 void envelope(const Design &design, State &state, const Readings &readings, Order &order) {
     const Bounds &bounds = design.envelope;
     const Travelled travelled = advance_drum(design, state, state.load);

@@ -13,14 +13,7 @@ long long heave_core_size(int structure) {
 }
 
 // Begin: the brake is on, and nothing was read yet.
-void heave_core_begin(heave::State *state) {
-    *state = heave::State{};
-    for (double *unknown : {&state->ramp, &state->read_heave, &state->read_rate, &state->count, &state->load,
-                            &state->held_tension, &state->mean_load, &state->measured.mean, &state->locked.mean})
-        *unknown = heave::NOT_KNOWN;
-    state->mru_age = state->count_age = state->read_age = state->load_age = 1e9;
-    state->move.request = -1.0;
-}
+void heave_core_begin(heave::State *state) { heave::begin_envelope(*state); }
 
 // One tick: readings and the controller's order in, the order that leaves out.
 void heave_core_envelope(const heave::Design *design, heave::State *state, const heave::Readings *readings, heave::Order *order) {

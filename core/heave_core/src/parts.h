@@ -41,6 +41,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
 double observe_load(const Design &design, State &state, const Readings &readings);
 
 // envelope.cpp
+void begin_envelope(State &state);
 void envelope(const Design &design, State &state, const Readings &readings, Order &order);
 
 }  // namespace heave

@@ -27,7 +27,7 @@ from heave_fmu.variables import Variable, unit_definitions
 MODEL = "heave_controller"
 SOURCES = ("filter.c", "controller.c", "fmu.c", "last_step.cpp")
 HEADERS = ("filter.h", "controller.h", "last_step.h")
-CORE = ("drum.cpp", "envelope.cpp", "interface.cpp", "move.cpp", "ship.cpp", "parts.h")
+CORE = ("drum.cpp", "envelope.cpp", "move.cpp", "ship.cpp", "parts.h")
 """The envelope's own sources, of heave_core."""
 FMI_HEADERS = ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h")
 """Of the FMI standard, under its own licence (BSD, two clauses), as FMPy brings them."""

@@ -9,9 +9,7 @@ static const heave::Design DESIGN = ENVELOPE_DESIGN;
 
 extern "C" {
 
-void heave_core_begin(heave::State *state);
-
-void last_step_begin(double *memory) { heave_core_begin(reinterpret_cast<heave::State *>(memory)); }
+void last_step_begin(double *memory) { heave::begin_envelope(*reinterpret_cast<heave::State *>(memory)); }
 
 Within last_step(double *memory, const Seen *seen, const Within *ordered) {
     heave::Readings readings{};
