@@ -128,7 +128,7 @@ def test_what_cannot_be_designed_for_is_not_in_the_history_of_the_sensors_either
     """Else readings would be corrected in the adviser's record, and not in the core."""
     adviser = Adviser(PARAMETERS, tick_period=DT)
 
-    def refuse(parameters):
+    def refuse(parameters, length):
         raise DesignError("test")
 
     monkeypatch.setattr(adviser, "_designed", refuse)

@@ -238,7 +238,14 @@ FOLLOWED = 0.05
 
 
 def length_followed(parameters: WinchControllerParameters, payout: float, last: float) -> float:
-    """Return the length to design for at a mean `payout` [m]: the `last` one [m] as long as it is near enough."""
+    """Return the length to design for [m].
+
+    Parameters
+    ----------
+    parameters : whose length is that at payout 0
+    payout : the mean one [m]
+    last : that of the design before, which stays as long as it is near enough [m]
+    """
     length = max(parameters.length + payout, 1.0)
     return last if abs(length / last - 1.0) < FOLLOWED else length
 
