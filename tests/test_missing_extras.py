@@ -39,7 +39,6 @@ def test_a_command_of_a_missing_extra_names_it_in_one_line(alone, name, capsys):
     ("words", "needs"),
     [
         (["kpi", "BAG", "--baseline"], "--baseline needs heave[studies]"),
-        (["report", "BAG", "--whatif"], "--whatif needs heave[studies]"),
         (["run", "b2_calm_300", "--set", "virtual_winch.drive=electric"], "drive = electric needs heave[drives]"),
         (["run", "b2_calm_300", "--replace", "virtual_winch=fmu:x.fmu"], "virtual_winch=fmu:x.fmu needs heave[fmu]"),
     ],
@@ -50,7 +49,7 @@ def test_an_option_of_a_missing_extra_names_it_in_one_line(alone, words, needs, 
 
 
 def test_without_studies_a_bag_is_judged_and_their_rows_are_left_out(alone, calm_bag, capsys):
-    (record,) = read_records([calm_bag], baseline=None, whatif=None)
+    (record,) = read_records([calm_bag], baseline=None)
     assert record.kpis()["unit_sigma_m"] > 0.0
     assert record.signals.baseline is None
     assert main(["kpi", str(calm_bag)]) == 0

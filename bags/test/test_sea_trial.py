@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from heave_bags.analyse import analysis, kpi_set
-from heave_bags.analyse.kpis.reconstruction import Reconstruction
 from heave_bags.analyse.kpis.sources import MOTIONS_OF, source_of
 from heave_bags.analyse.read_run import read_run
 from heave_bags.analyse.reading.unit_height import measured_height
@@ -87,42 +86,6 @@ def test_each_figure_says_what_it_is_made_from(sea_trial):
     assert "the true values were not recorded" in analysis.table([record])
     assert "<small>estimated</small>" in render([record])
     assert analysis.to_json(record)["sources"] == record.sources
-
-
-def reconstructed(record):
-    """Return a reconstruction of a record: a unit at rest, half as much motion without compensation, and bands."""
-    time = record.signals.unit_heave.time
-    free = 0.5 * record.signals.uncompensated_heave.value
-    bands = {"unit_efficiency": (0.91, 0.88, 0.93), "uncompensated_sigma_m": (0.15, 0.14, 0.16)}
-    lines, warnings = ["same law again: gives the record again"], ["fades out"]
-    table = ["law", "unit efficiency [%]"], [["industrial", "62.0 (58.0 to 66.0)"]]
-    found = Signal(time, 0.0 * time), Signal(time, free)
-    return Reconstruction(*found, bands, *table, lines, warnings, {"chi2": 1.0})
-
-
-def test_what_was_reconstructed_takes_the_place_of_what_was_estimated_with_its_band(sea_trial):
-    record = read_run(sea_trial)
-    record.take(reconstructed(record))
-    values, page = record.kpis(), render([record])
-    assert (values["unit_efficiency"], values["uncompensated_sigma_m"]) == (0.91, 0.15)
-    assert values["uncompensated_max_abs_heave_m"] == pytest.approx(0.5 * FREE, rel=1e-3)
-    assert source_of("unit_efficiency", record.sources) == "reconstructed"
-    assert [note for note in record.notes if "true values" in note] == [
-        "the true values were not recorded:  unit heave is reconstructed, uncompensated unit heave is reconstructed, "
-        "boom-tip heave is measured, top tension is measured"
-    ]
-    for words in ("90 % band 88.0 to 93.0", "same law again", "62.0 (58.0 to 66.0)", "fades out", "reconstructed"):
-        assert words in page, words
-    assert analysis.to_json(record)["whatif"] == {"chi2": 1.0}
-
-
-def test_what_was_reconstructed_is_no_match_for_the_truth(sea_trial):
-    record, found = read_run(sea_trial), reconstructed(read_run(sea_trial))
-    before = record.kpis()
-    record.sources |= {"unit heave": "true", "uncompensated unit heave": "true"}
-    record.take(found)
-    assert record.kpis() == pytest.approx(before, nan_ok=True)
-    assert "62.0 (58.0 to 66.0)" in render([record]), "it stands beside it"
 
 
 def test_a_figure_is_as_certain_as_the_least_certain_of_its_motions():

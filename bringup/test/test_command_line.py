@@ -142,7 +142,6 @@ def test_a_file_that_the_system_refuses_is_one_line_and_status_1(tmp_path, capsy
         (["static", "b2_calm_300", "--json", "/proc/x.json"], "--json /proc/x.json: cannot be written: "),
         (["static", "b2_calm_300", "--json", "/proc"], "--json /proc: cannot be written: Is a directory"),
         (["static", "b2_calm_300", "--json", "no/x.json"], "--json no/x.json: there is no folder no"),
-        (["whatif", "no_bag", "--output", "/proc/x.html"], "--output /proc/x.html: cannot be written: "),
     ],
 )
 def test_an_output_that_cannot_be_written_is_refused_before_the_work(arguments, words, capsys):

@@ -22,7 +22,6 @@ set_up(
         "heave.record_extras": [
             "kappa = heave_studies.kappa:add_to_record",
             "baseline = heave_studies.baseline:add_to_record",
-            "whatif = heave_studies.whatif.of_run:add_to_record",
         ],
     }
 )

@@ -57,7 +57,7 @@ COMMANDS: dict[str, list[str]] = {
     "run": ["run", "b2_calm_300", "--duration", "100000", "--bag", "run", "--no-report"],
     "short run": ["run", "b2_calm_300", "--duration", "300", "--bag", "run"],
     "record": ["record", "bag"],
-    "whatif": ["whatif", "RECORD", "--draws", "100", "--output", "whatif.html"],
+    "whatif": ["whatif", "RECORD", "--law", "off,industrial,lqg,mpc"],
     "accept": ["accept", "harbour_test", "--output", "accepted"],
 }
 RECORDED = ("run", "b2_calm_300", "--duration", "120", "--composed", "--no-report", "--no-baseline", "--quiet")

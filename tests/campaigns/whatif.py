@@ -26,7 +26,7 @@ from heave_bringup.scenarios import Scenario, load_scenario
 from heave_studies.whatif.fitness import check_known, check_record, lacks, warnings
 from heave_studies.whatif.known import Known, drawn, learn, off_sigma, other_plants
 from heave_studies.whatif.signals.record import SensorRecord
-from heave_studies.whatif.study import Answer, answers, recorded, same_again
+from heave_studies.whatif.study import Answer, answers, recorded
 from heave_studies.whatif.twin.replay import Asked
 from winch_controller_node.interface.readings import Measurements, Outputs
 from winch_controller_node.interface.requests import request_of
@@ -71,7 +71,7 @@ class World:
     sigma: float  # the same of the record [m]
     true_sigma: float  # the same of the record [m]
     compensated: bool  # the record was
-    again: float  # largest error of payout of the same law again [m]
+    again: bool  # the same law gave the record again
     seconds: float  # of a processor that an answer took, its share of learning included [s]
 
 
@@ -196,7 +196,7 @@ def run_draw(draw: Draw, draws: int) -> tuple[list[Pair], str]:
     learnt = time.process_time() - began
     others = [drawn(known, draw.seed, number) for number in range(draws)]
     plants = other_plants(known, draw.seed)
-    again, values = same_again(known)[1], ", ".join(f"{name} {v:.3f}" for name, v in known.fit.values.items())
+    again, values = known.again.is_same, ", ".join(f"{name} {v:.3f}" for name, v in known.fit.values.items())
     off, true_off = off_sigma(known), truth.uncompensated_sigma(TRANSIENT)
     was, asked = recorded(known).values["unit_sigma_m"], time.process_time()
     found = answers(known, [_asked(nominal, law) for law in draw.asked], others, plants)
@@ -204,7 +204,7 @@ def run_draw(draw: Draw, draws: int) -> tuple[list[Pair], str]:
     world = World(off, true_off, was, truth.unit_sigma(TRANSIENT), draw.recorded != OFF, again, seconds)
     pairs = [_pair(draw, known, one, world) for one in found]
     line = (
-        f"{head}\n  {values}; chi2 {known.fit.chi2:.1f}; the same law again within {1e3 * again:.2f} mm; off "
+        f"{head}\n  {values}; chi2 {known.fit.chi2:.1f}; the same law again: {'yes' if again else 'NO'}; off "
         f"{100 * off:.1f} cm for {100 * true_off:.1f}; {seconds:.0f} s a law, {time.process_time() - began:.0f} s"
     )
     return pairs, line
@@ -282,7 +282,7 @@ def summary(pairs: Sequence[Pair]) -> list[str]:
         kept = f"{100.0 * np.mean(np.array(hidden) <= MOST_OFF):.0f} %" if hidden else "-"
         lines.append(
             f"{len(worlds)} records: uncompensated sigma from compensated ones within 15 %: {kept} of {len(hidden)} "
-            f"(wanted 90); the same law again within {1e3 * max(one.again for one in worlds):.3f} mm (wanted 1); "
+            f"(wanted 90); the same law gave {sum(one.again for one in worlds)} again; "
             f"{np.median([one.seconds for one in worlds]) * 60.0 / DURATION:.1f} minutes of a processor per hour and "
             f"law in the middle, {max(one.seconds for one in worlds) * 60.0 / DURATION:.1f} at most (wanted 2 on two)"
         )

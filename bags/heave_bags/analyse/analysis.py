@@ -149,7 +149,7 @@ def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
     """Return everything of the run `record` as plain data.
 
     KPIs by their keys, those of windows of `window` [s] if it is given, then `extremes`, `snap_times_s`, `run`,
-    `outcome`, `losses`, `notes`, and `whatif` where the run was reconstructed.
+    `outcome`, `losses`, `notes`.
     """
     content: dict[str, Any] = dict(kpi_set.to_json(record.kpis()))
     content["bag"] = record.name
@@ -163,8 +163,6 @@ def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
     content["sources"] = dict(record.sources)
     content["losses"] = [str(loss) for loss in record.losses]
     content["notes"] = list(record.notes)
-    if record.reconstruction is not None:
-        content["whatif"] = dict(record.reconstruction.data)
     if window is not None:
         content["windows"] = [
             {"start_s": part.start, "end_s": part.end, **kpi_set.to_json(part.values)}

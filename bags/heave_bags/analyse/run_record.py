@@ -10,22 +10,19 @@ from heave_node.criteria import Criterion
 
 from heave_bags.analyse import events, kpi_set
 from heave_bags.analyse.events import Interval
-from heave_bags.analyse.kpis.reconstruction import Reconstruction
 from heave_bags.analyse.kpis.sources import (
-    BASELINE,
     FREE_HEAVE,
     SOURCES,
     TIP_HEAVE,
     TOP_TENSION,
     UNIT_HEAVE,
-    source_of,
 )
 from heave_bags.analyse.reading.innovations import Innovation
 from heave_bags.analyse.reading.stored import NodeParameters
 from heave_bags.mcap.loss import Loss, remarks
 from heave_bags.signals import RunSignals
 
-ESTIMATED, RECONSTRUCTED, MEASURED, TRUE = SOURCES
+ESTIMATED, MEASURED, TRUE = SOURCES
 """Sources of a figure: the controller's estimate, hindsight over the record, a sensor, what only a simulator knows."""
 
 
@@ -47,7 +44,7 @@ class RunRecord:
     outcome: Mapping[str, str] = field(default_factory=dict)  # the bag's own words on the run
     losses: list[Loss] = field(default_factory=list)  # what of the bag could not be read
     notes: list[str] = field(default_factory=list)  # what a reader of the figures must know
-    # where each motion comes from: TRUE, MEASURED, RECONSTRUCTED or ESTIMATED
+    # where each motion comes from: TRUE, MEASURED or ESTIMATED
     sources: dict[str, str] = field(default_factory=dict)
     # of the run's nodes, as far as they are known: node -> dotted name -> value
     parameters: NodeParameters = field(default_factory=dict)
@@ -58,7 +55,6 @@ class RunRecord:
     largest_strain: float = math.nan  # of the cable in the whole run, as the plant reported it [-]; NaN: it did not
     title: str = ""  # of the lift, as the scenario states them; "": it does not
     description: str = ""  # of the lift, as the scenario states them; "": it does not
-    reconstruction: Reconstruction | None = None  # of the run from its sensors alone; None: there is none
 
     @property
     def moves_winch(self) -> bool:
@@ -67,29 +63,11 @@ class RunRecord:
         by_modes = any(mode.name != events.OFF for mode in self.modes)
         return bool(law != events.OFF) if isinstance(law, str) else by_modes
 
-    def take(self, found: Reconstruction) -> None:
-        """Take what was reconstructed, `found`, in the place of the controller's estimates; the truth stays."""
-        self.reconstruction = found
-        before = self.source_notes()
-        for motion, name in ((UNIT_HEAVE, "unit_heave"), (FREE_HEAVE, "uncompensated_heave")):
-            if self.sources.get(motion) != TRUE:
-                setattr(self.signals, name, getattr(found, name))
-                self.sources[motion] = RECONSTRUCTED
-        if self.signals.baseline is None and "baseline_efficiency" in found.bands:
-            self.sources[BASELINE] = RECONSTRUCTED
-        self.notes = self.source_notes() + [note for note in self.notes if note not in before]
-
     def source_notes(self) -> list[str]:
         """Return which motions are not the truth, as on a ship, where it is unknown."""
         known = [(name, self.sources.get(name, TRUE)) for name in (UNIT_HEAVE, FREE_HEAVE, TIP_HEAVE, TOP_TENSION)]
         other = [f"{name} is {source}" for name, source in known if source != TRUE]
         return [f"the true values were not recorded:  {', '.join(other)}"] if other else []
-
-    @property
-    def bands(self) -> dict[str, tuple[float, float, float]]:
-        """Figures that are reconstructed, by key, with lower and upper end of their bands."""
-        known = self.reconstruction.bands if self.reconstruction else {}
-        return {key: band for key, band in known.items() if source_of(key, self.sources) == RECONSTRUCTED}
 
     def remarks(self) -> list[str]:
         """Return what a reader of the figures must know: the notes, and what of the bag could not be read."""
@@ -98,6 +76,5 @@ class RunRecord:
     def kpis(self, start: float | None = None, end: float | None = None) -> dict[str, float]:
         """Return every KPI over the evaluation window, or over start..end [s]."""
         if start is None and end is None:
-            values = kpi_set.evaluate_run(self.signals, self.start, self.end)
-            return values | {key: value for key, (value, _, _) in self.bands.items()}
+            return kpi_set.evaluate_run(self.signals, self.start, self.end)
         return kpi_set.evaluate(self.signals, self.start if start is None else start, self.end if end is None else end)

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 
 from heave_bags.analyse import kpi_table
-from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bags.analyse.reading.stored import as_number, number
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import required_words
@@ -39,9 +38,6 @@ def note(record: RunRecord, key: str) -> str:
     notes += [f"required at least {one.required:.4g}" for one in record.signals.strengths if one.key == key]
     if key == "winch_speed_max_mps" and math.isfinite(record.signals.speed_limit):
         notes.append(f"limit {record.signals.speed_limit:g} m/s")
-    if key in record.bands:
-        _, low, high = record.bands[key]
-        notes.append(f"90 % band {DEFINITION_OF[key].text(low)} to {DEFINITION_OF[key].text(high)}")
     return "; ".join(notes)
 
 

@@ -170,7 +170,6 @@ def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> di
         "happenings": happenings[:MOST_HAPPENINGS],
         "more": max(len(happenings) - MOST_HAPPENINGS, 0),
         "extremes": analysis.extremes(record),
-        "reconstruction": record.reconstruction,
         "provenance": {
             name: value for name, value in {**record.run, **record.outcome}.items() if "publishers." not in name
         },

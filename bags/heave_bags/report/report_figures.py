@@ -11,7 +11,7 @@ from heave_node.tick.durations import EDGES, LAST
 from heave_bags.analyse import events
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.kpis.sources import FREE_HEAVE
-from heave_bags.analyse.run_record import ESTIMATED, RECONSTRUCTED, TRUE, RunRecord
+from heave_bags.analyse.run_record import ESTIMATED, TRUE, RunRecord
 from heave_bags.report.estimator_figure import innovation_figure
 from heave_bags.report.figure import (
     BOOM_TIP,
@@ -48,7 +48,6 @@ MODE_COLOURS = {
 }
 FREE_MOTION = {
     TRUE: "computed beside the run",
-    RECONSTRUCTED: "reconstructed from the record",
     ESTIMATED: "as the controller estimates it",
 }
 """How the motion of the uncompensated unit is known, by its source."""

@@ -18,8 +18,8 @@ from heave_bringup.stored_scenario import parameters_of
 
 RECORD_EXTRAS = "heave.record_extras"
 """Group of entry points that add to the record of a run: functions as `AddToRecord`."""
-BASELINE, KAPPA, WHATIF = "baseline", "kappa", "whatif"
-EXTRA_OF = dict.fromkeys((KAPPA, BASELINE, WHATIF), "studies")
+BASELINE, KAPPA = "baseline", "kappa"
+EXTRA_OF = dict.fromkeys((KAPPA, BASELINE), "studies")
 """The extra that brings each of them, in the order in which they are added; those of others follow."""
 
 
@@ -49,7 +49,6 @@ def read_records(
     scenario: str | None = None,
     transient: float | None = None,
     baseline: bool | None = False,
-    whatif: bool | None = False,
 ) -> list[RunRecord]:
     """Read bags, showing progress.
 
@@ -60,12 +59,11 @@ def read_records(
     transient : start of the evaluation window [s]; None takes what each bag says, or else the scenario
     baseline : each run is made again under the baseline law, unless that is kept beside its bag; None: where the
         extra for it is installed
-    whatif : each run is reconstructed from its sensors, unless that is kept beside its bag; None: only what is kept
 
     Raises BagError for the first bag that cannot be read, ParameterError for a scenario that cannot be, CommandError
     where an extra that is asked for is missing.
     """
-    wanted = {BASELINE: baseline, WHATIF: whatif}
+    wanted = {BASELINE: baseline}
     extras = _extras(wanted)
     given = None if scenario is None else load_scenario(scenario, needs_files=False)
     with ProgressLine() as progress:

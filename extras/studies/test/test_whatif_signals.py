@@ -12,11 +12,10 @@ from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from heave_node.interface.sensors import MruReading
-from heave_studies.whatif.signals.disturbance import disturbance
-from heave_studies.whatif.signals.record import SensorRecord, bridged, shortened
+from heave_studies.whatif.signals.record import SensorRecord, bridged
+from heave_studies.whatif.signals.smoother import disturbance
 from heave_studies.whatif.signals.spectra import Speeds, gains_over_top, noise_power, tapered_transform
-from heave_studies.whatif.signals.tip import HighPass, smoothed_tip
-from heave_studies.whatif.signals.tip_source import tip_source
+from heave_studies.whatif.signals.tip import HighPass, smoothed_tip, tip_source
 from heave_studies.whatif.twin.plant import PlantFactors, scaled_line
 from heave_studies.whatif.twin.winch import past_winch
 from winch_controller_node.beliefs.corrections import AS_READ, Correction
@@ -189,14 +188,3 @@ def test_what_the_drum_did_is_known_to_less_than_the_noise_of_its_encoder_though
 def test_gaps_are_bridged_in_a_straight_line():
     assert bridged(np.array([1.0, math.nan, 3.0])).tolist() == [1.0, 2.0, 3.0]
     assert np.isnan(bridged(np.full(3, math.nan))).all()
-
-
-def test_the_first_ticks_are_taken_of_all_that_has_one_value_a_tick():
-    whole = record()
-    tip = smoothed_tip(whole, AS_READ, HighPass())
-    part = shortened({"a": 1}, 4000, 30), shortened(tip, 4000, 30), shortened(whole, 4000, 30)
-    assert part[0] == {"a": 1}
-    assert np.array_equal(part[1].heave, tip.heave[:30])
-    assert part[1].sigma == tip.sigma
-    assert part[2].measurements == whole.measurements[:30]
-    assert part[2].ticks == len(part[2].time) == 30

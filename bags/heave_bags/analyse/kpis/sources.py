@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from heave_node.loads.strength import ROPE, WINCH_PULL
 
-SOURCES = ("estimated", "reconstructed", "measured", "true")
+SOURCES = ("estimated", "measured", "true")
 """Sources of a motion, the least certain first."""
 UNIT_HEAVE, FREE_HEAVE, TIP_HEAVE = "unit heave", "uncompensated unit heave", "boom-tip heave"
 TOP_TENSION, PAYOUT, BASELINE = "top tension", "payout", "baseline"

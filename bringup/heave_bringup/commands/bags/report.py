@@ -16,7 +16,6 @@ SUMMARY = "Write the HTML report of one or more bags: one file that opens offlin
 EXAMPLES = (
     "heave report runs/b2_calm_300-001 --pdf",
     "heave report runs/b2_calm_300-001 runs/b2_calm_300-002 --output compared.html",
-    "heave report runs/sea_trial --whatif",
 )
 
 REPORT = "report.html"
@@ -27,14 +26,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_bags(parser)
     add_baseline(parser)
-    parser.add_argument(
-        "--whatif",
-        action=argparse.BooleanOptionalAction,
-        default=None,
-        help="experimental, needs heave[studies]: reconstruct load motion, motion with the winch locked and law "
-        "industrial from the sensors alone, with uncertainty bands, instead of the controller's estimates. Takes "
-        "minutes the first time; the result is saved beside the bag",
-    )
     add_full(parser)
     parser.add_argument(
         "--output",
@@ -71,7 +62,6 @@ def execute(options: argparse.Namespace) -> None:
         scenario=options.scenario,
         transient=options.transient,
         baseline=options.baseline,
-        whatif=options.whatif,
     )
     verdicts = [judge(record, record.wanted, moves_winch=record.moves_winch) for record in records]
     save_report(records, output, verdicts)

@@ -13,8 +13,8 @@ from heave_node.kpi import efficiency, significant
 from heave_node.numerics.arrays import Array
 from winch_controller_node.core.supervision.modes import Mode
 
-from heave_studies.whatif.signals.disturbance import Disturbance
 from heave_studies.whatif.signals.record import Flags, without_move
+from heave_studies.whatif.signals.smoother import Disturbance
 from heave_studies.whatif.twin.replay import Replayed
 
 MODES = (MODE_CHANGED, COMPENSATION_LOST)

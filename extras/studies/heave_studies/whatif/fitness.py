@@ -10,11 +10,13 @@ from heave_bringup.errors import CommandError
 from winch_controller_node.core.supervision.modes import Mode
 
 from heave_studies.whatif.answer import limit_words
-from heave_studies.whatif.identify.evidence import BEGINS
-from heave_studies.whatif.identify.prior import AS_THEY_ARE, DAMPING, INERTIA, USUAL
+from heave_studies.whatif.identify.evidence import BEGINS, DAMPING, INERTIA
 from heave_studies.whatif.known import OFF, Known, off_sigma, winch_moved
 from heave_studies.whatif.signals.record import LOST, Loss, SensorRecord
 from heave_studies.whatif.study import Answer
+
+AFTER_SNAP = 1.0
+"""Time before the cable is first slack at which a record is to end [s]."""
 
 SHORTEST = 60.0
 """Shortest time that is judged [s]: half a dozen waves."""
@@ -41,9 +43,6 @@ NEEDED = {
 
 STALE = "stale"
 """Reason of the controller where no reading has come."""
-
-SAME_PAYOUT = 1e-3
-"""Error of payout up to which the same law gives the record again [m]."""
 
 FAR = 5.0
 """Standard deviations of what was known before above which an identified value is none of cable, unit or MRU."""
@@ -114,6 +113,13 @@ def _lasted(record: SensorRecord, loss: Loss, start: float) -> float:
 
 def check_known(known: Known, where: str) -> None:
     """Refuse an answer where what is `known` contradicts itself; raises CommandError with the reason, `where` in it."""
+    slack = np.flatnonzero((known.past.plant.least_tension <= 0.0) & (known.past.record.time >= known.evidence.start))
+    if slack.size:
+        time = float(known.past.record.time[slack[0]])
+        raise CommandError(
+            f"{where}: the cable was slack from {time:.1f} s on: what comes before a snap does not tell what comes "
+            f"after; give --end {time - AFTER_SNAP:.0f}"
+        )
     check_fit(known, off_sigma(known), where)
     missed, moved = known.past.winch.error, float(np.std(known.past.winch.payout - known.set_point))
     if winch_moved(known) and missed > LARGEST_WINCH_ERROR * moved:
@@ -121,8 +127,6 @@ def check_known(known: Known, where: str) -> None:
             f"{where}: the winch as identified misses the encoder by {100.0 * missed:.1f} cm of {100.0 * moved:.1f} cm "
             "(sigma): it is another winch; check its time constant, delay and limits"
         )
-    if known.past.plant.tension[known.window].min() <= 0.0:
-        raise CommandError(f"{where}: the cable was slack: what came before a snap does not tell what comes after")
 
 
 def check_fit(known: Known, off: float, where: str) -> None:
@@ -137,18 +141,16 @@ def check_fit(known: Known, off: float, where: str) -> None:
     Raises CommandError, in one line, with what to check.
     """
     if known.left > LARGEST_LEFT * off:
-        snap = " (the cable was slack from early on)" if known.snapped.any() else ""
         raise CommandError(
-            f"{where}: the twin misses the depth by {100.0 * known.left:.1f} cm of {100.0 * off:.1f} cm (sigma){snap}: "
+            f"{where}: the twin misses the depth by {100.0 * known.left:.1f} cm of {100.0 * off:.1f} cm (sigma): "
             f"{_check_words(known)}"
         )
     for name, value in known.fit.values.items():
         off_prior = known.fit.off_prior(name)
         if off_prior > FAR:
-            spread = "+-0.02" if name in AS_THEY_ARE else "+-5%"
             raise CommandError(
                 f"{where}: {name} is identified as {value:.3g}, {off_prior:.0f} standard deviations from what was "
-                f"known before: {_check_words(known)}; if it is so, give --know {name}={value:.3g}{spread}"
+                f"known before: {_check_words(known)}"
             )
 
 
@@ -156,9 +158,8 @@ def _check_words(known: Known) -> str:
     """Return what to check where a record does not fit what is assumed, by what is `known` of it, in words."""
     drum, unit = known.evidence.shares
     shares = f"of the boom tip's heave the drum takes out {drum:.2f} and the unit shows {unit:.2f}"
-    told = ", or --know" if known.fit.prior.centre != dict.fromkeys(USUAL, 0.0) else ""
     if abs(drum + unit - 1.0) < ADDS_UP:
-        return f"check length, cable and unit{told}, depth sensor and load cell; MRU and encoder fit together: {shares}"
+        return f"check length, cable and unit, depth sensor and load cell; MRU and encoder fit together: {shares}"
     wrong = "the sign" if drum + unit < 0.0 else "the unit or the column"
     return f"{wrong} of MRU, encoder or depth sensor is wrong: {shares}, which should add up to 1"
 
@@ -187,11 +188,6 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             f"the fit of cable and unit leaves {known.fit.chi2:.1f} times the noise of the depth sensor: the bands "
             "may be too narrow"
         )
-    if known.snapped.any():
-        lines.append(
-            f"the cable was slack at its lower end from {known.fit.end:.0f} s on: cable and unit are identified "
-            "before, and what the snap left is taken out of other laws"
-        )
     if not known.again.is_same:
         lines.append(
             f"the same law parts from the record at {known.again.parted:.1f} s (mode {known.again.mode}, recorded "
@@ -201,6 +197,13 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
         refused = [one for one in answer.done.refused if one not in known.again.refused]
         if refused:
             lines.append(f"{answer.asked.name}: does not take what the operator requested: {refused[0]}")
+        if answer.lost:
+            at = answer.figures.lost_at
+            shown = f"at {at:.1f} s, and the figures count both before and after" if math.isfinite(at) else "none"
+            lines.append(
+                f"{answer.asked.name}: gives up compensation on {answer.lost} of {answer.plants} plants that the "
+                f"record allows: {answer.cause}; in the motion of the figures {shown}"
+            )
         lacking = lacks(known, answer)
         if lacking:
             lacked = "; ".join(lacking)

@@ -1,59 +1,61 @@
-"""From a bag and a question to the answers."""
+"""From a bag and a question to the answers: laws and changes of controller or winch, checked like a scenario."""
 
 from __future__ import annotations
 
 import os
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from cable_sim_node.errors import PlantError
+from cable_sim_node.winch.parameters import WinchParameters
 from heave_bags.mcap.reader import Bag
 from heave_bringup.errors import CommandError
 from heave_bringup.output import warn
-from heave_node.parameters import ParameterError
+from heave_bringup.scenarios import load_scenario
+from heave_node.parameters import ParameterError, flatten
 from winch_controller_node.beliefs.beliefs import Beliefs
+from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.model.lqr import DesignError
+from winch_controller_node.node_parameters import WinchControllerParameters
 
-from heave_studies.whatif import DRAWS
-from heave_studies.whatif.asked import Wish, asked_of, nominal_of
 from heave_studies.whatif.fitness import check_known, check_record
-from heave_studies.whatif.identify.prior import prior_of
 from heave_studies.whatif.known import drawn, learn, other_plants
 from heave_studies.whatif.signals.from_bag import read_record, scenario_text, write_text
-from heave_studies.whatif.study import answers, recorded, same_again
+from heave_studies.whatif.study import answers, recorded
 from heave_studies.whatif.twin.plant import driven
+from heave_studies.whatif.twin.replay import Asked
 from heave_studies.whatif.twin.winch import winch_under
 from heave_studies.whatif.words import Result
 from heave_studies.whatif.work import Show, quiet, work_in
 
-MOST_DRAWS = 100
-"""Plants that are tried for the bands at most."""
+CONTROLLER, WINCH = "winch_controller", "virtual_winch"
+DRAWS, SEED = 4, 1
+"""Plants over which each loop is closed again for the bands, and seed of these."""
 
 
 @dataclass(frozen=True)
 class Question:
     """What is asked of a record."""
 
-    law: str = ""  # of the first answer; empty: that of the record
-    compare: Sequence[str] = ()  # further laws
+    laws: Sequence[str] = ()  # that are asked for; none: that of the record
     settings: Sequence[str] = ()  # changes, as for `--set`
-    know: Sequence[str] = ()  # what is known better than the parameters say, as for `--know`
     scenario: Path | str = ""  # of the run, a file or a shipped name; empty: the one in the bag
     transient: float | None = None  # initial time that is left out [s]; None: the scenario's
     end: float | None = None  # time at which the record is cut off [s]; None: it is not
-    draws: int = DRAWS  # plants that are tried for the bands
-    seed: int = 1  # of these plants
 
     def __post_init__(self) -> None:
-        """Raise ParameterError for a number that says nothing."""
-        if not 0 <= self.draws <= MOST_DRAWS:
-            raise ParameterError(f"--draws {self.draws}: must be from 0 to {MOST_DRAWS}")
-        for name in ("seed", "transient", "end"):
+        """Raise ParameterError for what says nothing."""
+        for name in ("transient", "end"):
             value = getattr(self, name)
             if value is not None and not value >= 0:
                 raise ParameterError(f"--{name} {value:g}: must be 0 or more")
+        for law in self.laws:
+            if law not in LAWS:
+                raise ParameterError(f"{law}: no such law; known: {', '.join(LAWS)}")
 
 
 def ask(source: Path, question: Question, *, show: Show = quiet) -> Result:
@@ -69,30 +71,66 @@ def ask(source: Path, question: Question, *, show: Show = quiet) -> Result:
     """
     try:
         with tempfile.TemporaryDirectory(prefix="heave-") as scratch:
-            return _asked(source, question, Path(scratch), show)
+            return _answered(source, question, Path(scratch), show)
     except (DesignError, PlantError) as error:
         raise CommandError(f"{source}: {error}") from error
 
 
-def _asked(source: Path, question: Question, scratch: Path, show: Show) -> Result:
+def _answered(source: Path, question: Question, scratch: Path, show: Show) -> Result:
     """Return what the record at `source` answers to a `question`; its scenario is written into `scratch`."""
     bag = Bag(source)
     scenario = question.scenario or write_text(scratch, scenario_text(bag))
-    nominal, run = nominal_of(scenario)
-    wish = Wish(scenario, question.law, question.settings, question.compare)
-    asked_of(wish, winch_under(Beliefs(-1), nominal), has_adviser=True)
-    prior = prior_of(nominal, question.know)
+    before = load_scenario(str(scenario), needs_files=False)
+    nominal = before.parameters[CONTROLLER]
+    asked_of(question, scenario, winch_under(Beliefs(-1), nominal), has_adviser=True)
     record = read_record(bag, nominal, progress=lambda share: show("reading", share))
     notes = [*bag.notes, *map(str, bag.losses)]
     warn(notes)
     record = record if question.end is None else record.part(question.end)
-    start = run.transient if question.transient is None else question.transient
+    start = before.run.transient if question.transient is None else question.transient
     check_record(record, start, str(source))
     with work_in(os.cpu_count() or 1, show) as work:
-        known = learn(record, nominal, start=start, prior=prior, work=work)
+        known = learn(record, nominal, start=start, work=work)
         check_known(known, str(source))
-        follow = work.in_batches("draws of the plant", driven, 2 * question.draws)
-        others = [drawn(known, question.seed, number, follow) for number in range(question.draws)]
-        wanted = asked_of(wish, known.past.winch_parameters, has_adviser=record.has_adviser)
-        found = answers(known, wanted, others, other_plants(known, question.seed), work=work)
-    return Result(question.settings, notes, known, recorded(known, found), found, same_again(known, show=show))
+        follow = partial(work.done, "draws of the plant", driven)
+        others = [drawn(known, SEED, number, follow) for number in range(DRAWS)]
+        wanted = asked_of(question, scenario, known.past.winch_parameters, has_adviser=record.has_adviser)
+        found = answers(known, wanted, others, other_plants(known, SEED), work=work)
+    return Result(question.settings, notes, known, recorded(known, found), found)
+
+
+def asked_of(
+    question: Question, scenario: Path | str, identified: WinchParameters, *, has_adviser: bool
+) -> list[Asked]:
+    """Return what is asked for.
+
+    Parameters
+    ----------
+    question : of the user
+    scenario : of the run, a file or a shipped name
+    identified : winch of the record, to which changes of the winch apply
+    has_adviser : the controller of the record had one
+
+    Raises ParameterError for a change of what a record fixes: sea, vessel, cable, unit and sensors are as they were.
+    """
+    before = load_scenario(str(scenario), needs_files=False)
+    after = load_scenario(str(scenario), settings=question.settings, needs_files=False)
+    changed = {node: _changes(before.parameters[node], after.parameters[node]) for node in after.parameters}
+    changed["all"] = _changes(before.run, after.run)
+    fixed = [f"{node}.{name}" for node, names in changed.items() if node not in (CONTROLLER, WINCH) for name in names]
+    fixed += [f"{WINCH}.{name}" for name in changed[WINCH] if "." in name]
+    if fixed:
+        raise ParameterError(
+            f"--set: a record has one sea, cable, unit, set of sensors, drive and length; {fixed[0]} cannot be asked, "
+            f"only {CONTROLLER}.*, {WINCH}.* of a speed servo, and system.winch.*"
+        )
+    winch = replace(identified, **changed[WINCH]) if changed[WINCH] else None
+    controller: WinchControllerParameters = after.parameters[CONTROLLER]
+    laws = dict.fromkeys(question.laws or (controller.law,))
+    return [Asked(law, replace(controller, law=law), winch, has_adviser) for law in laws]
+
+
+def _changes(before: Any, after: Any) -> dict[str, Any]:
+    """Return what differs, by dotted name, as it is after."""
+    old, new = flatten(before), flatten(after)
+    return {name: value for name, value in new.items() if old.get(name) != value}

@@ -13,10 +13,9 @@ from heave_node.kpi import significant
 from heave_studies.whatif.answer import Figures, Spread, figures, possible, unit_motion, with_bands
 from heave_studies.whatif.identify.cable import CableFit
 from heave_studies.whatif.known import OFF, Known, off_sigma
-from heave_studies.whatif.signals.record import shortened
 from heave_studies.whatif.twin.plant import driven
-from heave_studies.whatif.twin.replay import Asked, Past, Replayed, replay
-from heave_studies.whatif.work import HERE, Show, Work, quiet, show_some
+from heave_studies.whatif.twin.replay import Asked, Replayed, replay
+from heave_studies.whatif.work import HERE, Work
 
 
 @dataclass(frozen=True)
@@ -54,18 +53,16 @@ def answers(
     plants : draws of cable, unit and MRU, on which its payout is tried
     work : that closes loops
     """
-    parts = [one.part(known.enough) for one in others]
-    tasks = [(one, asked) for asked in wanted for one in (known, *parts)]
+    tasks = [(one, asked) for asked in wanted for one in (known, *others)]
     seen = [_seen(one, asked) if one is known or _is_off(asked) else None for one, asked in tasks]
     open_ = [(one.past, asked) for (one, asked), done in zip(tasks, seen, strict=True) if done is None]
-    closed = iter(_closed(open_, work))
-    done, count = [next(closed) if one is None else one for one in seen], 1 + len(parts)
+    closed = iter(work.done("closing loops", replay, open_))
+    done, count = [next(closed) if one is None else one for one in seen], 1 + len(others)
     loops = [done[number : number + count] for number in range(0, len(done), count)]
     on_plants = _on_plants(known, wanted, [of_law[0] for of_law in loops], plants, work)
-    parts = [known.part(known.enough), *parts]
     return [
-        _answer(known, asked, of_law, parts, spread)
-        for asked, of_law, spread in zip(wanted, loops, on_plants, strict=True)
+        _answer(known, asked, of_law, others, on_plant)
+        for asked, of_law, on_plant in zip(wanted, loops, on_plants, strict=True)
     ]
 
 
@@ -82,17 +79,6 @@ def _seen(known: Known, asked: Asked) -> Replayed | None:
     return _as_recorded(known) if is_own and known.again.is_same else None
 
 
-def _closed(tasks: Sequence[tuple[Past, Asked]], work: Work) -> list[Replayed]:
-    """Return what each loop does over its past, as `work` in several processes or here."""
-    if work.pool is not None and len(tasks) > 1:
-        return work.done("closing loops", replay, tasks)
-    before = np.cumsum([0, *(past.record.ticks for past, _ in tasks)]).tolist()
-    return [
-        replay(past, asked, on_tick=partial(_show_of, work.show, asked.name, start, before[-1]))
-        for (past, asked), start in zip(tasks, before, strict=False)
-    ]
-
-
 def _on_plants(
     known: Known, wanted: Sequence[Asked], loops: Sequence[Replayed], plants: Sequence[CableFit], work: Work
 ) -> list[list[Figures]]:
@@ -102,7 +88,7 @@ def _on_plants(
     """
     if not plants:
         return [[] for _ in wanted]
-    others = known.under(plants, work.in_batches("motions of other plants", driven, 2 * len(plants)))
+    others = known.under(plants, partial(work.done, "motions of other plants", driven))
     tasks = [
         one.past.drive(done.payout, done.rate)
         for asked, done in zip(wanted, loops, strict=True)
@@ -121,7 +107,7 @@ def _on_plants(
 
 
 def _answer(
-    known: Known, asked: Asked, loops: Sequence[Replayed], parts: Sequence[Known], on_plants: Sequence[Figures]
+    known: Known, asked: Asked, loops: Sequence[Replayed], others: Sequence[Known], on_plants: Sequence[Figures]
 ) -> Answer:
     """Return what a loop would have done.
 
@@ -130,19 +116,18 @@ def _answer(
     known : by the record
     asked : for the loop
     loops : what it does over that, and over each draw
-    parts : the part over which draws are closed, of what is known, and of each draw
+    others : draws of what is known
     on_plants : its figures on other plants
     """
     done, *drawn = loops
     base = _figures(known, done)
-    early = _figures(parts[0], shortened(done, len(done.time), known.enough))
-    draws = [_figures(one, what) for one, what in zip(parts[1:], drawn, strict=True)]
+    draws = [_figures(one, what) for one, what in zip(others, drawn, strict=True)]
     past, window = known.past, known.window
     spread = Spread(
-        loops=[one.beside(early) for one in draws],
+        loops=[one.beside(base) for one in draws],
         plants=[one.beside(base) for one in on_plants],
-        added=float(np.std((done.unit + done.set_point - past.moved.unit - known.set_point)[window])),
-        locked=float(np.std((known.off.unit - past.moved.unit)[window])),
+        added=float(np.std((done.unit + done.set_point - past.plant.unit - known.set_point)[window])),
+        locked=float(np.std((known.off.unit - past.plant.unit)[window])),
         model=known.model,
     )
     found = with_bands(base, spread, off_sigma(known), known.by_tip)
@@ -156,23 +141,17 @@ def _answer(
 def _figures(known: Known, done: Replayed) -> Figures:
     record = known.past.record
     is_read = bool(np.isfinite(record.tension).any())
-    tension = record.tension + done.tension - known.past.moved.tension if is_read else done.tension
-    unexplained = known.unexplained_in(done.payout)
-    unit = unit_motion(done, unexplained)
+    tension = record.tension + done.tension - known.past.plant.tension if is_read else done.tension
+    unit = unit_motion(done, known.unexplained)
     return figures(
         done,
         unit,
         np.maximum(np.where(np.isfinite(tension), tension, done.tension), 0.0),
-        sigma=known.sigma(unit, unexplained),
+        sigma=known.sigma(unit),
         window=known.window,
         uncompensated=off_sigma(known),
         tick_period=record.tick_period,
     )
-
-
-def _show_of(show: Show, words: str, before: int, of: int, done: int) -> None:
-    """Show how far a part of the work is, `before` which so much was done."""
-    show_some(show, words, of, before + done)
 
 
 def recorded(known: Known, found: Sequence[Answer] = ()) -> Figures:
@@ -211,20 +190,3 @@ def _as_recorded(known: Known) -> Replayed:
         limits_hit=record.limits_hit,
         refused=known.again.refused,
     )
-
-
-def same_again(known: Known, *, show: Show = quiet) -> tuple[float, float]:
-    """Return the error of payout of the same law again, standard deviation and largest [m], in the window.
-
-    `known` is by the record; `show` is called with what is done, and the share of it.
-
-    Orders that are those of the record give its readings, and its payout, to the last bit.
-    """
-    record = known.past.record
-    if known.again.is_same:
-        return 0.0, 0.0
-    words, ticks = "the same law again, closed", record.ticks
-    asked = Asked(words, known.nominal, None, record.has_adviser)
-    done = replay(known.past, asked, on_tick=partial(show_some, show, words, ticks))
-    error = (done.payout - known.past.winch.payout)[known.window]
-    return float(np.std(error)), float(np.abs(error).max())

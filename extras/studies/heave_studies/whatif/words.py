@@ -10,17 +10,13 @@ from typing import Any
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 
 from heave_studies.whatif.answer import KEYS, Figures
-from heave_studies.whatif.fitness import SAME_PAYOUT, lacks, reported, warnings
-from heave_studies.whatif.identify.prior import AS_THEY_ARE
+from heave_studies.whatif.fitness import lacks, reported, warnings
+from heave_studies.whatif.identify.evidence import AS_THEY_ARE
 from heave_studies.whatif.known import OFF, Known, off_sigma
 from heave_studies.whatif.study import Answer
 
 BRIEF = ("unit_efficiency", "unit_sigma_m", "significant_residual_m", "tension_max_n", "winch_speed_max_mps")
 """Figures of the table in a terminal, beside time at limits and the chance of a fade-out."""
-
-
-IDENTIFIED = ("identified", "value", "sigma", "assumed", "known by")
-"""Headings of the table of what was identified."""
 
 MOST_REQUESTS = 6
 """Requests of an operator that are named."""
@@ -37,7 +33,6 @@ class Result:
     known: Known  # by the record
     recorded: Figures  # figures of the record itself
     answers: Sequence[Answer]  # the first asked first
-    payout_error: tuple[float, float]  # of the same law again, standard deviation and largest [m]
 
     @property
     def warnings(self) -> list[str]:
@@ -62,97 +57,46 @@ def headings() -> list[str]:
 
 def rows(result: Result) -> list[list[str]]:
     """Return the rows of the table of a `result`: the record itself, then what would have been."""
-    found = [["recorded", "-", *(banded(key, result.recorded) for key in BRIEF), _limits(result.recorded)]]
-    for answer in result.answers:
-        cells = [banded(key, answer.figures) for key in BRIEF]
-        found.append([answer.asked.name, _gives_up(answer), *cells, _limits(answer.figures)])
-    return found
-
-
-def _gives_up(answer: Answer) -> str:
-    """Return on how many plants an `answer` gives up compensation, and when on that of its figures."""
-    if answer.asked.controller.law == OFF:
-        return "-"
-    lost_at = answer.figures.lost_at
-    here = f", here at {lost_at:.0f} s" if math.isfinite(lost_at) else ""
-    return f"{answer.lost} of {answer.plants}{here}"
-
-
-def _limits(figures: Figures) -> str:
-    return f"{figures.values['time_at_limit_percent']:.1f}"
-
-
-def check_line(result: Result) -> str:
-    """Return the line of the check that comes first in a `result`: the same law again."""
-    past, sigma_of_unit = result.known.past, 1e3 * result.known.unexplained.waves
-    sigma, largest = result.payout_error
-    verdict = "gives the record again" if largest <= SAME_PAYOUT else "DOES NOT GIVE THE RECORD AGAIN"
-    return (
-        f"same law again: {verdict}: payout within {1e3 * largest:.2f} mm (sigma {1e3 * sigma:.2f} mm); model of the "
-        f"winch alone within {1e3 * past.winch.error:.1f} mm of the encoder, twin of the unit within "
-        f"{sigma_of_unit:.1f} mm of the depth (standard deviations)"
-    )
+    found = [("recorded", "-", result.recorded)]
+    for one in result.answers:
+        is_off = one.asked.controller.law == OFF
+        found.append((one.asked.name, "-" if is_off else f"{one.lost} of {one.plants}", one.figures))
+    return [
+        [name, lost, *(banded(key, of) for key in BRIEF), f"{of.values['time_at_limit_percent']:.1f}"]
+        for name, lost, of in found
+    ]
 
 
 def lines_before(result: Result) -> list[str]:
     """Return the lines that come before the answers of a `result`: the check, what is known, what was changed."""
-    asked = [f"each law with {' and '.join(result.settings)}"] if result.settings else []
-    return [check_line(result), report_line(result.known), *_operator_lines(result.known), *asked]
-
-
-def _operator_lines(known: Known) -> list[str]:
-    """Return a line on what the operator of the record requested, as it is `known`; none where that was nothing."""
+    known = result.known
+    verdict = "gives the record again" if known.again.is_same else "DOES NOT GIVE THE RECORD AGAIN"
+    lines = [
+        f"same law again: {verdict}; model of the winch alone within {1e3 * known.past.winch.error:.1f} mm of the "
+        f"encoder, twin of the unit within {1e3 * known.unexplained.waves:.1f} mm of the depth (standard deviations)",
+        "known from this record: "
+        + "; ".join(f"{of} {'yes' if is_reported else 'no'}: {why}" for of, is_reported, why in reported(known)),
+        "identified: " + ", ".join(_identified(known)),
+    ]
     record = known.past.record
     done = [(tick, one) for tick, of_tick in sorted(record.requests.items()) for one in of_tick]
-    if not done:
-        return []
-    words = [f"{one.words} at {tick * record.tick_period:.1f} s" for tick, one in done[:MOST_REQUESTS]]
-    rest = [f"{len(done) - MOST_REQUESTS} more"] if len(done) > MOST_REQUESTS else []
-    return [f"requests of the operator, given to each law again: {', '.join([*words, *rest])}"]
+    if done:
+        words = [f"{one.words} at {tick * record.tick_period:.1f} s" for tick, one in done[:MOST_REQUESTS]]
+        words += [f"{len(done) - MOST_REQUESTS} more"] if len(done) > MOST_REQUESTS else []
+        lines.append(f"requests of the operator, given to each law again: {', '.join(words)}")
+    return [*lines, *([f"each law with {' and '.join(result.settings)}"] if result.settings else [])]
 
 
-def report_line(known: Known) -> str:
-    """Return what the record shows by what is `known` of it, in one line."""
-    return "known from this record: " + "; ".join(
-        f"{of} {'yes' if is_reported else 'no'}: {why}" for of, is_reported, why in reported(known)
-    )
-
-
-def identified_rows(known: Known) -> list[list[str]]:
-    """Return a row for each of IDENTIFIED with what was identified, by what is `known`."""
-    found = []
-    for name, value in known.fit.values.items():
-        unit, nominal = (f" {AS_THEY_ARE[name]}", "0") if name in AS_THEY_ARE else ("", "1")
-        by = "this record" if known.fit.is_shown(name) else "--know" if known.fit.tells(name) else "what was assumed"
-        found.append([name, *(f"{text}{unit}" for text in _with_sigma(value, known.fit.sigma(name))), nominal, by])
-    for name, belief in known.again.beliefs.values.items():
-        found.append([name, *_with_sigma(belief.value, belief.sigma), "-", "the adviser"])
-    if known.fit.source.high_pass.period:
-        found.append(["mru.high_pass_period", f"{known.fit.source.high_pass.period:.0f} s", "-", "-", "this record"])
-    return found
-
-
-def _with_sigma(value: float, sigma: float) -> tuple[str, str]:
-    """Return a `value` and its standard deviation, two digits of that and no more of the value."""
-    if not sigma > 0.0:
-        return f"{value:.4g}", "-"
-    decimals = max(1 - math.floor(math.log10(sigma)), 0)
-    return f"{value:.{decimals}f}", f"{sigma:.{decimals}f}"
-
-
-def causes(answers: Sequence[Answer]) -> list[str]:
-    """Return a line for each of the `answers` that may give up compensation: on how many plants, and by what."""
-    found = []
-    for one in answers:
-        lost_at = one.figures.lost_at
-        if one.lost:
-            is_shown = math.isfinite(lost_at)
-            shown = f"at {lost_at:.1f} s, and the figures count both before and after" if is_shown else "none"
-            found.append(
-                f"{one.asked.name}: gives up compensation on {one.lost} of {one.plants} plants "
-                f"that the record allows: {one.cause}; in the motion that is shown {shown}"
-            )
-    return found
+def _identified(known: Known) -> list[str]:
+    """Return what was identified, with its standard deviation, and by the adviser, in words."""
+    found = [
+        f"{name} {value:.3g} (sigma {known.fit.sigma(name):.2g}){AS_THEY_ARE.get(name, '')}"
+        for name, value in known.fit.values.items()
+        if known.fit.tells(name)
+    ]
+    found += [f"{name} {belief.value:.4g} (adviser)" for name, belief in known.again.beliefs.values.items()]
+    period = known.fit.source.high_pass.period
+    return [*found, *([f"high-pass of the MRU {period:.0f} s"] if period else [])] or ["nothing"]
 
 
 def to_json(result: Result) -> dict[str, Any]:
@@ -160,7 +104,7 @@ def to_json(result: Result) -> dict[str, Any]:
     known = result.known
     return {
         "settings": list(result.settings),
-        "same_law_again": {"payout_sigma_m": result.payout_error[0], "payout_largest_m": result.payout_error[1]},
+        "same_law_again": known.again.is_same,
         "reported": {of: {"is_reported": is_reported, "why": why} for of, is_reported, why in reported(known)},
         "identified": {
             name: {"value": value, "sigma": known.fit.sigma(name)} for name, value in known.fit.values.items()

@@ -20,57 +20,34 @@ def quiet(words: str, share: float) -> None:
     """Show nothing of how far the work is, in `words`, by its `share`."""
 
 
-def show_some(show: Show, words: str, of: int, done: int) -> None:
-    """Have `show` say how far the work in `words` is, `of` so many ticks `done`, not at every tick."""
-    if done % 200 == 0 or done == of:
-        show(words, done / max(of, 1))
-
-
 @dataclass(frozen=True)
 class Work:
     """What does independent parts of some work."""
 
-    pool: ProcessPoolExecutor | None  # of other processes; None: this one does it
-    show: Show  # called with what is done, and the share of it
+    pool: ProcessPoolExecutor | None = None  # of other processes; None: this one does it
+    show: Show = quiet  # called with what is done, and the share of it
 
     def done(self, words: str, function: Callable[..., Any], tasks: Sequence[Sequence[Any]]) -> list[Any]:
         """Return what a `function` returns for the arguments in each of some `tasks`; `words` are shown."""
-        return self.in_batches(words, function, len(tasks))(tasks) if tasks else []
-
-    def in_batches(
-        self, words: str, function: Callable[..., Any], usual: int
-    ) -> Callable[[Sequence[Sequence[Any]]], list[Any]]:
-        """Return what does batches of tasks for a `function`, of which there are `usual` in all; `words` are shown."""
-        count = 0
-
-        def one_more(found: Any) -> Any:
-            nonlocal count
-            count += 1
-            self.show(words, min(count / usual, 1.0))
+        found = []
+        if self.pool is None:
+            for number, task in enumerate(tasks):
+                self.show(words, number / len(tasks))
+                found.append(function(*task))
             return found
-
-        def batch(tasks: Sequence[Sequence[Any]]) -> list[Any]:
-            if self.pool is None:
-                return [one_more(function(*task)) for task in tasks]
-            coming = [self.pool.submit(function, *task) for task in tasks]
-            for future in as_completed(coming):
-                one_more(future)
-            return [future.result() for future in coming]
-
-        self.show(words, 0.0)
-        return batch
+        coming = [self.pool.submit(function, *task) for task in tasks]
+        for number, _ in enumerate(as_completed(coming)):
+            self.show(words, number / len(tasks))
+        return [future.result() for future in coming]
 
 
-HERE = Work(None, quiet)
+HERE = Work()
 """Work that this process does, and shows nothing."""
 
 
 @contextmanager
 def work_in(processes: int, show: Show = quiet) -> Iterator[Work]:
     """Give work to so many `processes`, which start with the first part; `show` as for `Work`."""
-    if processes <= 1:
-        yield Work(None, show)
-        return
     try:
         with worker_pool(processes) as pool:
             yield Work(pool, show)

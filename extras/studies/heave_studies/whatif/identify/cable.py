@@ -15,20 +15,22 @@ import numpy as np
 from heave_node.numerics.arrays import Array, ComplexArray
 from winch_controller_node.adviser.hypothesis import HIGH_PASS, PRICES, TRIED
 
-from heave_studies.whatif.identify.evidence import INDEPENDENT, Evidence, Values
-from heave_studies.whatif.identify.prior import (
+from heave_studies.whatif.identify.evidence import (
     AS_THEY_ARE,
     CABLE_DRAG,
     DAMPING,
     DELAY,
+    INDEPENDENT,
     INERTIA,
     LEVER_ARM,
     SCALE,
     STIFFNESS,
     USUAL,
-    Prior,
+    Evidence,
+    Values,
+    prior_of,
 )
-from heave_studies.whatif.signals.tip_source import TipSource, tip_source
+from heave_studies.whatif.signals.tip import TipSource, tip_source
 from heave_studies.whatif.twin.plant import Follow, followed
 
 STEPS = {
@@ -68,11 +70,10 @@ class CableFit:
 
     values: Mapping[str, float]  # about what is assumed, by name: factors [-], delay [s], lever arm [m]
     covariance: Array = field(repr=False)  # of the logarithms of the factors, and of the others, in that order
-    prior: Prior  # what was known before
+    prior: Values  # standard deviations of what was known before
     source: TipSource = field(repr=False)  # of the boom tip
     loss: float  # at the values [nats]
     chi2: float  # mean square of what is left of the depth readings over their noise [-]
-    end: float  # time up to which the record was judged [s]
 
     def sigma(self, name: str) -> float:
         """Standard deviation of the value `name`: relative for a factor, else in its unit."""
@@ -80,17 +81,13 @@ class CableFit:
         return math.sqrt(float(self.covariance[place, place]))
 
     def tells(self, name: str) -> bool:
-        """Return whether the value `name` is known better than the parameters say: by the record, or by both."""
-        return self.sigma(name) < TELLS * max(self.prior.sigma[name], USUAL[name])
-
-    def is_shown(self, name: str) -> bool:
         """Return whether the record says more of the value `name` than was known before."""
-        return self.sigma(name) < TELLS * self.prior.sigma[name]
+        return self.sigma(name) < TELLS * self.prior[name]
 
     def off_prior(self, name: str) -> float:
         """Return how far the value `name` is from what was known before, in standard deviations of that."""
         value = self.values[name] if name in AS_THEY_ARE else math.log(self.values[name])
-        return abs(value - self.prior.centre[name]) / self.prior.sigma[name]
+        return abs(value) / self.prior[name]
 
     def drawn(self, random: np.random.Generator) -> CableFit:
         """Return a fit with other values that the record allows, by `random` numbers."""
@@ -129,10 +126,9 @@ class Search:
     follow : returns the motions of twins
     """
 
-    def __init__(self, evidence: Evidence, prior: Prior, about: Values, noise: Array, follow: Follow) -> None:
+    def __init__(self, evidence: Evidence, prior: Values, about: Values, noise: Array, follow: Follow) -> None:
         self._evidence, self._about, self._follow = evidence, about, follow
-        self._centre = np.array([prior.centre[name] for name in about])
-        self._sigma = np.array([prior.sigma[name] for name in about])
+        self._sigma = np.array([prior[name] for name in about])
         self._steps = np.array([STEPS[name] for name in about])
         self._whiten = np.linalg.inv(np.linalg.cholesky(evidence.covariance(about, noise)))
         held = {LEVER_ARM} if not evidence.source.turns else set()
@@ -149,7 +145,7 @@ class Search:
     def _point(self, x: Array, gap: ComplexArray) -> Point:
         """Return the point `x`, at which the twin leaves this `gap` to the readings."""
         left = np.einsum("kij,jk->ki", self._whiten, gap)
-        off = (x - self._centre) / self._sigma
+        off = x / self._sigma
         return Point(x, gap, left, float(INDEPENDENT * np.sum(np.abs(left) ** 2) + 0.5 * off @ off))
 
     def followed(self, point: Point, rounds: int) -> tuple[Point, Array]:
@@ -161,7 +157,7 @@ class Search:
             for place, moved in zip(self._free, beside, strict=True):
                 slopes[:, place] = _real(moved.left - point.left) / self._steps[place]
             curvature = slopes.T @ slopes + np.diag(self._sigma**-2.0)
-            pull = slopes.T @ _real(point.left) + (point.x - self._centre) / self._sigma**2
+            pull = slopes.T @ _real(point.left) + point.x / self._sigma**2
             move = -np.linalg.solve(curvature, pull)
             covariance = np.asarray(np.linalg.inv(curvature))
             before = point
@@ -182,19 +178,17 @@ def _real(values: ComplexArray) -> Array:
     return np.concatenate([flat.real, flat.imag])
 
 
-def fit_cable(evidence: Evidence, prior: Prior, near: Values | None = None, follow: Follow = followed) -> CableFit:
+def fit_cable(evidence: Evidence, follow: Follow = followed) -> CableFit:
     """Return the likeliest values, with another high-pass of the MRU where it is worth its price.
 
     Parameters
     ----------
     evidence : of the record
-    prior : what is known before
-    near : values from which it is begun; None: a resonance is looked for
     follow : returns the motions of twins
     """
-    centre = values_at(np.array([*prior.centre.values()]), prior.centre)
-    starts: list[Values] = [near] if near else [centre, *({**centre, INERTIA: math.exp(one)} for one in STARTS)]
-    fit = _fitted(evidence, prior, near or centre, starts, follow)
+    prior, centre = prior_of(evidence.nominal), values_at(np.zeros(len(USUAL)), USUAL)
+    starts: list[Values] = [centre, *({**centre, INERTIA: math.exp(one)} for one in STARTS)]
+    fit = _fitted(evidence, prior, centre, starts, follow)
     assumed = evidence.source.high_pass
     x, noise = point_of(fit.values), evidence.noise
     held = Search(evidence, prior, fit.values, noise, follow).at(x)[0].loss
@@ -210,7 +204,7 @@ def fit_cable(evidence: Evidence, prior: Prior, near: Values | None = None, foll
     return fit
 
 
-def _fitted(evidence: Evidence, prior: Prior, about: Values, starts: list[Values], follow: Follow) -> CableFit:
+def _fitted(evidence: Evidence, prior: Values, about: Values, starts: list[Values], follow: Follow) -> CableFit:
     """Return the likeliest values from several `starts`; `follow` returns the motions of twins."""
     noise = evidence.noise.copy()
     first = search = Search(evidence, prior, about, noise, follow)
@@ -237,7 +231,6 @@ def _fitted(evidence: Evidence, prior: Prior, about: Values, starts: list[Values
         evidence.source,
         first.at(best.x)[0].loss,
         float(_chi2(evidence, values, best.gap)[0]),
-        evidence.end,
     )
 
 

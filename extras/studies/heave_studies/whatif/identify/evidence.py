@@ -16,13 +16,28 @@ from cable_sim_node.vertical.axial_line import AxialLine
 from heave_node.numerics.arrays import Array, ComplexArray
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-from heave_studies.whatif.identify.prior import CABLE_DRAG, DAMPING, DELAY, INERTIA, LEVER_ARM, SCALE, STIFFNESS
 from heave_studies.whatif.signals.record import SensorRecord
 from heave_studies.whatif.signals.spectra import BAND, Speeds, Transform, gains_over_top, noise_power
-from heave_studies.whatif.signals.tip import Tip
-from heave_studies.whatif.signals.tip_source import TipSource
+from heave_studies.whatif.signals.tip import Tip, TipSource
 from heave_studies.whatif.twin.plant import Drive, PlantFactors, PlantMotion, scaled_line
 from heave_studies.whatif.twin.winch import PastWinch
+
+INERTIA, DAMPING, CABLE_DRAG = "cable.inertia_factor", "cable.damping_factor", "cable.drag_factor"
+STIFFNESS, SCALE, DELAY, LEVER_ARM = "cable.stiffness_factor", "mru.scale", "mru.delay", "mru.lever_arm"
+
+AS_THEY_ARE = {DELAY: "s", LEVER_ARM: "m"}
+"""Quantities that are 0 where all is as assumed, with their units; the others are factors."""
+
+USUAL = {INERTIA: 0.15, DAMPING: 0.6, CABLE_DRAG: 0.3, STIFFNESS: 0.1, SCALE: 0.02, DELAY: 0.04, LEVER_ARM: 0.1}
+"""Standard deviation of each about what is assumed: of the logarithm of a factor [-], of a delay [s] or an arm [m]."""
+
+
+def prior_of(nominal: WinchControllerParameters) -> dict[str, float]:
+    """Return the standard deviation of each quantity before the record, for `nominal` parameters of the controller."""
+    mru = nominal.sensors.mru
+    known = {SCALE: mru.scale_sigma, LEVER_ARM: mru.lever_arm_sigma}
+    return {name: max(usual, known.get(name, 0.0)) for name, usual in USUAL.items()}
+
 
 BEGINS = 30.0
 """Time after the start of a record from which it is judged [s]: plant and sea may begin at rest."""
@@ -53,7 +68,11 @@ class Evidence:
     source: TipSource  # of the boom tip
     winch: PastWinch  # what the drum did
     depth_scale: float  # reading over truth [-]
-    end: float  # time up to which it is judged [s]: the cable is taut
+
+    @property
+    def end(self) -> float:
+        """Time up to which it is judged [s]."""
+        return float(self.record.time[-1])
 
     @property
     def start(self) -> float:

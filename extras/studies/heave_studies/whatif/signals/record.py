@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from heave_bags.analyse.reading.depth_programme import has_programme, running_mean
@@ -134,20 +134,6 @@ class SensorRecord:
             set_points=self.set_points[:count],
             modes=self.modes[:count],
         )
-
-
-def shortened(value: Any, ticks: int, count: int) -> Any:
-    """Return a `value` with the first `count` of everything in it that has one value for each of so many `ticks`."""
-    if isinstance(value, SensorRecord):
-        return value.part(float(value.time[0]) + (count - 0.5) * value.tick_period)
-    if is_dataclass(value) and not isinstance(value, type):
-        parts = {one.name: shortened(getattr(value, one.name), ticks, count) for one in fields(value)}
-        return replace(value, **parts)
-    if isinstance(value, tuple) and hasattr(value, "_fields"):
-        return type(value)(*(shortened(one, ticks, count) for one in value))
-    if isinstance(value, (tuple, np.ndarray)) and len(value) == ticks:
-        return value[:count]
-    return value
 
 
 def without_move(time: Array, heave: Array, set_point: Array) -> Array:

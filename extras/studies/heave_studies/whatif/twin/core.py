@@ -1,12 +1,14 @@
-"""Controller and adviser over the ticks of a record."""
+"""Controller and adviser over the ticks of a record; the same law again must give the orders of the record."""
 
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
+from heave_node.interface.alarm import Alarm
 from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.core.component import WinchController
@@ -105,3 +107,49 @@ REPEATED: Mapping[str, Callable[..., Any]] = {
     DESIGN: _design,
 }
 """How a request of each kind is given to a controller."""
+
+
+REPRODUCED = 1e-9
+"""Orders that differ by less are the same [m/s]."""
+
+
+@dataclass(frozen=True)
+class Again:
+    """What the same controller makes of a record."""
+
+    beliefs: Beliefs  # of the adviser at the end; nominal where there was none
+    # time at which its orders or its mode are first other than those of the record [s]; infinite: never; NaN: not
+    # asked, as the record's controller was another one
+    parted: float
+    mode: str = ""  # mode there
+    was: str = ""  # mode in the record
+    alarms: tuple[tuple[float, Alarm], ...] = field(default=(), repr=False)  # that it raised, with their times [s]
+    refused: tuple[str, ...] = ()  # requests of the operator that it did not take, in words
+
+    @property
+    def is_same(self) -> bool:
+        """Return whether every order was given again."""
+        return math.isinf(self.parted)
+
+
+def observed_again(record: SensorRecord, parameters: WinchControllerParameters) -> Again:
+    """Have a controller of the active `parameters` read a `record` as it stands.
+
+    Parameters
+    ----------
+    record : of the sensors
+    parameters : nominal, of the run
+    """
+    core = Core(record, parameters, has_adviser=record.has_adviser)
+    parted, mode, was = math.inf, "", ""
+    alarms: list[tuple[float, Alarm]] = []
+    for index, given in enumerate(record.measurements):
+        outputs, order = core.step(index, given)
+        alarms += [(float(record.time[index]), alarm) for alarm in outputs.alarms]
+        ordered = record.orders[index]
+        is_other = (order is not None and ordered is not None) and (
+            order.brake != ordered.brake or not abs(order.payout_rate - ordered.payout_rate) <= REPRODUCED
+        )
+        if is_other and math.isinf(parted):
+            parted, mode, was = float(record.time[index]), outputs.mode, record.modes[index]
+    return Again(core.beliefs, parted, mode, was, tuple(alarms), tuple(core.refused))

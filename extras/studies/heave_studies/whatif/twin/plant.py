@@ -71,37 +71,6 @@ def twin_stepper(line: AxialLine, length: float, start: Iterable[float], tick_pe
     return AxialStepper(line, length, AxialInput(*start), segments=SEGMENTS, duration=tick_period, substeps=SUBSTEPS)
 
 
-class TwinPlant:
-    """Cable and unit under the boom tip of a record.
-
-    Parameters
-    ----------
-    line : cable and unit
-    length : unstretched cable at payout 0 [m]
-    tip : of the record
-    payout, rate : at the first tick [m], [m/s]
-    tick_period : [s]
-    """
-
-    def __init__(
-        self, line: AxialLine, length: float, tip: Tip, payout: float, rate: float, *, tick_period: float
-    ) -> None:
-        self._tip, self._index = tip, 0
-        self._stepper = twin_stepper(line, length, (tip.heave[0], tip.rate[0], payout, rate), tick_period)
-
-    @property
-    def columns(self) -> tuple[float, float, float, float]:
-        """Heave of the unit [m], its velocity [m/s], the top tension and the least along the cable [N] now."""
-        state = self._stepper.state
-        return state.unit_heave, state.unit_velocity, state.top_tension, state.least_tension
-
-    def advance(self, payout: float, rate: float) -> None:
-        """Go to the next tick, where the payout is so much [m] and has a `rate` [m/s]."""
-        self._index += 1
-        tip, at = self._tip, self._index
-        self._stepper.advance(AxialInput(float(tip.heave[at]), float(tip.rate[at]), payout, rate))
-
-
 @dataclass(frozen=True)
 class PlantMotion:
     """Motion of the plant at each tick."""
@@ -111,18 +80,13 @@ class PlantMotion:
     tension: Array  # at the top (n,) [N]
     least_tension: Array  # the smallest along the cable (n,) [N]
 
-    @property
-    def acceleration(self) -> Array:
-        """Of the unit over the tick period: differences of the velocity from tick to tick (n,) [m/s]."""
-        return np.gradient(self.velocity)
-
 
 class Drive(NamedTuple):
     """What moves a plant."""
 
-    line: AxialLine  # as for TwinPlant
-    length: float  # as for TwinPlant [m]
-    tip: Tip  # as for TwinPlant
+    line: AxialLine  # cable and unit
+    length: float  # unstretched, of the cable at payout 0 [m]
+    tip: Tip  # of the record
     payout: Array  # of the cable at each tick (n,) [m]
     rate: Array  # of the cable at each tick (n,) [m/s]
     tick_period: float  # [s]

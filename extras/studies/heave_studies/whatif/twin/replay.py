@@ -8,23 +8,23 @@ give its readings back to the last bit.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from cable_sim_node.vertical.axial_line import AxialLine
-from cable_sim_node.winch.component import WinchState
+from cable_sim_node.vertical.axial_stepper import AxialInput
+from cable_sim_node.winch.component import VirtualWinch, WinchState
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.interface.alarm import Alarm
 from heave_node.numerics.arrays import Array
-from winch_controller_node.interface.readings import Measurements, Outputs, ScalarReading, WinchOrder, WinchReading
+from winch_controller_node.interface.readings import Measurements, Outputs, ScalarReading, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_studies.whatif.signals.record import Flags, SensorRecord
 from heave_studies.whatif.signals.tip import Tip
 from heave_studies.whatif.twin.core import Core
-from heave_studies.whatif.twin.plant import Drive, PlantMotion, TwinPlant
-from heave_studies.whatif.twin.winch import PastWinch, TwinWinch
+from heave_studies.whatif.twin.plant import Drive, PlantMotion, twin_stepper
+from heave_studies.whatif.twin.winch import PastWinch, command_of
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,6 @@ class Past:
     winch: PastWinch  # what the drum did
     winch_parameters: WinchParameters  # what it is
     plant: PlantMotion  # motion of the twin under that
-    # what the readings of the unit and the load cell show of it: the twin, and what a slack cable left
-    moved: PlantMotion
     encoder_scale: float = 1.0  # reading over truth [-]
     depth_scale: float = 1.0  # reading over truth [-]
 
@@ -58,11 +56,9 @@ class Replayed:
     set_point: Array  # mean payout that the controller worked about (n,) [m]
     unit: Array  # of the twin at each tick (n,) [m]
     tension: Array  # of the twin at each tick (n,) [N]
-    authority: Array  # authority of compensation (n,) [-]
     modes: tuple[str, ...]  # of the controller in each tick
     alarms: tuple[tuple[float, Alarm], ...]  # time [s] and alarm
     limits_hit: Flags  # of the winch in each tick, sums of WinchLimit (n,)
-    order_error: Array  # largest difference of the rate set-point from that of the record so far (n,) [m/s]
     refused: tuple[str, ...] = ()  # requests of the operator that the controller did not take, in words
 
 
@@ -76,8 +72,8 @@ class Asked:
     has_adviser: bool = True  # the loop identifies what is other than nominal, as on a ship
 
 
-COLUMNS = 7
-"""Columns of the table of a replay: payout, rate, set point, heave of the unit, tension, authority, limits hit."""
+COLUMNS = 6
+"""Columns of the table of a replay: payout, rate, set point, heave of the unit, tension, limits hit."""
 
 
 class Replay:
@@ -93,14 +89,14 @@ class Replay:
         record = past.record
         dt, self._past, self._index = record.tick_period, past, 0
         self._core = Core(record, asked.controller, has_adviser=asked.has_adviser)
-        self._winch = TwinWinch(asked.winch or past.winch_parameters, tick_period=dt)
+        self._winch = VirtualWinch(asked.winch or past.winch_parameters, tick_period=dt)
         self._is_other = asked.winch is not None and asked.winch != past.winch_parameters
         payout, rate = float(past.winch.payout[0]), float(past.winch.rate[0])
-        self._plant = TwinPlant(past.line, past.length, past.tip, payout, rate, tick_period=dt)
+        start = (past.tip.heave[0], past.tip.rate[0], payout, rate)
+        self._plant = twin_stepper(past.line, past.length, start, dt)
         # differences of the twins at each tick: heave, velocity and acceleration of the unit, tension, payout, its rate
         self._differences = np.zeros((record.ticks, 6))
         self._payout, self._rate = payout, rate
-        self.order_error = 0.0
         self.refused = self._core.refused
 
     def step(self) -> tuple[Outputs, Array]:
@@ -109,24 +105,15 @@ class Replay:
         tick = past.record.first + index
         given = past.record.measurements[index]
         outputs, order = self._core.step(index, self._as_read(given, index) if self._is_other else given)
-        self._compare(order, index)
-        unit, _, tension, _ = self._plant.columns
+        was = past.record.orders[index]
+        self._is_other |= was is not None and order is not None and order != was
+        unit, _, tension, _ = self._plant.state
         limits = self._winch.state.limits_hit if self._is_other else past.record.limits_hit[index]
-        row = np.array(
-            [self._payout, self._rate, outputs.depth_set_point, unit, tension, outputs.authority, int(limits)]
-        )
+        row = np.array([self._payout, self._rate, outputs.depth_set_point, unit, tension, int(limits)])
         if index + 1 < past.record.ticks:
-            self._advance(self._winch.step(tick, order, tension), index + 1)
+            self._advance(self._winch.step(tick, command_of(order), tension), index + 1)
         self._index += 1
         return outputs, row
-
-    def _compare(self, order: WinchOrder | None, index: int) -> None:
-        """Note how far the `order` is from that of the record."""
-        was = self._past.record.orders[index]
-        if was is None or order is None:
-            return
-        self.order_error = max(self.order_error, abs(order.payout_rate - was.payout_rate))
-        self._is_other |= order != was
 
     def _advance(self, winch: WinchState, index: int) -> None:
         """Take the plant to the next tick, of an `index`, under what the winch has become, and note the differences."""
@@ -135,12 +122,13 @@ class Replay:
         extra = winch.payout - past.winch.modelled[index] if is_other else 0.0
         extra_rate = winch.payout_rate - past.winch.modelled_rate[index] if is_other else 0.0
         self._payout, self._rate = past.winch.payout[index] + extra, past.winch.rate[index] + extra_rate
-        self._plant.advance(float(self._payout), float(self._rate))
-        unit, velocity, tension, _ = self._plant.columns
+        heave, heave_rate = float(past.tip.heave[index]), float(past.tip.rate[index])
+        self._plant.advance(AxialInput(heave, heave_rate, float(self._payout), float(self._rate)))
+        unit, velocity, tension, _ = self._plant.state
         row, dt = self._differences[index], past.record.tick_period
-        row[0], row[1] = unit - past.moved.unit[index], velocity - past.moved.velocity[index]
+        row[0], row[1] = unit - past.plant.unit[index], velocity - past.plant.velocity[index]
         row[2] = (row[1] - self._differences[index - 1, 1]) / dt
-        row[3] = tension - past.moved.tension[index]
+        row[3] = tension - past.plant.tension[index]
         row[4], row[5] = extra, extra_rate
 
     def _as_read(self, given: Measurements, index: int) -> Measurements:
@@ -180,44 +168,28 @@ MOVED = {"depth": (0, -1.0), "velocity": (1, 1.0), "imu": (2, 1.0), "load_cell":
 """Column of the differences by which each sensor reads otherwise, and its sign: depth is positive down."""
 
 
-def replay(
-    past: Past,
-    asked: Asked,
-    *,
-    on_tick: Callable[[int], None] | None = None,
-) -> Replayed:
-    """Return what the loop that is `asked` for would have done over the whole record.
-
-    Parameters
-    ----------
-    past, asked : see `Replay`
-    on_tick : called with the number of ticks that are done
-    """
+def replay(past: Past, asked: Asked) -> Replayed:
+    """Return what the loop that is `asked` for would have done over the whole of `past`."""
     loop, ticks = Replay(past, asked), past.record.ticks
-    table, errors = np.empty((ticks, COLUMNS)), np.empty(ticks)
+    table = np.empty((ticks, COLUMNS))
     modes: list[str] = []
     alarms: list[tuple[float, Alarm]] = []
     for index in range(ticks):
         outputs, table[index] = loop.step()
-        errors[index] = loop.order_error
         modes.append(outputs.mode)
         alarms += [(float(past.record.time[index]), alarm) for alarm in outputs.alarms]
-        if on_tick is not None:
-            on_tick(index + 1)
-    payout, rate, set_point, unit, tension, authority, limits = table.T.copy()
+    payout, rate, set_point, unit, tension, limits = table.T.copy()
     return Replayed(
-        time=past.record.time,
-        payout=payout,
-        rate=rate,
-        set_point=set_point,
-        unit=unit,
-        tension=tension,
-        authority=authority,
-        modes=tuple(modes),
-        alarms=tuple(alarms),
-        limits_hit=limits.astype(int),
-        order_error=errors,
-        refused=tuple(loop.refused),
+        past.record.time,
+        payout,
+        rate,
+        set_point,
+        unit,
+        tension,
+        tuple(modes),
+        tuple(alarms),
+        limits.astype(int),
+        tuple(loop.refused),
     )
 
 
@@ -225,15 +197,13 @@ def locked(record: SensorRecord, drive: Drive, motion: PlantMotion) -> Replayed:
     """Return what the winch at its mean payout would have been in a `record`: the `motion` under its `drive`."""
     ticks, set_point = record.ticks, drive.payout
     return Replayed(
-        time=record.time,
-        payout=set_point,
-        rate=drive.rate,
-        set_point=set_point,
-        unit=motion.unit,
-        tension=motion.tension,
-        authority=np.zeros(ticks),
-        modes=("off",) * ticks,
-        alarms=(),
-        limits_hit=np.zeros(ticks, dtype=int),
-        order_error=np.zeros(ticks),
+        record.time,
+        set_point,
+        drive.rate,
+        set_point,
+        motion.unit,
+        motion.tension,
+        ("off",) * ticks,
+        (),
+        np.zeros(ticks, dtype=int),
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from cable_sim_node.winch.command_line import WinchCommand
-from cable_sim_node.winch.component import VirtualWinch, WinchState
+from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from heave_core.servo import NO_POWER_LIMIT
 from heave_node.numerics.arrays import Array
@@ -47,27 +47,9 @@ def winch_under(beliefs: Beliefs, nominal: WinchControllerParameters) -> WinchPa
     )
 
 
-class TwinWinch:
-    """A winch that takes the orders of a controller.
-
-    Parameters
-    ----------
-    parameters : of the winch
-    tick_period : [s]
-    """
-
-    def __init__(self, parameters: WinchParameters, *, tick_period: float) -> None:
-        self._winch = VirtualWinch(parameters, tick_period=tick_period)
-        self.state = self._winch.state
-
-    def step(self, tick: int, order: WinchOrder | None, tension: float = math.nan) -> WinchState:
-        """Take the `order` of a `tick` (None: there was none) and return the state at its end.
-
-        `tension` is that at the drum [N], for a winch with a limit of power; NaN: the last one known.
-        """
-        command = None if order is None else WinchCommand(order.sequence, order.payout, order.payout_rate, order.brake)
-        self.state = self._winch.step(tick, command, tension)
-        return self.state
+def command_of(order: WinchOrder | None) -> WinchCommand | None:
+    """Return the command that an `order` of a controller is; None: there was none."""
+    return None if order is None else WinchCommand(order.sequence, order.payout, order.payout_rate, order.brake)
 
 
 @dataclass(frozen=True)
@@ -91,10 +73,10 @@ def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale:
     encoder_scale : reading over payout [-]
     """
     dt = record.tick_period
-    twin = TwinWinch(parameters, tick_period=dt)
+    twin = VirtualWinch(parameters, tick_period=dt)
     states = np.zeros((record.ticks, 3))
     for index in range(record.ticks - 1):
-        state = twin.step(record.first + index, record.orders[index], record.tension[index])
+        state = twin.step(record.first + index, command_of(record.orders[index]), record.tension[index])
         states[index + 1] = state.payout, state.payout_rate, state.encoder_payout
     modelled, rate, as_read = states.T.copy()
     # what stands above the encoder's noise is what the model of the winch misses
