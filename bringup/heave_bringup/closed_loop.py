@@ -130,14 +130,17 @@ class ClosedLoop:
         self.sea = WaveVessel(parameters.sea, seed=seed, tick_period=dt)
         self.plant = CableSim(parameters.plant, seed=seed, tick_period=dt)
         self.winch = VirtualWinch(parameters.winch, tick_period=dt, seed=seed)
-        self.controller = WinchController(parameters.controller, tick_period=dt, seed=seed)
-        self._source = motion_source(self.controller, dt)
+        self.take_controller(WinchController(parameters.controller, tick_period=dt, seed=seed))
         self.adviser = Adviser(parameters.controller, tick_period=dt) if has_adviser else None
         self._assumed_water = Water(parameters.controller.water_density, parameters.controller.gravity)
         self._tick_nanoseconds = round(dt * 1e9)
         self.tick = 1
         self._boom_tip = self.sea.initial_boom_tip()
         self._mean_tip = parameters.sea.boom_tip_height
+
+    def take_controller(self, controller: WinchController) -> None:
+        """Go on with a `controller`, and what stands in front of it."""
+        self.controller, self._source = controller, motion_source(controller, self._dt)
 
     def step(self) -> tuple[Outputs, Array]:
         """Do one tick; return what the controller gave and the row of the record."""

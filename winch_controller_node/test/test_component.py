@@ -626,7 +626,7 @@ def test_a_controller_that_is_started_anew_compensates_where_the_drum_stands(win
     loop.controller.move_to_payout(2.0, 0.2)
     for _ in range(400):
         loop.step()
-    loop.controller = WinchController(parameters.controller, tick_period=DT)
+    loop.take_controller(WinchController(parameters.controller, tick_period=DT))
     after = [loop.step() for _ in range(1500)]
     alarms = [alarm for outputs, _ in after for alarm in outputs.alarms if alarm.severity > Severity.EVENT]
     assert not {alarm.row.part for alarm in alarms} & {"mru", "depth", "encoder", "sensors", "loop"}
@@ -768,7 +768,7 @@ def test_compensation_begins_without_a_step_in_the_command(law):
 def test_a_touchdown_while_the_mru_is_lost_for_a_moment_is_acted_upon(monkeypatch):
     controller = WinchController(loop_parameters().controller, tick_period=DT)
     loop = ClosedLoop(loop_parameters(duration=60.0))
-    loop.controller = controller
+    loop.take_controller(controller)
     for _ in range(450):
         loop.step()
     assert controller.mode.value == "compensating"
