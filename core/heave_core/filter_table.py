@@ -12,8 +12,8 @@ STATES = 96
 MEASUREMENTS = 16
 """Most measurements of a model."""
 
-PAST = 1 << 18
-"""Numbers for the ticks that are kept, n (n + 3)/2 of each for n states: 100 ticks of 70 states."""
+PAST = 1 << 19
+"""Numbers for the ticks that are kept, n (n + 3)/2 of each for n states: 200 ticks of 70 states."""
 
 PAST_TICKS = 1024
 """Most ticks that are kept."""

@@ -22,6 +22,8 @@ reads and writes the same memory, and this page (`python -m heave_core.page`).
 | filter | `filter.cpp` | the Kalman filter over ticks: gates, streams, late readings |
 | filter's model | `filter_model.cpp` | drag, a slack cable, the row of a reading |
 | filter's steps | `filter_steps.cpp` | prediction, correction |
+| pass | `pass.cpp` | a linear filter over a record in many versions at once, for the adviser's searches |
+| servo | `servo.cpp` | a drum under the set-points it was sent: what its encoder should have read |
 
 `interface.cpp` is its C interface. By `heave_core_layout` and `heave_core_size` Python refuses a library with another
 layout; the others do what their names say, on structures that Python and C++ share. Python calls them by ctypes, with

@@ -89,34 +89,39 @@ def drum_records(
     return out
 
 
-def predicted_reading(
-    payouts: Array,
-    rates: Array,
-    tensions: Array,
-    readings: Array,
-    drum: Array,
-    position_gain: float,
-    fitted: int,
-    dt: float,
-) -> float:
-    """Return what the encoder should read at the end of the last tick [m].
-
-    Payout and rate at the start are those that explain the first `fitted` of the `readings` best.
+class DrumPrediction:
+    """What the encoder should read at the end of a record by what the first half of it shows; its memory is kept.
 
     Parameters
     ----------
-    payouts, rates : set-points of the ticks, oldest first, more of them than readings by the delay [m], [m/s]
-    tensions : at the top at the end of each of these ticks [N]; NaN: unknown
-    readings : at the start of the record and at the end of each of its ticks [m], shape (count + 1,)
-    drum : fields of `Drum`, shape (13,)
+    ticks : of the record; payout and rate at its start are those that explain the first half of its readings best
+    ahead : set-points before it, for the delay [ticks]
     position_gain : of the servo's position loop [1/s]; 0: none
-    fitted : readings
     dt : tick period [s]
     """
-    count = len(readings) - 1
-    run, work, found = _run(len(rates), count, fitted, position_gain, dt), np.empty(2 * fitted + count), np.empty(1)
-    given = (payouts, rates, np.zeros(len(rates)), tensions, readings, drum)
-    arrays = [np.ascontiguousarray(one, dtype=float) for one in given]
-    addresses = [one.ctypes.data for one in arrays]
-    library().heave_core_servo_reading(run.ctypes.data, *addresses, work.ctypes.data, found.ctypes.data)
-    return float(found[0])
+
+    def __init__(self, ticks: int, ahead: int, position_gain: float, dt: float) -> None:
+        fitted, sent = (ticks + 1) // 2, ticks + ahead
+        self._sent, self._readings = np.zeros((4, sent)), np.zeros(ticks + 1)
+        self._drum, self._found = np.zeros(len(Drum._fields)), np.zeros(1)
+        self._kept = (_run(sent, ticks, fitted, position_gain, dt), np.empty(2 * fitted + ticks))
+        run, work = (one.ctypes.data for one in self._kept)
+        after = (self._readings.ctypes.data, self._drum.ctypes.data, work, self._found.ctypes.data)
+        self._addresses = (run, *(row.ctypes.data for row in self._sent), *after)
+        self._call = library().heave_core_servo_reading
+
+    def of(self, payouts: Array, rates: Array, tensions: Array, readings: Array, drum: Array) -> float:
+        """Return the reading [m].
+
+        Parameters
+        ----------
+        payouts, rates : set-points of the ticks, oldest first, shape (ticks + ahead,) [m], [m/s]
+        tensions : at the top at the end of each of these ticks [N]; NaN: unknown
+        readings : at the start of the record and at the end of each of its ticks [m], shape (ticks + 1,)
+        drum : fields of `Drum`, shape (13,)
+        """
+        sent = self._sent
+        sent[0], sent[1], sent[3] = payouts, rates, tensions
+        self._readings[:], self._drum[:] = readings, drum
+        self._call(*self._addresses)
+        return float(self._found[0])

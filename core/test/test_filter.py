@@ -164,7 +164,7 @@ def test_ticks_may_have_negative_numbers():
         ((97, 4, 21), r"^estimator: 97 states, and at most 96 fit: .*command_delay"),
         ((17, 17, 21), r"^estimator: 17 measurements, and at most 16 fit: use fewer sensors$"),
         ((40, 4, 1001), r"^estimator: 1001 ticks of 40 states are kept, and at most 256 fit: lower .*largest_age$"),
-        ((90, 4, 101), r"^estimator: 101 ticks of 90 states are kept, and at most 62 fit"),
+        ((90, 4, 201), r"^estimator: 201 ticks of 90 states are kept, and at most 125 fit"),
     ],
 )
 def test_a_model_that_does_not_fit_is_refused_in_one_line(sizes, words):

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_core.servo import Drum, drum_records, predicted_reading
+from heave_core.servo import Drum, DrumPrediction, drum_records
 from heave_core.servo_table import SERVO
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -100,7 +100,7 @@ def test_payout_and_rate_at_the_start_are_those_that_the_first_readings_show(sta
     """The readings are of the drum itself: half of them say how it began, and with that what the last one is."""
     drum, rates = Drum(lag, 0.1), waves(0.5, seed)
     readings = np.concatenate([[start[0]], record(drum, rates, start=start)])
-    found = predicted_reading(NOTHING, rates, UNKNOWN, readings, np.array(drum), 0.0, COUNT // 2, DT)
+    found = DrumPrediction(COUNT, AHEAD, 0.0, DT).of(NOTHING, rates, UNKNOWN, readings, np.array(drum))
     assert found == pytest.approx(readings[-1], abs=1e-9)
 
 

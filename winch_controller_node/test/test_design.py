@@ -67,6 +67,18 @@ def test_what_cannot_be_designed_is_refused_in_words(values, message):
         design(**values)
 
 
+@pytest.mark.parametrize(
+    ("values", "tick_period", "message"),
+    [
+        ({"winch__command_delay": 1.9}, 0.02, r"^estimator: \d+ states, and at most 96 fit: use longer ticks, .*delay"),
+        ({"estimator__largest_age": 10.0}, 0.02, r"^estimator: 501 ticks of .*: lower estimator.largest_age$"),
+    ],
+)
+def test_a_model_that_does_not_fit_the_core_is_refused_in_one_line(values, tick_period, message):
+    with pytest.raises(DesignError, match=message):
+        design_controller(parameters(**values), tick_period=tick_period)
+
+
 def test_depth_bias_that_no_other_sensor_resolves_is_named():
     # depth with a free bias sees x + bias; without MRU the mean of x is still tied to the payout, so this is detectable
     assert design(sensors__use=("depth", "encoder")).model.has_state("depth_bias")

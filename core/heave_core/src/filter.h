@@ -15,6 +15,11 @@ double missing_push(const CableSlack &slack, int n, const double *x);
 void set_step(const Filter &filter, const double *x, Step &step);
 double linearised(const Filter &filter, const Reading &reading, const double *x, double *row);
 
+// to += weight from
+inline void add(int n, double weight, const double *__restrict from, double *__restrict to) {
+    for (int j = 0; j < n; j++) to[j] += weight * from[j];
+}
+
 // filter_steps.cpp: prediction and correction
 double dot(int n, const double *a, const double *b);
 void multiply(int n, int columns, const double *left, const double *right, double *product);

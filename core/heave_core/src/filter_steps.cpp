@@ -18,8 +18,7 @@ void multiply(int n, int columns, const double *left, const double *right, doubl
         for (int j = 0; j < columns; j++) row[j] = 0.0;
         for (int k = 0; k < n; k++) {
             const double weight = left[i * n + k];
-            if (weight == 0.0) continue;
-            for (int j = 0; j < columns; j++) row[j] += weight * right[k * columns + j];
+            if (weight != 0.0) add(columns, weight, right + k * columns, row);
         }
     }
 }
@@ -40,10 +39,8 @@ void predict(int n, const Step &step, double command, double *x, double *P) {
 // product = P h, and h' P h
 double across(int n, const double *row, const double *P, double *product) {
     for (int j = 0; j < n; j++) product[j] = 0.0;
-    for (int i = 0; i < n; i++) {
-        if (row[i] == 0.0) continue;
-        for (int j = 0; j < n; j++) product[j] += row[i] * P[i * n + j];
-    }
+    for (int i = 0; i < n; i++)
+        if (row[i] != 0.0) add(n, row[i], P + i * n, product);
     return dot(n, row, product);
 }
 

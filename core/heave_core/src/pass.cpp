@@ -15,8 +15,7 @@ void move(const Pass &pass, const PassTick &tick, int columns, const double *x, 
     double *row = moved + pass.rate * columns;
     for (int j = 0; j < n; j++) {
         const double weight = tick.gives * pass.pull[j];
-        if (weight == 0.0) continue;
-        for (int m = 0; m < columns; m++) row[m] -= weight * x[j * columns + m];
+        if (weight != 0.0) add(columns, -weight, x + j * columns, row);
     }
 }
 
@@ -51,17 +50,15 @@ void take(const Pass &pass, const PassReads &reads, int m, double *x, double *P)
     const double *row = reads.rows + m * n;
     double *left = reads.innovations + m * c, carried[STATES];
     std::memcpy(left, reads.values + m * c, sizeof(double) * c);
-    for (int i = 0; i < n; i++) {
-        if (row[i] == 0.0) continue;
-        for (int j = 0; j < c; j++) left[j] -= row[i] * x[i * c + j];
-    }
+    for (int i = 0; i < n; i++)
+        if (row[i] != 0.0) add(c, -row[i], x + i * c, left);
     const double S = across(n, row, P, carried) + reads.readings[m].noise, deviation = std::sqrt(S);
     reads.variances[m] = S;
     if (reads.readings[m].used != 0.0)
         for (int i = 0; i < n; i++) {
             const double gain = carried[i] / S;
-            for (int j = 0; j < c; j++) x[i * c + j] += gain * left[j];
-            for (int j = 0; j < n; j++) P[i * n + j] -= gain * carried[j];
+            add(c, gain, left, x + i * c);
+            add(n, -gain, carried, P + i * n);
         }
     for (int j = 0; j < c; j++) left[j] /= deviation;
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,6 +56,7 @@ def in_columns(
     measurements: tuple[MeasurementModel, ...],
     history: SensorHistory,
     onsets: tuple[float, ...] = ONSETS,
+    judged: Mapping[str, Iterable[str]] = JUDGED,
 ) -> Columns:
     """Return a record in columns.
 
@@ -64,6 +66,7 @@ def in_columns(
     measurements : of the model
     history : assumed corrections of the sensors over the record; present delays are compensated
     onsets : times before its end [s]
+    judged : kinds of column of each sensor; without any there is the record as it is alone
     """
     readings, dt = excerpt.readings, excerpt.dt
     value = excerpt.corrected(history)
@@ -73,8 +76,9 @@ def in_columns(
         delays[excerpt.is_of(sensor) & (readings[:, TICK] >= since)] = correction.delay / dt
     firsts = (excerpt.first, *(excerpt.last - round(onset / dt) for onset in onsets))
     firsts = tuple(dict.fromkeys(max(first, excerpt.first) for first in firsts))
-    columns, index = [value - readings[:, SHARE] + delays * _slope(excerpt, value, time)], {}
-    for sensor, kinds in JUDGED.items():
+    as_read = value - readings[:, SHARE]
+    columns, index = [as_read + delays * _slope(excerpt, value, time) if np.any(delays) else as_read], {}
+    for sensor, kinds in judged.items():
         mine = excerpt.is_of(sensor)
         if not np.any(mine):
             continue

@@ -9,11 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from heave_node.numerics.arrays import Array
+from numpy.typing import NDArray
 
-from winch_controller_node.adviser.columns import DELAY, FACTOR, JUDGED, ONSETS, STEP, in_columns
+from winch_controller_node.adviser.columns import DELAY, FACTOR, JUDGED, ONSETS, STEP, Columns, in_columns
 from winch_controller_node.adviser.evidence import FACTORS, Fitted, evidence
 from winch_controller_node.adviser.filter_pass import SETTLING, PassModel, PassResult, run_pass
 from winch_controller_node.adviser.hypothesis import (
@@ -82,17 +84,26 @@ class Judge:
         self.used = tuple(known.name for known in measurements)
         self._sensors = tuple(known.sensor for known in measurements)
         self._excerpt = excerpt.of(self.used)
-        self._columns = in_columns(self._excerpt, measurements, assumed.history, onsets)
+        self._measurements, self._onsets = measurements, onsets
+        self._alone = in_columns(self._excerpt, measurements, assumed.history, judged={}).data
         self._first_judged = excerpt.first + round(SETTLING / excerpt.dt)
         self._late = self._excerpt.readings[:, TICK] >= self._first_judged
         seconds = np.floor(self._excerpt.readings[:, TICK] * excerpt.dt)
         self._read_for = {
             sensor: len(np.unique(seconds[self._late & self._excerpt.is_of(sensor)])) for sensor in self._sensors
         }
-        alone = self._columns.data.among(np.array([0]))
-        used = np.array([sensor != assumed.excluded for sensor in self._sensors])
-        self._shows_unit = self._unit_is_shown(run_pass(plain, alone, used))
-        self.present = self._of_model({}, assumed.excluded, corrections=False)[0]
+        result = run_pass(plain, self._alone, self._taken_without(assumed.excluded))
+        self._shows_unit = self._unit_is_shown(result)
+        self.present = self._hypotheses({}, assumed.excluded, [], plain, result)[0]
+
+    @cached_property
+    def _columns(self) -> Columns:
+        """The record with the columns of all that may be corrected."""
+        return in_columns(self._excerpt, self._measurements, self._assumed.history, self._onsets)
+
+    def _taken_without(self, excluded: str) -> NDArray[np.bool_]:
+        """Tell of each measurement whether the filter takes it where a sensor is `excluded`."""
+        return np.array([sensor != excluded for sensor in self._sensors])
 
     def _unit_is_shown(self, result: PassResult) -> bool:
         """Tell whether the unit has moved by more than the noise of the depth sensor, as it reads or as is expected.
@@ -104,7 +115,7 @@ class Judge:
 
     def _motions(self, sensor: str, result: PassResult) -> tuple[float, float] | None:
         """Return how far a `sensor` saw move what it reads, and should have, over its noise; None: it was not read."""
-        data = self._columns.data
+        data = self._alone
         mine = np.array([known == sensor for known in self._sensors])[data.which] & self._late
         if not np.any(mine):
             return None
@@ -205,17 +216,31 @@ class Judge:
             if name == DAMPING:
                 cable = replace(cable, b=cable.b * share, drag=cable.drag * share)
         model, _ = pass_model(parameters, cable, self._assumed.design)
+        keys = self._keys(excluded, since) if corrections else []
+        data = self._alone
+        if keys:
+            data = self._columns.data.among(np.array([0, *(self._columns.index[key] for key in keys)]))
+        return self._hypotheses(values, excluded, keys, model, run_pass(model, data, self._taken_without(excluded)))
+
+    def _keys(self, excluded: str, since: int | None) -> list[tuple[str, str, int]]:
+        """Return the columns of corrections that may be tried with a sensor left out, from an onset or from any."""
         keys = [key for key in self._columns.index if key[0] != excluded and since in (None, key[2])]
         keys = [key for key in keys if self._read_for[key[0]] >= LEAST_READ and (key[0] != "depth" or self._shows_unit)]
         if any(one.since > self._excerpt.first for one in self._assumed.history.encoder):
             # it has changed within the record, and from then on it is known
             keys = [key for key in keys if key[0] != "encoder"]
-        keys = keys if corrections else []
-        columns = np.array([0, *(self._columns.index[key] for key in keys)])
-        used = np.array([sensor != excluded for sensor in self._sensors])
-        result = run_pass(model, self._columns.data.among(columns), used)
-        late = self._late
-        which = self._columns.data.which
+        return keys
+
+    def _hypotheses(
+        self,
+        values: Mapping[str, float],
+        excluded: str,
+        keys: Sequence[tuple[str, str, int]],
+        model: PassModel,
+        result: PassResult,
+    ) -> list[Hypothesis]:
+        """Return what a pass of a `model` says: plain, and with the correction of each column of `keys`."""
+        late, which = self._late, self._alone.which
         which = np.where(np.array(self.used)[which] == ENCODER_ROW, -1, which)
         seconds = np.floor(self._excerpt.readings[late, TICK] * self._excerpt.dt)
         proof = evidence(result.innovations[late], result.variances[late], which[late], len(self.used), seconds)

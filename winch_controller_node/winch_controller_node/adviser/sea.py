@@ -125,7 +125,7 @@ def _likelihood(
     model, sampled = pass_model(parameters, design.cable, design, _boom_tip(parameters.sea, parameters.vessel))
     measurements = measurement_models(parameters, sampled, design.cable)
     mine = excerpt.of(tuple(known.name for known in measurements))
-    data = in_columns(mine, measurements, history, onsets=()).data.among(np.array([0]))
+    data = in_columns(mine, measurements, history, judged={}).data
     result = run_pass(model, data, np.ones(len(measurements), dtype=np.bool_))
     late = mine.readings[:, TICK] >= excerpt.first + round(SETTLING / excerpt.dt)
     squares = np.minimum(np.square(result.innovations[late, 0]), LARGEST)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from cable_sim_node.physics.hydrodynamics import wet_part
-from heave_core.filter import Drag, Slack
+from heave_core.filter import Drag, Slack, check_sizes
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel, covariance_factor, state_covariance
 
@@ -137,7 +137,7 @@ class ControllerDesign:
             self.initial_covariance,
             gate=estimator.gate,
             gate_limit=estimator.gate_limit,
-            largest_age=round(estimator.largest_age / self.tick_period),
+            largest_age=_kept(self.parameters, self.tick_period) - 1,
             drag=self.drag,
             slack=self.slack,
         )
@@ -193,6 +193,11 @@ class ControllerDesign:
         return CommandGovernor(self.model, self.parameters.winch, self.limits)
 
 
+def _kept(parameters: WinchControllerParameters, tick_period: float) -> int:
+    """Return the ticks that the estimator keeps, the present one among them."""
+    return round(parameters.estimator.largest_age / tick_period) + 1
+
+
 def design_controller(
     parameters: WinchControllerParameters,
     *,
@@ -206,14 +211,18 @@ def design_controller(
 
     Raises
     ------
-    DesignError : for a wrong sensor set, a unit that floats, a delay too long for any prediction, singular weights, a
-        model that is not stabilisable or not detectable; the message says which.
+    DesignError : for a wrong sensor set, a unit that floats, a delay too long for any prediction, a model that does not
+        fit the core, singular weights, a model that is not stabilisable or not detectable; the message says which.
     """
     length = parameters.length if length is None else length
     check_inputs(parameters, tick_period)
     cable = assumed_cable(parameters, length) if cable is None else cable
     model = augmented_model(model_inputs(parameters, cable), tick_period)
     measurements = measurement_models(parameters, model, cable)
+    try:
+        check_sizes(model.order, len(measurements), _kept(parameters, tick_period))
+    except ValueError as error:
+        raise DesignError(str(error)) from error
     _check_observability(parameters, model, measurements)
     cost = weighted_cost(parameters.weights, model)
     gain = full_gain(model, cost)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from heave_core.servo import drum_records, predicted_reading
+from heave_core.servo import DrumPrediction, drum_records
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.newest import Newest
 
@@ -96,6 +96,8 @@ class DrumWatch:
         self._ahead = math.ceil((winch.command_delay + largest) / tick_period) + 3
         kept = round(LONGEST / tick_period) + self._ahead
         self._payouts, self._rates, self._tensions, self._readings, self._limits = (Newest(kept) for _ in range(5))
+        self._checked = 2 * round(CHECKED_TIME / tick_period)
+        self._prediction = DrumPrediction(self._checked - 1, self._ahead + 1, winch.position_gain, tick_period)
         self.take({})
         self.reset()
 
@@ -144,17 +146,12 @@ class DrumWatch:
 
         Payout and rate of then are those that explain the second before it best: at a limit an error of the rate stays.
         """
-        count = round(CHECKED_TIME / self._dt)
-        readings = self._readings.last(2 * count)
-        if len(readings) < 2 * count or not np.isfinite(readings).all():
+        readings = self._readings.last(self._checked)
+        if len(readings) < self._checked or not np.isfinite(readings).all():
             return 0.0
-        return self._error_after(readings)
-
-    def _error_after(self, readings: Array) -> float:
-        needed = len(readings) + self._ahead
+        needed = self._checked + self._ahead
         sent = (self._payouts.last(needed), self._rates.last(needed), self._tensions.last(needed))
-        gain, half = self._nominal.position_gain, len(readings) // 2
-        return float(readings[-1] - predicted_reading(*sent, readings, self._drum, gain, half, self._dt))
+        return float(readings[-1] - self._prediction.of(*sent, readings, self._drum))
 
     def does_as_nominal(self, scale: float) -> bool:
         """Tell whether the encoder, whose assumed `scale` is left out, reads what a nominal winch was ordered."""
