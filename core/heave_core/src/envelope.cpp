@@ -204,7 +204,7 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     watch_drum(design, state, travelled.is_braked || readings.is_held != 0.0);
     watch_duty(design, state, readings, order.harm);
 
-    const double move = state.move.rate + (std::isfinite(readings.lift_rate) ? readings.lift_rate : 0.0);
+    const double move = state.move.rate + (std::abs(readings.lift_rate) <= bounds.largest_rate ? readings.lift_rate : 0.0);
     const bool by_payout = design.winch.is_first_order || design.winch.position_gain > 0.0;
     const double ahead = by_payout ? payout_ahead(design, state, state.load) : 0.0;
     const bool is_finite = std::isfinite(readings.payout) && std::isfinite(readings.rate);
