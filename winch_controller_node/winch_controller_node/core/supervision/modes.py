@@ -91,7 +91,7 @@ class Event(str, Enum):
     WINCH_FAULT = "winch fault"
     WINCH_SILENT = "no data from the winch"
     SENSOR_LOST = "sensor lost"
-    HARM = "compensation is harmful"
+    HARM = "compensation makes it worse"
     SENSORS_BACK = "sensors available again"
     SETTLED = "estimate settled"
     FADED = "faded out"
@@ -265,22 +265,22 @@ class Guard:
 
 
 WANTED = Guard("compensation intended", lambda view: view.memory.wants_compensation)
-NO_HARM = Guard("no harm", lambda view: not view.situation.harm, lambda view: view.situation.harm)
+NO_HARM = Guard("compensation does no harm", lambda view: not view.situation.harm, lambda view: view.situation.harm)
 NO_FAULT = Guard(
     "no winch fault",
     lambda view: view.situation.winch_fault == WinchFault.NONE,
     lambda view: fault_words(view.situation.winch_fault),
 )
-NEW_FAULT = Guard("a new fault", lambda view: view.situation.winch_fault != view.known_fault)
+NEW_FAULT = Guard("the fault is new", lambda view: view.situation.winch_fault != view.known_fault)
 NOT_FOR_WANT_OF_COMMANDS = Guard(
     "the fault is not a command timeout", lambda view: not is_automatic(view.situation.winch_fault)
 )
 SENSORS_WELL = Guard("sensors good", lambda view: view.lost_time == 0.0, lambda view: view.situation.lost)
 GATES_OPEN = Guard(
-    "entry gates open", lambda view: not view.situation.closed_gates, lambda view: view.situation.closed_gates
+    "start conditions met", lambda view: not view.situation.closed_gates, lambda view: view.situation.closed_gates
 )
 MAY_HOLD_TENSION = Guard(
-    "a load that is landed or held, and a winch that can follow",
+    "load landed or held, winch able to follow",
     lambda view: not view.situation.tension_refusal,
     lambda v: v.situation.tension_refusal,
 )
@@ -290,7 +290,7 @@ SETTLED_ESTIMATE = Guard("estimate settled", TICK_EVENTS[Event.SETTLED])
 RESTS_IN_STANDBY = Guard("ends in standby", lambda view: view.memory.rest is Mode.STANDBY)
 RESTS_STOPPED = Guard("ends in stopped", lambda view: view.memory.rest is Mode.STOPPED)
 MAY_RESUME = Guard(
-    "may resume, and all sensors good for modes.resume_time, longer after each loss",
+    "automatic restart allowed, and all sensors good for modes.resume_time (longer after each loss)",
     lambda view: (
         view.parameters.resume
         and view.memory.may_resume
