@@ -121,6 +121,9 @@ BOUNDS = structure(
     Row("drum_margin", "m", "distance of the count from the nominal drum that is allowed"),
     Row("drum_share", "", "and the share of the travel of the last `drum_time`"),
     Row("drum_time", "s", "time in which that distance is forgotten"),
+    Row("stroke_factor", "", "way and speed of the count over those of a nominal drum, whatever its lag"),
+    Row("stroke_margin", "m", "way beyond that at which the drum runs"),
+    Row("stroke_time", "s", "time in which they are forgotten; the lag of a drive may be longer by 0.4 of it"),
     Row("brake_margin", "m", "motion of the count under the brake that is allowed; a step of half of it may be a jump"),
     Row("rest_speed", "m/s", "speed below which a braked drum stands"),
     Row("bound_time", "s", "time at a bound after which the envelope takes over"),
@@ -179,6 +182,16 @@ MOVE = structure(
     Row("slope", "m/s^2", "its acceleration"),
     Row("speed", "m/s", "largest, or that is asked for"),
     Row("acceleration", "m/s^2", "largest"),
+)
+
+STROKE = structure(
+    "Stroke",
+    "Way and speed of the drum in one direction, forgotten exponentially.",
+    Row("counted", "m", "by count, since it turned"),
+    Row("sent", "m", "by the nominal drum without delay"),
+    Row("longest", "m", "largest of those since the count turned"),
+    Row("fastest", "m/s", "largest speed of the nominal drum without delay"),
+    Row("beyond", "m", "way of the count at a speed that is beyond that"),
 )
 
 HELD_DRUM = structure(
@@ -264,6 +277,13 @@ STATE = structure(
     Row("measured", "", "spread of the load cell", SPREAD),
     Row("locked", "", "spread of the nominal cable's tension with the winch locked", SPREAD),
     Row("drum", "", "nominal drum driven by what was sent", DRUM),
+    Row("prompt", "", "nominal drum without delay", DRUM),
+    Row("prompt_counted", "m", "its payout at the last reading of the count"),
+    Row("outward", "", "way while paying out", STROKE),
+    Row("inward", "", "way while hauling in", STROKE),
+    Row("runaway", "m", "way of the count beyond any that was sent; positive pays out"),
+    Row("off_step", "m", "large step of the count beyond what was sent that may have been a jump"),
+    Row("off_runs", "", "1: the last such step was motion"),
     Row("held", "", "drum under its brake", HELD_DRUM),
     Row("move", "", "asked move", MOVE),
     Row("bins", "", "what the boom tip did", BIN, (BINS,)),
@@ -316,7 +336,7 @@ ORDER = structure(
     Row("speed", "m/s", "speed that was sent"),
 )
 
-STRUCTURES = (WINCH, CABLE, BOUNDS, DESIGN, SENT, DRUM, HELD_DRUM, MOVE, BIN, SPREAD, STATE, READINGS, ORDER)
+STRUCTURES = (WINCH, CABLE, BOUNDS, DESIGN, SENT, DRUM, STROKE, HELD_DRUM, MOVE, BIN, SPREAD, STATE, READINGS, ORDER)
 """In the order in which C++ needs them."""
 
 RECORDS = (DESIGN, STATE, READINGS, ORDER)

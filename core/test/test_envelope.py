@@ -60,6 +60,9 @@ BOUNDS = {
     "drum_margin": 0.1,
     "drum_share": 0.4,
     "drum_time": 1.0,
+    "stroke_factor": 1.5,
+    "stroke_margin": 0.04,
+    "stroke_time": 2.0,
     "brake_margin": 0.03,
     "rest_speed": 0.02,
     "bound_time": 0.5,
@@ -545,3 +548,59 @@ def test_a_copy_of_the_state_is_the_envelope_at_that_tick():
 
 def test_the_sizes_of_the_layout_are_those_of_its_rows():
     assert set(BOUNDS) == {row.name for row in envelope_table.BOUNDS.rows}
+
+
+def worst_excess(rig, time, rate=None, **values):
+    """Return the largest way of the count beyond what was sent while the rig runs on [m]."""
+    worst = 0.0
+    for _ in range(round(time / DT)):
+        rig.step(rate, **values)
+        worst = max(worst, abs(float(rig.envelope.state["runaway"][0])))
+    return worst
+
+
+@pytest.mark.parametrize("phase", [0.05, 0.75, 1.5, 2.25])
+@pytest.mark.parametrize("scale", [3.0, 100.0])
+def test_a_drum_that_goes_three_times_as_far_as_ordered_trips_within_a_quarter_of_a_metre(scale, phase):
+    """Of where it should be, from where the fault takes effect, in waves of 0.5 m/s and with a limit of 1.5 m/s2."""
+    rig, ordered = Rig().settled(), Rig()
+    rig.run(phase)
+    ordered.payout, ordered.rate = rig.payout, rig.rate
+    move, begin = rig._move, rig.tick
+
+    def wrong(sent, *, braked):
+        ordered._move(sent, braked=braked)
+        move(scale * sent, braked=braked)
+
+    rig._move = wrong
+    while not rig.step().cause:
+        assert (rig.tick - begin) * DT < 1.0
+    assert rig.orders[-1].cause == Cause.DRUM
+    assert rig.orders[-1].brake
+    assert abs(rig.payout - ordered.payout) < 0.25
+
+
+@pytest.mark.parametrize("late", [{"lag": 0.45, "delay": 0.35}, {"lag": 0.05, "delay": 0.05}])
+def test_a_drum_that_follows_later_or_sooner_than_stated_is_none_that_runs(late):
+    """The largest deviations of the draws; by a drive of the stated lag the envelope learns nothing."""
+    rig = Rig()
+    rig.winch |= late
+    rig.line = [(0.0, True)] * (round(late["delay"] / DT) + 1)
+    rig.settled()
+    assert worst_excess(rig, 60.0) < 0.5 * BOUNDS["stroke_margin"]
+
+
+@pytest.mark.parametrize("jump", [0.03, 0.08, 0.12, -0.12])
+def test_a_step_of_the_count_alone_is_no_drum_that_runs(jump):
+    rig = Rig().settled()
+    place = rig.payout
+    rig.step(count=place + jump)
+    assert worst_excess(rig, 1.0) < BOUNDS["stroke_margin"]
+    assert rig.orders[-1].cause == Cause.NOTHING
+
+
+def test_the_count_of_an_encoder_in_steps_of_3_cm_is_no_drum_that_runs():
+    rig = Rig().settled()
+    for _ in range(1200):
+        rig.step(count=round(rig.payout / 0.03) * 0.03)
+        assert abs(float(rig.envelope.state["runaway"][0])) < BOUNDS["stroke_margin"]

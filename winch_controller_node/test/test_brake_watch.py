@@ -154,7 +154,7 @@ class Braked:
             winch=WinchReading(self.time, read, 0.0, order is None and fault == 0 and not self.stops, fault)
         )
         asked = Asked(Mode.MANUAL if order is not None else Mode.STANDBY, self.move)
-        _, news = self.envelope.step(raw, raw, asked, WinchOrder(self.number, 0.0, order or 0.0, order is None))
+        _, news = self.envelope.step(raw, asked, WinchOrder(self.number, 0.0, order or 0.0, order is None))
         self.alarms += [(self.time, self.way, alarm) for alarm in news]
 
     stops = False

@@ -12,7 +12,7 @@ from scipy import signal, stats
 from winch_controller_node.core.supervision.proofs import SHORTEST, CountCheck, Driven, MotionProof, Proofs, Standing
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
 from winch_controller_node.model.blocks import CableModel
-from winch_controller_node.model.comparison import CERTAIN, fitted
+from winch_controller_node.model.comparison import CERTAIN, Fit, fitted
 from winch_controller_node.model.nominal_load import NominalLoad
 from winch_controller_node.model.simulated_unit import SimulatedUnit
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -327,3 +327,21 @@ def test_what_the_envelope_ended_for_harm_is_proved_again_without_the_old_consen
     proofs.step(Measurements(mru(0.0)), harm)
     assert not proofs.consent
     assert "proving the MRU" in proofs.step(Measurements(), harm).gate
+
+
+@pytest.mark.parametrize(
+    ("scale", "certainty", "refutes"),
+    [
+        (0.6, 5.0, False),
+        (0.59, 5.0, False),
+        (2.1, 6.0, False),
+        (2.1, 27.0, True),
+        (0.5, 27.0, True),
+        (-0.3, -6.0, True),
+    ],
+)
+def test_a_slope_that_is_outside_by_chance_says_nothing_against_the_mru(scale, certainty, refutes):
+    """A sound MRU was named for a slope of 0.597 with a standard error of 0.12, in waves of 0.42 m over 300 m."""
+    fit = Fit(scale, math.copysign(0.7, scale), certainty)
+    assert fit.refutes is refutes
+    assert not fit.proves or not refutes

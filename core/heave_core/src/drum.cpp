@@ -54,6 +54,7 @@ Travelled advance_drum(const Design &design, State &state, double load) {
     const double before = state.drum.payout, dt = design.tick_period;
     advance(design, state.drum, first, delay.part * dt, load);
     advance(design, state.drum, then, (1.0 - delay.part) * dt, load);
+    advance(design, state.prompt, sent_at(state, state.tick - 1), dt, load);
     const double move = (delay.part * first.move + (1.0 - delay.part) * then.move) * dt;
     return {state.drum.payout - before, move, then.brake != 0.0};
 }
@@ -90,6 +91,43 @@ void set_speed(const Winch &winch, double speed, double ahead, double &payout, d
     else rate -= held;
 }
 
+namespace {
+
+// Part of a step that is motion: a large one alone is a jump of the count; motion has another one beside it.
+double motion_of(double step, double large, double &alone, double &runs) {
+    const bool is_large = std::abs(step) > large, goes_on = alone * step > 0.0;
+    const bool counts = !is_large || runs != 0.0 || goes_on;
+    const double motion = counts ? step + (is_large && goes_on ? alone : 0.0) : 0.0;
+    runs = is_large && (runs != 0.0 || goes_on) ? 1.0 : 0.0;
+    alone = is_large && runs == 0.0 ? step : 0.0;
+    return motion;
+}
+
+// Way in one direction, S = max(S e^(-dt/T) + s, 0), and speed in it. A drum that follows late has those of the nominal one
+// later, and so within f of their largest of late, as long as it is later by less than T log f. Returns what is beyond: of
+// the way since it turned, and of the way at a higher speed, B = max(B + s - f v dt, 0) (Page, 1954).
+double follow_stroke(const Bounds &bounds, Stroke &stroke, double step, double sent, double time) {
+    const double left = std::exp(-time / bounds.stroke_time), factor = bounds.stroke_factor;
+    stroke.counted = std::max(left * stroke.counted + step, 0.0);
+    stroke.sent = std::max(left * stroke.sent + sent, 0.0);
+    stroke.longest = stroke.counted > 0.0 ? std::max(left * stroke.longest, stroke.sent) : stroke.sent;
+    stroke.fastest = std::max(left * stroke.fastest, sent / time);
+    stroke.beyond = std::max(stroke.beyond + step - factor * stroke.fastest * time, 0.0);
+    return std::max(stroke.counted - factor * stroke.longest, stroke.beyond);
+}
+
+}  // namespace
+
+// A drum that goes further than what was sent, or the other way, though it may follow late.
+void watch_strokes(const Design &design, State &state, double step, double time) {
+    const Bounds &bounds = design.envelope;
+    const double sent = state.prompt.payout - state.prompt_counted;
+    const double moved = sent + motion_of(step - sent, 0.5 * bounds.stroke_margin, state.off_step, state.off_runs);
+    const double out = follow_stroke(bounds, state.outward, moved, sent, time);
+    const double in = follow_stroke(bounds, state.inward, -moved, -sent, time);
+    state.runaway = out > in ? out : -in;
+}
+
 // A drum under its brake: how far its count has gone since it came to rest, or became quicker again without. One large
 // step alone is a jump of the count; motion has another one beside it.
 void watch_brake(const Design &design, State &state, const Readings &readings, bool is_braked) {
@@ -109,10 +147,7 @@ void watch_brake(const Design &design, State &state, const Readings &readings, b
     if (speed < bounds.rest_speed || is_faster || is_late) held.rests = 1.0;
     held.slowest = std::min(held.slowest, speed);
     if (held.rests == 0.0) return;
-    const bool is_large = std::abs(step) > 0.5 * bounds.brake_margin, goes_on = held.step * step > 0.0;
-    if (!is_large || held.runs != 0.0 || goes_on) held.moved += step + (is_large && goes_on ? held.step : 0.0);
-    held.runs = is_large && (held.runs != 0.0 || goes_on) ? 1.0 : 0.0;
-    held.step = is_large && held.runs == 0.0 ? step : 0.0;
+    held.moved += motion_of(step, 0.5 * bounds.brake_margin, held.step, held.runs);
 }
 
 }  // namespace heave

@@ -90,17 +90,26 @@ void enter(State &state, Phase phase, Cause cause, double value, double limit) {
 }
 
 // A drum that does not do what was sent: brake at once, whoever makes the order.
-void watch_drum(const Design &design, State &state, bool is_braked) {
-    const double limit = design.envelope.drum_margin + design.envelope.drum_share * state.drum_travel;
-    if (std::abs(state.residual) <= limit || state.cause == DRUM || state.cause == BRAKE_SLIPS) return;
-    enter(state, HELD, is_braked ? BRAKE_SLIPS : DRUM, state.residual, limit);
+void watch_drum(const Design &design, State &state) {
+    const Bounds &bounds = design.envelope;
+    if (state.cause == DRUM || state.cause == BRAKE_SLIPS) return;
+    const bool runs = std::abs(state.runaway) > bounds.stroke_margin;
+    const double off = runs ? state.runaway : state.residual;
+    const double limit = runs ? bounds.stroke_margin : bounds.drum_margin + bounds.drum_share * state.drum_travel;
+    if (std::abs(off) > limit) enter(state, HELD, state.held.time > 0.0 ? BRAKE_SLIPS : DRUM, off, limit);
+}
+
+// A drum at rest: what it did before says nothing.
+void rest_drum(State &state) {
+    state.residual = state.runaway = 0.0;
+    state.outward = state.inward = Stroke{};
 }
 
 // A braked drum that moves: nothing that was ordered explains it.
 void watch_held_drum(const Design &design, State &state, const Readings &readings, bool acts) {
     const bool is_braked = state.tick == 0 || state.sent[(state.tick - 1) % KEPT].brake != 0.0;
     watch_brake(design, state, readings, is_braked && (acts || readings.is_held != 0.0));
-    if (state.held.rests != 0.0) state.residual = 0.0;
+    if (state.held.rests != 0.0) rest_drum(state);
     const double moved = state.held.moved, limit = design.envelope.brake_margin;
     if (std::abs(moved) > limit && state.cause != BRAKE_SLIPS) enter(state, HELD, BRAKE_SLIPS, moved, limit);
 }
@@ -198,10 +207,11 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     order.harm = observe_load(design, state, readings);
     if (readings.acknowledged != 0.0 && state.phase == HELD && state.drum.rate == 0.0) {
         state.phase = FREE, state.cause = NOTHING;
-        state.residual = state.bound = state.harm_time = state.follow_time = state.held.moved = 0.0;
+        state.bound = state.harm_time = state.follow_time = state.held.moved = 0.0;
+        rest_drum(state);
     }
     watch_held_drum(design, state, readings, travelled.is_braked);
-    watch_drum(design, state, travelled.is_braked || readings.is_held != 0.0);
+    watch_drum(design, state);
     watch_duty(design, state, readings, order.harm);
 
     const double move = state.move.rate + (std::abs(readings.lift_rate) <= bounds.largest_rate ? readings.lift_rate : 0.0);

@@ -21,6 +21,7 @@ struct Travelled {
 
 // drum.cpp: the nominal drum
 Travelled advance_drum(const Design &design, State &state, double load);
+void watch_strokes(const Design &design, State &state, double step, double time);
 void watch_brake(const Design &design, State &state, const Readings &readings, bool is_braked);
 double payout_ahead(const Design &design, const State &state, double load);
 double speed_of(const Winch &winch, double payout, double rate, double ahead);

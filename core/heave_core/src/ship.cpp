@@ -99,7 +99,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.count = readings.count;
     state.since_count = state.asked_since_count = state.time_since_count = 0.0;
     if (is_first) {
-        state.position = state.drum.payout = readings.count;
+        state.position = state.drum.payout = state.prompt.payout = state.prompt_counted = readings.count;
         state.count_age = 0.0;
         return 0;
     }
@@ -107,8 +107,12 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.travel_count += (is_jump ? sent : step) - asked;
     if (is_jump) {  // the position loop goes by the new count
         state.drum.payout += step - sent;
+        state.prompt.payout += step - sent;
+        state.prompt_counted = state.prompt.payout;
         return COUNT_JUMPED | (state.count_age > bounds.count_time ? COUNT_LOST : 0);
     }
+    watch_strokes(design, state, step, time);
+    state.prompt_counted = state.prompt.payout;
     state.still_travel = step == 0.0 ? state.still_travel + std::abs(sent) : 0.0;
     state.still_time = step == 0.0 ? state.still_time + time : 0.0;
     if (state.still_travel > bounds.frozen_travel && state.still_time >= bounds.frozen_time) {

@@ -20,6 +20,9 @@ CERTAIN, ALIKE = 5.0, 0.6
 SCALE = (0.6, 1.4)
 """Slopes that prove an MRU: neither reversed nor twice. A load cell on a short cable says no more than that."""
 
+REFUTED = 3.0
+"""Standard errors by which a slope lies outside of that where it says something against the MRU."""
+
 
 class Fit(NamedTuple):
     """One signal on another.
@@ -44,6 +47,12 @@ class Fit(NamedTuple):
     def proves(self) -> bool:
         """Tell whether both signals are the same motion."""
         return self.is_sure and SCALE[0] < self.scale < SCALE[1]
+
+    @property
+    def refutes(self) -> bool:
+        """Tell whether they are not, and not by chance: the slope is outside, and so is all that it may be."""
+        error = REFUTED * abs(self.scale / self.certainty) if self.certainty else math.inf
+        return self.is_sure and (self.scale + error < SCALE[0] or self.scale - error > SCALE[1])
 
 
 NO_FIT = Fit(0.0, 0.0, 0.0)

@@ -143,7 +143,7 @@ def _judged(fits: dict[str, Fit]) -> tuple[Standing, str]:
         if fit.proves:
             return Standing.PROVED, witness
     for witness, fit in fits.items():
-        if fit.is_sure:
+        if fit.refutes:
             return (Standing.REVERSED if fit.scale < 0.0 else Standing.SCALED), witness
     return Standing.OPEN, ""
 
