@@ -32,6 +32,23 @@ ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
     "heave_core_pass": (_POINTER,) * 11,
     "heave_core_servo": (*(_POINTER,) * 7, _COUNT, _POINTER),
     "heave_core_servo_reading": (_POINTER,) * 9,
+    "heave_core_unit": (_POINTER, _POINTER, _NUMBER, _NUMBER, _POINTER),
+    "heave_core_unit_motion": (_POINTER,) * 3,
+    "heave_core_unit_continue": (_POINTER, _POINTER, _NUMBER, _NUMBER),
+    "heave_core_look": (_POINTER,) * 4,
+    "heave_core_look_again": (_POINTER,) * 4,
+    "heave_core_look_begin_share": (_POINTER,) * 2,
+    "heave_core_look_continue_shadow": (_POINTER, _POINTER, _NUMBER, _NUMBER),
+    "heave_core_look_continue_hanging": (_POINTER, _POINTER, _NUMBER, _NUMBER),
+    "heave_core_look_take_unit": (_POINTER, _POINTER, _NUMBER, _NUMBER),
+    "heave_core_guard": (_POINTER,) * 4,
+    "heave_core_guard_demand": (_POINTER,) * 3,
+    "heave_core_guard_begin": (_POINTER,),
+    "heave_core_guard_restart_waves": (_POINTER,),
+    "heave_core_guard_allow_catch_up": (_POINTER,) * 2,
+    "heave_core_guard_allow_resumption": (_POINTER,) * 2,
+    "heave_core_guard_reset_mismatch": (_POINTER,),
+    "heave_core_sigma": (_POINTER, _NUMBER, _NUMBER, _NUMBER),
 }
 """Types of the arguments of each function, which returns nothing."""
 
