@@ -49,6 +49,13 @@ ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
     "heave_core_guard_allow_resumption": (_POINTER,) * 2,
     "heave_core_guard_reset_mismatch": (_POINTER,),
     "heave_core_sigma": (_POINTER, _NUMBER, _NUMBER, _NUMBER),
+    "heave_core_landing_begin": (_POINTER,),
+    "heave_core_landing_depth": (_POINTER, _NUMBER, _NUMBER),
+    "heave_core_landing_observe": (_POINTER,) * 3,
+    "heave_core_landing": (_POINTER,) * 3,
+    "heave_core_trend": (_POINTER, _NUMBER, _NUMBER, _NUMBER, _POINTER),
+    "heave_core_kpi_add": (_POINTER,) * 4,
+    "heave_core_kpi": (_POINTER,) * 4,
 }
 """Types of the arguments of each function, which returns nothing."""
 

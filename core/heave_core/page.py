@@ -27,6 +27,9 @@ reads and writes the same memory, and this page (`python -m heave_core.page`).
 | guard | `guard.cpp` | whether compensation does harm: drum, swing, depth sensor, waves |
 | demand | `demand.cpp` | what the sea asks of the winch, and the authority that leaves |
 | statistics | `statistics.cpp` | running standard deviations and amplitudes |
+| landing | `landing.cpp` | whether a lowered unit has landed, and a lifted one hangs again |
+| trend | `trend.cpp` | the newest readings: mean, straight line |
+| KPI window | `kpi.cpp` | statistics over the rolling window of the figures of merit |
 
 The C interface is `interface.cpp`: `heave_core_layout` and `heave_core_size`, by which Python refuses a library with
 another layout, a function for a tick of each part (`heave_core_filter`, `heave_core_look`, `heave_core_guard`,

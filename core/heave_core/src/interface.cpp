@@ -3,6 +3,7 @@
 #include "look.h"
 #include "pass.h"
 #include "servo.h"
+#include "watch.h"
 
 extern "C" {
 
@@ -116,6 +117,34 @@ void heave_core_guard_reset_mismatch(heave::GuardState *state) { heave::reset_mi
 // A running variance.
 void heave_core_sigma(heave::RunningSigma *sigma, double value, double weight, double slow_mean) {
     heave::add(*sigma, value, weight, slow_mean);
+}
+
+// Landing: a depth reading, a tick's other readings, the judgement of a tick.
+void heave_core_landing_begin(heave::LandingState *state) { heave::begin_landing(*state); }
+
+void heave_core_landing_depth(heave::LandingState *state, double time, double depth) { heave::add(state->depth, time, depth); }
+
+void heave_core_landing_observe(const heave::LandingDesign *design, heave::LandingState *state, const heave::LandingSeen *seen) {
+    heave::observe_landing(*design, *state, *seen);
+}
+
+void heave_core_landing(const heave::LandingDesign *design, heave::LandingState *state, const heave::LandingSeen *seen) {
+    heave::judge_landing(*design, *state, *seen);
+}
+
+// A trend: slope, its error, 1 where it is known, and the mean, over a window.
+void heave_core_trend(const heave::Trend *trend, double window, double least_readings, double filled, double *found) {
+    const heave::Slope slope = heave::slope_of(*trend, window, least_readings, filled);
+    found[0] = slope.value, found[1] = slope.error, found[2] = slope.is_known, found[3] = heave::mean_of(*trend, window);
+}
+
+// The rolling window: a tick, and what it holds.
+void heave_core_kpi_add(const heave::KpiDesign *design, heave::KpiState *state, heave::KpiRow *rows, const heave::KpiRow *row) {
+    heave::add(*design, *state, rows, *row);
+}
+
+void heave_core_kpi(const heave::KpiDesign *design, const heave::KpiState *state, const heave::KpiRow *rows, heave::KpiWindow *window) {
+    heave::summarise(*design, *state, rows, *window);
 }
 
 }

@@ -212,7 +212,7 @@ class Supervisor:
         elif mode.before is Mode.COMPENSATING:
             self._fades_by_law = not self.modes.wants_compensation
         alarms += self._report_blind_lowering(tick, mode)
-        landing = self._watch_landing(time, tick, mode)
+        landing = self._watch_landing(tick, mode)
         return Decision(
             mode=mode,
             is_inhibited=self.guard.inhibits,
@@ -422,11 +422,11 @@ class Supervisor:
         )
         return (ALARMS.alarm("LOWERING_BLIND", now=now),)
 
-    def _watch_landing(self, time: float, tick: LoopTick, mode: ModeOutput) -> LandingEvent | None:
+    def _watch_landing(self, tick: LoopTick, mode: ModeOutput) -> LandingEvent | None:
         """Notice touchdown while lowering, and that the unit hangs again after lift-off."""
         if not math.isfinite(tick.sensed.filtered_tension):
             return None
-        return self.landing.update(time, tick.sensed, mode)
+        return self.landing.update(tick.sensed, mode)
 
 
 def _known_share(tick: LoopTick) -> float:
