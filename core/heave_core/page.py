@@ -24,10 +24,19 @@ reads and writes the same memory, and this page (`python -m heave_core.page`).
 | filter's steps | `filter_steps.cpp` | prediction, correction |
 | pass | `pass.cpp` | a linear filter over a record in many versions at once, for the adviser's searches |
 | servo | `servo.cpp` | a drum under the set-points it was sent: what its encoder should have read |
+| look | `look.cpp` | all motions at a tick: boom tip, drum, units with the winch locked and without readings |
+| unit | `unit.cpp` | a unit below an outlet whose motion is known: quadratic drag, slack cable |
+| guard | `guard.cpp` | whether compensation does harm: drum, swing, depth sensor, waves |
+| demand | `demand.cpp` | what the sea asks of the winch, and the authority that leaves |
+| statistics | `statistics.cpp` | running standard deviations and amplitudes |
+| landing | `landing.cpp` | whether a lowered unit has landed, and a lifted one hangs again |
+| trend | `trend.cpp` | the newest readings: mean, straight line |
+| KPI window | `kpi.cpp` | statistics over the rolling window of the figures of merit |
 
-`interface.cpp` is its C interface. By `heave_core_layout` and `heave_core_size` Python refuses a library with another
-layout; the others do what their names say, on structures that Python and C++ share. Python calls them by ctypes, with
-the lock released. A copy of `State` is the envelope at that tick, one of `FilterState` the filter.
+The C interface is `interface.cpp`: `heave_core_layout` and `heave_core_size`, by which Python refuses a library with
+another layout, a function for a tick of each part (`heave_core_filter`, `heave_core_look`, `heave_core_guard`,
+`heave_core_envelope`), and one for each jump of a state (`..._begin`, `..._continue_...`, `..._allow_...`). Python
+calls them by ctypes, with the lock released. A copy of a state is its part at that tick.
 """
 
 

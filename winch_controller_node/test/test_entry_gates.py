@@ -1,13 +1,11 @@
 """What must hold before the winch follows the sea."""
 
-import math
 import re
 from types import SimpleNamespace
 
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from winch_controller_node.core.estimation.loop_tick import Motion
 from winch_controller_node.core.supervision.entry_gates import EntryGates
 from winch_controller_node.core.supervision.supervisor import Supervisor
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
@@ -18,11 +16,9 @@ LIMITS = WinchLimits(2.0, 1.5, -50.0, 50.0)
 
 
 def gates_over(sigma, **thresholds):
-    """Return gates that have watched a boom tip of a standard deviation `sigma` [m] for five minutes."""
-    gates = EntryGates(EntryParameters(**thresholds), window=60.0, tick_period=DT)
-    for number in range(round(300.0 / DT)):
-        heave = sigma * math.sqrt(2.0) * math.sin(0.7 * number * DT)
-        gates.observe(SimpleNamespace(boom_tip=Motion(heave, 0.0)))
+    """Return gates over a boom tip of a standard deviation `sigma` [m]."""
+    gates = EntryGates(EntryParameters(**thresholds))
+    gates.tip_sigma = sigma
     return gates
 
 

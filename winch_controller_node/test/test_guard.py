@@ -7,15 +7,19 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from winch_controller_node.core.estimation.loop_tick import Motion
+from heave_core.look import Seen
 from winch_controller_node.core.supervision.guard import HarmGuard
-from winch_controller_node.core.supervision.guard_checks import GuardedLoop, GuardedMotions
-from winch_controller_node.core.supervision.watch.winch_demand import WinchDemand
+from winch_controller_node.core.supervision.guard_checks import GuardedLoop
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
 
 DT = 0.05
+
+
+def seen(unit, free, tip, payout_rate=0.0, measured=math.nan, noise=0.0, **more):
+    """Return what a guard sees; `unit`, `free` and `tip` are heave [m] and rate [m/s]."""
+    return Seen(*unit, *free, *tip, payout_rate, math.nan if measured is None else measured, noise, **more)
 
 
 def figures(words):
@@ -31,10 +35,10 @@ def make_guard():
 def feed_guard(guard, residual, uncompensated, seconds, authority=1.0, rate=0.3, target=1.0):
     for k in range(round(seconds / DT)):
         wave = np.sin(0.7 * k * DT)
-        motions = GuardedMotions(
-            Motion(residual * wave, 0.0),
-            Motion(uncompensated * wave, 0.0),
-            Motion(0.0, rate * wave),
+        motions = seen(
+            (residual * wave, 0.0),
+            (uncompensated * wave, 0.0),
+            (0.0, rate * wave),
             authority * rate * wave,
         )
         guard.update(motions, authority, target)
@@ -60,8 +64,8 @@ def test_noise_of_the_depth_sensor_that_is_known_is_no_motion_and_a_contrary_sen
         for k in range(round(seconds / DT)):
             wave = math.sin(0.7 * k * DT)
             read = reads * wave + noise * random.standard_normal() if k % 2 == 0 else None
-            tip = Motion(0.0, 0.3 * wave)
-            motions = GuardedMotions(Motion(unit * wave, 0.0), Motion(0.5 * wave, 0.0), tip, tip.rate, read, noise)
+            tip = (0.0, 0.3 * wave)
+            motions = seen((unit * wave, 0.0), (0.5 * wave, 0.0), tip, tip[1], read, noise)
             guard.update(motions, 1.0)
 
     feed(0.0, 0.0, 120.0)
@@ -115,39 +119,6 @@ def test_the_guard_waits_while_the_sea_asks_for_far_more_than_the_winch_can_give
     assert guard.inhibits
 
 
-def test_demand_of_a_sea_is_its_significant_amplitude_and_of_one_wave_no_more_than_its_height():
-    """Significant amplitude 2 sigma of a narrow-banded sea: its highest crests are beyond that."""
-    limits, noise = WinchLimits(2.0, 1.5, -50.0, 50.0), np.random.default_rng(1)
-    sea, wave = (WinchDemand(40.0, tick_period=DT) for _ in range(2))
-    omegas = np.linspace(0.4, 0.6, 40)
-    phases, time = noise.uniform(0.0, 2.0 * np.pi, 40), DT * np.arange(round(600.0 / DT))
-    rates = np.sqrt(2.0 / 40.0) * np.sum(np.cos(np.outer(time, omegas) + phases), axis=1)
-    found = []
-    for t, rate in zip(time, rates, strict=True):
-        sea.add(rate)
-        wave.add(np.cos(0.5 * t))
-        found.append((sea.significant(limits), wave.significant(limits)))
-    # sigma 1 m/s in the mean: speed asks for more than acceleration, 0.5 m/s^2 of 1.5
-    assert np.sqrt(np.mean(np.square(found), axis=0)) == pytest.approx([2.0 / 2.0, 1.0 / 2.0], rel=0.1)
-    # a crest decays by a hundredth until the next one
-    assert found[-1][1] == pytest.approx(0.5, rel=0.02)
-
-
-def test_a_sea_that_grows_is_as_high_as_its_last_waves_and_a_steady_one_is_not_taken_for_one():
-    """Crests grow by 2 m/s a minute at 0.7 rad/s: after a minute the mean of what was seen is 1/sqrt(3) of the last."""
-    limits = WinchLimits(2.0, 100.0, -50.0, 50.0)
-    growing, steady = (WinchDemand(40.0, tick_period=DT) for _ in range(2))
-    for time in DT * np.arange(round(60.0 / DT)):
-        growing.add(2.0 * time / 60.0 * math.sin(0.7 * time))
-        steady.add(2.0 * math.sin(0.7 * time))
-        if time > 20.0:
-            assert steady.coming(limits) == steady.significant(limits)
-    # amplitude of sines: sqrt(2) sigma, so that twice sigma is more than the highest crest, which bounds it
-    last = 2.0 * math.sqrt(0.5) * 2.0 * 51.0 / 60.0 / limits.speed
-    assert growing.coming(limits) == pytest.approx(min(last, 1.0), rel=0.1)
-    assert growing.significant(limits) < growing.coming(limits)
-
-
 @pytest.mark.parametrize(("acceleration", "is_held_against"), [(0.05, False), (0.0, True)])
 def test_a_drum_that_lets_the_unit_gain_speed_with_the_mean_payout_is_not_held_against_the_loop(
     acceleration, is_held_against
@@ -160,7 +131,7 @@ def test_a_drum_that_lets_the_unit_gain_speed_with_the_mean_payout_is_not_held_a
     for time in DT * np.arange(round(4.0 / DT)):
         drum = 0.9 * math.sin(0.25 * math.pi * time)
         guard.update(
-            GuardedMotions(Motion(0.01, 0.0), Motion(0.1, 0.0), Motion(0.0, 0.0), drum, mean_acceleration=acceleration),
+            seen((0.01, 0.0), (0.1, 0.0), (0.0, 0.0), drum, mean_acceleration=acceleration),
             1.0,
         )
     assert guard.inhibits is is_held_against
@@ -203,7 +174,7 @@ def test_a_swing_that_waves_beyond_the_limits_have_left_is_given_time_to_be_take
     guard = make_guard()
     feed_guard(guard, 0.01, 0.5, 60.0, authority=0.9)
     # the winch falls behind at the crest, where the swing is all heave
-    guard.update(GuardedMotions(Motion(0.9, 0.0), Motion(0.5, 0.0), Motion(0.0, rate), rate), 0.9)
+    guard.update(seen((0.9, 0.0), (0.5, 0.0), (0.0, rate), rate), 0.9)
     feed_guard(guard, 0.9, 0.5, 3.0, authority=0.9, rate=rate)
     feed_guard(guard, swing, 0.3, 8.0, authority=0.9)
     assert guard.inhibits is is_held_against
@@ -217,8 +188,8 @@ def watch_waves(
         wave = uncompensated * np.sin(0.7 * k * DT)
         beat = rate_error * np.sin(2.0 * k * DT)
         unit = wave if authority == 0.0 else residual * np.sin(0.7 * k * DT)
-        tip = Motion(0.0, 0.7 * wave)
-        motions = GuardedMotions(Motion(unit, 0.0), Motion(wave, 0.0), tip, authority * tip.rate + beat, depth(k * DT))
+        tip = (0.0, 0.7 * wave)
+        motions = seen((unit, 0.0), (wave, 0.0), tip, authority * tip[1] + beat, depth(k * DT))
         guard.update(motions, authority)
         if guard.inhibits:
             return k * DT
@@ -250,8 +221,8 @@ def test_what_a_wrong_belief_has_done_is_not_held_against_the_loop_that_knows_be
             amplitude = 0.01 if time < known - 0.3 else 0.6 * growth ** max(time - known, 0.0)
             if is_corrected and abs(time - known) <= 0.5 * DT:
                 guard.allow_correction("winch")
-            tip = Motion(0.0, 0.3 * wave)
-            guard.update(GuardedMotions(Motion(amplitude * wave, 0.0), Motion(0.3 * wave, 0.0), tip, tip.rate), 1.0)
+            tip = (0.0, 0.3 * wave)
+            guard.update(seen((amplitude * wave, 0.0), (0.3 * wave, 0.0), tip, tip[1]), 1.0)
         return guard
 
     assert not tried(0.7, is_corrected=True).inhibits
@@ -274,9 +245,7 @@ def test_a_disagreement_is_told_with_its_culprit_once_that_is_known():
     guard = make_guard()
     for time in DT * np.arange(round(40.0 / DT)):
         wave = 0.5 * math.cos(0.7 * time)
-        guard.update(
-            GuardedMotions(Motion(0.0, 0.0), Motion(wave, 0.0), Motion(wave, 0.0), 0.0, measured_heave=wave), 1.0
-        )
+        guard.update(seen((0.0, 0.0), (wave, 0.0), (wave, 0.0), 0.0, measured=wave), 1.0)
     assert guard.alarm.code == "DEPTH_MRU_DISAGREE"
     guard.allow_correction("mru")
     assert (guard.alarm.code, guard.alarm.values) == ("DEPTH_MRU_EXPLAINED", {"part": "mru"})
@@ -292,8 +261,8 @@ def test_another_belief_may_be_corrected_after_one_that_was_corrected_before(bel
         for corrected, when in (("winch", known - 40.0), (belief, known)):
             if abs(time - when) <= 0.5 * DT:
                 guard.allow_correction(corrected)
-        tip = Motion(0.0, 0.3 * wave)
-        guard.update(GuardedMotions(Motion(amplitude * wave, 0.0), Motion(0.3 * wave, 0.0), tip, tip.rate), 1.0)
+        tip = (0.0, 0.3 * wave)
+        guard.update(seen((amplitude * wave, 0.0), (0.3 * wave, 0.0), tip, tip[1]), 1.0)
     assert guard.inhibits is not is_allowed
 
 
@@ -308,9 +277,9 @@ def test_what_the_limits_of_the_winch_keep_out_of_reach_is_no_drum_that_runs_wil
     # a triangle of the limited acceleration, half a wave late: what a drum does that is at its limit all the time
     for k in range(round(60.0 / DT)):
         time = k * DT
-        tip = Motion(0.0, speed * math.sin(omega * time))
+        tip = (0.0, speed * math.sin(omega * time))
         drum = -min(speed, 0.25 * limit * 2.0 * math.pi / omega) * math.cos(omega * time)
-        guard.update(GuardedMotions(Motion(0.0, 0.0), Motion(0.5 * math.sin(omega * time), 0.0), tip, drum), 1.0)
+        guard.update(seen((0.0, 0.0), (0.5 * math.sin(omega * time), 0.0), tip, drum), 1.0)
     assert guard.inhibits is is_wild
 
 
@@ -364,7 +333,7 @@ def test_a_reason_that_is_certain_keeps_compensation_off_for_the_hold_time_after
     late = ALARMS.alarm("COMMANDS_CUT", time=0.5)
     for _ in range(round(100.0 / DT)):
         guard.inhibit(late)
-        guard.update(GuardedMotions(Motion(0.0, 0.0), Motion(0.0, 0.0), Motion(0.0, 0.0)), 0.0)
+        guard.update(seen((0.0, 0.0), (0.0, 0.0), (0.0, 0.0)), 0.0)
     assert guard.inhibits and guard.alarm is late
     feed_guard(guard, 0.0, 0.5, 29.0, authority=0.0)
     assert guard.inhibits

@@ -4,21 +4,36 @@ import math
 
 import numpy as np
 import pytest
-from winch_controller_node.core.estimation.loop_tick import Motion
-from winch_controller_node.core.supervision.guard import HarmGuard, WaveComparison
-from winch_controller_node.core.supervision.guard_checks import (
-    DrumCheck,
-    GuardedLoop,
-    GuardedMotions,
-    Swings,
-    UnitCheck,
-)
+from heave_core.look import Guard, Seen
+from heave_core.look_table import Harm
+from winch_controller_node.core.supervision.guard import HarmGuard
+from winch_controller_node.core.supervision.guard_checks import GuardedLoop, guard_design
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
 
 DT = 0.05
 LIMITS = WinchLimits(2.0, 1.5, -50.0, 50.0)
-STILL = Motion(0.0, 0.0)
+FULL = 1.0
+
+
+class Checks:
+    """The guard's checks of a loop, which nothing keeps off."""
+
+    def __init__(self, loop, window, floor=0.02):
+        self.core = Guard(guard_design(GuardParameters(window=window, floor=floor), loop, DT))
+
+    def step(self, seen, authority=FULL):
+        """Take in a tick; return what is found."""
+        self.verdict = self.core.step(seen, authority, FULL, inhibits=False)
+        return self.found
+
+    @property
+    def found(self):
+        return Harm(int(self.verdict.bits))
+
+    @property
+    def drum_is_off(self):
+        return Harm.DRUM_OFF in self.found
 
 
 def times(seconds):
@@ -28,13 +43,12 @@ def times(seconds):
 @pytest.mark.parametrize(("speed", "is_beyond"), [(1.4, False), (2.2, True)])
 def test_a_sea_is_out_of_reach_where_it_asks_for_more_speed_than_the_winch_has(speed, is_beyond):
     """At 0.3 rad/s the acceleration is no limit: 0.66 of 1.5 m/s^2; the speed is one, 2 m/s."""
-    check, found = DrumCheck(20.0, DT), []
-    assert not check.is_out_of_reach
+    checks, found = Checks(GuardedLoop(LIMITS), 20.0), []
+    assert not checks.core.state["is_out_of_reach"][0]
     for time in times(40.0):
-        tip = Motion(0.0, speed * math.sin(0.3 * time))
-        motions = GuardedMotions(STILL, STILL, tip, tip.rate)
-        check.update(motions, GuardedLoop(LIMITS), 1.0, 0.0, Swings(0.0, 0.0))
-        found.append(check.is_out_of_reach)
+        rate = speed * math.sin(0.3 * time)
+        checks.step(Seen(tip_rate=rate, payout_rate=rate))
+        found.append(bool(checks.core.state["is_out_of_reach"][0]))
     assert any(found) is is_beyond
     # 2.2 sin x > 2 for 2 (90 deg - asin(2/2.2)) of each half wave, a share of 0.27
     assert not is_beyond or 0.2 < np.mean(found) < 0.3
@@ -42,37 +56,35 @@ def test_a_sea_is_out_of_reach_where_it_asks_for_more_speed_than_the_winch_has(s
 
 def fade(drum, seconds=8.0):
     """Let authority rise at 0.1 1/s, tip and uncompensated unit 5 m up; the drum runs at the speed `drum` [m/s]."""
-    check = DrumCheck(4.0, DT)
-    motions = GuardedMotions(STILL, Motion(5.0, 0.0), Motion(5.0, 0.01), drum)
+    checks = Checks(GuardedLoop(LIMITS, fade_time=10.0), 4.0)
     for time in times(seconds):
-        check.update(motions, GuardedLoop(LIMITS, fade_time=10.0), 0.1 * time, 0.1 * DT, Swings(0.0, 0.0))
-    return check.harm
+        checks.step(Seen(free=5.0, tip=5.0, tip_rate=0.01, payout_rate=drum), 0.1 * (time + DT))
+    return checks
 
 
 def test_while_authority_moves_the_drum_is_to_take_the_unit_to_its_new_share_of_the_motion():
     """A' (3 tip - 2 free) = 0.1 (15 - 10) m/s; what it does otherwise is held against it with its size."""
-    assert fade(0.5) is None
-    harm = fade(0.0)
-    assert harm.code == "DRUM_SPEED_OFF"
-    assert harm.values["error"] == pytest.approx(0.5, rel=0.05)
-    assert fade(1.0).values["error"] == pytest.approx(0.5, rel=0.05)
+    assert not fade(0.5).drum_is_off
+    for drum in (0.0, 1.0):
+        checks = fade(drum)
+        assert checks.drum_is_off
+        assert checks.verdict.drum == pytest.approx(0.5, rel=0.05)
 
 
 def test_authority_that_jumps_asks_the_drum_for_no_more_than_one_that_fades():
-    check = DrumCheck(4.0, DT)
-    motions = GuardedMotions(STILL, Motion(5.0, 0.0), Motion(5.0, 0.01), 0.5)
+    checks = Checks(GuardedLoop(LIMITS, fade_time=10.0), 4.0)
     for _ in times(8.0):
-        check.update(motions, GuardedLoop(LIMITS, fade_time=10.0), 0.5, 0.5, Swings(0.0, 0.0))
-    assert check.harm is None
+        checks.core.state["authority"] = 0.0
+        checks.step(Seen(free=5.0, tip=5.0, tip_rate=0.01, payout_rate=0.5), 0.5)
+    assert not checks.drum_is_off
 
 
 def test_a_drum_may_take_the_unit_out_of_its_swing_while_authority_moves_and_for_seconds_after_it():
     """a = 4 s^2, a free swing of 1 m: 1.5 sqrt((2^2 + 1)/4) = 1.7 m/s may be then, 1.5 sqrt(1/4) = 0.75 later."""
-    check, loop, found = DrumCheck(4.0, DT), GuardedLoop(LIMITS, inertia=4.0), []
-    motions = GuardedMotions(STILL, STILL, STILL, 1.2)
+    checks, found = Checks(GuardedLoop(LIMITS, inertia=4.0), 4.0), []
     for time in times(30.0):
-        check.update(motions, loop, 1.0, 1e-9 if time < 10.0 else 0.0, Swings(0.0, 1.0))
-        found.append(check.harm is not None)
+        checks.step(Seen(free=1.0, payout_rate=1.2), 1.0 + 1e-9 * min(time, 10.0))
+        found.append(checks.drum_is_off)
     assert not any(found[: round(11.0 / DT)])
     # e^(-t/3 s) over a memory of 4 s is 4 e^(-t/4 s) - 3 e^(-t/3 s), which is 1.2^2/1.5^2 - 0.25 at 7.2 s
     assert found.index(True) * DT == pytest.approx(17.2, abs=0.3)
@@ -80,22 +92,29 @@ def test_a_drum_may_take_the_unit_out_of_its_swing_while_authority_moves_and_for
 
 
 def run_wild(loop, seconds, swing=0.0):
-    """Let a drum run at 1.2 m/s over a still boom tip, with a `swing` of the unit [m]; return what is found."""
-    check = DrumCheck(4.0, DT)
+    """Let a drum run at 1.2 m/s over a still boom tip, with a `swing` of the unit [m]; return the checks."""
+    checks = Checks(loop, 4.0)
+    checks.core.state["authority"] = FULL
     for _ in times(seconds):
-        check.update(GuardedMotions(STILL, STILL, STILL, 1.2), loop, 1.0, 0.0, Swings(swing**2, 0.0))
-    return check.harm
+        checks.step(Seen(unit=swing, payout_rate=1.2))
+    return checks
 
 
 def test_a_drum_that_runs_wild_is_found_as_soon_as_half_the_time_of_the_waves_was_seen():
     """From the start on nothing is allowed: no swing, no speed to be gained, no limit that was left behind."""
     for inertia in (0.0, 4.0):
-        assert run_wild(GuardedLoop(LIMITS, inertia=inertia), 2.0 - DT) is None
-        assert run_wild(GuardedLoop(LIMITS, inertia=inertia), 2.0).values == {"error": pytest.approx(1.2)}
+        assert not run_wild(GuardedLoop(LIMITS, inertia=inertia), 2.0 - DT).drum_is_off
+        checks = run_wild(GuardedLoop(LIMITS, inertia=inertia), 2.0)
+        assert checks.drum_is_off
+        assert checks.verdict.drum == pytest.approx(1.2)
 
 
 def test_on_a_cable_that_is_not_known_no_drum_is_allowed_to_stop_a_swing():
-    assert run_wild(GuardedLoop(LIMITS), 20.0, swing=1.0) is not None
+    assert run_wild(GuardedLoop(LIMITS), 20.0, swing=1.0).drum_is_off
+
+
+def test_the_drum_of_a_law_that_does_not_feed_the_unit_back_is_not_judged():
+    assert not run_wild(GuardedLoop(LIMITS, feeds_back_unit=False), 20.0).drum_is_off
 
 
 @pytest.mark.parametrize("acceleration", [1.0, -1.0])
@@ -104,122 +123,128 @@ def test_a_drum_may_let_the_unit_gain_speed_with_the_mean_payout_for_some_second
 
     Their mean square over a memory of 4 s is (16/3) e^(-t/4 s) m^2/s^2 then, which is 1.2^2/1.5^2 at 8.5 s.
     """
-    check, loop, found = DrumCheck(4.0, DT), GuardedLoop(LIMITS, inertia=4.0), []
+    checks, found = Checks(GuardedLoop(LIMITS, inertia=4.0), 4.0), []
     for time in times(60.0):
-        given = acceleration if time < 40.0 else 0.0
-        check.update(
-            GuardedMotions(STILL, STILL, STILL, 1.2, mean_acceleration=given), loop, 1.0, 0.0, Swings(0.0, 0.0)
-        )
-        found.append(check.harm is not None)
+        checks.step(Seen(payout_rate=1.2, mean_acceleration=acceleration if time < 40.0 else 0.0))
+        found.append(checks.drum_is_off)
     assert found.index(True) * DT - 40.0 == pytest.approx(8.5, abs=0.3)
 
 
 @pytest.mark.parametrize("inertia", [0.25, 4.0])
-@pytest.mark.parametrize(("share", "is_harm"), [(0.2, False), (0.6, True)])
-def test_stopping_a_unit_that_swings_is_no_harm_of_the_drum(share, is_harm, inertia):
+@pytest.mark.parametrize(("share", "is_allowed"), [(0.2, False), (0.6, True)])
+def test_stopping_a_unit_that_swings_is_no_harm_of_the_drum(share, is_allowed, inertia):
     """A drum of 1.2 m/s is allowed from 1.5 sqrt(4 z^2/a) m/s on: a swing z of 0.4 sqrt(a)."""
-    harm = run_wild(GuardedLoop(LIMITS, inertia=inertia), 20.0, swing=share * math.sqrt(inertia))
-    assert (harm is None) is is_harm
+    checks = run_wild(GuardedLoop(LIMITS, inertia=inertia), 20.0, swing=share * math.sqrt(inertia))
+    assert checks.drum_is_off is not is_allowed
 
 
-def unit_check():
-    return UnitCheck(20.0, 0.01, DT)
+HARM_TO_UNIT = Harm.SWING_HIGH | Harm.DEPTH_HIGH
 
 
-def feed(check, seconds, *, unit, free, authority=1.0, reads=None, is_out_of_reach=False, begin=0.0):
-    """Feed waves of 1 rad/s on a cable with a = 1 s^2: the swing is the amplitude. Return when harm shows."""
+def unit_checks():
+    return Checks(GuardedLoop(LIMITS, inertia=1.0), 20.0, floor=0.001)
+
+
+def feed(checks, seconds, *, unit, free, authority=1.0, reads=math.nan, is_out_of_reach=False, begin=0.0):
+    """Feed waves of 1 rad/s on a cable with a = 1 s^2: the swing is the amplitude. Return when harm shows.
+
+    A boom tip at 1e3 m/s is out of the winch's reach.
+    """
     for time in times(seconds):
         wave, slope = math.sin(begin + time), math.cos(begin + time)
-        read = None if reads is None else reads * wave
-        motions = GuardedMotions(
-            Motion(unit * wave, unit * slope), Motion(free * wave, free * slope), STILL, measured_heave=read
-        )
-        check.update(motions, 1.0, authority, Swings.of(motions, 1.0), is_out_of_reach=is_out_of_reach)
-        if check.harm_to_swing or check.harm_by_depth:
+        rate = 1e3 if is_out_of_reach else 0.0
+        given = Seen(unit * wave, unit * slope, free * wave, free * slope, 0.0, rate, rate, reads * wave)
+        if checks.step(given, authority) & HARM_TO_UNIT:
             return time
     return None
 
 
+def mismatch(checks):
+    """Return by how much depth sensor and estimate disagree [m]; None: they agree."""
+    return checks.verdict.mismatch if Harm.DISAGREE in checks.found else None
+
+
 @pytest.mark.parametrize(("error", "is_reported"), [(0.7, False), (0.95, True)])
 def test_depth_sensor_and_estimate_disagree_from_four_fifths_of_the_uncompensated_heave_on(error, is_reported):
-    check = unit_check()
-    feed(check, 60.0, unit=0.0, free=1.0, reads=error)
-    assert (check.mismatch is not None) is is_reported
+    checks = unit_checks()
+    feed(checks, 60.0, unit=0.0, free=1.0, reads=error)
+    assert (mismatch(checks) is not None) is is_reported
     # standard deviation of a sine; the mean is followed within 5 s, which leaves 0.98 of it
-    assert not is_reported or check.mismatch == pytest.approx(0.98 * 0.95 / math.sqrt(2.0), rel=0.05)
+    assert not is_reported or mismatch(checks) == pytest.approx(0.98 * 0.95 / math.sqrt(2.0), rel=0.05)
 
 
 def test_a_corrected_disagreement_is_compared_anew_without_what_was_read_before():
-    check = unit_check()
-    feed(check, 60.0, unit=0.0, free=1.0, reads=0.95)
-    assert check.mismatch is not None
-    check.reset_mismatch()
-    assert check.mismatch is None
-    feed(check, 60.0, unit=0.0, free=1.0, reads=0.0)
-    assert check.mismatch is None
+    checks = unit_checks()
+    feed(checks, 60.0, unit=0.0, free=1.0, reads=0.95)
+    assert mismatch(checks) is not None
+    checks.core.reset_mismatch()
+    feed(checks, DT, unit=0.0, free=1.0, reads=0.0)
+    assert mismatch(checks) is None
+    feed(checks, 60.0, unit=0.0, free=1.0, reads=0.0)
+    assert mismatch(checks) is None
 
 
 def test_a_corrected_disagreement_leaves_no_heave_behind():
     """A sensor that reads four times the heave is corrected at a crest, and reads the truth from then on."""
-    check = unit_check()
-    feed(check, 18.5 * math.pi, unit=0.0, free=1.0, reads=4.0, authority=0.0)
-    assert check.mismatch is not None
-    check.reset_mismatch()
+    checks = unit_checks()
+    feed(checks, 18.5 * math.pi, unit=0.0, free=1.0, reads=4.0, authority=0.0)
+    assert mismatch(checks) is not None
+    checks.core.reset_mismatch()
     for _ in range(20):
-        feed(check, 1.0, unit=0.0, free=1.0, reads=0.0, authority=0.0)
-        assert check.mismatch is None
+        feed(checks, 1.0, unit=0.0, free=1.0, reads=0.0, authority=0.0)
+        assert mismatch(checks) is None
 
 
 def test_noise_of_the_depth_sensor_that_is_known_is_no_heave_of_the_unit():
     """It reads 0.6 m up and down in turn, of a still unit in a sea of 0.5 m: more than 1.3 times its 1 sigma."""
-    check = unit_check()
+    checks = unit_checks()
     for tick, time in enumerate(times(60.0)):
-        free = Motion(0.5 * math.sin(time), 0.5 * math.cos(time))
+        free, rate = 0.5 * math.sin(time), 0.5 * math.cos(time)
         reads = 0.6 * (-1.0) ** tick
-        motions = GuardedMotions(STILL, free, STILL, measured_heave=reads, depth_noise=0.6)
-        check.update(motions, 1.0, 1.0, Swings.of(motions, 1.0), is_out_of_reach=False)
-        assert check.harm_by_depth is None
+        assert Harm.DEPTH_HIGH not in checks.step(Seen(free=free, free_rate=rate, measured=reads, noise=0.6))
 
 
 def test_a_swing_above_the_sea_is_found_at_the_start_as_later():
     """0.8 m over 0.5 m; half the time of the waves is 10 s, and nothing was left over that could be allowed."""
-    assert feed(unit_check(), 30.0, unit=0.8, free=0.5) == pytest.approx(10.0, abs=2.0 * DT)
+    assert feed(unit_checks(), 30.0, unit=0.8, free=0.5) == pytest.approx(10.0, abs=2.0 * DT)
 
 
 def test_a_unit_that_moves_with_the_sea_while_the_winch_stands_has_no_swing_of_its_own_to_be_allowed():
     """0.8 m over 0.5 m are 1.6, and 1.2 is the most; a swing of its own of 0.5 m would make that 1.2 (0.5 + 0.5) m."""
-    check = unit_check()
-    feed(check, 60.0, unit=0.5, free=0.5, authority=0.0)
-    begun = feed(check, 10.0, unit=0.8, free=0.5, authority=0.5)
+    checks = unit_checks()
+    feed(checks, 60.0, unit=0.5, free=0.5, authority=0.0)
+    begun = feed(checks, 10.0, unit=0.8, free=0.5, authority=0.5)
     assert begun is not None and begun < 6.0
-    assert check.harm_to_swing.code == "UNIT_SWING_HIGH"
+    assert checks.found == Harm.SWING_HIGH
 
 
 def test_a_swing_of_its_own_while_the_winch_stands_is_given_half_a_minute():
     """Its 1.1 m less the sea's 0.5 m: 1.2 (0.5 + 0.6) = 1.32 m may be at first, e^-1 of the 0.6 m after 30 s."""
-    check = unit_check()
-    feed(check, 60.0, unit=1.1, free=0.5, authority=0.0)
-    begun = feed(check, 60.0, unit=1.1, free=0.5)
+    checks = unit_checks()
+    feed(checks, 60.0, unit=1.1, free=0.5, authority=0.0)
+    begun = feed(checks, 60.0, unit=1.1, free=0.5)
     # 1.2 (0.5 + 0.6 e^(-t/30 s)) = 1.1 m at t = 11 s
     assert begun == pytest.approx(11.0, abs=3.0)
 
 
 def test_what_a_wave_beyond_the_limits_has_left_is_allowed_once_and_what_stays_is_not():
     """1.0 m: twice the uncompensated 0.5 m, which is the most that is allowed to begin with."""
-    check = unit_check()
-    feed(check, 60.0, unit=0.01, free=0.5)
-    assert feed(check, 5.0, unit=1.0, free=0.5, is_out_of_reach=True) is None
-    begun = feed(check, 120.0, unit=1.0, free=0.5, is_out_of_reach=True, begin=5.0)
+    checks = unit_checks()
+    feed(checks, 60.0, unit=0.01, free=0.5)
+    assert feed(checks, 5.0, unit=1.0, free=0.5, is_out_of_reach=True) is None
+    begun = feed(checks, 120.0, unit=1.0, free=0.5, is_out_of_reach=True, begin=5.0)
     # 1.2 (0.5 + 1.0 e^(-t/30 s)) = 1.0 m at t = 33 s
     assert begun == pytest.approx(28.0, abs=6.0)
 
 
 def test_harm_over_waves_is_told_from_half_the_window_on():
-    comparison = WaveComparison(GuardParameters(window=20.0, floor=0.02), DT)
-    harms = []
+    """By a law that does not feed the unit back, whose swing is not judged over seconds."""
+    loop = GuardedLoop(LIMITS, feeds_back_unit=False)
+    guard, harms = HarmGuard(GuardParameters(window=20.0, floor=0.02), loop, tick_period=DT), []
     for time in times(20.0):
         wave = math.sin(0.7 * time)
-        harms.append(comparison.harm(GuardedMotions(Motion(0.8 * wave, 0.0), Motion(0.5 * wave, 0.0), STILL), 1.0))
+        guard.update(Seen(unit=0.8 * wave, free=0.5 * wave), 1.0)
+        harms.append(guard.alarm)
     assert not any(harms[: round(9.9 / DT)])
     assert all(harms[round(10.1 / DT) :])
     assert harms[-1].code == "WORSE_THAN_OFF"
@@ -232,9 +257,9 @@ def guarded(reads, unit, seconds=40.0):
     assert guard.trusts_estimate
     for time in times(seconds):
         wave = math.sin(0.7 * time)
-        tip = Motion(0.0, 0.3 * wave)
-        motions = GuardedMotions(Motion(unit * wave, 0.0), Motion(0.5 * wave, 0.0), tip, tip.rate, reads * wave)
-        guard.update(motions, 0.0 if guard.inhibits else 1.0)
+        rate = 0.3 * wave
+        given = Seen(unit=unit * wave, free=0.5 * wave, tip_rate=rate, payout_rate=rate, measured=reads * wave)
+        guard.update(given, 0.0 if guard.inhibits else 1.0)
     return guard
 
 
@@ -248,8 +273,8 @@ def test_an_estimate_is_not_trusted_while_the_depth_sensor_contradicts_it_and_is
     guard = guarded(reads=0.75, unit=0.55)
     for time in times(400.0):  # the winch stands, and both see the sea as it is
         wave = math.sin(0.7 * time)
-        free = Motion(0.5 * wave, 0.0)
-        guard.update(GuardedMotions(free, free, Motion(0.0, 0.3 * wave), 0.0, free.heave), 0.0)
+        heave = 0.5 * wave
+        guard.update(Seen(unit=heave, free=heave, tip_rate=0.3 * wave, measured=heave), 0.0)
     assert (guard.inhibits, guard.trusts_estimate) == (False, True)
 
 
@@ -264,5 +289,5 @@ def test_a_law_that_keeps_the_limits_by_itself_is_given_as_much_as_the_winch_can
     """Waves of one height and 4 m/s over 2 m/s: a demand of 2, of which 1.4 is given."""
     guard = HarmGuard(GuardParameters(window=20.0), GuardedLoop(WinchLimits(2.0, 100.0, -50.0, 50.0)), tick_period=DT)
     for time in times(200.0):
-        guard.update(GuardedMotions(STILL, STILL, Motion(0.0, 4.0 * math.sin(0.7 * time)), 0.0), 0.0)
+        guard.update(Seen(tip_rate=4.0 * math.sin(0.7 * time)), 0.0)
     assert guard.authority_limit(keeps_limits=True) == pytest.approx(1.4 / 2.0, rel=0.02)

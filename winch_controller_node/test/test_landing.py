@@ -6,11 +6,18 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_core.watch import LandingWatch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.core.estimation.loop_tick import Sensed
 from winch_controller_node.core.estimation.tension import MeanTension
-from winch_controller_node.core.supervision.landing import HangingLoad, HangingUnit, Landing, LandingEvent, Trend
+from winch_controller_node.core.supervision.landing import (
+    HangingLoad,
+    HangingUnit,
+    Landing,
+    LandingEvent,
+    landing_design,
+)
 from winch_controller_node.core.supervision.modes import Mode, ModeOutput
 from winch_controller_node.parameters.laws import TensionLawParameters
 
@@ -44,26 +51,47 @@ def sensed(*, tension, depths=(), innovation=None, has_depth=True, filtered=None
     )
 
 
+def a_trend(times, values):
+    """Return a function of a window [s] that asks the depth's trend of these readings."""
+    watch = LandingWatch(landing_design(HangingLoad(60e3, 50e3, 1e6), 0.3))
+    for time, value in zip(times, values, strict=True):
+        watch.add_depth(float(time), float(value))
+
+    def ask(window):
+        return watch.trend("depth", window)
+
+    ask.watch = watch
+    return ask
+
+
 def test_a_trend_is_the_least_squares_line_with_its_standard_error():
     """numpy.polyfit has the same line, and its covariance the same error."""
     random = np.random.default_rng(1)
     times = np.arange(0.0, 3.0, 0.1)
     values = 2.0 + 0.3 * times + 0.02 * random.standard_normal(times.size)
-    trend = Trend()
-    for time, value in zip(times, values, strict=True):
-        trend.add(float(time), float(value))
+    trend = a_trend(times, values)
     within = times > times[-1] - 1.95
     (slope, _), covariance = np.polyfit(times[within], values[within], 1, cov=True)
-    found = trend.slope(1.95)
-    assert found.value == pytest.approx(slope)
+    found = trend(1.95)
+    assert found.slope == pytest.approx(slope)
     assert found.error == pytest.approx(math.sqrt(covariance[0, 0]))
+    assert found.mean == pytest.approx(np.mean(values[within]))
 
 
 def test_a_trend_says_nothing_before_its_window_is_full():
-    trend = Trend()
-    trend.add(0.0, 1.0)
-    trend.add(0.1, 1.0)
-    assert trend.slope(1.0) is None
+    found = a_trend([0.0, 0.1], [1.0, 1.0])(1.0)
+    assert (found.is_known, found.slope) == (0.0, 0.0)
+
+
+def test_of_more_readings_than_are_kept_the_newest_are_and_none_is_older_than_the_one_before():
+    times = 0.01 * np.arange(6000)
+    values = np.sin(times)
+    trend = a_trend(times, values)
+    trend.watch.add_depth(times[-1], 1e9)
+    within = times >= times[-1] - 30.0
+    found = trend(30.0)
+    assert found.slope == pytest.approx(np.polyfit(times[within], values[within], 1)[0], abs=1e-9)
+    assert not trend(50.0).is_known
 
 
 class Lowering:
@@ -106,7 +134,7 @@ class Lowering:
             tension = self.tension(time) * (1.0 + TENSION_NOISE * noise())
             now = sensed(tension=tension, depths=depths, innovation=innovation, has_depth=has_depth)
             self.landing.observe(time, now, self._speed * time, self.hanging(time))
-            if self.landing.update(time, now, mode) is LandingEvent.TOUCHDOWN:
+            if self.landing.update(now, mode) is LandingEvent.TOUCHDOWN:
                 return time
         return None
 
@@ -186,7 +214,7 @@ def test_what_a_lost_load_cell_has_read_last_is_no_sign_of_a_landing():
         lost = ("load_cell",) if 21.0 < time < 40.0 else ()
         now = sensed(tension=tension, has_depth=False, lost=lost)
         landing.observe(time, now, 0.2 * time, HangingUnit(0.2 * time, 0.0))
-        assert landing.update(time, now, COMPENSATING) is None
+        assert landing.update(now, COMPENSATING) is None
 
 
 FROZEN = tuple(
@@ -223,17 +251,17 @@ def test_a_landing_while_the_depth_sensor_is_frozen_is_told_and_known_before_the
 
 def test_a_unit_lands_once_and_hangs_again_only_when_it_is_lifted():
     lowering = Lowering(stiffness=27e3, speed=0.2, contact=20.0)
-    time = lowering.run(30.0)
+    lowering.run(30.0)
     landing, load = lowering.landing, lowering.load
     assert landing.unit_stands
     hanging = sensed(tension=load.static_tension + 0.1 * load.weight)
     standing = sensed(tension=load.static_tension - 0.1 * load.weight)
-    assert landing.update(time, hanging, HOLDING) is None
+    assert landing.update(hanging, HOLDING) is None
     landing.begin_lift_off()
-    assert landing.update(time, standing, HOLDING) is None
-    assert landing.update(time, hanging, HOLDING) is LandingEvent.LIFTED_OFF
+    assert landing.update(standing, HOLDING) is None
+    assert landing.update(hanging, HOLDING) is LandingEvent.LIFTED_OFF
     assert not landing.unit_stands
-    assert landing.update(time, hanging, HOLDING) is None
+    assert landing.update(hanging, HOLDING) is None
 
 
 def test_a_unit_that_is_where_a_hanging_one_is_expected_has_not_landed():
@@ -251,7 +279,7 @@ def test_a_winch_that_begins_to_lower_relieves_the_cable_by_the_inertia_of_the_u
         depths = [(time - 0.1, depth)] if tick % 2 == 0 else []
         now = sensed(tension=load.static_tension - load.stiffness * (payout - depth), depths=depths, innovation=5.0)
         landing.observe(time, now, payout, HangingUnit(depth, payout - depth))
-        assert landing.update(time, now, COMPENSATING) is None
+        assert landing.update(now, COMPENSATING) is None
 
 
 @pytest.mark.parametrize("faults", [(), (*FROZEN, "cable_sim.sensors.depth.faults.start=[80.0]")], ids=["", "frozen"])

@@ -4,15 +4,18 @@ import math
 
 import numpy as np
 import pytest
-from winch_controller_node.core.supervision.checks import RunningSigma
-from winch_controller_node.core.supervision.watch.winch_demand import (
+from heave_core.look import Guard, RunningSigma, Seen
+from winch_controller_node.core.supervision.guard_checks import (
     GROUP_PEAK,
     GROWING_PEAK,
     PEAK,
-    WinchDemand,
+    SLOW_MEAN_FACTOR,
+    GuardedLoop,
+    guard_design,
 )
 from winch_controller_node.laws.parts.effort import Effort
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
+from winch_controller_node.parameters.laws import GuardParameters
 
 DT = 0.05
 FIRST_LOOK = 120.0
@@ -20,49 +23,77 @@ FIRST_LOOK = 120.0
 OMEGA = 1.0
 FAST = WinchLimits(speed=100.0, acceleration=1.5, payout_minimum=-50.0, payout_maximum=50.0)
 STRONG = WinchLimits(speed=2.0, acceleration=100.0, payout_minimum=-50.0, payout_maximum=50.0)
+NO_MORE = Effort()
 SIGMA = math.sqrt(0.5)
 """Standard deviation of a sine of amplitude 1."""
 
 
+class WinchDemand:
+    """What a guard makes of a boom tip, asked for any limits and law."""
+
+    def __init__(self, window):
+        self._parameters = GuardParameters(window=window)
+        self._guard = Guard(self._design(STRONG, Effort()))
+
+    def _design(self, limits, effort):
+        return guard_design(self._parameters, GuardedLoop(limits, effort), DT)
+
+    def add(self, rate):
+        self._guard.step(Seen(tip_rate=rate), 0.0, 1.0, inhibits=False)
+
+    def _asked(self, limits, effort):
+        self._guard.take_design(self._design(limits, effort))
+        return self._guard.verdict
+
+    def significant(self, limits):
+        return self._asked(limits, Effort()).demand
+
+    def coming(self, limits):
+        return self._asked(limits, Effort()).coming
+
+    def largest_share(self, limits, effort=NO_MORE):
+        return self._asked(limits, effort).usual_authority
+
+
 def sine(amplitude, seconds, growth=0.0):
     """Return the demand of a boom tip whose speed is a sine of an amplitude that grows by `growth` [1/s]."""
-    demand = WinchDemand(40.0, tick_period=DT)
+    demand = WinchDemand(40.0)
     for time in DT * np.arange(round(seconds / DT)):
         demand.add((amplitude + growth * time) * math.sin(OMEGA * time))
     return demand
 
 
 def test_the_share_keeps_the_peaks_of_speed_within_what_may_be_used():
-    share = sine(2.0, 400.0).largest_share(STRONG, Effort(), 0.85)
+    share = sine(2.0, 400.0).largest_share(STRONG)
     assert share == pytest.approx(0.85 / (PEAK * SIGMA * 2.0 / 2.0), rel=0.02)
 
 
 @pytest.mark.parametrize(("peak", "share"), [(0.8, 1.0), (0.95, 0.85 / 0.95)])
 def test_peaks_that_need_a_little_more_than_may_be_used_are_given_a_little_less(peak, share):
-    found = sine(peak * 2.0 / (PEAK * SIGMA), 400.0).largest_share(STRONG, Effort(), 0.85)
+    found = sine(peak * 2.0 / (PEAK * SIGMA), 400.0).largest_share(STRONG)
     assert found == pytest.approx(share, rel=0.02)
 
 
 def test_the_share_keeps_the_peaks_of_acceleration_within_what_may_be_used():
-    share = sine(2.0, 400.0).largest_share(FAST, Effort(), 0.85)
+    share = sine(2.0, 400.0).largest_share(FAST)
     assert share == pytest.approx(0.85 / (PEAK * SIGMA * 2.0 * OMEGA / 1.5), rel=0.02)
 
 
 @pytest.mark.parametrize(("limits", "effort"), [(STRONG, Effort(speed=1.5)), (FAST, Effort(acceleration=1.5))])
 def test_a_law_that_asks_for_more_than_the_sea_is_given_less_of_it(limits, effort):
     demand = sine(2.0, 400.0)
-    usual = demand.largest_share(limits, Effort(), 0.85)
-    assert demand.largest_share(limits, effort, 0.85) == pytest.approx(usual / 1.5)
+    usual = demand.largest_share(limits)
+    assert demand.largest_share(limits, effort) == pytest.approx(usual / 1.5)
 
 
 def test_a_calm_sea_is_given_as_a_whole():
-    assert sine(0.01, 60.0).largest_share(STRONG, Effort(), 0.85) == 1.0
-    assert WinchDemand(40.0, tick_period=DT).largest_share(STRONG, Effort(), 0.85) == 1.0
+    assert sine(0.01, 60.0).largest_share(STRONG) == 1.0
+    assert WinchDemand(40.0).largest_share(STRONG) == 1.0
 
 
 def sigma_of_group(values):
     """Return the standard deviation over the last 8 s of `values` about a mean that follows three times more slowly."""
-    sigma = RunningSigma(8.0, DT)
+    sigma = RunningSigma(8.0, DT, SLOW_MEAN_FACTOR)
     for value in values:
         sigma.add(value)
     return sigma.sigma
@@ -79,7 +110,7 @@ def test_a_group_of_high_waves_is_seen_before_the_mean_of_the_sea_has_grown(limi
         group.append(rate if limits is STRONG else 3.0 * OMEGA * math.cos(OMEGA * time))
     limit = limits.usual_speed if limits is STRONG else limits.acceleration
     peak = GROUP_PEAK * sigma_of_group(group)
-    assert demand.largest_share(limits, Effort(), 0.85) == pytest.approx(0.85 * limit / peak, rel=0.02)
+    assert demand.largest_share(limits) == pytest.approx(0.85 * limit / peak, rel=0.02)
 
 
 @pytest.mark.parametrize("limits", [STRONG, FAST], ids=["speed", "acceleration"])
@@ -93,7 +124,7 @@ def test_a_sea_that_grows_from_its_first_wave_on_is_as_high_as_its_last_waves(li
     assert demand.coming(limits) == pytest.approx(crest / limit, rel=0.01)
     assert demand.significant(limits) < 0.95 * demand.coming(limits)
     peak = GROWING_PEAK * sigma_of_group(waves)
-    assert demand.largest_share(limits, Effort(), 0.85) == pytest.approx(0.85 * limit / peak, rel=0.03)
+    assert demand.largest_share(limits) == pytest.approx(0.85 * limit / peak, rel=0.03)
 
 
 def test_a_sea_that_is_known_for_two_minutes_grows_no_more():
@@ -113,7 +144,7 @@ def stepped(seconds, energy, amplitude):
 
     One crest is before it, of five times the amplitude.
     """
-    demand = WinchDemand(1e4, tick_period=DT)
+    demand = WinchDemand(1e4)
     demand.add(5.0 * amplitude)
     for time in DT * np.arange(round(seconds / DT)):
         height = amplitude * (1.0 if time < 0.5 * seconds else math.sqrt(energy))
@@ -136,3 +167,36 @@ def test_a_sea_that_is_seen_first_grows_if_its_later_half_has_four_times_the_ene
     assert demand.coming(STRONG) / demand.significant(STRONG) == pytest.approx(
         math.sqrt(energy) / seen if grows else 1.0, rel=0.05
     )
+
+
+def test_demand_of_a_sea_is_its_significant_amplitude_and_of_one_wave_no_more_than_its_height():
+    """Significant amplitude 2 sigma of a narrow-banded sea: its highest crests are beyond that."""
+    limits, noise = WinchLimits(2.0, 1.5, -50.0, 50.0), np.random.default_rng(1)
+    sea, wave = (WinchDemand(40.0) for _ in range(2))
+    omegas = np.linspace(0.4, 0.6, 40)
+    phases, time = noise.uniform(0.0, 2.0 * np.pi, 40), DT * np.arange(round(600.0 / DT))
+    rates = np.sqrt(2.0 / 40.0) * np.sum(np.cos(np.outer(time, omegas) + phases), axis=1)
+    found = []
+    for t, rate in zip(time, rates, strict=True):
+        sea.add(rate)
+        wave.add(np.cos(0.5 * t))
+        found.append((sea.significant(limits), wave.significant(limits)))
+    # sigma 1 m/s in the mean: speed asks for more than acceleration, 0.5 m/s^2 of 1.5
+    assert np.sqrt(np.mean(np.square(found), axis=0)) == pytest.approx([2.0 / 2.0, 1.0 / 2.0], rel=0.1)
+    # a crest decays by a hundredth until the next one
+    assert found[-1][1] == pytest.approx(0.5, rel=0.02)
+
+
+def test_a_sea_that_grows_is_as_high_as_its_last_waves_and_a_steady_one_is_not_taken_for_one():
+    """Crests grow by 2 m/s a minute at 0.7 rad/s: after a minute the mean of what was seen is 1/sqrt(3) of the last."""
+    limits = WinchLimits(2.0, 100.0, -50.0, 50.0)
+    growing, steady = (WinchDemand(40.0) for _ in range(2))
+    for time in DT * np.arange(round(60.0 / DT)):
+        growing.add(2.0 * time / 60.0 * math.sin(0.7 * time))
+        steady.add(2.0 * math.sin(0.7 * time))
+        if time > 20.0:
+            assert steady.coming(limits) == steady.significant(limits)
+    # amplitude of sines: sqrt(2) sigma, so that twice sigma is more than the highest crest, which bounds it
+    last = 2.0 * math.sqrt(0.5) * 2.0 * 51.0 / 60.0 / limits.speed
+    assert growing.coming(limits) == pytest.approx(min(last, 1.0), rel=0.1)
+    assert growing.significant(limits) < growing.coming(limits)

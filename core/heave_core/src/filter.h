@@ -11,6 +11,8 @@ struct Step {
 };
 
 // filter_model.cpp: what is not linear in a step and in a reading
+double excess_damping(const UnitDrag &drag, double speed);
+double kept_by(const UnitDrag &drag, double excess);
 double missing_push(const CableSlack &slack, int n, const double *x);
 void set_step(const Filter &filter, const double *x, Step &step);
 double linearised(const Filter &filter, const Reading &reading, const double *x, double *row);

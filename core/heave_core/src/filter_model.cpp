@@ -5,21 +5,24 @@
 
 namespace heave {
 
-namespace {
-
 // Damping of the drag at a speed beyond the linear one [s].
 double excess_damping(const UnitDrag &drag, double speed) {
     return std::max(drag.quadratic * speed - drag.damping, 0.0);
 }
 
+// Share of a speed that excess damping c leaves in half a tick: v' = -(c/a) v.
+double kept_by(const UnitDrag &drag, double excess) { return std::exp(-excess / drag.inertia * (0.5 * drag.tick_period)); }
+
+namespace {
+
 // Exact decay of the speed by the excess damping c: half of it before the linear step and half after (Strang, SIAM J.
-// Numer. Anal. 5 (1968) 506), v' = -(c/a) v; what is not known of it is noise.
+// Numer. Anal. 5 (1968) 506); what is not known of it is noise.
 void add_drag(const Filter &filter, const double *x, Step &step) {
     const UnitDrag &drag = filter.drag;
     const int n = filter.states, r = int(drag.rate);
     const double speed = std::abs(x[r]), excess = excess_damping(drag, speed);
     if (excess == 0.0) return;
-    const double half = std::exp(-excess / drag.inertia * (0.5 * drag.tick_period));
+    const double half = kept_by(drag, excess);
     for (int j = 0; j < n; j++) step.F[r * n + j] *= half, step.Q[r * n + j] *= half;
     for (int i = 0; i < n; i++) step.F[i * n + r] *= half, step.Q[i * n + r] *= half;
     step.B[r] *= half;

@@ -1,7 +1,9 @@
 // The C interface. Sizes and the number of the layout are asked for by whoever loads the library, before anything else.
 #include "filter.h"
+#include "look.h"
 #include "pass.h"
 #include "servo.h"
+#include "watch.h"
 
 extern "C" {
 
@@ -52,6 +54,97 @@ void heave_core_servo_reading(const heave::ServoRun *run, const double *payouts,
                               double *found) {
     const heave::SetPoints sent{payouts, rates, late, tensions, run->sent};
     *found = heave::servo_reading(*run, sent, *servo, readings, work);
+}
+
+// A simulated unit: a tick, and its heave and rate.
+void heave_core_unit(const heave::HangingCable *cable, heave::HangingUnit *unit, double heave, double rate, double *motion) {
+    heave::advance_unit(*cable, *unit, {heave, rate});
+    const heave::Motion found = heave::motion_of(*cable, *unit);
+    motion[0] = found.heave, motion[1] = found.rate;
+}
+
+void heave_core_unit_motion(const heave::HangingCable *cable, const heave::HangingUnit *unit, double *motion) {
+    const heave::Motion found = heave::motion_of(*cable, *unit);
+    motion[0] = found.heave, motion[1] = found.rate;
+}
+
+void heave_core_unit_continue(const heave::HangingCable *cable, heave::HangingUnit *unit, double heave, double rate) {
+    heave::continue_at(*cable, *unit, {heave, rate});
+}
+
+// All motions at a tick; again, after the state has jumped; the jumps.
+void heave_core_look(const heave::LookDesign *design, heave::LookState *state, const heave::LookInputs *inputs, heave::Motions *motions) {
+    heave::look(*design, *state, *inputs, *motions);
+}
+
+void heave_core_look_again(const heave::LookDesign *design, const heave::LookState *state, const heave::LookInputs *inputs, heave::Motions *motions) {
+    heave::find_motions(*design, *state, *inputs, *motions);
+}
+
+void heave_core_look_begin_share(const heave::LookDesign *design, heave::LookState *state) { heave::begin_share(*design, *state); }
+
+void heave_core_look_continue_shadow(const heave::LookDesign *design, heave::LookState *state, double heave, double rate) {
+    heave::continue_shadow(*design, *state, {heave, rate});
+}
+
+void heave_core_look_continue_hanging(const heave::LookDesign *design, heave::LookState *state, double heave, double rate) {
+    heave::continue_at(design->cable, state->hanging, {heave, rate});
+}
+
+void heave_core_look_take_unit(const heave::LookDesign *design, heave::LookState *state, double heave, double rate) {
+    heave::take_unit(*design, *state, {heave, rate});
+}
+
+// The guard: a tick, the demand under another design, the jumps.
+void heave_core_guard(const heave::GuardDesign *design, heave::GuardState *state, const heave::Seen *seen, heave::Verdict *verdict) {
+    heave::guard(*design, *state, *seen, *verdict);
+}
+
+void heave_core_guard_demand(const heave::GuardDesign *design, const heave::GuardState *state, heave::Verdict *verdict) {
+    heave::judge_demand(*design, state->demand, *verdict);
+}
+
+void heave_core_guard_begin(heave::GuardState *state) { heave::begin_guard(*state); }
+
+void heave_core_guard_restart_waves(heave::GuardState *state) { heave::restart_waves(*state); }
+
+void heave_core_guard_allow_catch_up(const heave::GuardDesign *design, heave::GuardState *state) { heave::allow_catch_up(*design, *state); }
+
+void heave_core_guard_allow_resumption(const heave::GuardDesign *design, heave::GuardState *state) { heave::allow_resumption(*design, *state); }
+
+void heave_core_guard_reset_mismatch(heave::GuardState *state) { heave::reset_mismatch(*state); }
+
+// A running variance.
+void heave_core_sigma(heave::RunningSigma *sigma, double value, double weight, double slow_mean) {
+    heave::add(*sigma, value, weight, slow_mean);
+}
+
+// Landing: a depth reading, a tick's other readings, the judgement of a tick.
+void heave_core_landing_begin(heave::LandingState *state) { heave::begin_landing(*state); }
+
+void heave_core_landing_depth(heave::LandingState *state, double time, double depth) { heave::add(state->depth, time, depth); }
+
+void heave_core_landing_observe(const heave::LandingDesign *design, heave::LandingState *state, const heave::LandingSeen *seen) {
+    heave::observe_landing(*design, *state, *seen);
+}
+
+void heave_core_landing(const heave::LandingDesign *design, heave::LandingState *state, const heave::LandingSeen *seen) {
+    heave::judge_landing(*design, *state, *seen);
+}
+
+// A trend: slope, its error, 1 where it is known, and the mean, over a window.
+void heave_core_trend(const heave::Trend *trend, double window, double least_readings, double filled, double *found) {
+    const heave::Slope slope = heave::slope_of(*trend, window, least_readings, filled);
+    found[0] = slope.value, found[1] = slope.error, found[2] = slope.is_known, found[3] = heave::mean_of(*trend, window);
+}
+
+// The rolling window: a tick, and what it holds.
+void heave_core_kpi_add(const heave::KpiDesign *design, heave::KpiState *state, heave::KpiRow *rows, const heave::KpiRow *row) {
+    heave::add(*design, *state, rows, *row);
+}
+
+void heave_core_kpi(const heave::KpiDesign *design, const heave::KpiState *state, const heave::KpiRow *rows, heave::KpiWindow *window) {
+    heave::summarise(*design, *state, rows, *window);
 }
 
 }

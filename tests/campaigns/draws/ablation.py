@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 PACKAGE = "winch_controller_node"
 NEVER = 1e9
-"""Price at which no hypothesis is accepted [nats]."""
+"""Price at which no hypothesis is accepted [nats]; ratio and share that nothing reaches."""
 
 
 class Switch(NamedTuple):
@@ -32,8 +32,10 @@ def _unpriced(*names: str) -> list[Switch]:
     return [Switch("adviser.hypothesis:PRICES", {**held.PRICES, **{getattr(held, name): NEVER for name in names}})]
 
 
-def _nothing() -> property:
-    return property(_gives(None))
+def _without_limit(name: str) -> list[Switch]:
+    """Return the switch with which no amplitude is too large by the guard's limit of a `name`."""
+    held = import_module(f"{PACKAGE}.core.supervision.guard_checks")
+    return [Switch(f"core.supervision.guard_checks:{name}", getattr(held, name)._replace(ratio=NEVER))]
 
 
 LEARNING = {
@@ -71,11 +73,11 @@ REFLEXES = {
 
 CHECKS = {
     "gates": lambda: [Switch("core.supervision.supervisor:Supervisor._closed_gates", _gives(""))],
-    "drum check": lambda: [Switch("core.supervision.guard_checks:DrumCheck.harm", _nothing())],
-    "swing check": lambda: [Switch("core.supervision.guard_checks:UnitCheck.harm_to_swing", _nothing())],
-    "depth check": lambda: [Switch("core.supervision.guard_checks:UnitCheck.harm_by_depth", _nothing())],
-    "mismatch check": lambda: [Switch("core.supervision.guard_checks:UnitCheck.mismatch", _nothing())],
-    "waves check": lambda: [Switch("core.supervision.guard:WaveComparison.harm", _gives(None))],
+    "drum check": lambda: _without_limit("DRUM"),
+    "swing check": lambda: _without_limit("SWING"),
+    "depth check": lambda: _without_limit("DEPTH"),
+    "mismatch check": lambda: _without_limit("MISMATCH"),
+    "waves check": lambda: [Switch("core.supervision.guard_checks:FULL_SHARE", NEVER)],
     "guard": lambda: [
         switch
         for name in ("drum check", "swing check", "depth check", "mismatch check", "waves check")

@@ -447,7 +447,7 @@ class WinchController:
         order = self._command.order(command, decision.mode, self._estimation.set_point)
         order = self._leave(order, move, measurements)
         self.proofs.note(order)
-        order = self._with_places(order, loop.payout)
+        order = self._with_places(order, loop.motions.payout)
         command = self._command.last
         self._note_kpi(loop)
         does = loop_words(decision.mode.mode, is_damped_blind=decision.is_damped and not loop.knows_tip)
@@ -582,7 +582,7 @@ class WinchController:
 
     def _watch_preview(self, loop: LoopTick, delivered: HeavePreview | None) -> HeavePreview | None:
         """Return the preview that is to be used; say when one is used no more, or again."""
-        boom_tip = None if "mru" in loop.sensed.lost else loop.boom_tip.heave
+        boom_tip = None if "mru" in loop.sensed.lost else loop.motions.tip
         preview = self.preview.step(loop.number * round(self._dt * 1e9), delivered, boom_tip)
         is_used = preview is not None
         if is_used != self._previews:
@@ -608,11 +608,11 @@ class WinchController:
     def _note_kpi(self, loop: LoopTick) -> None:
         knows_unit = loop.knows_tip or loop.sensed.sees_landing
         self._kpi.add(
-            unit=loop.unit.heave if knows_unit else math.nan,
-            uncompensated=loop.free_unit.heave if loop.knows_tip else math.nan,
-            tip=loop.boom_tip.heave if loop.knows_tip else math.nan,
-            payout=loop.payout,
-            rate=loop.total_payout_rate,
+            unit=loop.motions.unit if knows_unit else math.nan,
+            uncompensated=loop.motions.free if loop.knows_tip else math.nan,
+            tip=loop.motions.tip if loop.knows_tip else math.nan,
+            payout=loop.motions.payout,
+            rate=loop.motions.total_payout_rate,
             tension=loop.sensed.tension,
             winch=self.parameters.winch,
         )
@@ -648,7 +648,7 @@ class WinchController:
         elif starts or (mode.mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
             self._estimation.return_to_mean(loop)
             # what follows the sea is not leftover payout
-            self._estimation.motion.return_from(loop.payout - mode.authority * loop.boom_tip.heave)
+            self._estimation.motion.return_from(loop.motions.payout - mode.authority * loop.motions.tip)
             self._in_force.law.reset()
 
     def _act_on(self, landing: LandingEvent | None, loop: LoopTick) -> None:

@@ -160,7 +160,7 @@ class LoopCommand:
 
     def speed(self, tick: LoopTick) -> float:
         """Return the speed of the winch as last commanded at `tick` [m/s], absolute."""
-        return abs(tick.total_payout_rate) if self._is_first_order else abs(self._speed_asked)
+        return abs(tick.motions.total_payout_rate) if self._is_first_order else abs(self._speed_asked)
 
     @property
     def _speed_asked(self) -> float:
@@ -192,7 +192,8 @@ class LoopCommand:
             reference=Reference(mean_payout, mean_rate, tick.mean_command),
             static_tension=self._static_tension,
             measured_tension=tick.sensed.filtered_tension,
-            mru_rate=mode.authority * (tick.boom_tip[1] if math.isnan(tick.sensed.mru_rate) else tick.sensed.mru_rate),
+            mru_rate=mode.authority
+            * (tick.motions.tip_rate if math.isnan(tick.sensed.mru_rate) else tick.sensed.mru_rate),
             preview=preview,
             bounds_tension=decision.bounds_tension,
         )
@@ -296,7 +297,7 @@ class LoopCommand:
         the drum after the errors of all three. What is more than those may be is there, and is to be damped.
         """
         unit = self._rows.unit_states
-        swing = free_swing(x[unit], self._inertia)
+        swing = free_swing(float(x[unit[0]]), float(x[unit[1]]), self._inertia)
         if swing > LARGEST_UNSEEN:
             x[unit] *= (LARGEST_UNSEEN + max(swing - UNSEEN_ERROR, 0.0)) / swing
 

@@ -8,7 +8,9 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import replace
+from typing import Any
 
+from heave_core.look import Look, padded
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.beliefs.beliefs import LATENCY, Adopted, EncoderScale
@@ -25,7 +27,7 @@ from winch_controller_node.interface.readings import Measurements, WinchReading
 from winch_controller_node.interface.sensors import DEPTH_BIAS
 from winch_controller_node.model.estimator import Measurement, RecordedTick, begin_anew
 from winch_controller_node.model.loop_rows import loop_rows
-from winch_controller_node.model.simulated_unit import SimulatedUnit
+from winch_controller_node.model.simulated_unit import hanging_cable
 from winch_controller_node.motion.mean_motion import MeanMotion
 
 NOISE_SWING = 4.0
@@ -41,6 +43,31 @@ would swing by far more than any unit does, and what the law refers to with it."
 
 NEAR = 0.1
 """A drum that stands so near to a payout of 0 at first [m] returns to it, as it does after a stop."""
+
+
+def look_design(design: ControllerDesign) -> dict[str, Any]:
+    """Return the values of the core's LookDesign.
+
+    Raises ValueError for a model with more states than fit.
+    """
+    rows, dt = loop_rows(design.model), design.tick_period
+    unit, unit_rate = rows.unit_states
+    return {
+        "order": design.model.order,
+        "unit": unit,
+        "unit_rate": unit_rate,
+        "tip": padded(rows.tip[0]),
+        "tip_rate": padded(rows.tip[1]),
+        "payout": padded(rows.payout),
+        "payout_rate": padded(rows.payout_rate),
+        "through": rows.payout_rate_through,
+        "tick_period": dt,
+        "tip_memory": MEMORY,
+        "noise_swing": NOISE_SWING,
+        "taut_time": TAUT_TIME,
+        "cable": hanging_cable(design.cable, dt),
+        "taut_cable": hanging_cable(replace(design.cable, unit_weight=math.inf), dt),
+    }
 
 
 class TipWatch:
@@ -101,12 +128,9 @@ class LoopEstimation:
         self.motion = MeanMotion(parameters.move, design.model.order, tick_period=dt)
         self.estimator = design.make_estimator()
         self.observer = Observer(design, parameters.health)
-        self._shadow = SimulatedUnit(design.cable, dt)
-        self._taut_shadow = SimulatedUnit(design.cable, dt)
-        self._hanging_unit = SimulatedUnit(design.cable, dt)
+        self._look = Look(look_design(design))
         self._tension = TensionFilter(parameters.tension.time_constant, tick_period=dt)
         self.mean_tension = MeanTension(tick_period=dt)
-        self._tip_power = 0.0
         self._has_begun, self._first_payout = False, math.nan
         self._sea = SeaTracker(design)
         self._tip_watch = TipWatch(dt)
@@ -121,9 +145,7 @@ class LoopEstimation:
         self._design = design
         self.observer.terms.take_design(design)
         self._rows = loop_rows(design.model)
-        self._shadow.take_cable(design.cable, design.tick_period)
-        self._taut_shadow.take_cable(replace(design.cable, unit_weight=math.inf), design.tick_period)
-        self._hanging_unit.take_cable(design.cable, design.tick_period)
+        self._look.take_design(look_design(design))
         self._sea.refer_to(design)
 
     # another design
@@ -178,7 +200,7 @@ class LoopEstimation:
         self.consistency.restart()
         self._refer_to(design)
         # the boom tip was another one, and so is what it does to a unit that no winch moves
-        self._take_unit(self.estimator.estimate[self._rows.unit_states])
+        self._look.take_unit(*self._unit)
 
     def begin_second(self, nominal: ControllerDesign, tick: int) -> None:
         """Run the filter of the `nominal` design beside from after `tick` on: the active one goes by beliefs."""
@@ -228,8 +250,12 @@ class LoopEstimation:
         """Go on after `tick` without the encoder, the drum being at a `payout` [m]."""
         self.observer.exclude("encoder")
         moved = payout - float(self._rows.payout @ self.motion.state)
-        unit = self.estimator.estimate[self._rows.unit_states]
-        self._go_on(tick, payout=moved, unit=unit)
+        self._go_on(tick, payout=moved)
+
+    @property
+    def _unit(self) -> Array:
+        """Estimated heave [m] and rate [m/s] of the unit, shape (2,)."""
+        return self.estimator.estimate[self._rows.unit_states]
 
     def find_drum(self, tick: int) -> None:
         """Go on after `tick` with an encoder that has been lost: the drum may be elsewhere than it was taken to be.
@@ -249,36 +275,23 @@ class LoopEstimation:
         payout = encoder.payout + (gate.as_read - encoder.reading) / encoder.scale
         gate.rescale(encoder.scale / gate.scale, payout)
         if not is_adopted:
-            unit = self.estimator.estimate[self._rows.unit_states]
-            self._go_on(tick, payout=payout - float(self._rows.payout @ self.motion.state), unit=unit)
+            self._go_on(tick, payout=payout - float(self._rows.payout @ self.motion.state))
 
-    def _go_on(self, tick: int, *, payout: float, unit: Array) -> None:
-        """Go on after `tick` with drum and `unit` elsewhere, without what the mean payout does of it.
-
-        `payout` is that of the drum [m], `unit` heave [m] and rate [m/s], shape (2,).
-        """
+    def _go_on(self, tick: int, *, payout: float) -> None:
+        """Go on after `tick` with the drum at a `payout` [m], without what the mean payout does of it."""
+        unit = self._unit
         now = (self._design.model, self.estimator.estimate, self.estimator.covariance)
         self.estimator.continue_at(tick, *hand_over_seen(*now, payout=payout, unit=unit))
-        self._hanging_unit.continue_at(unit)
-
-    def _take_unit(self, unit: Array) -> None:
-        """Go on with a `unit` elsewhere, heave [m] and rate [m/s], shape (2,), also with the winch locked."""
-        self._continue_shadow(self._shadow.state + unit - self._hanging_unit.state)
-        self._hanging_unit.continue_at(unit)
+        self._look.continue_hanging(*unit)
 
     def reset_sea(self) -> None:
         """Look at the sea again: the boom tip was not where it was taken to be."""
         self._sea = SeaTracker(self._design)
-        self._tip_power = 0.0
+        self._look.forget_waves()
 
     def begin_share(self) -> None:
         """Let the uncompensated unit of a cable that stays taut go on from where it is: the cable is, from now on."""
-        self._taut_shadow.continue_at(self._shadow.state)
-
-    def _continue_shadow(self, state: Array) -> None:
-        """Go on with the uncompensated unit in another `state`, heave [m] and rate [m/s], shape (2,)."""
-        self._shadow.continue_at(state)
-        self.begin_share()
+        self._look.begin_share()
 
     def reset_readings(self) -> None:
         """Discard the readings of the past: they hold nothing about the state from now on."""
@@ -311,20 +324,20 @@ class LoopEstimation:
         self._step_by_count(number, command, readings)
         self.consistency.add(estimator.innovations)
         self.observer.learn(estimator, self.consistency)
-        tip = rows.tip @ estimate
-        self._follow_sea(tip)
         self._note_tension(is_new=bool(measurements.of("load_cell")), unit_stands=unit_stands)
-        self._tip_power += (float(tip[0]) ** 2 - self._tip_power) * self._design.tick_period / MEMORY
-        uncompensated = self._shadow.step(tip)
-        self._taut_shadow.step(tip)
-        self._taut_shadow.go_over_to(uncompensated, TAUT_TIME)
-        self._hanging_unit.step(tip - rows.drum(estimate, command.compensating))
-        before = self.knows_tip
+        before, shows_sea = self.knows_tip, self._shows_sea
         self._watch_tip()
-        if self.knows_tip and not before:
-            # what the winch would have left of the boom tip meanwhile is not known: it goes on from now
-            self._take_unit(estimate[rows.unit_states])
-            uncompensated = self._shadow.state
+        motions = self._look.step(
+            estimate,
+            estimator.covariance,
+            mean_state,
+            command=command,
+            knows_tip=self.knows_tip,
+            # what the winch would have left of a boom tip that was not known is not known: it goes on from now
+            takes_unit=self.knows_tip and not before,
+        )
+        if shows_sea:
+            self._follow_sea(motions.tip, motions.tip_rate)
         return LoopTick(
             number=number,
             sensed=self._sensed(readings),
@@ -334,10 +347,7 @@ class LoopEstimation:
             mean_state=mean_state,
             mean_command=self.motion.reference_command(self._design.parameters.winch),
             left_over=self.motion.left_over.point.payout,
-            uncompensated=uncompensated,
-            taut_uncompensated=self._taut_shadow.state,
-            wave_share=self._wave_share(),
-            hanging_heave=float(self.motion.state[rows.unit_states[0]] + self._hanging_unit.state[0]),
+            motions=motions,
             knows_sea=self.knows_sea,
             is_sea_refuted=self._sea.is_refuted,
             inconsistency=self.consistency.words,
@@ -405,14 +415,12 @@ class LoopEstimation:
         is_excluded = self.observer.excluded == "mru"
         self._tip_watch.update(coast_time, is_lost=gate is not None and gate.is_lost, is_excluded=is_excluded)
 
-    def _follow_sea(self, tip: Array) -> None:
-        """Let the estimator's driving noise follow the sea that moves the boom `tip`, heave and rate, shape (2,)."""
-        if not self._shows_sea:
-            return
+    def _follow_sea(self, tip: float, tip_rate: float) -> None:
+        """Let the estimator's driving noise follow the sea that moves the boom tip, heave [m] and rate [m/s]."""
         innovation = self.estimator.innovations.get("mru_heave_rate")
         if innovation is not None and math.isfinite(innovation.nis):
             self._sea.note_innovation(innovation.nis, innovation.sigma)
-        noise = self._sea.update(*tip.tolist())
+        noise = self._sea.update(tip, tip_rate)
         if noise is not None:
             self.estimator.set_process_noise(noise)
 
@@ -427,12 +435,6 @@ class LoopEstimation:
         """Tell whether some waves have been seen, where the sea is followed."""
         return not self._design.parameters.estimator.sea_adaptation or self._sea.waves >= FIRST_WAVES
 
-    def _wave_share(self) -> float:
-        """Return the share of the boom tip's estimated motion that is not noise."""
-        row = self._rows.tip[0]
-        noise = NOISE_SWING**2 * float(row @ self.estimator.covariance @ row)
-        return 1.0 - noise / self._tip_power if self._tip_power > noise else 0.0
-
     def advance_mean(self, command: float, *, is_braked: bool) -> None:
         """Advance the mean payout by a tick with `command` as its share; a brake (`is_braked`) holds it."""
         self.motion.advance(self._design.model, command, is_braked=is_braked)
@@ -441,12 +443,11 @@ class LoopEstimation:
 
     def refreshed(self, tick: LoopTick) -> LoopTick:
         """Return the tick after the loop has been moved to another state."""
-        return replace(
-            tick,
-            estimate=self.estimator.estimate,
-            uncompensated=self._shadow.state,
-            taut_uncompensated=self._taut_shadow.state,
-            mean_state=self.motion.state,
+        estimate, mean_state = self.estimator.estimate, self.motion.state
+        return tick._replace(
+            estimate=estimate,
+            mean_state=mean_state,
+            motions=self._look.again(estimate, mean_state),
             mean_command=self.motion.reference_command(self._design.parameters.winch),
             left_over=self.motion.left_over.point.payout,
         )
@@ -456,11 +457,10 @@ class LoopEstimation:
 
         With the winch locked it would stay, and the unit go on swinging as it does now, whatever has set it going.
         """
-        rows, estimate = tick.rows, tick.estimate
-        self.motion.return_from(float(rows.payout @ estimate))
-        drum = rows.drum(estimate, tick.command.compensating)
-        self._continue_shadow(tick.mean_swing + estimate[rows.unit_states] + drum)
-        self._hanging_unit.continue_at(estimate[rows.unit_states])
+        motions, (unit, unit_rate) = tick.motions, tick.estimate[tick.rows.unit_states]
+        self.motion.return_from(motions.payout)
+        self._look.continue_shadow(motions.unit + motions.payout, motions.unit_rate + motions.payout_rate)
+        self._look.continue_hanging(unit, unit_rate)
 
     def hand_over(self, tick: LoopTick, *, unit_stood: bool) -> None:
         """Make the present depth of the unit the mean and go on from `tick`; `unit_stood` on the seabed until now.
@@ -481,7 +481,7 @@ class LoopEstimation:
         self.observer.terms.reset_shares()
         self.observer.terms.remember_share(tick.number, after.mean_state)
         self.estimator.continue_at(tick.number, after.estimate, after.covariance, {})
-        self._hanging_unit.continue_at(self.estimator.estimate[tick.rows.unit_states])
+        self._look.continue_hanging(*self._unit)
 
     # depth
 

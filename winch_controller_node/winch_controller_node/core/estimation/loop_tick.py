@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
+import numpy as np
+from heave_core.look import Motions
 from heave_node.interface.alarm import Alarm
 from heave_node.numerics.arrays import Array
 
@@ -16,22 +16,14 @@ from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.model.loop_rows import LoopRows
 
 
-class Motion(NamedTuple):
-    """Heave [m] and heave rate [m/s] of a point, positive up."""
-
-    heave: float
-    rate: float
-
-
-def free_swing(motion: Array, inertia: float) -> float:
+def free_swing(heave: float, rate: float, inertia: float) -> float:
     """Return the amplitude [m] of the free swing that a unit makes on its cable.
 
     Parameters
     ----------
-    motion : its heave [m] and rate [m/s], shape (2,)
+    heave, rate : of the unit [m], [m/s]
     inertia : a of the two-state cable [s^2]
     """
-    heave, rate = motion.tolist()
     return math.hypot(heave, math.sqrt(inertia) * rate)
 
 
@@ -83,8 +75,7 @@ class CommandShares(NamedTuple):
         return self.compensating + self.mean
 
 
-@dataclass(frozen=True)
-class LoopTick:
+class LoopTick(NamedTuple):
     """What is known of the loop at a tick.
 
     By linearity its motion is the sum of what the mean payout brings about, which is known exactly, and of the rest,
@@ -100,11 +91,7 @@ class LoopTick:
     mean_state : state that the mean payout alone brings about, shape (n,)
     mean_command : share of the next command that moves the mean payout, in the terms of the model
     left_over : payout left over from before a stop, on its way to the mean [m]
-    uncompensated : heave [m] and rate [m/s] of the unit with the winch locked, shape (2,)
-    taut_uncompensated : the same since compensation began, had the cable been taut for the last seconds, as it is
-        once the unit is held
-    wave_share : share of the estimated motion of the boom tip that is not noise [-]
-    hanging_heave : of a unit that only hangs on its cable, whatever the depth sensor has read of it [m]
+    motions : of boom tip, drum and units
     knows_sea : some waves have been seen
     is_sea_refuted : the sea of the design predicts badly what the motion reference unit reads
     inconsistency : why the readings are not consistent yet; empty where they are
@@ -121,10 +108,7 @@ class LoopTick:
     mean_state: Array
     mean_command: float
     left_over: float
-    uncompensated: Array
-    taut_uncompensated: Array
-    wave_share: float = 1.0
-    hanging_heave: float = 0.0
+    motions: Motions
     knows_sea: bool = True
     is_sea_refuted: bool = False
     inconsistency: str = ""
@@ -132,62 +116,23 @@ class LoopTick:
     mean_tension: TensionMean = NO_MEAN
     missing_push: float = 0.0
 
-    @cached_property
+    @property
     def total_state(self) -> Array:
         """State of the loop, the mean payout's own motion included, shape (n,)."""
         return self.estimate + self.mean_state
 
-    @cached_property
+    @property
     def mean_swing(self) -> Array:
         """Heave and rate of the unit about the mean payout that this itself brings about, shape (2,)."""
-        rows = self.rows
-        return rows.drum(self.mean_state, self.command.mean) + self.mean_state[rows.unit_states]
-
-    @cached_property
-    def unit(self) -> Motion:
-        """Motion of the unit about where the mean payout would have it at rest: what compensation has left."""
-        return Motion(*(self.mean_swing + self.estimate[self.rows.unit_states]).tolist())
-
-    @cached_property
-    def free_unit(self) -> Motion:
-        """Motion of the unit with the winch locked."""
-        return Motion(*self.uncompensated.tolist())
-
-    @cached_property
-    def unit_without_compensation(self) -> Motion:
-        """Motion of the unit with a winch that does nothing but move the mean payout, as `unit` is counted."""
-        return Motion(*(self.uncompensated + self.mean_swing).tolist())
+        return np.array([self.motions.mean_heave, self.motions.mean_rate])
 
     @property
-    def hanging_stretch(self) -> float:
-        """By how much the cable would be longer than at rest, did the unit only hang on it [m]."""
-        return self.boom_tip.heave - float(self.rows.payout @ self.total_state) - self.hanging_heave
+    def taut_uncompensated(self) -> Array:
+        """Heave and rate of the unit since compensation began, the winch locked and the cable taut, shape (2,).
 
-    @cached_property
-    def boom_tip(self) -> Motion:
-        """Motion of the boom tip."""
-        return Motion(*(self.rows.tip @ self.estimate).tolist())
-
-    @property
-    def payout(self) -> float:
-        """Payout of the drum without that of the mean payout [m]."""
-        return float(self.rows.payout @ self.estimate)
-
-    @property
-    def payout_rate(self) -> float:
-        """Speed of the drum without that of the mean payout [m/s]."""
-        return float(self.rows.payout_rate @ self.estimate) + self.rows.payout_rate_through * self.command.compensating
-
-    @property
-    def total_payout_rate(self) -> float:
-        """Speed of the drum [m/s]."""
-        return float(self.rows.payout_rate @ self.total_state) + self.rows.payout_rate_through * self.command.total
-
-    @property
-    def measured_unit_heave(self) -> float | None:
-        """Heave of the unit as the depth sensor reads it, counted as that of `unit` [m]; None: no reading came."""
-        heave = self.sensed.depth_heave
-        return None if heave is None else heave + float(self.mean_swing[0])
+        The cable is taut once the unit is held.
+        """
+        return np.array([self.motions.taut, self.motions.taut_rate])
 
     @property
     def released_motion(self) -> Array:
@@ -196,15 +141,4 @@ class LoopTick:
         What noise of the motion reference unit makes of a lightly damped unit grows to centimetres while the winch
         keeps its uncompensated motion from being measured: in calm water a unit would be swung up to it.
         """
-        return self.wave_share * self.uncompensated
-
-    @property
-    def unit_offset(self) -> Array:
-        """Heave and rate of the unit about its released motion, payout that is out taken off, shape (2,).
-
-        Where the boom tip is not known it is that about rest.
-        """
-        rows = self.rows
-        drum = rows.drum(self.estimate, self.command.compensating)
-        offset = self.mean_swing + self.estimate[rows.unit_states] + drum
-        return offset - self.released_motion if self.knows_tip else offset
+        return np.array([self.motions.released, self.motions.released_rate])

@@ -72,7 +72,6 @@ class ObservationLog:
         brake = brake or (winch is not None and (winch.brake or winch.fault != WinchFault.NONE))
         encoder = math.nan if observer.payout is None else observer.encoder.as_read
         taken, limits = (math.nan, 0) if winch is None else (winch.command_sequence, winch.limits_hit)
-        tip, tip_rate = loop.boom_tip
         self._ticks.append(
             (
                 *(loop.command.compensating, payout, rate, sequence, brake, encoder, taken, limits),
@@ -80,8 +79,8 @@ class ObservationLog:
                     loop.sensed.tension,
                     authority,
                     compensates,
-                    tip,
-                    tip_rate,
+                    loop.motions.tip,
+                    loop.motions.tip_rate,
                     loop.estimate[loop.rows.unit_states[1]],
                     loop.missing_push,
                 ),

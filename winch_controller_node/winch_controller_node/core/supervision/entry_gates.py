@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from heave_node.interface.alarm import Alarm
 
-from winch_controller_node.core.estimation.loop_tick import LoopTick
-from winch_controller_node.core.supervision.checks import RunningSigma
-from winch_controller_node.core.supervision.watch.winch_demand import PEAK, SIGNIFICANT
+from winch_controller_node.core.supervision.guard_checks import PEAK, SIGNIFICANT
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import EntryParameters
@@ -21,17 +19,15 @@ class EntryGates:
     Parameters
     ----------
     parameters : thresholds
-    window : memory of the waves [s]
-    tick_period : [s]
+
+    Attributes
+    ----------
+    tip_sigma : standard deviation of the boom tip over the last waves [m]
     """
 
-    def __init__(self, parameters: EntryParameters, *, window: float, tick_period: float) -> None:
+    def __init__(self, parameters: EntryParameters) -> None:
         self._parameters = parameters
-        self._heave = RunningSigma(window, tick_period)
-
-    def observe(self, tick: LoopTick) -> None:
-        """Take a tick in."""
-        self._heave.add(tick.boom_tip.heave)
+        self.tip_sigma = 0.0
 
     def for_compensation(self, payout: float, limits: WinchLimits, demand: float, largest_demand: float) -> str:
         """Return why compensation may not begin, in words; empty when it may.
@@ -86,7 +82,7 @@ class EntryGates:
 
     def _range(self, payout: float, limits: WinchLimits) -> str:
         """Return how the range of payout does not hold the waves."""
-        amplitude = PEAK * self._heave.sigma
+        amplitude = PEAK * self.tip_sigma
         room = min(payout - limits.payout_minimum, limits.payout_maximum - payout)
         if room >= amplitude:
             return ""

@@ -11,81 +11,26 @@ the guard must not wait for waves. Over seconds it checks
 - the depth sensor against the estimate: where they disagree (a motion reference unit with a sign error), the estimate
   is not to be trusted, and compensation stays off until they agree again.
 
-Compensation that does harm is faded out. After a hold time, which becomes longer each time, it is tried again once the
-sea asks for no more than the winch can give.
+What it measures and compares is in C++ (`heave_core`, guard.cpp): a tick sets a bit for each kind of harm. This shell
+says what follows, in words. Compensation that does harm is faded out. After a hold time, which becomes longer each
+time, it is tried again once the sea asks for no more than the winch can give.
 """
 
 from __future__ import annotations
 
 import math
 
+from heave_core.look import Guard, Seen, Verdict
+from heave_core.look_table import Harm
 from heave_node.interface.alarm import Alarm
 
-from winch_controller_node.core.supervision.checks import Countdown, RunningSigma
-from winch_controller_node.core.supervision.guard_checks import (
-    FLOOR_FACTOR,
-    LEFT_OVER_TIME,
-    DrumCheck,
-    GuardedLoop,
-    GuardedMotions,
-    Swings,
-    UnitCheck,
-)
+from winch_controller_node.core.supervision.guard_checks import GuardedLoop, guard_design
 from winch_controller_node.core.supervision.guard_hold import HarmHold
-from winch_controller_node.core.supervision.watch.winch_demand import WinchDemand
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.parameters.laws import GuardParameters
 
-FULL_SHARE = 0.95
-"""Share of the wanted authority from which on compensation is judged over waves."""
-
 CORRECTIONS_TIME, CORRECTIONS_REST = 20.0, 300.0
 """Time within which a belief is corrected again and again [s], and time from its beginning to the next such."""
-
-LARGEST_DEMAND = 1.4
-"""Demand of the sea's share over the winch that a law is given which keeps the limits by itself."""
-
-
-class WaveComparison:
-    """Compares the standard deviations of the compensated and the uncompensated unit over waves.
-
-    Parameters
-    ----------
-    parameters : window, ratio, floor
-    tick_period : [s]
-
-    Attributes
-    ----------
-    time : compared so far [s]
-    """
-
-    def __init__(self, parameters: GuardParameters, tick_period: float) -> None:
-        self._parameters = parameters
-        self._dt = tick_period
-        self.restart()
-
-    def restart(self) -> None:
-        """Restart."""
-        self._unit, self._free_unit = (RunningSigma(self._parameters.window, self._dt) for _ in range(2))
-        self.time = 0.0
-
-    def harm(self, motions: GuardedMotions, authority: float) -> Alarm | None:
-        """Take in the `motions` of a tick; return what harm there is; None: there is none.
-
-        Under `authority` no more can be asked than that share of what the whole has to gain.
-        """
-        self._unit.add(motions.unit.heave)
-        self._free_unit.add(motions.free_unit.heave)
-        self.time += self._dt
-        if self.time < 0.5 * self._parameters.window:
-            return None
-        sigma, free_sigma = self._unit.sigma, self._free_unit.sigma
-        least = authority * (1.0 - self._parameters.harm_ratio)
-        if sigma <= self._parameters.floor or sigma <= (1.0 - least) * free_sigma:
-            return None
-        if sigma > free_sigma:
-            return ALARMS.alarm("WORSE_THAN_OFF", sigma=sigma, free=free_sigma)
-        return ALARMS.alarm("LITTLE_GAIN", sigma=sigma, free=free_sigma, percent=100.0 * least)
 
 
 class HarmGuard:
@@ -104,21 +49,16 @@ class HarmGuard:
 
     def __init__(self, parameters: GuardParameters, loop: GuardedLoop, *, tick_period: float) -> None:
         self._parameters = parameters
-        self._loop = loop
         self._dt = tick_period
         self._hold = HarmHold(parameters, tick_period)
         self.trusts_estimate = True
-        self._authority_before = 0.0
+        self._core = Guard(guard_design(parameters, loop, tick_period))
         self.reset_sea()
 
     def reset_sea(self) -> None:
         """Restart the comparison: what was seen until now was another sea."""
-        window = self._parameters.window
-        self._demand = WinchDemand(window, tick_period=self._dt)
-        self._waves = WaveComparison(self._parameters, self._dt)
-        self._drum = DrumCheck(window, self._dt)
-        self._unit = UnitCheck(window, FLOOR_FACTOR * self._parameters.floor, self._dt)
-        self._allowance = Countdown(self._dt)
+        self._core.begin()
+        self._found = self._core.verdict
         self._corrected_first: dict[str, float] = {}
         self._time = 0.0
 
@@ -146,7 +86,7 @@ class HarmGuard:
         """Let compensation be tried as at first: an operator asks for it."""
         if self.awaits_operator:
             self.trusts_estimate = True
-            self._waves.restart()
+            self._core.restart_waves()
         self._hold.release()
 
     @property
@@ -157,7 +97,12 @@ class HarmGuard:
     @property
     def demand(self) -> float:
         """What the sea asks of the winch over its limits: significant amplitude of speed or acceleration [-]."""
-        return self._demand.significant(self._loop.limits)
+        return self._found.demand
+
+    @property
+    def tip_sigma(self) -> float:
+        """Standard deviation of the boom tip over the last waves [m]."""
+        return self._found.tip_sigma
 
     def authority_limit(self, *, keeps_limits: bool) -> float:
         """Return the largest authority by the sea seen now.
@@ -165,29 +110,24 @@ class HarmGuard:
         It keeps a law off the winch's limits, or where it `keeps_limits` by itself, off a sea that asks for much more
         than the winch can give.
         """
-        if keeps_limits:
-            demand = self._demand.coming(self._loop.limits)
-            return min(1.0, LARGEST_DEMAND / demand) if demand > 0.0 else 1.0
-        return self._demand.largest_share(self._loop.limits, self._loop.effort, self._parameters.limit_use)
+        return self._found.authority if keeps_limits else self._found.usual_authority
 
     def take_loop(self, loop: GuardedLoop) -> None:
         """Watch another loop from now on: another design is active."""
-        self._loop = loop
+        self._core.take_design(guard_design(self._parameters, loop, self._dt))
+        self._found = self._core.verdict
 
     def allow_catch_up(self) -> None:
         """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
-        self._drum.allow_catch_up()
+        self._core.allow_catch_up()
 
     def reset_mismatch(self) -> None:
         """Compare depth sensor and estimate again: what was seen until now says nothing of either."""
-        self._unit.reset_mismatch()
+        self._core.reset_mismatch()
 
     def allow_resumption(self) -> None:
         """Do not hold against the loop how drum and unit moved while a sensor was lost."""
-        self.allow_catch_up()
-        self._unit.allow_left_over()
-        self._allowance.start(LEFT_OVER_TIME)
-        self._waves.restart()
+        self._core.allow_resumption()
 
     def allow_correction(self, belief: str) -> None:
         """Do not hold against the loop what a wrong belief has done: it has just been corrected.
@@ -218,54 +158,46 @@ class HarmGuard:
         """
         self._hold.certain(reason, hold)
 
-    def update(self, motions: GuardedMotions, authority: float, target: float = 1.0) -> None:
+    def update(self, seen: Seen, authority: float, target: float = 1.0) -> None:
         """Take one tick in.
 
         Parameters
         ----------
-        motions : of the tick
+        seen : of the tick
         authority : authority of compensation now
         target : share it goes to; compensation is judged over waves when that is (nearly) reached
         """
-        self._demand.add(motions.boom_tip.rate)
         self._time += self._dt
-        is_allowed = self._allowance.step()
-        self._check(motions, authority)
+        found = self._found = self._core.step(seen, authority, target, inhibits=self.inhibits)
+        harm = Harm(int(found.bits)) if found.bits else None
+        if harm and Harm.DISAGREE in harm:
+            self.trusts_estimate = False
+            self._hold.unexplained(ALARMS.alarm("DEPTH_MRU_DISAGREE", error=found.mismatch))
         if self.inhibits:
             self._wait(authority)
-        elif authority <= 0.0:
-            self._waves.restart()
-        elif harm := self._harm_over_seconds():
-            self._hold.begin(harm)
-        elif not is_allowed and authority >= FULL_SHARE * target:
-            if harm := self._waves.harm(motions, authority):
-                self._hold.begin(harm)
+        elif authority > 0.0:
+            if harm:
+                self.trusts_estimate &= Harm.DEPTH_HIGH not in harm
+                self._hold.begin(_alarm(harm, found))
             else:
-                self._hold.is_kept_after(self._waves.time)
-
-    def _check(self, motions: GuardedMotions, authority: float) -> None:
-        """Take the motions of a tick into the checks; reject an estimate that the depth sensor contradicts."""
-        change, self._authority_before = authority - self._authority_before, authority
-        inertia = self._loop.inertia
-        swings = Swings.of(motions, inertia)
-        self._drum.update(motions, self._loop, authority, change, swings)
-        self._unit.update(motions, inertia, authority, swings, is_out_of_reach=self._drum.is_out_of_reach)
-        mismatch = self._unit.mismatch
-        if mismatch is not None:
-            self.trusts_estimate = False
-            self._hold.unexplained(ALARMS.alarm("DEPTH_MRU_DISAGREE", error=mismatch))
-
-    def _harm_over_seconds(self) -> Alarm | None:
-        """Return what the checks over seconds have found; None: nothing."""
-        if harm := self._unit.harm_by_depth:
-            self.trusts_estimate = False
-            return harm
-        if not self._loop.feeds_back_unit:
-            return None
-        return self._unit.harm_to_swing or self._drum.harm
+                self._hold.is_kept_after(found.waves_time)
 
     def _wait(self, authority: float) -> None:
         """Count the time off, and let compensation be tried again."""
         if self._hold.ends(authority, self.demand):
             self.trusts_estimate = True
-            self._waves.restart()
+            self._core.restart_waves()
+
+
+def _alarm(harm: Harm, found: Verdict) -> Alarm:
+    """Return the alarm of what was `found`: the depth sensor's word before the estimate's, seconds before waves."""
+    if Harm.DEPTH_HIGH in harm:
+        return ALARMS.alarm("UNIT_HEAVE_HIGH", heave=found.depth)
+    if Harm.SWING_HIGH in harm:
+        return ALARMS.alarm("UNIT_SWING_HIGH", swing=found.swing)
+    if Harm.DRUM_OFF in harm:
+        return ALARMS.alarm("DRUM_SPEED_OFF", error=found.drum)
+    sigma, free = found.unit_sigma, found.free_sigma
+    if sigma > free:
+        return ALARMS.alarm("WORSE_THAN_OFF", sigma=sigma, free=free)
+    return ALARMS.alarm("LITTLE_GAIN", sigma=sigma, free=free, percent=100.0 * found.least_gain)

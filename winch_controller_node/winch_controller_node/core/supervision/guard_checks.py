@@ -1,29 +1,45 @@
-"""The guard's checks over seconds: what drum and unit do, against the motion of boom tip and uncompensated unit."""
+"""What the guard goes by: the loop that it watches, and when drum, unit and sea are too much (see guard.cpp)."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
-from heave_node.interface.alarm import Alarm
+from heave_core.look_table import KNOTS
 
-from winch_controller_node.core.estimation.loop_tick import Motion
-from winch_controller_node.core.supervision.checks import AmplitudeCheck, AmplitudeLimit, Countdown, DetrendedHeave
-from winch_controller_node.interface.alarms import ALARMS
+from winch_controller_node.core.estimation.gates.depth_jumps import LARGEST_SPEED, LARGEST_STEP
+from winch_controller_node.core.estimation.mru_steps import SIGMAS
 from winch_controller_node.laws.parts.effort import Effort
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
+from winch_controller_node.parameters.laws import GuardParameters
+
+
+class AmplitudeLimit(NamedTuple):
+    """When an amplitude is too large.
+
+    Attributes
+    ----------
+    time : memory of the amplitude [s]
+    ratio : largest amplitude over that of the reference
+    floor : amplitude that is never too large
+    """
+
+    time: float
+    ratio: float
+    floor: float = math.inf
+
 
 DRUM = AmplitudeLimit(time=2.0, ratio=1.5, floor=0.1)
 """Speed of the drum that is not intended, against that of the boom tip [m/s]."""
 
-SWING = AmplitudeLimit(time=3.0, ratio=1.2, floor=math.inf)
+SWING = AmplitudeLimit(time=3.0, ratio=1.2)
 """Swing of the unit against the uncompensated one [m]; the floor of this and the next two follows `guard.floor`."""
 
-DEPTH = AmplitudeLimit(time=6.0, ratio=1.3, floor=math.inf)
+DEPTH = AmplitudeLimit(time=6.0, ratio=1.3)
 """Heave that the depth sensor reads against the uncompensated one [m]."""
 
-MISMATCH = AmplitudeLimit(time=8.0, ratio=0.8, floor=math.inf)
+MISMATCH = AmplitudeLimit(time=8.0, ratio=0.8)
 """Depth sensor less estimate, against the uncompensated heave [m]."""
 
 FLOOR_FACTOR = 10.0
@@ -53,6 +69,42 @@ SWING_WORK = 2.0
 LEAST_AUTHORITY = 0.5
 """The drum is checked against this share of the boom tip's speed at least."""
 
+FULL_SHARE = 0.95
+"""Share of the wanted authority from which on compensation is judged over waves."""
+
+SEEN_SHARE = 0.5
+"""Share of the window after which waves have been seen."""
+
+SLOW_MEAN_FACTOR = 3.0
+"""The mean about which motion is judged is followed this many times more slowly than the variance."""
+
+DETREND_TIME = 5.0
+"""Time constant with which the mean of a sensor's heave is followed [s]."""
+
+PEAK = 3.0
+"""Peak amplitude over standard deviation of a sea, over some minutes."""
+
+SIGNIFICANT = 2.0
+"""Significant amplitude over standard deviation of a narrow-banded sea."""
+
+HIGHEST_TIME = 300.0
+"""Memory of the highest crest [s]: some thirty waves, of which one is above the significant amplitude."""
+
+GROUP_TIME, GROUP_PEAK = 8.0, 2.2
+"""Memory that sees a group of high waves come [s], and peak amplitude over standard deviation within one."""
+
+GROWING = 4.0
+"""A sea grows if the later half of what was seen of it has so many times the energy of the earlier half."""
+
+GROWING_PEAK = 2.35
+"""Peak amplitude over standard deviation of its last waves then: the next ones are higher."""
+
+FIRST_LOOK = 120.0
+"""Time for which that is asked [s]: from then on the earlier record distinguishes the two."""
+
+LARGEST_DEMAND = 1.4
+"""Demand of the sea's share over the winch that a law is given which keeps the limits by itself."""
+
 
 @dataclass(frozen=True)
 class GuardedLoop:
@@ -74,223 +126,59 @@ class GuardedLoop:
     fade_time: float = 10.0
 
 
-class GuardedMotions(NamedTuple):
-    """What the guard compares at a tick, all about the mean depth.
-
-    Attributes
-    ----------
-    unit : estimated motion of the unit, compensated
-    free_unit : the same with the winch locked
-    boom_tip : estimated motion of the boom tip
-    payout_rate : estimated speed of the drum, without that of the mean payout [m/s]
-    measured_heave : heave of the unit as the depth sensor reads it [m]; None: no reading came
-    depth_noise : standard deviation of that sensor's noise, as far as it is known [m]
-    mean_acceleration : of the mean payout [m/s^2]
-    """
-
-    unit: Motion
-    free_unit: Motion
-    boom_tip: Motion
-    payout_rate: float = 0.0
-    measured_heave: float | None = None
-    depth_noise: float = 0.0
-    mean_acceleration: float = 0.0
-
-
-class Swings(NamedTuple):
-    """Squared amplitudes z^2 + a z'^2 of a unit that swings by itself [m^2].
-
-    Attributes
-    ----------
-    unit, free_unit : compensated, and with the winch locked
-    """
-
-    unit: float
-    free_unit: float
-
-    @classmethod
-    def of(cls, motions: GuardedMotions, inertia: float) -> Swings:
-        """Return those of the `motions` on a cable with an `inertia` a [s^2]."""
-        return cls(_swing(motions.unit, inertia), _swing(motions.free_unit, inertia))
-
-
-def _swing(motion: Motion, inertia: float) -> float:
-    return motion.heave**2 + inertia * motion.rate**2
-
-
-class DrumCheck:
-    """Compares the speed of the drum that is not intended with that of the boom tip, and what stopping a swing asks.
+def guard_design(parameters: GuardParameters, loop: GuardedLoop, tick_period: float) -> dict[str, Any]:
+    """Return the values of the core's GuardDesign.
 
     Parameters
     ----------
-    window : memory of the waves [s]
-    tick_period : [s]
-
-    Attributes
-    ----------
-    is_out_of_reach : the sea asks for more speed than the winch can give now
-    """
-
-    def __init__(self, window: float, tick_period: float) -> None:
-        self._dt = tick_period
-        self._check = AmplitudeCheck(DRUM, window, tick_period)
-        self._exchanged_swing = self._reachable = self._to_gain_speed = 0.0
-        self._catch_up = Countdown(tick_period)
-        self.is_out_of_reach = False
-
-    def allow_catch_up(self) -> None:
-        """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
-        self._catch_up.start(CATCH_UP_TIME)
-
-    def update(
-        self, motions: GuardedMotions, loop: GuardedLoop, authority: float, change: float, swings: Swings
-    ) -> None:
-        """Take in a tick.
-
-        While authority A moves, the unit goes over to (1 - A) of its uncompensated motion: by thesis Eq. 6.2 that asks
-        for payout = A tip + 2 a A' z_off' (b and A'' left out), with a z_off'' = tip - z_off.
-
-        Parameters
-        ----------
-        motions : of it
-        loop : that is watched
-        authority : authority of compensation now
-        change : of the authority in this tick
-        swings : of unit and uncompensated unit
-        """
-        tip = motions.boom_tip
-        largest = self._dt / loop.fade_time
-        authority_rate = min(max(change, -largest), largest) / self._dt
-        intended = authority * tip.rate + authority_rate * (3.0 * tip.heave - 2.0 * motions.free_unit.heave)
-        error = motions.payout_rate - intended
-        allowed = (1.0 + loop.effort.rate_error) * max(authority, LEAST_AUTHORITY) * tip.rate
-        # a law has to stop a unit that swings, and while authority moves to take it out of its uncompensated swing;
-        # where that is large, as at a resonance, the drum does no harm before it is as fast
-        faded = self._exchanged_swing * (1.0 - self._dt / SWING.time)
-        self._exchanged_swing = faded if change == 0.0 else swings.free_unit
-        to_stop = SWING_WORK**2 * (swings.unit + self._exchanged_swing) + swings.free_unit
-        work = to_stop / loop.inertia if loop.inertia > 0.0 else 0.0
-        self._follow_mean(motions.mean_acceleration, loop.inertia)
-        out_of_reach = intended - self._follow_within_limits(intended, loop.limits)
-        self.is_out_of_reach = abs(out_of_reach) > BEYOND * loop.limits.speed
-        self._check.add(error**2, allowed**2 + work + self._to_gain_speed**2 + (OUT_OF_REACH * out_of_reach) ** 2)
-        if self._catch_up.step() or authority <= 0.0:
-            self._check.restart()
-
-    def _follow_mean(self, acceleration: float, inertia: float) -> None:
-        """Notice what speed of the drum an `acceleration` of the mean payout asks for [m/s^2].
-
-        The unit gains speed with it once its cable is longer by a times the acceleration, on a soft cable by metres.
-        The law pays that out within the memory of the check, and hauls it in while the unit comes along.
-        """
-        fading = self._dt / max(math.sqrt(inertia), self._dt)
-        self._to_gain_speed = max(inertia * abs(acceleration) / DRUM.time, (1.0 - fading) * self._to_gain_speed)
-
-    def _follow_within_limits(self, intended: float, limits: WinchLimits) -> float:
-        """Return the speed of a drum that follows an `intended` one within the winch's `limits` [m/s]."""
-        largest = limits.acceleration * self._dt
-        reached = self._reachable + min(max(intended - self._reachable, -largest), largest)
-        self._reachable = min(max(reached, -limits.speed), limits.speed)
-        return self._reachable
-
-    @property
-    def harm(self) -> Alarm | None:
-        """What the drum does that is harmful; None: nothing."""
-        if not self._check.is_exceeded:
-            return None
-        return ALARMS.alarm("DRUM_SPEED_OFF", error=self._check.amplitude)
-
-
-class UnitCheck:
-    """Compares the unit with the uncompensated one, as estimated and as the depth sensor reads it.
-
-    Parameters
-    ----------
-    window : memory of the waves [s]
-    floor : heave that is never too large [m]
+    parameters : window, ratio, floor, use of the limits
+    loop : that is watched
     tick_period : [s]
     """
-
-    def __init__(self, window: float, floor: float, tick_period: float) -> None:
-        self._dt = tick_period
-        self._swing, self._depth, self._mismatch = (
-            AmplitudeCheck(replace(limit, floor=floor), window, tick_period) for limit in (SWING, DEPTH, MISMATCH)
-        )
-        self._measured, self._error = DetrendedHeave(tick_period), DetrendedHeave(tick_period)
-        self._left_over = 0.0
-        self._is_corrected = False
-
-    def allow_left_over(self) -> None:
-        """Do not hold the swing that the unit has now against the loop."""
-        self._is_corrected = True
-
-    def reset_mismatch(self) -> None:
-        """Compare depth sensor and estimate again: one of them has been corrected."""
-        self._mismatch.restart()
-        self._error = DetrendedHeave(self._dt)
-
-    def update(
-        self, motions: GuardedMotions, inertia: float, authority: float, swings: Swings, *, is_out_of_reach: bool
-    ) -> None:
-        """Take in a tick.
-
-        Parameters
-        ----------
-        motions : of it
-        inertia : a of the cable [s^2]
-        authority : authority of compensation now
-        swings : of it
-        is_out_of_reach : the sea is beyond the winch's limits
-        """
-        self._swing.add(swings.unit, swings.free_unit)
-        self._update_left_over(motions, inertia, authority, is_out_of_reach=is_out_of_reach)
-        # the mean square of a heave is half that of its swing
-        free_heave = 0.5 * swings.free_unit
-        heave, noise = motions.measured_heave, motions.depth_noise
-        self._depth.take_off(noise)
-        self._mismatch.take_off(noise)
-        self._measured.add(heave, noise)
-        self._depth.add(self._measured.value**2, free_heave)
-        self._error.add(None if heave is None else heave - motions.unit.heave, noise)
-        self._mismatch.add(self._error.value**2, free_heave)
-        if authority <= 0.0:
-            self._swing.restart(self._swing.reference)
-            self._depth.restart()
-
-    def _update_left_over(
-        self, motions: GuardedMotions, inertia: float, authority: float, *, is_out_of_reach: bool
-    ) -> None:
-        """Do not hold against the loop the swing that it has found.
-
-        While the winch stands, the unit less the uncompensated one is a free swing, and would go on for long: whoever
-        stops the winch suddenly sets it going. So does a wrong belief that has been corrected, and a wave that is
-        beyond the winch's limits: of a compensated unit all of its motion is that.
-        """
-        unit, free = motions.unit, motions.free_unit
-        if authority <= 0.0:
-            unit = Motion(unit.heave - free.heave, unit.rate - free.rate)
-        found = min(math.sqrt(_swing(unit, inertia)), LARGEST_LEFT_OVER * math.sqrt(self._swing.reference))
-        if authority <= 0.0 or self._is_corrected:
-            self._left_over = found
-        else:
-            self._left_over *= 1.0 - self._dt / LEFT_OVER_TIME
-            if is_out_of_reach and self._left_over < RESTART * found:
-                self._left_over = found  # once: what keeps growing is no swing that a wave has left
-        self._is_corrected = False
-        self._swing.allow(self._left_over)
-        self._depth.allow(math.sqrt(0.5) * self._left_over)
-
-    @property
-    def mismatch(self) -> float | None:
-        """By how much depth sensor and estimate disagree, 1 sigma [m]; None: they agree."""
-        return self._mismatch.amplitude if self._mismatch.is_exceeded else None
-
-    @property
-    def harm_to_swing(self) -> Alarm | None:
-        """What the estimate shows of harm; None: nothing."""
-        return ALARMS.alarm("UNIT_SWING_HIGH", swing=self._swing.amplitude) if self._swing.is_exceeded else None
-
-    @property
-    def harm_by_depth(self) -> Alarm | None:
-        """What the depth sensor shows of harm; None: nothing."""
-        return ALARMS.alarm("UNIT_HEAVE_HIGH", heave=self._depth.amplitude) if self._depth.is_exceeded else None
+    limits, effort, first_look = loop.limits, loop.effort, round(FIRST_LOOK / tick_period)
+    floor, seen_time = FLOOR_FACTOR * parameters.floor, SEEN_SHARE * parameters.window
+    checks = {"swing": SWING, "depth": DEPTH, "mismatch": MISMATCH}
+    return {
+        "tick_period": tick_period,
+        "window": parameters.window,
+        "seen_ticks": round(seen_time / tick_period),
+        "seen_time": seen_time,
+        "slow_mean": SLOW_MEAN_FACTOR,
+        "speed": limits.speed,
+        "usual_speed": limits.usual_speed,
+        "acceleration": limits.acceleration,
+        "effort_speed": effort.speed,
+        "effort_acceleration": effort.acceleration,
+        "rate_error": effort.rate_error,
+        "inertia": loop.inertia,
+        "fade_time": loop.fade_time,
+        "feeds_back": loop.feeds_back_unit,
+        "drum": DRUM._asdict(),
+        **{name: limit._replace(floor=floor)._asdict() for name, limit in checks.items()},
+        "catch_up_time": CATCH_UP_TIME,
+        "left_over_time": LEFT_OVER_TIME,
+        "largest_left_over": LARGEST_LEFT_OVER,
+        "restart": RESTART,
+        "beyond": BEYOND,
+        "out_of_reach": OUT_OF_REACH,
+        "swing_work": SWING_WORK,
+        "least_authority": LEAST_AUTHORITY,
+        "detrend_time": DETREND_TIME,
+        "largest_step": LARGEST_STEP,
+        "step_sigmas": SIGMAS,
+        "step_speed": LARGEST_SPEED,
+        "full_share": FULL_SHARE,
+        "harm_ratio": parameters.harm_ratio,
+        "floor": parameters.floor,
+        "peak": PEAK,
+        "significant": SIGNIFICANT,
+        "highest_time": HIGHEST_TIME,
+        "group_time": GROUP_TIME,
+        "group_peak": GROUP_PEAK,
+        "growing": GROWING,
+        "growing_peak": GROWING_PEAK,
+        "first_look": first_look,
+        "knot_ticks": max(1, math.ceil(first_look / (KNOTS - 1))),
+        "limit_use": parameters.limit_use,
+        "largest_demand": LARGEST_DEMAND,
+    }

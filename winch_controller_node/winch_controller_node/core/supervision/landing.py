@@ -1,21 +1,9 @@
-"""Whether a unit that is lowered has landed, and whether one that is lifted off hangs again.
+"""Where the unit is between hanging and standing: landed, lifted off, or never suspended.
 
-A cable is unloaded by the seabed, and by a unit that swings. While the winch lowers at speed v, a landed unit stands
-still and its cable of stiffness k loses k v of tension each second, until it is slack. Depth sensor, load cell and the
-mean payout tell, each by its trend over a window in which the winch lowers by some centimetres. Soft and long cables
-are known to have landed long before they are unloaded.
-
-Without depth readings the tension alone shows it, and later: whatever a hanging unit does in waves, on average over a
-whole swing its cable carries the weight.
-
-What else does both at once is ruled out. While lowering gains speed, the inertia of a hanging unit keeps it behind for
-seconds: lowering must have been steady for as long as such a unit needs to follow. At the lowest point of a swing a
-unit stands too and the tension falls, but from above the weight, which the cable of a landed unit no longer carries.
-And a unit that hangs would sink: that is worked out from boom tip and drum, and the depth sensor must read a landed one
-above the estimate as well.
-
-Under a brake nobody lowers, and a unit may have stood from the start, on the bottom or on deck. Its cable then carries
-too little of the weight on average over a whole swing.
+Whether a unit that is lowered has landed, and one that is lifted off hangs again, is found in C++ (`heave_core`,
+landing.cpp), from the trends of depth sensor, load cell and mean payout. Under a brake nobody lowers, and a unit may
+have stood from the start, on the bottom or on deck. Its cable then carries too little of the weight on average over a
+whole swing.
 """
 
 from __future__ import annotations
@@ -23,11 +11,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+from heave_core.landing_table import LANDING_STATE, Landed
+from heave_core.watch import LandingWatch
 
 from winch_controller_node.core.estimation.loop_tick import Sensed
 from winch_controller_node.core.estimation.tension import MEMORY, TensionMean
-from winch_controller_node.core.supervision.checks import Trend
 from winch_controller_node.core.supervision.modes import Mode, ModeOutput
 from winch_controller_node.parameters.laws import TensionLawParameters
 
@@ -39,6 +29,12 @@ SHORTEST, LONGEST = 0.6, 8.0
 
 WINDOWS = (1.0, 2.0, 3.0)
 """Windows that are looked at, longer ones for noisier sensors."""
+
+LEAST_READINGS, FILLED = 4, 0.9
+"""Readings that a slope needs, and the share of a window that they must span."""
+
+LEAST_AUTHORITY = 0.5
+"""Authority above which the mean payout lowers the unit."""
 
 LEAST_RATE = 0.01
 """The winch lowers above this speed [m/s]."""
@@ -61,6 +57,9 @@ INNOVATION_ABOVE = 1.0
 UNCONFIRMED_TIME = 3.0
 """Longest time of an unconfirmed touchdown, in windows: then compensation is judged again."""
 
+PAUSE = 4.0
+"""Time from the beginning of one until the next such, over the longest time of one."""
+
 MEAN_ERROR = 0.3
 """Error of the mean tension over its memory, over the standard deviation of the tension: a swell of 20 s leaves
 sqrt(2)/(w t) = 0.15 of its own, and a group of waves, or a cable that goes slack and snaps, twice that."""
@@ -71,6 +70,16 @@ class LandingEvent(Enum):
 
     TOUCHDOWN = "TOUCHDOWN"
     LIFTED_OFF = "UNIT_SUSPENDED"
+
+
+EVENTS = {Landed.TOUCHDOWN: LandingEvent.TOUCHDOWN, Landed.LIFTED_OFF: LandingEvent.LIFTED_OFF}
+"""By what the core has found."""
+
+STANDS, MAY_STAND, UNLOADED, LIFTING, SHARE, RATE = (
+    [row.name for row in LANDING_STATE.rows].index(name)
+    for name in ("unit_stands", "may_stand", "is_unloaded", "is_lifting", "share", "lowering_rate")
+)
+"""Places in the core's state."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,6 +133,32 @@ class HangingUnit(NamedTuple):
     stretch: float
 
 
+def landing_design(load: HangingLoad, touchdown_ratio: float) -> dict[str, Any]:
+    """Return the values of the core's LandingDesign, of a `load` that has landed below a share of its weight."""
+    return {
+        "static_tension": load.static_tension,
+        "weight": load.weight,
+        "stiffness": load.stiffness,
+        "following_time": load.following_time,
+        "swing_time": load.swing_time,
+        "touchdown_ratio": touchdown_ratio,
+        "lowered": LOWERED,
+        "shortest": SHORTEST,
+        "longest": LONGEST,
+        "windows": WINDOWS,
+        "least_readings": LEAST_READINGS,
+        "filled": FILLED,
+        "least_rate": LEAST_RATE,
+        "steady_share": STEADY_SHARE,
+        "standing_share": STANDING_SHARE,
+        "relief_share": RELIEF_SHARE,
+        "certain": CERTAIN,
+        "innovation_above": INNOVATION_ABOVE,
+        "unconfirmed_time": UNCONFIRMED_TIME,
+        "pause": PAUSE,
+    }
+
+
 class Landing:
     """Where the unit is between hanging and standing.
 
@@ -131,29 +166,52 @@ class Landing:
     ----------
     parameters : shares of the weight at which it has landed, and hangs again
     load : on the cable
-
-    Attributes
-    ----------
-    unit_stands : on the seabed
-    may_stand : the unit may just have landed: its readings are no check on the estimate of a hanging unit
-    is_unloaded : the winch is braked over a cable that does not carry the unit, on average
-    share : of the weight that the cable has carried then
     """
 
     def __init__(self, parameters: TensionLawParameters, load: HangingLoad) -> None:
         self._parameters = parameters
+        self._core = LandingWatch(landing_design(load, parameters.touchdown_ratio))
+        self._flags = self._core.flags
         self._load = load
-        self.unit_stands = False
-        self.may_stand = self.is_unloaded = False
-        self.share = 1.0
-        self._is_lifting = False
-        self._depth, self._hanging, self._tension, self._payout, self._innovation = (Trend() for _ in range(5))
-        self._hanging_share = Trend()
-        self._may_stand_since = -math.inf
 
     def take_load(self, load: HangingLoad) -> None:
         """Judge another load, or another length of its cable, from now on."""
         self._load = load
+        self._core.take_design(landing_design(load, self._parameters.touchdown_ratio))
+
+    @property
+    def unit_stands(self) -> bool:
+        """Tell whether the unit stands on the seabed."""
+        return bool(self._flags[STANDS])
+
+    @unit_stands.setter
+    def unit_stands(self, stands: bool) -> None:
+        self._flags[STANDS] = stands
+
+    @property
+    def may_stand(self) -> bool:
+        """Tell whether it may just have landed: its readings are no check on the estimate of a hanging unit."""
+        return bool(self._flags[MAY_STAND])
+
+    @property
+    def is_unloaded(self) -> bool:
+        """Tell whether the winch is braked over a cable that does not carry the unit, on average."""
+        return bool(self._flags[UNLOADED])
+
+    @property
+    def share(self) -> float:
+        """Share of the weight that the cable has carried then."""
+        return float(self._flags[SHARE])
+
+    @property
+    def hangs(self) -> bool:
+        """Tell whether the unit hangs, as far as is known."""
+        return not (self._flags[STANDS] or self._flags[UNLOADED])
+
+    @property
+    def lowering_rate(self) -> float:
+        """Speed at which the winch lowers [m/s]; 0 before that is known."""
+        return float(self._flags[RATE])
 
     def observe(self, time: float, sensed: Sensed, mean_payout: float, hanging: HangingUnit) -> None:
         """Take in what is known at a tick.
@@ -166,42 +224,22 @@ class Landing:
         hanging : what it would be of a unit that hangs
         """
         for stamp, depth in sensed.depths:
-            self._depth.add(stamp, depth)
-        if "load_cell" in sensed.lost:
-            # what it read last, again and again, is no tension
-            self._tension = Trend()
-        elif math.isfinite(sensed.tension):
-            self._tension.add(time, sensed.tension)
-        self._payout.add(time, mean_payout)
-        self._hanging.add(time, hanging.depth)
-        load = self._load
-        share = load.weight_share(load.static_tension + load.stiffness * hanging.stretch)
-        self._hanging_share.add(time, min(1.0, share))
-        if sensed.depth_innovation is not None:
-            self._innovation.add(time, sensed.depth_innovation)
+            self._core.add_depth(stamp, depth)
+        innovation = math.nan if sensed.depth_innovation is None else sensed.depth_innovation
+        is_weighed = "load_cell" not in sensed.lost
+        self._core.observe(time, sensed.tension, is_weighed, mean_payout, hanging.depth, hanging.stretch, innovation)
 
-    def update(self, time: float, sensed: Sensed, mode: ModeOutput) -> LandingEvent | None:
-        """Return what has happened in this tick; None: nothing.
+    def update(self, sensed: Sensed, mode: ModeOutput) -> LandingEvent | None:
+        """Return what has happened in the tick that was observed last; None: nothing.
 
         Parameters
         ----------
-        time : of the tick [s]
         sensed : in this tick
         mode : the active one
         """
-        share = self._load.weight_share(sensed.filtered_tension)
-        if not self.unit_stands and self._touches_down(time, sensed, share, mode):
-            self.unit_stands, self.may_stand, self._is_lifting = True, False, False
-            return LandingEvent.TOUCHDOWN
-        if self._is_lifting and share > 1.0:
-            self.unit_stands, self._is_lifting = False, False
-            return LandingEvent.LIFTED_OFF
-        return None
-
-    @property
-    def hangs(self) -> bool:
-        """Tell whether the unit hangs, as far as is known."""
-        return not (self.unit_stands or self.is_unloaded)
+        compensates = mode.mode is Mode.COMPENSATING and mode.authority > LEAST_AUTHORITY
+        event = self._core.judge(sensed.filtered_tension, sensed.sees_landing, bool(sensed.depths), compensates)
+        return EVENTS[Landed(event)] if event else None
 
     def weigh(self, tension: TensionMean, more: float) -> float:
         """Take in what the cable carries under a brake; what is known stays until the tension shows another thing.
@@ -218,82 +256,18 @@ class Landing:
         if wait > 0.0:
             return wait if is_low else 0.0
         if abs(share - self._parameters.touchdown_ratio) > error:
-            self.is_unloaded, self.share = is_low, share
+            self._flags[UNLOADED], self._flags[SHARE] = is_low, share
         return 0.0
 
     def forget_weight(self) -> None:
         """Take the unit to hang, as without a load cell: what that has said is old."""
-        self.is_unloaded = False
+        self._flags[UNLOADED] = 0.0
 
     def begin_hold(self) -> None:
         """Take a unit that does not hang, and whose tension is held on request, for one that has landed."""
-        self.unit_stands |= self.is_unloaded
-        self.is_unloaded = False
+        self._flags[STANDS] = not self.hangs
+        self._flags[UNLOADED] = 0.0
 
     def begin_lift_off(self) -> None:
         """Expect a standing unit to be lifted off from now on."""
-        self._is_lifting = True
-
-    def _touches_down(self, time: float, sensed: Sensed, share: float, mode: ModeOutput) -> bool:
-        is_compensating = mode.mode is Mode.COMPENSATING and mode.authority > 0.5
-        rate = self.lowering_rate if is_compensating else 0.0
-        if rate < LEAST_RATE:
-            self.may_stand = False
-            return False
-        if not sensed.sees_landing:
-            return self._is_relieved_throughout(rate)
-        if not sensed.depths:
-            return False
-        window = min(max(LOWERED / rate, SHORTEST), LONGEST)
-        self._watch_unconfirmed(time, window, rate)
-        return any(self._shows_landing(factor * window, rate, share) for factor in WINDOWS)
-
-    @property
-    def lowering_rate(self) -> float:
-        """Speed at which the winch lowers [m/s]; 0 before that is known."""
-        slope = None if self._payout.has_stood(SHORTEST) else self._payout.slope(SHORTEST)
-        return 0.0 if slope is None else slope.value
-
-    def _shows_landing(self, window: float, rate: float, share: float) -> bool:
-        """Tell whether the unit has stood for a `window` [s] in which the winch lowered and the cable was relieved.
-
-        `rate` is that of lowering now [m/s], `share` that of the weight which the cable carries.
-        """
-        depth, payout, tension = (trend.slope(window) for trend in (self._depth, self._payout, self._tension))
-        before = self._payout.slope(window + self._load.following_time)
-        hanging = self._hanging.slope(window)
-        if depth is None or payout is None or before is None or hanging is None:
-            return False
-        if min(payout.value, before.value) < max(LEAST_RATE, STEADY_SHARE * rate):
-            return False
-        sinking = min(payout.value, hanging.value)
-        if abs(depth.value) > STANDING_SHARE * sinking or sinking - depth.value < CERTAIN * depth.error:
-            return False
-        if self._innovation.mean(window) < INNOVATION_ABOVE:
-            return False
-        relief = RELIEF_SHARE * self._load.stiffness * payout.value
-        is_relieved = tension is not None and -tension.value > max(relief, CERTAIN * tension.error)
-        relieved_share = 1.0 - relief * window / self._load.weight
-        return (is_relieved and share < relieved_share) or share < self._parameters.touchdown_ratio
-
-    def _is_relieved_throughout(self, rate: float) -> bool:
-        """Tell whether a cable that is lowered at a `rate` [m/s] has lost the weight on average over a whole swing.
-
-        Within a swing, and while lowering gains speed, that of a hanging unit may lose all of it.
-        """
-        time = self._load.swing_time
-        payout, tension = self._payout.slope(time), self._tension.slope(time)
-        if payout is None or tension is None or payout.value < max(LEAST_RATE, STEADY_SHARE * rate):
-            return False
-        share = self._load.weight_share(self._tension.mean(time))
-        return share < self._parameters.touchdown_ratio * self._hanging_share.mean(time)
-
-    def _watch_unconfirmed(self, time: float, window: float, rate: float) -> None:
-        """Notice within half a window that the unit may have landed."""
-        depth, tension = self._depth.slope(0.5 * window), self._tension.slope(0.5 * window)
-        stands = depth is not None and abs(depth.value) < STANDING_SHARE * rate
-        relieved = tension is None or tension.value < 0.0
-        may_stand = stands and relieved and self._innovation.mean(0.5 * window) > INNOVATION_ABOVE
-        if may_stand and time - self._may_stand_since > 4.0 * UNCONFIRMED_TIME * window:
-            self._may_stand_since = time
-        self.may_stand = may_stand and time - self._may_stand_since < UNCONFIRMED_TIME * window
+        self._flags[LIFTING] = 1.0

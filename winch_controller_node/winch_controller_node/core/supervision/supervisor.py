@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from heave_core.look import Seen
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, REQUESTED
 
@@ -14,7 +15,7 @@ from winch_controller_node.core.estimation.tension import MEMORY, TensionMean
 from winch_controller_node.core.supervision.command_timeouts import Advice, CommandTimeouts
 from winch_controller_node.core.supervision.entry_gates import PEAK_OVER_SIGNIFICANT, EntryGates
 from winch_controller_node.core.supervision.guard import HarmGuard
-from winch_controller_node.core.supervision.guard_checks import GuardedLoop, GuardedMotions
+from winch_controller_node.core.supervision.guard_checks import GuardedLoop
 from winch_controller_node.core.supervision.guard_hold import KNOWN_HOLD
 from winch_controller_node.core.supervision.landing import LEAST_RATE, HangingLoad, HangingUnit, Landing, LandingEvent
 from winch_controller_node.core.supervision.mode_machine import ModeMachine
@@ -159,7 +160,7 @@ class Supervisor:
 
     def _watch_sea(self) -> None:
         """Begin to watch it."""
-        self._gates = EntryGates(self._parameters.entry, window=self._parameters.guard.window, tick_period=self._dt)
+        self._gates = EntryGates(self._parameters.entry)
         self.highest_tension = HighestTension(self._parameters.guard.window, tick_period=self._dt)
 
     def _refer_to(self, design: ControllerDesign, law: ControlLaw) -> None:
@@ -171,8 +172,8 @@ class Supervisor:
         """Return what is to be done in a tick with the `winch` in this situation."""
         time = tick.number * self._dt
         # where the drum is, not where its command is
-        hanging = HangingUnit(-tick.hanging_heave, tick.hanging_stretch)
-        self.landing.observe(time, tick.sensed, float(tick.rows.payout @ tick.mean_state), hanging)
+        hanging = HangingUnit(-tick.motions.hanging_heave, tick.motions.hanging_stretch)
+        self.landing.observe(time, tick.sensed, tick.motions.mean_payout, hanging)
         if winch.inhibition:
             self.guard.inhibit(winch.inhibition, KNOWN_HOLD)
         modes = self.modes
@@ -180,7 +181,7 @@ class Supervisor:
             tick, winch.mean_payout, self._load, brake=modes.brake, is_wanted=modes.wants_compensation
         )
         alarms += self._judge(tick, winch.mean_acceleration) + self._resume_after_timeout(tick, winch)
-        self._gates.observe(tick)
+        self._gates.tip_sigma = self.guard.tip_sigma
         alarms += self._watch_highest_tension(tick)
         lost = self._lost(tick)
         alarms += self._report_share(tick, winch)
@@ -211,7 +212,7 @@ class Supervisor:
         elif mode.before is Mode.COMPENSATING:
             self._fades_by_law = not self.modes.wants_compensation
         alarms += self._report_blind_lowering(tick, mode)
-        landing = self._watch_landing(time, tick, mode)
+        landing = self._watch_landing(tick, mode)
         return Decision(
             mode=mode,
             is_inhibited=self.guard.inhibits,
@@ -261,16 +262,21 @@ class Supervisor:
         # the estimate is that of a hanging unit
         hangs = self.landing.hangs and not self.landing.may_stand
         is_judged = hangs and tick.knows_tip and self.modes.mode is not Mode.CONSTANT_TENSION
-        motions = GuardedMotions(
-            unit=tick.unit,
-            free_unit=tick.unit_without_compensation,
-            boom_tip=tick.boom_tip,
-            payout_rate=tick.payout_rate,
-            measured_heave=tick.measured_unit_heave if hangs else None,
-            depth_noise=tick.sensed.depth_noise,
-            mean_acceleration=mean_acceleration,
+        motions, depth_heave = tick.motions, tick.sensed.depth_heave
+        seen = Seen(
+            motions.unit,
+            motions.unit_rate,
+            # as the unit is counted: with a winch that does nothing but move the mean payout
+            motions.free + motions.mean_heave,
+            motions.free_rate + motions.mean_rate,
+            motions.tip,
+            motions.tip_rate,
+            motions.payout_rate,
+            math.nan if depth_heave is None or not hangs else depth_heave + motions.mean_heave,
+            tick.sensed.depth_noise,
+            mean_acceleration,
         )
-        self.guard.update(motions, self.modes.authority if is_judged else 0.0, self.modes.target)
+        self.guard.update(seen, self.modes.authority if is_judged else 0.0, self.modes.target)
         alarm, before = self.guard.alarm, self._code_before
         self._code_before = "" if alarm is None else alarm.code
         return (alarm,) if alarm is not None and alarm.code != before else ()
@@ -322,7 +328,7 @@ class Supervisor:
         load, highest = self._load, self.highest_tension
         was_kept = highest.is_kept
         highest.update(
-            tick.boom_tip.heave - tick.free_unit.heave,
+            tick.motions.tip - tick.motions.free,
             self._limits.maximum_tension / load.static_tension,
             tension_per_metre=load.stiffness / load.static_tension,
             peak_use=PEAK_OVER_SIGNIFICANT * self.guard.demand,
@@ -387,8 +393,9 @@ class Supervisor:
         if math.isinf(settled_swing):
             return True
         if tick.knows_tip:
-            settled_swing = min(settled_swing, SETTLED_AT_REST + free_swing(tick.released_motion, self._inertia))
-        return free_swing(tick.unit_offset, self._inertia) < settled_swing
+            released = free_swing(tick.motions.released, tick.motions.released_rate, self._inertia)
+            settled_swing = min(settled_swing, SETTLED_AT_REST + released)
+        return free_swing(tick.motions.offset, tick.motions.offset_rate, self._inertia) < settled_swing
 
     def _watch_blind_damping(self, tick: LoopTick, settled_swing: float) -> bool:
         """Count for how long a fade-out has damped the unit by the depth sensor alone; return whether it does and may.
@@ -415,11 +422,11 @@ class Supervisor:
         )
         return (ALARMS.alarm("LOWERING_BLIND", now=now),)
 
-    def _watch_landing(self, time: float, tick: LoopTick, mode: ModeOutput) -> LandingEvent | None:
+    def _watch_landing(self, tick: LoopTick, mode: ModeOutput) -> LandingEvent | None:
         """Notice touchdown while lowering, and that the unit hangs again after lift-off."""
         if not math.isfinite(tick.sensed.filtered_tension):
             return None
-        return self.landing.update(time, tick.sensed, mode)
+        return self.landing.update(tick.sensed, mode)
 
 
 def _known_share(tick: LoopTick) -> float:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+from heave_core.look import RunningSigma
 from heave_node.interface.alarm import Alarm
 
-from winch_controller_node.core.supervision.checks import RunningSigma
+from winch_controller_node.core.supervision.guard_checks import SLOW_MEAN_FACTOR
 from winch_controller_node.interface.alarms import ALARMS
 
 PEAK = 2.7
@@ -39,7 +40,7 @@ class HighestTension:
 
     def __init__(self, window: float, *, tick_period: float) -> None:
         self._dt = tick_period
-        self._stretch = RunningSigma(window, tick_period)
+        self._stretch = RunningSigma(window, tick_period, SLOW_MEAN_FACTOR)
         self._enough_time = math.inf
         self.is_kept = True
         self.alarm: Alarm | None = None

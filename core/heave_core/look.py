@@ -1,0 +1,314 @@
+"""`look` by ctypes: simulated units, the motions at a tick, and the guard's statistics, on the memory that C++ has."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heave_core.filter_table import STATES
+from heave_core.library import dtype_of, fill, library
+from heave_core.look_table import (
+    GUARD_DESIGN,
+    GUARD_STATE,
+    HANGING_CABLE,
+    HANGING_UNIT,
+    LOOK_DESIGN,
+    LOOK_INPUTS,
+    LOOK_STATE,
+    SIGMA,
+)
+
+Array = NDArray[np.float64]
+
+SCALARS = 4
+"""Numbers of LookInputs in front of the states."""
+
+
+class Motions(NamedTuple):
+    """All motions at a tick: the rows of MOTIONS in the table of `look`, with their meanings and units."""
+
+    tip: float
+    tip_rate: float
+    payout: float
+    payout_rate: float
+    total_payout_rate: float
+    mean_payout: float
+    mean_heave: float
+    mean_rate: float
+    unit: float
+    unit_rate: float
+    free: float
+    free_rate: float
+    taut: float
+    taut_rate: float
+    released: float
+    released_rate: float
+    offset: float
+    offset_rate: float
+    hanging_heave: float
+    hanging_stretch: float
+    wave_share: float
+
+
+class Seen(NamedTuple):
+    """What the guard compares at a tick: the first rows of SEEN, with their meanings and units."""
+
+    unit: float = 0.0
+    unit_rate: float = 0.0
+    free: float = 0.0
+    free_rate: float = 0.0
+    tip: float = 0.0
+    tip_rate: float = 0.0
+    payout_rate: float = 0.0
+    measured: float = np.nan
+    noise: float = 0.0
+    mean_acceleration: float = 0.0
+
+
+class Verdict(NamedTuple):
+    """What the guard has found in a tick: the rows of VERDICT, with their meanings and units."""
+
+    bits: float
+    drum: float
+    swing: float
+    depth: float
+    mismatch: float
+    unit_sigma: float
+    free_sigma: float
+    least_gain: float
+    waves_time: float
+    tip_sigma: float
+    demand: float
+    coming: float
+    authority: float
+    usual_authority: float
+
+
+def padded(row: Array) -> Array:
+    """Return a `row` on the states, shape (n,), with zeros up to the states that fit.
+
+    Raises ValueError where there are more.
+    """
+    if len(row) > STATES:
+        raise ValueError(f"the loop's model has {len(row)} states: {STATES} fit")
+    return np.pad(row, (0, STATES - len(row)))
+
+
+class HangingUnit:
+    """A simulated unit below an outlet whose motion is known.
+
+    Parameters
+    ----------
+    cable : values by the names of HANGING_CABLE
+    """
+
+    def __init__(self, cable: Mapping[str, Any]) -> None:
+        core = library()
+        self._cable, self._unit = np.zeros(1, dtype_of(HANGING_CABLE)), np.zeros(1, dtype_of(HANGING_UNIT))
+        self._motion = np.zeros(2)
+        self._addresses = self._cable.ctypes.data, self._unit.ctypes.data
+        self._at = self._motion.ctypes.data
+        self._step, self._find, self._continue = (
+            core.heave_core_unit,
+            core.heave_core_unit_motion,
+            core.heave_core_unit_continue,
+        )
+        self.take_cable(cable)
+
+    def take_cable(self, cable: Mapping[str, Any]) -> None:
+        """Go on with another `cable`."""
+        fill(self._cable[0], cable)
+
+    @property
+    def motion(self) -> Array:
+        """Heave [m] and heave rate [m/s], shape (2,)."""
+        self._find(*self._addresses, self._at)
+        return self._motion.copy()
+
+    def continue_at(self, heave: float, rate: float) -> None:
+        """Go on from another `heave` [m] and `rate` [m/s]."""
+        self._continue(*self._addresses, heave, rate)
+
+    def step(self, heave: float, rate: float) -> Array:
+        """Advance by a tick below an outlet with this `heave` [m] and `rate` [m/s] at its start; return `motion`."""
+        self._step(*self._addresses, heave, rate, self._at)
+        return self._motion.copy()
+
+
+class Look:
+    """All motions at a tick, with the simulated units.
+
+    Parameters
+    ----------
+    design : values by the names of LOOK_DESIGN
+
+    Attributes
+    ----------
+    design, state, inputs : structured arrays of one element
+    """
+
+    def __init__(self, design: Mapping[str, Any]) -> None:
+        core = library()
+        self.design, self.state = np.zeros(1, dtype_of(LOOK_DESIGN)), np.zeros(1, dtype_of(LOOK_STATE))
+        self.inputs, self._motions = np.zeros(1, dtype_of(LOOK_INPUTS)), np.zeros(len(Motions._fields))
+        self._scalars = self.inputs.view(np.float64)[:SCALARS]
+        self._at = self.design.ctypes.data, self.state.ctypes.data
+        self._seen_at = self.inputs.ctypes.data, self._motions.ctypes.data
+        self._look, self._again = core.heave_core_look, core.heave_core_look_again
+        self._begin_share, self._take_unit = core.heave_core_look_begin_share, core.heave_core_look_take_unit
+        self._shadow, self._hanging = core.heave_core_look_continue_shadow, core.heave_core_look_continue_hanging
+        self.take_design(design)
+
+    def take_design(self, design: Mapping[str, Any]) -> None:
+        """Go by another `design` from now on; the units stay where their modes are."""
+        fill(self.design[0], design)
+        n, inputs = int(design["order"]), self.inputs[0]
+        self._estimate, self._mean_state = inputs["estimate"][:n], inputs["mean_state"][:n]
+        self._covariance = inputs["covariance"][: n * n].reshape(n, n)
+
+    def step(
+        self,
+        estimate: Array,
+        covariance: Array,
+        mean_state: Array,
+        *,
+        command: tuple[float, float],
+        knows_tip: bool,
+        takes_unit: bool,
+    ) -> Motions:
+        """Do a tick and return the motions at it.
+
+        Parameters
+        ----------
+        estimate, covariance : of the loop without the mean payout's own motion, shapes (n,), (n, n)
+        mean_state : that the mean payout alone brings about, shape (n,)
+        command : that is active: what compensates, and what moves the mean payout
+        knows_tip : the boom tip is measured
+        takes_unit : it was not until now: the simulated units go on from the estimated one
+        """
+        self._scalars[:] = (*command, knows_tip, takes_unit)
+        self._estimate[:], self._mean_state[:], self._covariance[:] = estimate, mean_state, covariance
+        self._look(*self._at, *self._seen_at)
+        return Motions._make(self._motions.tolist())
+
+    def again(self, estimate: Array, mean_state: Array) -> Motions:
+        """Return the motions of the same tick after the loop has been moved to another `estimate` and `mean_state`."""
+        self._estimate[:], self._mean_state[:] = estimate, mean_state
+        self._again(*self._at, *self._seen_at)
+        return Motions._make(self._motions.tolist())
+
+    def begin_share(self) -> None:
+        """Let the unit of a taut cable go on from where the one with the winch locked is."""
+        self._begin_share(*self._at)
+
+    def continue_shadow(self, heave: float, rate: float) -> None:
+        """Let both units with the winch locked go on from a `heave` [m] and `rate` [m/s]."""
+        self._shadow(*self._at, heave, rate)
+
+    def continue_hanging(self, heave: float, rate: float) -> None:
+        """Let the hanging unit go on from a `heave` [m] and `rate` [m/s]."""
+        self._hanging(*self._at, heave, rate)
+
+    def take_unit(self, heave: float, rate: float) -> None:
+        """Go on with a unit elsewhere, at a `heave` [m] and `rate` [m/s], also with the winch locked."""
+        self._take_unit(*self._at, heave, rate)
+
+    def forget_waves(self) -> None:
+        """Average the power of the boom tip from now on: it was not where it was taken to be."""
+        self.state["tip_power"] = 0.0
+
+
+class Guard:
+    """The guard's statistics with their memory.
+
+    Parameters
+    ----------
+    design : values by the names of GUARD_DESIGN
+
+    Attributes
+    ----------
+    design, state : structured arrays of one element
+    """
+
+    def __init__(self, design: Mapping[str, Any]) -> None:
+        core = library()
+        self.design, self.state = np.zeros(1, dtype_of(GUARD_DESIGN)), np.zeros(1, dtype_of(GUARD_STATE))
+        self._seen, self._verdict = np.zeros(len(Seen._fields) + 3), np.zeros(len(Verdict._fields))
+        self._at = self.design.ctypes.data, self.state.ctypes.data
+        self._seen_at, self._verdict_at = self._seen.ctypes.data, self._verdict.ctypes.data
+        self._core, self._step = core, core.heave_core_guard
+        fill(self.design[0], design)
+        self.begin()
+
+    def take_design(self, design: Mapping[str, Any]) -> None:
+        """Go by another `design` from now on."""
+        fill(self.design[0], design)
+
+    @property
+    def verdict(self) -> Verdict:
+        """What was found last, with the sea's demand on the winch of the active design."""
+        self._core.heave_core_guard_demand(*self._at, self._verdict_at)
+        return Verdict._make(self._verdict.tolist())
+
+    def step(self, seen: Seen, authority: float, target: float, *, inhibits: bool) -> Verdict:
+        """Take in what is `seen` in a tick; return what is found.
+
+        Parameters
+        ----------
+        seen : of the tick
+        authority, target : of compensation now, and that it goes to
+        inhibits : compensation is to be off already
+        """
+        self._seen[:] = (*seen, authority, target, inhibits)
+        self._step(*self._at, self._seen_at, self._verdict_at)
+        return Verdict._make(self._verdict.tolist())
+
+    def begin(self) -> None:
+        """Begin again: what was seen until now was another sea."""
+        self._core.heave_core_guard_begin(self._at[1])
+        self._verdict[:] = 0.0
+
+    def restart_waves(self) -> None:
+        """Compare waves from now on."""
+        self._core.heave_core_guard_restart_waves(self._at[1])
+
+    def allow_catch_up(self) -> None:
+        """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
+        self._core.heave_core_guard_allow_catch_up(*self._at)
+
+    def allow_resumption(self) -> None:
+        """Do not hold against the loop how drum and unit moved while a sensor was lost."""
+        self._core.heave_core_guard_allow_resumption(*self._at)
+
+    def reset_mismatch(self) -> None:
+        """Compare depth sensor and estimate again: what was seen until now says nothing of either."""
+        self._core.heave_core_guard_reset_mismatch(self._at[1])
+
+
+class RunningSigma:
+    """Exponentially weighted standard deviation about a slow mean.
+
+    Parameters
+    ----------
+    time_constant : memory [s]
+    tick_period : [s]
+    slow_mean : the mean is followed so many times more slowly than the variance
+    """
+
+    def __init__(self, time_constant: float, tick_period: float, slow_mean: float) -> None:
+        self._memory, self._add = np.zeros(1, dtype_of(SIGMA)), library().heave_core_sigma
+        self._given = self._memory.ctypes.data, tick_period / time_constant, slow_mean
+
+    def add(self, value: float) -> None:
+        """Take a `value` in; the first ones weigh as in a plain average."""
+        memory, weight, slow_mean = self._given
+        self._add(memory, value, weight, slow_mean)
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation, in the unit of the values."""
+        return math.sqrt(float(self._memory["variance"][0]))

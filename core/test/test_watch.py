@@ -1,0 +1,161 @@
+"""Landing's trends and the window of the figures of merit beside numpy, and what holds for any input."""
+
+import math
+
+import numpy as np
+import pytest
+from heave_core import kpi_table, landing_table, watch
+from heave_core.landing_table import Landed
+from heave_core.watch import KpiRing, KpiStatistics, LandingWatch
+from hypothesis import given
+from hypothesis import strategies as st
+
+DT = 0.05
+LOAD = {
+    "static_tension": 60e3,
+    "weight": 50e3,
+    "stiffness": 1e6,
+    "following_time": 0.5,
+    "swing_time": 9.0,
+    "touchdown_ratio": 0.3,
+    "lowered": 0.15,
+    "shortest": 0.6,
+    "longest": 8.0,
+    "windows": (1.0, 2.0, 3.0),
+    "least_readings": 4,
+    "filled": 0.9,
+    "least_rate": 0.01,
+    "steady_share": 0.85,
+    "standing_share": 0.4,
+    "relief_share": 0.5,
+    "certain": 3.0,
+    "innovation_above": 1.0,
+    "unconfirmed_time": 3.0,
+    "pause": 4.0,
+}
+
+
+def ring(rows=40):
+    return KpiRing({"tick_period": DT, "rows": rows, "speed": 1.0, "acceleration": 10.0})
+
+
+NUMBER = st.floats(-5.0, 5.0)
+KNOWN = st.lists(st.tuples(NUMBER, NUMBER, NUMBER, NUMBER, NUMBER, NUMBER | st.just(math.nan)), min_size=1, max_size=70)
+
+
+def expected(rows, size):
+    """Return the statistics by numpy: a row counts where each heave is known that is known in the last one."""
+    table = np.array(rows)
+    rate = table[:, 4]
+    acceleration = np.diff(rate, prepend=0.0) / DT
+    table = np.column_stack([table[:, :5], acceleration, table[:, 5]])[-size:]
+    unknown = np.isnan(table[-1, :3])
+    held = table[np.all(np.isfinite(table[:, :3]) | unknown, axis=1)]
+    heaves = np.where(unknown, np.nan, held[:, :3])
+    outlet = heaves[:, 2] - held[:, 3]
+    felt = held[np.isfinite(held[:, 6])]
+    power = np.abs(felt[:, 6] * felt[:, 4])
+
+    def deviation(values):
+        return np.std(values) if len(values) > 1 else np.nan
+
+    return [
+        len(held),
+        *(deviation(heaves[:, k]) for k in range(3)),
+        deviation(outlet),
+        np.max(np.abs(heaves[:, 0] - np.mean(heaves[:, 0]))),
+        np.max(np.abs(held[:, 4])),
+        np.max(np.abs(held[:, 5])),
+        np.max(power) if len(power) else np.nan,
+        np.mean(power) if len(power) else np.nan,
+        np.min(felt[:, 6]) if len(felt) else np.nan,
+        np.max(felt[:, 6]) if len(felt) else np.nan,
+        np.mean((np.abs(held[:, 4]) >= 1.0) | (np.abs(held[:, 5]) >= 10.0)),
+    ]
+
+
+@given(KNOWN, st.lists(st.tuples(st.integers(0, 69), st.integers(0, 2)), max_size=12))
+def test_a_window_holds_what_numpy_finds_in_its_ticks(rows, gaps):
+    rows = [list(row) for row in rows]
+    for place, column in gaps:
+        rows[place % len(rows)][column] = math.nan
+    window = ring()
+    for unit, uncompensated, tip, payout, rate, tension in rows:
+        window.add(unit, uncompensated, tip, payout, rate, 0.0, tension, 0.0)
+    assert window.statistics() == pytest.approx(expected(rows, 40), rel=1e-9, abs=1e-9, nan_ok=True)
+
+
+def test_a_window_that_holds_nothing_says_so():
+    found = ring().statistics()
+    assert (found.rows, found.speed, found.at_limit) == (0.0, 0.0, 0.0)
+    assert math.isnan(found.unit) and math.isnan(found.power) and math.isnan(found.least_tension)
+
+
+@given(st.lists(st.tuples(st.floats(0.0, 60.0), NUMBER), min_size=1, max_size=80), st.floats(0.5, 30.0))
+def test_a_trend_is_what_numpy_finds_in_the_readings_of_its_window(readings, window):
+    """Times that are no later than the last one are left out."""
+    landing = LandingWatch(LOAD)
+    for time, value in readings:
+        landing.add_depth(time, value)
+    kept = readings[:1]
+    for time, value in readings[1:]:
+        if time > kept[-1][0]:
+            kept.append((time, value))
+    times, values = np.array(kept).T
+    within = times >= times[-1] - window
+    found = landing.trend("depth", window)
+    assert found.mean == pytest.approx(np.mean(values[within]), abs=1e-9)
+    is_known = np.sum(within) >= 4 and times[-1] - times[0] >= 0.9 * window
+    assert bool(found.is_known) == is_known
+    if is_known and np.ptp(times[within]) > 1e-3:
+        slope = np.polyfit(times[within] - times[-1], values[within], 1)[0]
+        assert found.slope == pytest.approx(slope, rel=1e-6, abs=1e-6)
+
+
+def watched(ticks, *, payout=lambda time: 0.2 * time, **seen):
+    """Return a landing that has watched a winch at 0.2 m/s for so many ticks."""
+    landing = LandingWatch(LOAD)
+    for k in range(ticks):
+        time = DT * k
+        landing.observe(
+            time, seen.get("tension", 60e3), seen.get("is_weighed", 1.0), payout(time), 0.2 * time, 0.0, 0.0
+        )
+    return landing
+
+
+def flag(landing, name):
+    return float(landing.state[name][0])
+
+
+def test_the_speed_of_lowering_is_the_slope_of_the_mean_payout_and_none_of_one_that_stands():
+    assert flag(watched(100), "lowering_rate") == pytest.approx(0.2)
+    assert flag(watched(5), "lowering_rate") == 0.0
+    assert flag(watched(100, payout=lambda time: 0.2 * min(time, 2.0)), "lowering_rate") == 0.0
+
+
+def test_a_lost_load_cell_has_no_tension():
+    assert watched(100).state["tension"]["count"][0] == 100
+    assert watched(100, is_weighed=0.0).state["tension"]["count"][0] == 0
+
+
+def test_without_a_depth_sensor_a_cable_that_has_lost_the_weight_over_a_whole_swing_is_a_touchdown():
+    """Share of the weight at 10 kN: 0; over the 9 s of a swing."""
+    assert watched(300, tension=10e3).judge(10e3, False, False, True) == Landed.TOUCHDOWN
+    assert watched(300, tension=60e3).judge(10e3, False, False, True) == Landed.NOT
+    assert watched(300, tension=10e3).judge(10e3, False, False, False) == Landed.NOT
+
+
+def test_a_standing_unit_is_lifted_off_once_the_cable_carries_more_than_its_weight():
+    landing = watched(10)
+    landing.state["unit_stands"] = landing.state["is_lifting"] = 1.0
+    assert landing.judge(59e3, True, False, False) == Landed.NOT
+    assert landing.judge(61e3, True, False, False) == Landed.LIFTED_OFF
+    assert (flag(landing, "unit_stands"), flag(landing, "is_lifting")) == (0.0, 0.0)
+
+
+def test_the_values_of_python_are_the_rows_of_the_tables():
+    names = {one.name: [row.name for row in one.rows] for one in (*kpi_table.STRUCTURES, *landing_table.STRUCTURES)}
+    assert names["KpiWindow"] == list(KpiStatistics._fields)
+    assert names["LandingState"][watch.FLAGS] == "event"
+    assert names["LandingSeen"][watch.OBSERVED] == "filtered_tension"
+    assert len(names["KpiRow"]) == 8
