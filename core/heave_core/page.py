@@ -22,6 +22,11 @@ reads and writes the same memory, and this page (`python -m heave_core.page`).
 | filter | `filter.cpp` | the Kalman filter over ticks: gates, streams, late readings |
 | filter's model | `filter_model.cpp` | drag, a slack cable, the row of a reading |
 | filter's steps | `filter_steps.cpp` | prediction, correction |
+| laws | `laws.cpp` | linear feedback, limits that are near, whether a plan keeps them without a correction |
+| governor | `governor.cpp` | no command beyond what the winch can do |
+| command | `command.cpp` | authority, the law, the mean payout's share, what the last minute of orders allows |
+| tension | `tension.cpp` | constant tension, also by tension and drum alone |
+| motion | `motion.cpp` | the mean payout and the loop's own answer to it |
 
 `interface.cpp` is its C interface. By `heave_core_layout` and `heave_core_size` Python refuses a library with another
 layout; the others do what their names say, on structures that Python and C++ share. Python calls them by ctypes, with
