@@ -11,10 +11,19 @@ from __future__ import annotations
 
 import hashlib
 
-from heave_core import envelope_table, filter_table, kpi_table, landing_table, look_table, pass_table, servo_table
+from heave_core import (
+    envelope_table,
+    filter_table,
+    kpi_table,
+    landing_table,
+    law_table,
+    look_table,
+    pass_table,
+    servo_table,
+)
 from heave_core.rows import COUNTER, NUMBER, Structure
 
-TABLES = (envelope_table, filter_table, look_table, landing_table, kpi_table, pass_table, servo_table)
+TABLES = (envelope_table, filter_table, look_table, landing_table, kpi_table, law_table, pass_table, servo_table)
 """By subject, in the order in which C++ needs them."""
 
 STRUCTURES = tuple(one for table in TABLES for one in table.STRUCTURES)

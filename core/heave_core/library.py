@@ -56,8 +56,34 @@ ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
     "heave_core_trend": (_POINTER, _NUMBER, _NUMBER, _NUMBER, _POINTER),
     "heave_core_kpi_add": (_POINTER,) * 4,
     "heave_core_kpi": (_POINTER,) * 4,
+    "heave_core_approach_speed": (_NUMBER,) * 3,
+    "heave_core_govern": (_POINTER,) * 3,
+    "heave_core_restart_law": (_POINTER,),
+    "heave_core_ask_law": (_POINTER,) * 4,
+    "heave_core_follow_plan": (_POINTER,) * 4,
+    "heave_core_bound_plan": (_POINTER,) * 4,
+    "heave_core_pose": (_POINTER,) * 5,
+    "heave_core_make": (_POINTER,) * 6,
+    "heave_core_answer": (_POINTER,) * 8,
+    "heave_core_act": (_POINTER,) * 8,
+    "heave_core_advance_mean": (_POINTER,),
+    "heave_core_is_moving": (_POINTER,),
+    "heave_core_ticks_to_go": (_POINTER, _COUNT),
+    "heave_core_advance_motion": (*(_POINTER,) * 3, _COUNT, _NUMBER, _COUNT),
+    "heave_core_note_tension": (_POINTER, _NUMBER, _NUMBER),
+    "heave_core_read_tip": (_POINTER,) * 2,
+    "heave_core_follow_tip": (_POINTER,) * 2,
+    "heave_core_lead_alone": (_POINTER, _POINTER, _NUMBER, _NUMBER, _COUNT, _POINTER),
 }
-"""Types of the arguments of each function, which returns nothing."""
+"""Types of the arguments of each function."""
+
+RESULTS: Mapping[str, Any] = {
+    **dict.fromkeys(("heave_core_approach_speed", "heave_core_read_tip", "heave_core_follow_tip"), _NUMBER),
+    **dict.fromkeys(("heave_core_ask_law", "heave_core_answer", "heave_core_act"), _COUNT),
+    **dict.fromkeys(("heave_core_advance_mean", "heave_core_is_moving", "heave_core_ticks_to_go"), _COUNT),
+    "heave_core_advance_motion": _COUNT,
+}
+"""Types of what those functions return that return anything."""
 
 
 class LibraryError(RuntimeError):
@@ -111,7 +137,7 @@ def library() -> Any:
     _check(loaded, path)
     for name, arguments in ARGUMENTS.items():
         function = getattr(loaded, name)
-        function.argtypes, function.restype = arguments, None
+        function.argtypes, function.restype = arguments, RESULTS.get(name)
     return loaded
 
 

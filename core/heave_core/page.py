@@ -32,6 +32,11 @@ reads and writes the same memory, and this page (`python -m heave_core.page`).
 | landing | `landing.cpp` | whether a lowered unit has landed, and a lifted one hangs again |
 | trend | `trend.cpp` | the newest readings: mean, straight line |
 | KPI window | `kpi.cpp` | statistics over the rolling window of the figures of merit |
+| laws | `laws.cpp` | linear feedback, limits that are near, whether a plan keeps them without a correction |
+| governor | `governor.cpp` | no command beyond what the winch can do |
+| command | `command.cpp` | authority, the law, the mean payout's share, what the last minute of orders allows |
+| tension | `tension.cpp` | constant tension, also by tension and drum alone |
+| motion | `motion.cpp` | the mean payout and the loop's own answer to it |
 
 The C interface is `interface.cpp`: `heave_core_layout` and `heave_core_size`, by which Python refuses a library with
 another layout, a function for a tick of each part (`heave_core_filter`, `heave_core_look`, `heave_core_guard`,

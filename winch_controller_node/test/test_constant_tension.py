@@ -4,10 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from heave_core.law import LoopNow, new, put
+from heave_core.law_table import COMMAND_STATE, Way
 from winch_controller_node.core.estimation.tension import FILTER_SHARE, MEMORY, MeanTension, TensionFilter
+from winch_controller_node.core.loop_command import commander
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.laws.constant_tension import ConstantTension, TensionSetPoint, Travel
-from winch_controller_node.laws.parts.loop_state import LoopState, Reference
+from winch_controller_node.laws.constant_tension import ConstantTension
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import TensionLawParameters
 
@@ -34,63 +36,74 @@ def test_the_filter_begins_at_the_first_reading():
     assert tension.value == 50e3
 
 
+class Held:
+    """Constant tension in the core, of a design with these parameters of its law, above a unit that stands."""
+
+    def __init__(self, **parameters):
+        tension = TensionLawParameters(**parameters)
+        self.design = design_controller(WinchControllerParameters(tension=tension, law="lqg"), tick_period=DT)
+        state = new(COMMAND_STATE)
+        self.tension = ConstantTension(state["tension"])
+        law = self.design.make_law()
+        self.core = commander(self.design, law.winch, law, state)
+        winch, cable = self.design.parameters.winch, self.design.cable
+        told = self.tension.take_design(
+            self.design.model, cable, winch, tension, round_trip=self.design.wave_round_trip
+        )
+        put(self.core.design["tension"], told)
+        self.tension.begin(cable.static_tension)
+
+    def rate(self, stretch=0.0, *, outlet=0.0):
+        """Return the rate command for a cable that is stretched by so much more than at rest [m], and so much out."""
+        tension = self.design.cable.static_tension + self.design.cable.stiffness * stretch
+        self.core.estimate[:] = 0.0
+        self.core.estimate[self.design.model.state("payout")] = outlet
+        self.core.act(LoopNow(Way.BY_TENSION, tension=tension, filtered_tension=tension, unit_stands=True))
+        return self.core.made.asked
+
+
 def test_the_set_point_takes_the_time_of_the_ramp_whatever_the_distance():
-    set_point = TensionSetPoint(TensionLawParameters(ramp_time=8.0), tick_period=DT)
-    set_point.begin(50e3)
-    set_point.hold(10e3)
-    trace = [set_point.advance() for _ in range(200)]
+    held = Held(ramp_time=8.0)
+    held.tension.begin(50e3)
+    held.tension.hold(10e3)
+    assert held.tension.target == 10e3
+    trace = []
+    for _ in range(200):
+        held.rate()
+        trace.append(held.tension.value)
     assert trace[159] == pytest.approx(10e3)
     assert trace[79] == pytest.approx(30e3, rel=1e-6)
-    assert trace[-1] == 10e3
+    assert trace[-1] == pytest.approx(10e3, rel=1e-12)
 
 
 def test_the_law_pays_out_under_too_much_tension_and_no_faster_than_its_limit():
-    design = design_controller(WinchControllerParameters(), tick_period=DT)
-    parameters = TensionLawParameters(time_constant=2.0, speed_limit=0.3)
-    set_point = TensionSetPoint(parameters, tick_period=DT)
-    set_point.begin(design.cable.static_tension)
-    travel = Travel(tick_period=DT)
-    law = ConstantTension(
-        design.model,
-        design.cable,
-        design.parameters.winch,
-        parameters,
-        set_point,
-        travel,
-        round_trip=design.wave_round_trip,
-    )
-
-    def rate(stretch):
-        """Return the rate command for a cable that is stretched by so much more than at rest [m]."""
-        tension = design.cable.static_tension + design.cable.stiffness * stretch
-        state = LoopState(np.zeros(design.model.order), Reference(), 0.0, tension)
-        return law.command(state, tension, follows_tip=True, unit_stands=True).value
-
-    assert rate(0.0) == 0.0
-    assert rate(0.1) == pytest.approx(0.1 / 2.0)
-    assert rate(-0.1) == pytest.approx(-0.1 / 2.0)
-    assert rate(50.0) == 0.3
+    held = Held(time_constant=2.0, speed_limit=0.3)
+    assert held.rate(0.0) == 0.0
+    assert held.rate(0.1) == pytest.approx(0.1 / 2.0)
+    assert held.rate(-0.1) == pytest.approx(-0.1 / 2.0)
+    assert held.rate(50.0) == 0.3
 
 
 def test_travel_ends_at_its_bound_and_the_way_back_stays_open():
-    travel = Travel(tick_period=DT)
-    travel.begin(1.0)
+    held = Held(time_constant=1.0, speed_limit=0.1, travel=1.0)
+    held.tension.hold(held.design.cable.static_tension)
     outlet = 5.0
     for _ in range(4000):
-        outlet += DT * travel.bounded(0.1, outlet)
+        outlet += DT * held.rate(1.0, outlet=outlet)
     # at 0.1 m/s the average over 5 s is 0.5 m behind
     assert 1.0 <= outlet - 5.0 <= 1.5 + 0.1 * DT
-    assert travel.bounded(-0.1, outlet) == -0.1
+    assert held.core.made.at_travel
+    assert held.rate(-1.0, outlet=outlet) == pytest.approx(-0.1)
 
 
 def test_half_of_the_travel_counts_beyond_what_the_change_of_tension_requires():
-    travel = Travel(tick_period=DT)
-    travel.begin(1.0, 2.0)
-    travel.bounded(0.0, 0.0)
+    held = Held(travel=1.0)
+    held.tension.hold(held.design.cable.static_tension + 2.0 * held.design.cable.stiffness)
+    held.rate()
     for outlet, is_half in ((2.4, False), (2.6, True)):
         for _ in range(2000):
-            travel.bounded(0.0, outlet)
-        assert travel.is_half_used is is_half
+            held.rate(outlet=outlet)
+        assert held.tension.is_half_travelled is is_half
 
 
 @pytest.mark.parametrize("phase", np.linspace(0.0, 2.0 * math.pi, 8, endpoint=False))

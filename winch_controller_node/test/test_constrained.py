@@ -5,9 +5,12 @@ import osqp
 import pytest
 import scipy.sparse as sp
 from heave_bringup.scenarios import load_scenario
+from heave_core.law import LoopNow, new
+from heave_core.law_table import COMMAND_STATE, Way
 from heave_node.parameters import build_parameters
 from hypothesis import given
 from hypothesis import strategies as st
+from winch_controller_node.core.loop_command import commander
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.design.prediction import error_covariances, predict_loop
 from winch_controller_node.laws.law import LawDesign
@@ -17,8 +20,7 @@ from winch_controller_node.laws.mpc import (
     constrained_gain,
     free_gain,
 )
-from winch_controller_node.laws.parts.governor import CommandGovernor, SpeedServo
-from winch_controller_node.laws.parts.loop_state import AuthorityShift, LoopState, Reference
+from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.laws.parts.plan import correction_knots
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -67,7 +69,7 @@ def test_noise_alone_does_not_reach_the_acceleration_limit(design):
     state = sea_state(design, 0.05)
     winch = design.parameters.winch
     limit = design.limits.acceleration * winch.time_constant
-    _, rate = CommandGovernor(design.model, winch, design.limits).predict(state.x)
+    _, rate = design.make_governor().predict(state.x)
     wanted = -float(law.gain @ state.x)
     beyond = next(scale for scale in np.arange(1.0, 50.0, 0.25) if abs(scale * (wanted - rate)) > 1.02 * limit)
     spared = law.command(LoopState(state.x * beyond, Reference(), design.cable.static_tension))
@@ -93,8 +95,8 @@ def plan_by_rollout(design, law, state):
     """Roll the model forward under the law's plan, tick by tick; return rates, payouts and commands."""
     model, x = design.model, state.x.copy()
     rates, payouts, commands = [], [], []
-    for k in range(len(law._basis)):
-        command = float(law._basis[k] @ law._plan) - float(law.gain @ x)
+    for k in range(len(law.planner.basis)):
+        command = float(law.planner.basis[k] @ law.planner.plan) - float(law.gain @ x)
         commands.append(command)
         rates.append(float(model.row("payout_rate") @ x))
         payouts.append(float(model.row("payout") @ x))
@@ -139,15 +141,15 @@ def test_the_plan_is_the_optimum_that_osqp_finds_for_the_same_problem(design):
     law = make_law(design)
     state = sea_state(design, 1.0, 1)
     assert law.command(state).status == "solved"
-    free = law._rows.free @ state.x
-    lower, upper = law._rows.bounds(state)
-    hessian = law._basis.T @ law._basis * DT
+    free = law.planner.rows.free @ state.x
+    lower, upper = law.bounds(state)
+    hessian = law.planner.basis.T @ law.planner.basis * DT
     peer = osqp.OSQP()
-    rows = sp.csc_matrix(law._rows.forced)
+    rows = sp.csc_matrix(law.planner.rows.forced)
     settings = {"eps_abs": 1e-8, "eps_rel": 1e-8, "max_iter": 400_000, "verbose": False}
     peer.setup(sp.csc_matrix(hessian), np.zeros(len(hessian)), rows, lower - free, upper - free, **settings)
     best = peer.solve(raise_error=True).x
-    assert law._plan @ hessian @ law._plan == pytest.approx(best @ hessian @ best, rel=1e-3)
+    assert law.planner.plan @ hessian @ law.planner.plan == pytest.approx(best @ hessian @ best, rel=1e-3)
 
 
 @given(horizon=st.floats(1.0, 60.0), dt=st.floats(0.005, 0.2))
@@ -172,10 +174,10 @@ def test_the_plan_is_followed_between_solutions(design):
     law = make_law(design, solve_ticks=4)
     state = sea_state(design, 2.0, 0)
     first = law.command(state)
-    plan = law._plan.copy()
+    plan = law.planner.plan.copy()
     second = law.command(state)
-    np.testing.assert_array_equal(plan, law._plan)
-    assert second.value - first.value == pytest.approx(float((law._basis[1] - law._basis[0]) @ plan))
+    np.testing.assert_array_equal(plan, law.planner.plan)
+    assert second.value - first.value == pytest.approx(float((law.planner.basis[1] - law.planner.basis[0]) @ plan))
 
 
 def test_the_same_states_give_the_same_commands_to_the_last_bit(design):
@@ -188,7 +190,7 @@ def test_the_mean_payout_takes_its_share_of_the_speed(design):
     """While the mean is paid out at 1 m/s, compensation may add 1 m/s on that side and 3 m/s on the other."""
     law = make_law(design)
     state = sea_state(design, 2.0, 0)._replace(reference=Reference(rate=1.0))
-    lower, upper = law._rows.bounds(state)
+    lower, upper = law.bounds(state)
     assert (lower[0], upper[0]) == (-3.0, 1.0)
 
 
@@ -203,8 +205,10 @@ def test_the_plan_keeps_below_a_highest_tension(design):
         made_for = LawDesign(design.model, parameters.winch, limits, parameters.weights, design.gain)
         law = ConstrainedLaw(made_for, MpcParameters())
         command = law.command(state)
-        rows = next(kind.rows for kind in law._rows.kinds if kind.name == "tension")
-        return float((law._rows.free @ state.x + law._rows.forced @ law._plan)[rows].max()), command
+        rows = next(kind.rows for kind in law.planner.rows.kinds if kind.name == "tension")
+        return float(
+            (law.planner.rows.free @ state.x + law.planner.rows.forced @ law.planner.plan)[rows].max()
+        ), command
 
     highest, command = planned()
     assert highest > 0.1 * state.static_tension
@@ -228,18 +232,19 @@ def test_a_first_order_winch_and_a_horizon_within_the_delay_are_refused_in_words
 
 def test_authority_scales_the_sea_and_keeps_the_share_of_the_uncompensated_motion(design):
     """By linearity the shifted problem at authority 0 has no sea, and the unit's error is against its free motion."""
-    shift = AuthorityShift(design.model, design.sea_states)
+    law = make_law(design)
+    core = commander(design, law.winch, law, new(COMMAND_STATE))
     x = np.arange(1.0, design.model.order + 1)
-    free = np.array([0.3, 0.1])
-    none, whole = shift.shift(x, free, 0.0), shift.shift(x, free, 1.0)
+
+    def shifted(share):
+        core.estimate[:] = x
+        core.pose(LoopNow(Way.BY_LAW, share, heave=0.3, rate=0.1))
+        return core.x.copy()
+
+    none, whole = shifted(0.0), shifted(1.0)
     np.testing.assert_array_equal(whole, x)
     assert all(none[design.model.state(name)] == 0.0 for name in design.sea_states)
     assert none[design.model.state("unit_heave")] == pytest.approx(x[design.model.state("unit_heave")] - 0.3)
-
-
-def test_the_servo_reaches_the_full_acceleration_over_a_tick():
-    servo = SpeedServo(0.15, 1.5, DT)
-    assert servo.linear_step * -np.expm1(-DT / 0.15) == pytest.approx(1.5 * DT)
 
 
 SLOW_WINCH = {

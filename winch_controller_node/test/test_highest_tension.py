@@ -1,16 +1,15 @@
 """Above the highest tension the winch gives way, whatever the law asks, where compensation can keep below it."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_core.law import LoopNow, new
+from heave_core.law_table import COMMAND_STATE, Way
 from heave_node.parameters import ParameterError
-from winch_controller_node.core.loop_command import LoopCommand
+from winch_controller_node.core.loop_command import commander
 from winch_controller_node.core.supervision.watch.highest_tension import LEFT, PEAK, HighestTension
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.laws.law import LawCommand
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import LimitParameters
 from winch_controller_node.parameters.model import WinchModelParameters
@@ -27,26 +26,28 @@ def given_way(excess, *, brake=False, **winch):
         winch=WinchModelParameters(**winch),
     )
     design = design_controller(parameters, tick_period=DT)
-    command = LoopCommand(design, design.make_law())
-    tick = SimpleNamespace(sensed=SimpleNamespace(filtered_tension=RATIO * design.cable.static_tension + excess))
-    asked = command._give_way(LawCommand(0.1, active=("speed",)), tick, SimpleNamespace(brake=brake))
-    return asked, excess / design.cable.stiffness
+    law = design.make_law()
+    core = commander(design, law.winch, law, new(COMMAND_STATE))
+    tension = RATIO * design.cable.static_tension + excess
+    core.act(LoopNow(Way.BY_BRAKE if brake else Way.BY_PLACE, filtered_tension=tension, gives_way=True))
+    return core.made, excess / design.cable.stiffness
 
 
 def test_the_winch_pays_out_the_excess_within_a_second():
     asked, stretch = given_way(5e3)
-    assert asked.value == pytest.approx(0.1 + stretch / 1.0)
-    assert asked.active == ("speed", "tension")
+    assert asked.asked == pytest.approx(stretch / 1.0)
+    assert asked.gives_way
 
 
 def test_a_slow_winch_takes_twice_its_lag():
     asked, stretch = given_way(5e3, command_delay=0.4, time_constant=0.5)
-    assert asked.value == pytest.approx(0.1 + stretch / 1.8)
+    assert asked.asked == pytest.approx(stretch / 1.8)
 
 
 def test_nothing_is_added_below_the_highest_tension_or_under_a_brake():
-    assert given_way(-1.0)[0] == LawCommand(0.1, active=("speed",))
-    assert given_way(5e3, brake=True)[0] == LawCommand(0.1, active=("speed",))
+    for made, _ in (given_way(-1.0), given_way(5e3, brake=True)):
+        assert made.asked == 0.0
+        assert not made.gives_way
 
 
 @pytest.mark.parametrize(("use", "share"), [(0.0, LEFT), (0.8, LEFT), (1.25, 0.2), (4.0, 0.75)])

@@ -1,5 +1,6 @@
 """Near the winch's limits, by the sea or by a unit that is far off, law lqg commands as the law that knows them."""
 
+import dataclasses
 import math
 from types import SimpleNamespace
 
@@ -11,12 +12,12 @@ from heave_node.kpi import window_ratios
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.laws.parts.near_limits import BEGINS, ENDS, MEMORY, NearLimits
-from winch_controller_node.laws.parts.winch_limits import WinchLimits
+from winch_controller_node.laws.parts.loop_state import LoopState, Reference
+from winch_controller_node.laws.parts.near_limits import BEGINS, ENDS, MEMORY
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DT = 0.05
-DESIGN = design_controller(WinchControllerParameters(), tick_period=DT)
+DESIGN = design_controller(WinchControllerParameters(law="lqg"), tick_period=DT).with_own_gains()
 LIMITS = DESIGN.limits
 RATE = DESIGN.model.row("boom_tip_heave_rate")
 ACCELERATION = (RATE @ DESIGN.model.A - RATE) / DT
@@ -30,50 +31,61 @@ def state_at(share: float) -> np.ndarray:
     return x * share / taken
 
 
+class Near:
+    """Law lqg, asked for whether the limits are near where the boom tip and the unit take shares of theirs."""
+
+    def __init__(self):
+        self.law = DESIGN.make_law()
+
+    def are_near(self, tip, unit=0.0):
+        x = state_at(tip)
+        heave = DESIGN.model.state("unit_heave")
+        x[heave] = unit * self.law.largest_share / self.law.gain[heave]
+        self.law.command(LoopState(x, Reference(), DESIGN.cable.static_tension))
+        return bool(self.law.core.state["is_near"][0])
+
+
 @settings(max_examples=100, deadline=None)
 @given(st.lists(st.floats(-2.0, 2.0), max_size=30))
 def test_up_and_down_are_alike_and_the_sea_is_near_the_limits_only_after_it_was(shares):
-    up, down = NearLimits(DESIGN.model, LIMITS), NearLimits(DESIGN.model, LIMITS)
+    up, down = Near(), Near()
     highest = 0.0
     for share in shares:
         highest = max(highest, abs(share))
-        are_near = up.are_near(state_at(share), 0.0)
-        assert are_near == down.are_near(state_at(-share), 0.0)
+        are_near = up.are_near(share)
+        assert are_near == down.are_near(-share)
         assert not are_near or highest > BEGINS
         assert are_near or abs(share) <= BEGINS
 
 
 def test_a_wave_is_remembered_until_a_decay_of_first_order_has_taken_it_well_away_from_the_limits():
-    limits = NearLimits(DESIGN.model, LIMITS)
-    assert limits.are_near(state_at(1.5), 0.0)
-    calm = np.zeros(DESIGN.model.order)
+    limits = Near()
+    assert limits.are_near(1.5)
     ticks = 0
-    while limits.are_near(calm, 0.0):
+    while limits.are_near(0.0):
         ticks += 1
     assert ticks * DT == pytest.approx(MEMORY * math.log(1.5 / ENDS), abs=2 * DT)
-    assert limits.are_near(state_at(1.0), 0.0)
-    limits.reset()
-    assert not limits.are_near(calm, 0.0)
+    assert limits.are_near(1.0)
+    limits.law.reset()
+    assert not limits.are_near(0.0)
 
 
 def test_a_unit_that_asks_for_all_that_it_may_is_remembered_as_a_wave_is():
-    by_unit, by_wave = NearLimits(DESIGN.model, LIMITS), NearLimits(DESIGN.model, LIMITS)
-    calm = np.zeros(DESIGN.model.order)
-    assert not by_unit.are_near(calm, BEGINS)
-    assert by_unit.are_near(calm, 1.0)
-    assert by_wave.are_near(state_at(1.0), 0.0)
+    by_unit, by_wave = Near(), Near()
+    assert not by_unit.are_near(0.0, 0.999 * BEGINS)
+    assert by_unit.are_near(0.0, 1.0)
+    assert by_wave.are_near(1.0)
     for _ in range(round(2.0 * MEMORY / DT)):
-        assert by_unit.are_near(calm, 0.0) == by_wave.are_near(calm, 0.0)
-    assert not by_unit.are_near(calm, 0.0)
+        assert by_unit.are_near(0.0) == by_wave.are_near(0.0)
+    assert not by_unit.are_near(0.0)
 
 
 def test_a_weaker_winch_is_nearer_to_its_limits():
-    limits = NearLimits(DESIGN.model, LIMITS)
-    assert not limits.are_near(state_at(0.5), 0.0)
-    weak = {name: getattr(LIMITS, name) for name in WinchLimits.__dataclass_fields__}
-    weak.update(speed=0.5 * LIMITS.speed, acceleration=0.5 * LIMITS.acceleration)
-    limits.take_limits(WinchLimits(**weak))
-    assert limits.are_near(state_at(0.5), 0.0)
+    limits = Near()
+    assert not limits.are_near(0.5)
+    weak = {"speed": 0.5 * LIMITS.speed, "acceleration": 0.5 * LIMITS.acceleration}
+    limits.law.take_limits(dataclasses.replace(LIMITS, **weak))
+    assert limits.are_near(0.5)
 
 
 @pytest.mark.slow

@@ -87,11 +87,11 @@ def test_the_plan_of_compensation_has_what_the_operator_leaves():
     design = design_controller(WinchControllerParameters(), tick_period=DT)
     made_for = LawDesign(design.model, design.parameters.winch, design.limits, design.parameters.weights, design.gain)
     law = ConstrainedLaw(made_for, MpcParameters())
-    rows = next(kind.rows for kind in law._rows.kinds if kind.name == "acceleration")
+    rows = next(kind.rows for kind in law.planner.rows.kinds if kind.name == "acceleration")
     rate = 0.4
     ahead = Reference(rate=rate, command=rate + design.parameters.winch.time_constant * 0.3)
     whole, left = (
-        law._rows.bounds(LoopState(np.zeros(design.model.order), reference, design.cable.static_tension))
+        law.bounds(LoopState(np.zeros(design.model.order), reference, design.cable.static_tension))
         for reference in (Reference(), ahead)
     )
     for bound, without in zip(left, whole, strict=True):

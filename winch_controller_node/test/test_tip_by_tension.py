@@ -5,9 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from heave_core.law import new, put
+from heave_core.law_table import TENSION_ALONE
+from heave_core.library import library
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.parts.tension_alone import TensionAlone
-from winch_controller_node.laws.parts.tip_by_tension import WAVE_KEPT, TensionRecord, TipByTension, wire_loop
+from winch_controller_node.laws.parts.tip_by_tension import (
+    WAVE_KEPT,
+    TensionRecord,
+    TipByTension,
+    mean_weights,
+    wire_loop,
+)
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -48,13 +57,18 @@ class StandingWire:
         return float(tension[-1])
 
 
-def test_the_mean_over_a_round_trip_averages_and_fills_the_window_by_parts_of_a_tick():
-    record = TensionRecord(1.0, tick_period=DT)
+@pytest.mark.parametrize(
+    ("window", "mean"), [(0.1, 38.5), (0.125, (39 + 38 + 0.5 * 37) / 2.5), (5.0, np.mean(np.arange(19, 40)))]
+)
+def test_the_mean_over_a_round_trip_averages_and_fills_the_window_by_parts_of_a_tick(window, mean):
+    """A second and the newest tick are kept, and two seconds have passed; the payout is that at both ends of 0.2 s."""
+    record, core = TensionRecord(1.0, tick_period=DT), new(TENSION_ALONE)
     for number in range(40):
         record.add(float(number), 10.0 * number)
-    assert record.mean_tension(0.1) == pytest.approx(38.5)
-    assert record.mean_tension(0.125) == pytest.approx((39 + 38 + 0.5 * 37) / 2.5)
-    assert record.mean_payout(0.2) == pytest.approx(10.0 * 37.0)
+    weights = mean_weights(window / DT)
+    put(core, {"window": len(weights), "weights": weights, "trip": 4, "stiffness": 2.0})
+    read = library().heave_core_read_tip(core.ctypes.data, record.record.ctypes.data)
+    assert read == pytest.approx(mean / 2.0 + 10.0 * 37.0)
 
 
 def test_a_round_trip_takes_the_time_of_sound_in_the_wire(design):
@@ -77,13 +91,14 @@ def test_the_rate_of_the_boom_tip_is_told_whatever_the_winch_does(design):
         payout_rate = share * (0.33 * np.cos(1.1 * time) + 0.02 * mode * np.cos(mode * time))
         wire = StandingWire(round_trip, design.cable.stiffness)
         follower = TipByTension(design.model, loop, 0.5)
-        follower.window = round_trip
+        follower.window, core = round_trip, new(TENSION_ALONE)
+        follower.tell(core)
         record = TensionRecord(1.0, tick_period=DT)
         rates, tensions = [], []
         for pulled, out in zip(tip_rate - payout_rate, payout, strict=True):
             tensions.append(wire.pull(pulled))
             record.add(tensions[-1], out)
-            rates.append(follower.update(record))
+            rates.append(library().heave_core_follow_tip(core.ctypes.data, record.record.ctypes.data))
         return np.array(rates)[time > 60.0], np.array(tensions)[time > 60.0]
 
     still, quiet = told(0.0)

@@ -254,7 +254,7 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     state.phase_time += design.tick_period;
     state.sent[state.tick % KEPT] = Sent{order.payout, order.rate, order.brake, move};
     state.tick += 1;
-    if (readings.brake == 0.0) advance_move(design, state.move);
+    if (readings.brake == 0.0) advance_move(state.move, design.tick_period, bounds.jerk_time);
 
     if (state.phase != FREE) order.value = state.value, order.limit = state.limit;
     order.phase = state.phase, order.cause = state.cause;

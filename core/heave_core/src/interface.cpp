@@ -1,5 +1,6 @@
 // The C interface. Sizes and the number of the layout are asked for by whoever loads the library, before anything else.
 #include "filter.h"
+#include "laws.h"
 #include "look.h"
 #include "pass.h"
 #include "servo.h"
@@ -145,6 +146,84 @@ void heave_core_kpi_add(const heave::KpiDesign *design, heave::KpiState *state, 
 
 void heave_core_kpi(const heave::KpiDesign *design, const heave::KpiState *state, const heave::KpiRow *rows, heave::KpiWindow *window) {
     heave::summarise(*design, *state, rows, *window);
+}
+
+// The largest speed from which half an acceleration is enough to stop after a distance.
+double heave_core_approach_speed(double distance, double acceleration, double lag) {
+    return heave::approach_speed(distance, acceleration, lag);
+}
+
+// The nearest command to the wanted one within the limits of the winch.
+void heave_core_govern(const heave::ActiveWinch *winch, const heave::Wanted *wanted, heave::Governed *governed) {
+    *governed = heave::govern(*winch, *wanted);
+}
+
+// A law without a plan, away from the limits.
+void heave_core_restart_law(heave::LawState *state) { heave::restart_law(*state); }
+
+// Asks a law for its command; returns 1 where Python is to make the plan, whose correction `heave_core_follow_plan` follows.
+int heave_core_ask_law(const heave::ActiveWinch *winch, const heave::Law *law, const heave::Problem *problem, heave::LawState *state) {
+    heave::ask_law(*winch, *law, *problem, *state);
+    return state->asks;
+}
+
+void heave_core_follow_plan(const heave::ActiveWinch *winch, const heave::Law *law, const heave::Problem *problem, heave::LawState *state) {
+    heave::follow_plan(*winch, *law, *problem, *state);
+}
+
+void heave_core_bound_plan(const heave::ActiveWinch *winch, const heave::Law *law, const heave::Problem *problem, heave::LawState *state) {
+    heave::bound_plan(*winch, *law, *problem, *state);
+}
+
+// The command of a tick: the problem is posed, the law is asked, the command is made. What Python is asked for first is
+// returned; it then puts what it found into `asked` and calls `heave_core_make`.
+void heave_core_pose(const heave::ActiveWinch *winch, const heave::CommandDesign *design, const heave::Loop *loop, heave::Problem *problem, heave::Command *command) {
+    heave::pose_problem({*winch, *design, *loop}, *problem, *command);
+}
+
+void heave_core_make(const heave::ActiveWinch *winch, const heave::CommandDesign *design, const heave::Loop *loop, const heave::Problem *problem, heave::CommandState *state, heave::Command *command) {
+    heave::make_command({*winch, *design, *loop}, *problem, *state, *command);
+}
+
+int heave_core_answer(const heave::ActiveWinch *winch, const heave::CommandDesign *design, const heave::Loop *loop, const heave::Law *law, const heave::Problem *problem, heave::LawState *law_state, heave::CommandState *state, heave::Command *command) {
+    const int asks = heave::ask_command({*winch, *design, *loop}, *law, *problem, *law_state, *state, *command);
+    if (asks == 0) heave_core_make(winch, design, loop, problem, state, command);
+    return asks;
+}
+
+int heave_core_act(const heave::ActiveWinch *winch, const heave::CommandDesign *design, const heave::Loop *loop, const heave::Law *law, heave::Problem *problem, heave::LawState *law_state, heave::CommandState *state, heave::Command *command) {
+    heave_core_pose(winch, design, loop, problem, command);
+    return heave_core_answer(winch, design, loop, law, problem, law_state, state, command);
+}
+
+// The mean payout in motion: a tick of it, whether it moves, the ticks of its move that are left, and a tick of the loop's own
+// answer to it with the model x' = A x + B u.
+int heave_core_advance_mean(heave::MeanPayout *mean) { return heave::advance_mean(*mean); }
+
+int heave_core_is_moving(const heave::MeanPayout *mean) { return heave::is_moving(mean->move); }
+
+int heave_core_ticks_to_go(const heave::MeanPayout *mean, int longest) { return heave::ticks_to_go(*mean, longest); }
+
+int heave_core_advance_motion(const double *A, const double *B, heave::MeanMotion *motion, int states, double command, int is_braked) {
+    return heave::advance_motion(A, B, states, command, is_braked, *motion);
+}
+
+// Constant tension without the motion reference unit: a tick of the record, a reading of the boom tip, and what leads alone.
+void heave_core_note_tension(heave::TensionRecord *record, double tension, double payout) {
+    heave::note_tension(*record, tension, payout);
+}
+
+double heave_core_read_tip(const heave::TensionAlone *alone, const heave::TensionRecord *record) {
+    return heave::read_tip(*alone, *record);
+}
+
+double heave_core_follow_tip(heave::TensionAlone *alone, const heave::TensionRecord *record) {
+    return heave::follow_tip(*record, *alone);
+}
+
+void heave_core_lead_alone(heave::TensionAlone *alone, const heave::TensionRecord *record, double set_point, double largest,
+                           int unit_stands, heave::TensionRate *rate) {
+    *rate = heave::lead_alone(*record, set_point, largest, unit_stands, *alone);
 }
 
 }

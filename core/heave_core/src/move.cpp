@@ -4,11 +4,23 @@
 
 namespace heave {
 
+// v = min(sqrt(a d), d / (4 T)): half the acceleration is enough to stop after the distance; near its end the lag decides.
+double approach_speed(double distance, double acceleration, double lag) {
+    return std::min(std::sqrt(acceleration * distance), distance / (4.0 * lag));
+}
+
 namespace {
 
 constexpr double ARRIVED = 0.005, AT_REST = 0.002;  // [m], [m/s]: the last millimetres are no motion
 
 }  // namespace
+
+bool is_moving(const Move &move) {
+    const int kind = int(move.kind);
+    if (kind == DRIVE) return true;
+    if (kind == NONE || kind == STAND) return false;
+    return std::abs(move.rate) > AT_REST || (kind == GO && std::abs(move.distance) > ARRIVED);
+}
 
 // `heave` is the largest of the window: the drum is so far from its mean.
 void take_request(const Design &design, State &state, const Readings &readings, double heave) {
@@ -30,8 +42,8 @@ void take_request(const Design &design, State &state, const Readings &readings, 
     move.distance = std::isfinite(own) ? clip(distance, own - room, own + room) : distance;
 }
 
-void advance_move(const Design &design, Move &move) {
-    const double dt = design.tick_period, jerk_time = design.envelope.jerk_time, before = move.rate;
+void advance_move(Move &move, double dt, double jerk_time) {
+    const double before = move.rate;
     const int kind = int(move.kind);
     if (kind == NONE || kind == STAND) return;
     if (kind == HALT) {
@@ -43,7 +55,7 @@ void advance_move(const Design &design, Move &move) {
     double wanted = 0.0;
     if (kind == DRIVE) wanted = move.speed;
     if (kind == GO) {
-        const double approach = std::min(std::sqrt(move.acceleration * to_go), to_go / (4.0 * lag));
+        const double approach = approach_speed(to_go, move.acceleration, lag);
         wanted = std::copysign(std::min(move.speed, approach), move.distance);
     }
     const double step = move.acceleration * dt / std::max(jerk_time, dt);

@@ -29,7 +29,9 @@ void set_speed(const Winch &winch, double speed, double ahead, double &payout, d
 
 // move.cpp: the move that an operator has asked for
 void take_request(const Design &design, State &state, const Readings &readings, double heave);
-void advance_move(const Design &design, Move &move);
+void advance_move(Move &move, double dt, double jerk_time);
+bool is_moving(const Move &move);
+double approach_speed(double distance, double acceleration, double lag);
 
 // ship.cpp: what ship, drum and load cell did
 struct Ship {

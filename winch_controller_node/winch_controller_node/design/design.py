@@ -26,7 +26,7 @@ from winch_controller_node.interface.sensors import (
 )
 from winch_controller_node.laws.law import ControlLaw, LawDesign
 from winch_controller_node.laws.parts.governor import CommandGovernor
-from winch_controller_node.laws.parts.winch_limits import WinchLimits, winch_limits
+from winch_controller_node.laws.parts.winch_limits import ActiveWinch, WinchLimits, winch_limits
 from winch_controller_node.laws.registry import law_class, parameters_of_place
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
@@ -190,7 +190,7 @@ class ControllerDesign:
 
     def make_governor(self) -> CommandGovernor:
         """Return the governor that keeps the active limits."""
-        return CommandGovernor(self.model, self.parameters.winch, self.limits)
+        return CommandGovernor(self.model, ActiveWinch(self.parameters.winch, self.limits, self.tick_period))
 
 
 def _kept(parameters: WinchControllerParameters, tick_period: float) -> int:

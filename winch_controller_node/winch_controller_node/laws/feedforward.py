@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from heave_node.numerics.arrays import Array
+from heave_core.law_table import LawKind
 from heave_node.parameters import parameter
 
-from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
+from winch_controller_node.laws.core_law import CoreLaw
+from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.parts.governor import standing_command
-from winch_controller_node.laws.parts.loop_state import LoopState
 from winch_controller_node.model.lqr import DesignError
 
 
@@ -31,7 +31,7 @@ class FeedforwardParameters:
     )
 
 
-class SpeedFeedforward(ControlLaw):
+class SpeedFeedforward(CoreLaw):
     """Rate command = boom-tip rate (predicted or read), and a slow pull of the payout to its mean.
 
     Parameters
@@ -49,17 +49,12 @@ class SpeedFeedforward(ControlLaw):
     feeds_back_unit: ClassVar[bool] = False
 
     def __init__(self, design: LawDesign, parameters: FeedforwardParameters) -> None:
-        super().__init__(design, parameters)
         model, winch = design.model, design.winch
         if winch.law == "first_order":
             raise DesignError("law feedforward commands a rate: set winch.law to speed_servo")
         assert model.dt is not None
-        ticks = round((winch.command_delay + winch.time_constant) / model.dt) if parameters.prediction else 0
-        self._rate: Array = model.row("boom_tip_heave_rate") @ np.linalg.matrix_power(model.A, ticks)
-        self._payout: Array = model.row("payout") / parameters.centring_time - standing_command(model, winch)
-        self._uses_reading = not parameters.prediction
-
-    def command(self, state: LoopState) -> LawCommand:
-        """Return the command at `state`."""
-        rate = state.mru_rate if self._uses_reading else float(self._rate @ state.x)
-        return LawCommand(rate - float(self._payout @ state.x))
+        ticks = round((winch.command_delay + winch.time_constant) / model.dt)
+        predicted = model.row("boom_tip_heave_rate") @ np.linalg.matrix_power(model.A, ticks)
+        centring = model.row("payout") / parameters.centring_time - standing_command(model, winch)
+        rate, of_reading = (predicted, 0.0) if parameters.prediction else (np.zeros(model.order), 1.0)
+        super().__init__(design, LawKind.LINEAR_LAW, gain=centring - rate, reading_share=of_reading)

@@ -17,13 +17,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from heave_core.law_table import LawKind
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 from heave_node.parameters import parameter
 
-from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
+from winch_controller_node.laws.core_law import CoreLaw
+from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.parts.governor import drum_ahead, standing_command
-from winch_controller_node.laws.parts.loop_state import LoopState
 from winch_controller_node.model.lqr import DesignError
 
 LARGEST_GAIN = 2.0
@@ -57,7 +58,7 @@ class IndustrialParameters:
     )
 
 
-class IndustrialBaseline(ControlLaw):
+class IndustrialBaseline(CoreLaw):
     """Outlet position loop with speed feed-forward, delay predicted and lag inverted.
 
     Parameters
@@ -75,7 +76,6 @@ class IndustrialBaseline(ControlLaw):
     feeds_back_unit: ClassVar[bool] = False
 
     def __init__(self, design: LawDesign, parameters: IndustrialParameters) -> None:
-        super().__init__(design, parameters)
         model, winch = design.model, design.winch
         if winch.law == "first_order":
             raise DesignError("law industrial commands a rate: set winch.law to speed_servo")
@@ -87,11 +87,9 @@ class IndustrialBaseline(ControlLaw):
         payout = payout + 0.5 * model.dt * payout_rate
         wanted = rate + k * (heave - payout)
         slope = acceleration + k * (rate - payout_rate)
-        self.gain = -(wanted + lag * slope + standing_command(model, winch))
-
-    def command(self, state: LoopState) -> LawCommand:
-        """Return the command at `state`."""
-        return LawCommand(-float(self.gain @ state.x))
+        gain = -(wanted + lag * slope + standing_command(model, winch))
+        super().__init__(design, LawKind.LINEAR_LAW, gain=gain)
+        self.gain = gain
 
 
 def _tip_ahead(model: LinearModel, time: float) -> tuple[Array, Array, Array]:

@@ -12,14 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from heave_core.law import put
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import parameter
 
-from winch_controller_node.laws.law import LawCommand, LawDesign
-from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters
-from winch_controller_node.laws.parts.loop_state import LoopState
-from winch_controller_node.laws.parts.near_limits import NearLimits
-from winch_controller_node.laws.parts.winch_limits import WinchLimits
+from winch_controller_node.laws.law import LawDesign
+from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters, Planner, own_gains
+from winch_controller_node.laws.parts.near_limits import near_limits
 from winch_controller_node.laws.state_feedback import StateFeedback
 
 
@@ -48,37 +47,18 @@ class FullStateFeedback(StateFeedback):
     gain_names: ClassVar[tuple[str, ...]] = ConstrainedLaw.gain_names
 
     def __init__(self, design: LawDesign, parameters: LqgParameters) -> None:
-        super().__init__(design, design.gain, parameters.unit_share * design.limits.speed)
-        self._limits: NearLimits | None = None
+        super().__init__(design, design.gain, parameters.unit_share)
         self.keeps_limits = design.winch.law == "speed_servo"  # a first-order winch has no acceleration to be limited
-        if self.keeps_limits:
-            self._limits = NearLimits(design.model, design.limits)
-            self._constrained = ConstrainedLaw(design, _near_limits(design))
+        if not self.keeps_limits:
+            return
+        self.planner = Planner(design, _near_limits(design), self.core)
+        put(self.core.law, {"plans": 1, **near_limits(design.model)})
 
     @classmethod
     def own_gains(cls, design: LawDesign, parameters: LqgParameters) -> dict[str, Array]:
         """Return those of the law near the limits of the winch of a `design`, whatever the `parameters`."""
         del parameters
-        return ConstrainedLaw.own_gains(design, _near_limits(design)) if design.winch.law == "speed_servo" else {}
-
-    def take_limits(self, limits: WinchLimits) -> None:
-        """Count with other limits of the winch from now on."""
-        if self._limits is not None:
-            self._limits.take_limits(limits)
-            self._constrained.take_limits(limits)
-
-    def reset(self) -> None:
-        """Start again."""
-        if self._limits is not None:
-            self._limits.reset()
-            self._constrained.reset()
-
-    def command(self, state: LoopState) -> LawCommand:
-        """Return the command at `state`."""
-        unit_use = abs(self.unit_share(state)) / self.largest_share
-        if self._limits is not None and self._limits.are_near(state.x, unit_use):
-            return self._constrained.command(state)
-        return super().command(state)
+        return own_gains(design.model, _near_limits(design)) if design.winch.law == "speed_servo" else {}
 
 
 def _near_limits(design: LawDesign) -> MpcParameters:

@@ -24,7 +24,7 @@ class UnitRegulator(StateFeedback):
 
     def __init__(self, design: LawDesign, parameters: None) -> None:
         gains = design.own_gains or self.own_gains(design, parameters)
-        super().__init__(design, gains["unit"], design.limits.speed)
+        super().__init__(design, gains["unit"], 1.0)
         if design.winch.law == "speed_servo":
             self.effort = feedback_effort(design.model, self.gain)
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
-from winch_controller_node.laws.parts.loop_state import LoopState
+from heave_core.law_table import LawKind
+
+from winch_controller_node.laws.core_law import CoreLaw
+from winch_controller_node.laws.law import LawDesign
 
 
-class Off(ControlLaw):
+class Off(CoreLaw):
     """No command. Its gain is that of the `design`, so that it can be looked at without moving the winch.
 
     It has no `parameters`.
@@ -19,10 +21,6 @@ class Off(ControlLaw):
     moves_winch: ClassVar[bool] = False
 
     def __init__(self, design: LawDesign, parameters: None) -> None:
-        super().__init__(design, parameters)
+        del parameters
+        super().__init__(design, LawKind.NO_LAW)
         self.gain = design.gain
-
-    def command(self, state: LoopState) -> LawCommand:
-        """Return no command, whatever the `state`."""
-        del state
-        return LawCommand(0.0)

@@ -8,9 +8,7 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 
-from winch_controller_node.laws.law import LawCommand
 from winch_controller_node.laws.parts.governor import standing_command
-from winch_controller_node.laws.parts.loop_state import LoopState
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.parameters.model import WinchModelParameters
 
@@ -44,6 +42,7 @@ class OutletHold:
 
     Attributes
     ----------
+    row : of the rate command over all states, shape (n,)
     settled_swing : swing about the uncompensated motion, payout included, at which the winch may stop [m]
     """
 
@@ -59,8 +58,4 @@ class OutletHold:
         outlet = model.row("boom_tip_heave") - model.row("payout") + damping * model.row("unit_heave_rate")
         rate = model.row("boom_tip_heave_rate") + damping * model.row("unit_heave_acceleration")
         back = rate + outlet / max(HOLD_TIME, HOLD_LAGS * lag)
-        self._row: Array = back @ ahead + standing_command(model, winch)
-
-    def command(self, state: LoopState) -> LawCommand:
-        """Return the command at `state`."""
-        return LawCommand(float(self._row @ state.x))
+        self.row: Array = back @ ahead + standing_command(model, winch)

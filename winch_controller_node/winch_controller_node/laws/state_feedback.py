@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from heave_core.law import put
+from heave_core.law_table import LawKind
 from heave_node.numerics.arrays import Array
 
-from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
-from winch_controller_node.laws.parts.loop_state import LoopState
+from winch_controller_node.laws.core_law import CoreLaw
+from winch_controller_node.laws.law import LawDesign
 
 
-class StateFeedback(ControlLaw):
+class StateFeedback(CoreLaw):
     """u = -gain x, with the share of the unit's own error bounded. For the estimator's input, see `governor`.
 
     A large error of the unit would ask a winch at its limits for a bang-bang motion that, late as it is, swings the
@@ -19,21 +21,18 @@ class StateFeedback(ControlLaw):
     ----------
     design : what the law is made for
     gain : shape (n,)
-    largest_share : of the command that the unit's error may ask for [m/s] ([m], first-order winch); an attribute too
+    unit_share : share of the largest speed that the unit's error may ask for
     """
 
-    def __init__(self, design: LawDesign, gain: Array, largest_share: float) -> None:
-        super().__init__(design, None)
+    def __init__(self, design: LawDesign, gain: Array, unit_share: float) -> None:
+        super().__init__(design, LawKind.FEEDBACK_LAW, gain=gain, unit_share=unit_share)
         self.gain = gain
-        self._unit = [design.model.state("unit_heave"), design.model.state("unit_heave_rate")]
-        self.largest_share = largest_share
 
-    def unit_share(self, state: LoopState) -> float:
-        """Return what the unit's own error asks for at `state`, not bounded yet [m/s] ([m], first-order winch)."""
-        return -float(self.gain[self._unit] @ state.x[self._unit])
+    @property
+    def largest_share(self) -> float:
+        """Largest share of the command that the unit's error may ask for [m/s] ([m], first-order winch)."""
+        return float(self.core.law["unit_share"][0] * self.winch.record["speed"][0])
 
-    def command(self, state: LoopState) -> LawCommand:
-        """Return the command at `state`."""
-        whole, share = -float(self.gain @ state.x), self.unit_share(state)
-        bounded = min(max(share, -self.largest_share), self.largest_share)
-        return LawCommand(whole - share + bounded)
+    def stay_linear(self) -> None:
+        """Leave out what takes over near the limits of the winch."""
+        put(self.core.law, {"plans": 0})

@@ -10,6 +10,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from heave_core.law import new
+from heave_core.law_table import MEAN_MOTION, Moved
+from heave_core.library import library
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 
@@ -33,14 +36,28 @@ class MeanMotion:
     Attributes
     ----------
     mean, left_over, carried : payouts in motion
-    state : the mean payout's own motion in the states of the design's model, shape (n,)
     """
 
     def __init__(self, parameters: MoveParameters, order: int, *, tick_period: float) -> None:
-        self.mean = MeanPayout(parameters, tick_period=tick_period)
-        self.left_over = MeanPayout(parameters, tick_period=tick_period)
-        self.carried = MeanPayout(replace(parameters, jerk_time=0.0), tick_period=tick_period)
-        self.state: Array = np.zeros(order)
+        self._record = new(MEAN_MOTION)
+        self.mean = MeanPayout(parameters, tick_period=tick_period, record=self._record["mean"])
+        self.left_over = MeanPayout(parameters, tick_period=tick_period, record=self._record["left_over"])
+        at_once, carried = replace(parameters, jerk_time=0.0), self._record["carried"]
+        self.carried = MeanPayout(at_once, tick_period=tick_period, record=carried)
+        self._address, self._advance = self._record.ctypes.data, library().heave_core_advance_motion
+        self._model: LinearModel | None = None
+        self.state = np.zeros(order)
+
+    @property
+    def state(self) -> Array:
+        """The mean payout's own motion in the states of the design's model, shape (n,)."""
+        return self._state
+
+    @state.setter
+    def state(self, state: Array) -> None:
+        self._state = state
+        self._states = self._record["state"][0, : len(state)]
+        self._states[:] = state
 
     @property
     def set_point(self) -> float:
@@ -94,8 +111,14 @@ class MeanMotion:
 
         `model` is the design's; `is_braked` : the payouts stay.
         """
-        self.state = model.A @ self.state + model.B[:, 0] * command
-        if not is_braked:
-            self.mean.advance()
-            self.left_over.advance()
-            self.carried.advance()
+        if model is not self._model:
+            self._model, self._matrices = model, (np.ascontiguousarray(model.A), model.B[:, 0].copy())
+            self._of_model = [matrix.ctypes.data for matrix in self._matrices]
+        moved = self._advance(*self._of_model, self._address, len(self._state), command, is_braked)
+        self._state = self._states.copy()
+        if moved & Moved.MEAN_MOVED:
+            self.mean.advanced(has_halted=bool(moved & Moved.HALT_ENDED))
+        if moved & Moved.LEFT_OVER_MOVED:
+            self.left_over.advanced()
+        if moved & Moved.CARRIED_MOVED:
+            self.carried.advanced()

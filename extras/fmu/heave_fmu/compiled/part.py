@@ -14,15 +14,17 @@ import numpy as np
 from cable_sim_node.conversions import WINCH_COMMAND
 from heave_bringup.errors import CommandError
 from heave_core.envelope_table import Duty
+from heave_core.law import LoopNow, new
+from heave_core.law_table import COMMAND_STATE, Way
 from heave_core.library import READING_NAMES, Envelope
 from heave_node.interface import topics
 from heave_node.interface.sensors import DEPTH, MRU, Water, WireReading
 from winch_controller_node.core.envelope import nominal_design
 from winch_controller_node.core.estimation.reading_terms import tick_of
+from winch_controller_node.core.loop_command import commander
 from winch_controller_node.core.place_of_orders import PlaceOfOrders
 from winch_controller_node.design.design import ControllerDesign, design_controller
 from winch_controller_node.interface.sensors import LEVER_ARM_X, LEVER_ARM_Y, MRU_SCALE
-from winch_controller_node.laws.parts.loop_state import AuthorityShift, LoopState, Reference
 from winch_controller_node.laws.state_feedback import StateFeedback
 from winch_controller_node.model.estimator import Measurement
 from winch_controller_node.model.loop_rows import loop_rows
@@ -106,8 +108,8 @@ class FixedControllerPart(Part):
     def start(self) -> None:
         """See Part."""
         design, dt = self.design, self.tick_period
-        self._rows, self._shift = loop_rows(design.model), AuthorityShift(design.model, design.sea_states)
-        self._estimator, self._governor = design.make_estimator(), design.make_governor()
+        self._rows, self._estimator = loop_rows(design.model), design.make_estimator()
+        self._commander = commander(design, self.law.winch, self.law, new(COMMAND_STATE))
         self._free_unit = SimulatedUnit(self.taut_cable, dt)
         self._command, self._authority, self._depth_zero = 0.0, 0.0, math.nan
         self.envelope, self._seen = Envelope(self.nominal), NOTHING_SEEN
@@ -120,28 +122,23 @@ class FixedControllerPart(Part):
         estimate = self._estimator.step(tick, self._command, self._readings(self.stamp(tick)))
         free = self._free_unit.step(self._rows.tip @ estimate)
         gain = controller.winch.position_gain
-        payout, rate = self._governor.predict(estimate)
         brake = tick * dt < controller.modes.settling_time
-        place = 0.0
-        if brake:  # the command under which the drum stays where it is
-            self._command = gain * payout
-            place, sent = payout if gain > 0.0 else 0.0, 0.0
-        else:
+        if not brake:
             step = dt / controller.modes.fade_in_time
             self._authority += min(max(controller.factor - self._authority, -step), step)
-            tension = self.design.cable.static_tension
-            state = LoopState(self._shift.shift(estimate, free, self._authority), Reference(), tension)
-            # law lqg without what takes over near the limits
-            asked = StateFeedback.command(self.law, state)
-            governed = self._governor.govern(asked.value, payout, rate, tension)
-            self._command, sent = governed.value, governed.sent
+        self._commander.estimate[:] = estimate
+        way = Way.BY_BRAKE if brake else Way.BY_LAW
+        self._commander.act(LoopNow(way, self._authority, *free.tolist()))
+        made = self._commander.made
+        self._command, sent = made.value, 0.0 if brake else made.sent
+        place = made.payout if brake and gain > 0.0 else 0.0
         order = self.envelope.step(last_step_readings(self._seen, place, sent, is_braked=brake))
         if order.brake and not brake:
-            self._command = gain * payout
+            self._command = made.standing
         elif order.rate != sent:
             self._command += (order.rate - sent) * controller.winch.gain_at(order.rate - sent)
         is_braked = bool(order.brake)
-        speed = order.rate + (0.0 if is_braked else gain * (order.payout - payout))
+        speed = order.rate + (0.0 if is_braked else gain * (order.payout - made.payout))
         at_end = self._place.at_end(speed, float(self._rows.payout @ estimate), is_braked=is_braked)
         held = 0.0 if is_braked else gain * (order.payout - at_end)
         # the mean payout is that of the start, 0
@@ -192,4 +189,5 @@ def _fixed(parameters: WinchControllerParameters, tick_period: float) -> tuple[C
         raise CommandError(
             "the fixed controller takes mru, depth, encoder, and estimates no scale and no lever arm of the MRU"
         )
+    law.stay_linear()
     return design, law

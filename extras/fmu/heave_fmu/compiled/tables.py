@@ -12,7 +12,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import ATMOSPHERIC_PRESSURE
 from winch_controller_node.core.estimation.reading_terms import ON_TICK
 from winch_controller_node.core.place_of_orders import LEAK, REACH
-from winch_controller_node.laws.parts.governor import SpeedServo, drum_ahead
+from winch_controller_node.laws.parts.governor import drum_ahead
 from winch_controller_node.model.estimator import row_with_differences
 from winch_controller_node.model.loop_rows import loop_rows
 from winch_controller_node.model.models import shadow_model
@@ -73,7 +73,7 @@ def design_header(part: FixedControllerPart) -> str:
         "FACTOR": design.parameters.factor,
         "LARGEST_SHARE": law.largest_share,
         "SERVO_LAG": winch.time_constant,
-        "LINEAR_STEP": SpeedServo(winch.time_constant, limits.acceleration, dt).linear_step,
+        "LINEAR_STEP": float(law.winch.record["linear_step"][0]),
         "POSITION_GAIN": winch.position_gain,
         "SET_POINT_REACH": winch.set_point_reach,
         "CREEP": winch.creep,

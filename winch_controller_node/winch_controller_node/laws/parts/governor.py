@@ -12,13 +12,14 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from heave_core.law import Governor
+from heave_core.law_table import Shaped
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 from heave_node.numerics.linear_sampling import discretise
 
-from winch_controller_node.laws.parts.winch_limits import WinchLimits
+from winch_controller_node.laws.parts.winch_limits import ActiveWinch, WinchLimits
 from winch_controller_node.model.blocks import winch_block
-from winch_controller_node.motion.trajectory import approach_speed
 from winch_controller_node.parameters.model import WinchModelParameters
 
 SPEED, ACCELERATION, PAYOUT, POWER, TENSION, FADE = "speed", "acceleration", "payout", "power", "tension", "fade_out"
@@ -39,42 +40,21 @@ class GovernedCommand(NamedTuple):
     sent: float
 
 
-class SpeedServo:
-    """The servo over one tick, with and without its acceleration limiter.
+SHAPED_NAMES = {
+    Shaped.BY_SPEED: SPEED,
+    Shaped.BY_POWER: POWER,
+    Shaped.BY_RANGE: PAYOUT,
+    Shaped.BY_ACCELERATION: ACCELERATION,
+    Shaped.BY_FADING: FADE,
+}
+"""Names of what shapes the command of a servo, in the order in which it does."""
 
-    A set-point that is held over a tick asks for the most acceleration at its start and for less towards its end. The
-    limit counts for the speed gained over the tick: to gain limit * dt, the set-point must be further off than the
-    linear servo needs, and the winch's own limiter then keeps the acceleration even.
 
-    Parameters
-    ----------
-    time_constant : T [s]; acceleration : limit [m/s^2]; dt : tick period [s]
-    """
-
-    def __init__(self, time_constant: float, acceleration: float, dt: float) -> None:
-        self._lag = time_constant
-        self._acceleration = acceleration
-        self._dt = dt
-        self.linear_step = acceleration * dt / -math.expm1(-dt / time_constant)
-        """Largest distance of a command from the speed, in the linear model [m/s]."""
-        self.linear_acceleration = self.linear_step / time_constant
-        """Acceleration at the start of a tick under that command, in the linear model [m/s^2]."""
-
-    def set_point(self, value: float, rate: float) -> float:
-        """Return the set-point that makes the limited servo gain what the linear one gains under `value` [m/s].
-
-        `rate` is the speed when it takes effect [m/s].
-        """
-        step = abs(value - rate)
-        if step <= self._acceleration * self._lag:
-            return value
-        gain = min(step, self.linear_step) * -math.expm1(-self._dt / self._lag) / self._acceleration
-        low, high = 0.0, self._dt
-        for _ in range(20):
-            limited = 0.5 * (low + high)
-            reached = limited - self._lag * math.expm1(-(self._dt - limited) / self._lag)
-            low, high = (limited, high) if reached < gain else (low, limited)
-        return rate + math.copysign(self._acceleration * (self._lag + high), value - rate)
+@lru_cache
+def shaped_by(bits: int, *, is_first_order: bool) -> tuple[str, ...]:
+    """Return the names of what shaped a command, in the order in which it did; its range bounds a payout first."""
+    names = tuple(name for bit, name in SHAPED_NAMES.items() if bits & bit)
+    return names[::-1] if is_first_order else names
 
 
 class CommandGovernor:
@@ -83,17 +63,19 @@ class CommandGovernor:
     Parameters
     ----------
     model : the design's augmented model, one input
-    winch : its law and lags
-    limits : the active ones
+    winch : the active one, with its limits
     """
 
-    def __init__(self, model: LinearModel, winch: WinchModelParameters, limits: WinchLimits) -> None:
-        assert model.dt is not None
+    def __init__(self, model: LinearModel, winch: ActiveWinch) -> None:
         self._winch = winch
-        self._dt = model.dt
-        self.limits = limits
-        self.servo = SpeedServo(winch.time_constant, limits.acceleration, model.dt)
-        self._ahead = drum_ahead(model, winch)
+        self._governor = Governor(winch.record)
+        self._is_first_order = bool(winch.record["is_first_order"][0])
+        self._ahead = drum_ahead(model, winch.winch)
+
+    @property
+    def limits(self) -> WinchLimits:
+        """The active limits."""
+        return self._winch.limits
 
     def predict(self, x: Array) -> tuple[float, float]:
         """Return payout [m] and rate [m/s] at the moment the next command takes effect, from the model's state `x`."""
@@ -106,7 +88,7 @@ class CommandGovernor:
         payout: float,
         rate: float,
         tension: float,
-        within: tuple[float, float] | None = None,
+        within: tuple[float, float] = (math.nan, math.nan),
     ) -> GovernedCommand:
         """Return the nearest command to `wanted` within the limits.
 
@@ -115,70 +97,10 @@ class CommandGovernor:
         wanted : rate command [m/s], or payout command [m] of a first-order winch
         payout, rate : of the winch when the command takes effect, with mean motion [m], [m/s]
         tension : expected at the top, for the power limit [N]
-        within : least and largest speed of a speed servo, whatever its predicted state [m/s]; None: any
+        within : least and largest speed of a speed servo, whatever its predicted state [m/s]; NaN: any
         """
-        if self._winch.law == "first_order":
-            return self._govern_payout(wanted, payout, tension)
-        limits = self.limits
-        active: list[str] = []
-        speed = limits.speed_under(tension)
-        step = self.servo.linear_step
-        # limits are those of the speed that the servo is asked for, less what its position loop takes off over the tick
-        taken = self._winch.position_gain * (payout + 0.5 * rate * self._dt)
-        value = wanted - taken
-        bounds = [
-            (*self._reach(speed, rate), SPEED if speed >= limits.speed else POWER),
-            (*self._room(payout, rate), PAYOUT),
-            (rate - step, rate + step, ACCELERATION),
-        ]
-        if within is not None:
-            bounds.append((*within, FADE))
-        for lower, upper, name in bounds:
-            if value < lower or value > upper:
-                active.append(name)
-                value = min(max(value, lower), upper)
-        reach = self._winch.set_point_reach * limits.speed
-        sent = min(max(self.servo.set_point(value, rate), -reach), reach)
-        if within is not None:
-            more = limits.acceleration * (self._winch.time_constant + self._dt)
-            sent = min(max(sent, within[0] - more), within[1] + more)
-        return GovernedCommand(value + taken, tuple(active), self._winch.set_point_of(sent) + taken)
-
-    def _reach(self, speed: float, rate: float) -> tuple[float, float]:
-        """Return the set-points under which the speed stays within `speed` at the end of the tick, from `rate` [m/s].
-
-        A set-point beyond the speed limit drives a slow servo harder, where the winch takes one.
-        """
-        reach = self._winch.set_point_reach * speed
-        if reach <= speed:
-            return -speed, speed
-        share = -math.expm1(-self._dt / self._winch.time_constant)
-        lower, upper = rate + (-speed - rate) / share, rate + (speed - rate) / share
-        return min(max(lower, -reach), speed), max(min(upper, reach), -speed)
-
-    def _room(self, payout: float, rate: float) -> tuple[float, float]:
-        """Return the speeds asked for from which the winch can still stop before the ends of its range."""
-        limits = self.limits
-        lag = self._winch.time_constant
-        # the servo needs its lag before it brakes; half the acceleration leaves the other half for errors
-        down = limits.payout_maximum - payout - max(rate, 0.0) * 2.0 * lag
-        up = payout - limits.payout_minimum - max(-rate, 0.0) * 2.0 * lag
-        lower, upper = (math.copysign(approach_speed(abs(room), limits.acceleration, lag), room) for room in (up, down))
-        return -lower, upper
-
-    def _govern_payout(self, wanted: float, payout: float, tension: float) -> GovernedCommand:
-        limits = self.limits
-        step = limits.speed_under(tension) / self._winch.position_rate
-        active: list[str] = []
-        value = wanted
-        for lower, upper, name in (
-            (limits.payout_minimum, limits.payout_maximum, PAYOUT),
-            (payout - step, payout + step, SPEED),
-        ):
-            if value < lower or value > upper:
-                active.append(name)
-                value = min(max(value, lower), upper)
-        return GovernedCommand(value, tuple(active), value)
+        value, sent, shaped = self._governor.step((wanted, payout, rate, tension, *within))
+        return GovernedCommand(value, shaped_by(int(shaped), is_first_order=self._is_first_order), sent)
 
 
 def drum_ahead(model: LinearModel, winch: WinchModelParameters) -> Array:

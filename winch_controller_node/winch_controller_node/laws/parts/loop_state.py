@@ -11,10 +11,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
 from heave_node.interface.preview import HeavePreview
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.linear_model import LinearModel
 
 
 class Reference(NamedTuple):
@@ -52,31 +50,3 @@ class LoopState(NamedTuple):
     mru_rate: float = 0.0
     preview: HeavePreview | None = None
     bounds_tension: bool = True
-
-
-class AuthorityShift:
-    """Takes an estimate to the state of the compensation problem at some authority.
-
-    Parameters
-    ----------
-    model : the design's augmented model
-    sea_states : names of vessel and wave states, which scale with the authority
-    """
-
-    def __init__(self, model: LinearModel, sea_states: tuple[str, ...]) -> None:
-        self._unit = np.array([model.state("unit_heave"), model.state("unit_heave_rate")])
-        self._sea = np.array([model.state(name) for name in sea_states], dtype=np.int64)
-
-    def shift(self, estimate: Array, uncompensated: Array, authority: float) -> Array:
-        """Return the shifted state, shape (n,), for a share `authority` of the sea.
-
-        Parameters
-        ----------
-        estimate : state of the loop, shape (n,)
-        uncompensated : heave [m] and rate [m/s] of the unit with the winch locked, shape (2,)
-        authority : 0 to 1
-        """
-        x = np.array(estimate)
-        x[self._unit] -= (1.0 - authority) * uncompensated
-        x[self._sea] *= authority
-        return x

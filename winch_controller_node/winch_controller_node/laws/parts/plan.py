@@ -22,11 +22,8 @@ from winch_controller_node.laws.parts.governor import (
     POWER,
     SPEED,
     TENSION,
-    SpeedServo,
     standing_command,
 )
-from winch_controller_node.laws.parts.loop_state import LoopState, Reference
-from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.model import WinchModelParameters
 
 UNBOUNDED = 1e30
@@ -114,7 +111,6 @@ class PlanRows:
     model : sampled
     winch : a speed servo
     plan : what it is made for
-    limits : that are kept; an attribute too
 
     Attributes
     ----------
@@ -122,11 +118,8 @@ class PlanRows:
     free, forced, previewed : rows of the state, the correction and the preview, shapes (r, n), (r, m), (r, p)
     """
 
-    def __init__(self, model: LinearModel, winch: WinchModelParameters, plan: Planned, limits: WinchLimits) -> None:
+    def __init__(self, model: LinearModel, winch: WinchModelParameters, plan: Planned) -> None:
         assert model.dt is not None
-        self._lag, self._dt = winch.time_constant, model.dt
-        self._position_gain, self._set_point_reach = winch.position_gain, winch.set_point_reach
-        self.take_limits(limits)
         dense = np.array(constrained_ticks(plan.delay, len(plan.basis), model.dt))
         sparse, commanded = dense[::3], dense - plan.delay
 
@@ -148,58 +141,13 @@ class PlanRows:
             start += len(one.ticks)
         self.free, self.forced, self.previewed = _rows(model, plan, constrained)
 
-    def take_limits(self, limits: WinchLimits) -> None:
-        """Keep other limits from now on."""
-        self.limits = limits
-        self._acceleration = SpeedServo(self._lag, limits.acceleration, self._dt).linear_acceleration
-
-    def bounds(self, state: LoopState) -> tuple[Array, Array]:
-        """Return lower and upper bounds of the rows at a `state`, with the mean payout's share subtracted."""
-        limits, reference = self.limits, state.reference
-        speeds, accelerations, set_points, payouts, tensions = self.kinds
-        speed = limits.speed
-        if math.isfinite(limits.power):
-            swing = float((self.free[tensions.rows] @ state.x).max())
-            speed = limits.speed_under(state.static_tension + max(swing, 0.0))
-        mean = reference.payout + reference.rate * payouts.times
-        least, most = limits.minimum_tension, limits.maximum_tension if state.bounds_tension else math.inf
-        lower, upper = np.empty(len(self.forced)), np.empty(len(self.forced))
-        lower[speeds.rows], upper[speeds.rows] = -speed - reference.rate, speed - reference.rate
-        taken = self._acceleration_taken(reference)
-        lower[accelerations.rows], upper[accelerations.rows] = -self._acceleration - taken, self._acceleration - taken
-        reach = self._set_point_reach * speed
-        asked = reference.command - self._position_gain * reference.payout
-        lower[set_points.rows], upper[set_points.rows] = -reach - asked, reach - asked
-        lower[payouts.rows], upper[payouts.rows] = limits.payout_minimum - mean, limits.payout_maximum - mean
-        lower[tensions.rows] = least - state.static_tension if least > 0.0 else -UNBOUNDED
-        upper[tensions.rows] = most - state.static_tension if math.isfinite(most) else UNBOUNDED
-        return lower, upper
-
-    def _acceleration_taken(self, reference: Reference) -> float:
-        """Return the acceleration that the mean payout takes up when the next command takes effect [m/s^2]."""
-        standing = reference.rate + self._position_gain * reference.payout
-        return (reference.command - standing) / self._lag
-
-    def spared(self, value: float, standing: float, reference: Reference) -> float:
-        """Return the command that asks for no more than the acceleration limit, also at the start of the tick.
-
-        A plan may ask for more at the start of a tick, to gain over all of it what the limit allows; noise alone should
-        not.
+    def active(self, planned: Array, lower: Array, upper: Array, *, speed: float, power: float) -> tuple[str, ...]:
+        """Return the limits that a plan touches, in words.
 
         Parameters
         ----------
-        value : command that is wanted [m/s]
-        standing : command under which the drum would not accelerate, but for the mean payout's motion [m/s]
-        reference : that motion
-        """
-        standing -= self._acceleration_taken(reference) * self._lag
-        step = (1.0 - SPARED) * self.limits.acceleration * self._lag
-        return min(max(value, standing - step), standing + step)
-
-    def active(self, planned: Array, lower: Array, upper: Array) -> tuple[str, ...]:
-        """Return the limits that a plan touches, in words.
-
-        `planned`, `lower`, `upper` : of all rows, shape (r,).
+        planned, lower, upper : of all rows, shape (r,)
+        speed, power : limits of the winch [m/s], [W]
         """
         active = []
         for kind in self.kinds:
@@ -207,8 +155,8 @@ class PlanRows:
             if np.any(values >= high - ACTIVE_TOLERANCE * np.abs(high)) or np.any(
                 values <= low + ACTIVE_TOLERANCE * np.abs(low)
             ):
-                is_power = kind.name == SPEED and math.isfinite(self.limits.power)
-                active.append(POWER if is_power and float(np.max(high)) < self.limits.speed else kind.name)
+                is_power = kind.name == SPEED and math.isfinite(power)
+                active.append(POWER if is_power and float(np.max(high)) < speed else kind.name)
         return tuple(active)
 
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from heave_node.numerics.arrays import Array
+import numpy as np
+from heave_core.law import new, put
+from heave_core.law_table import TENSION_ALONE
+from heave_core.library import library
 from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.laws.parts.tip_by_tension import (
@@ -39,6 +42,8 @@ class TensionAlone:
 
     Attributes
     ----------
+    tip : the boom tip as tension and drum tell it
+    core : array of one `TensionAlone` of the core
     standing, hanging : time constant of the correction above a unit that stands, and above one that hangs [s]
     """
 
@@ -51,15 +56,14 @@ class TensionAlone:
         time_constant: float,
     ) -> None:
         assert model.dt is not None
-        self._stiffness, self._largest = cable.stiffness, winch.speed_limit
         loop = wire_loop(cable, winch, round_trip, model.dt)
-        self._tip = TipByTension(model, loop, 1.0 / max(time_constant, standing_time_constant(loop)))
-        self.standing = self._tip.time_constant
+        self._largest = winch.speed_limit
+        self.tip = TipByTension(model, loop, 1.0 / max(time_constant, standing_time_constant(loop)))
+        self.standing = self.tip.time_constant
         self.hanging = max(time_constant, hanging_time_constant(loop, cable))
-
-    def begin(self, x: Array, record: TensionRecord) -> None:
-        """Go on from a state `x` of the model, shape (n,), with the `record` up to then."""
-        self._tip.begin(x, record)
+        self.core = new(TENSION_ALONE)
+        self.tip.tell(self.core)
+        put(self.core, {"standing": self.standing, "hanging": self.hanging})
 
     def rate(self, record: TensionRecord, set_point: float, *, unit_stands: bool) -> TensionRate:
         """Return the rate that is asked.
@@ -70,7 +74,7 @@ class TensionAlone:
         set_point : of the tension [N]
         unit_stands : on the bottom
         """
-        stretch = (record.mean_tension(self._tip.window) - set_point) / self._stiffness
-        correction = stretch / (self.standing if unit_stands else self.hanging)
-        tip = self._tip.update(record) if unit_stands else 0.0
-        return TensionRate(tip, min(max(correction, -self._largest), self._largest))
+        found = np.zeros(2)
+        addresses = self.core.ctypes.data, record.record.ctypes.data
+        library().heave_core_lead_alone(*addresses, set_point, self._largest, unit_stands, found.ctypes.data)
+        return TensionRate(*found.tolist())

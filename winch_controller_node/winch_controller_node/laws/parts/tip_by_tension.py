@@ -12,15 +12,18 @@ the boom tip t/2 ago, whatever the winch does. A Kalman filter with the assumed 
 from __future__ import annotations
 
 import math
-from collections import deque
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from heave_core.law import new, put
+from heave_core.law_table import ALONE_STATES, TENSION_RECORD, TENSION_TICKS
+from heave_core.library import library
 from heave_node.numerics.arrays import Array, ComplexArray
 from heave_node.numerics.linear_model import LinearModel, output_sigma
 from scipy.linalg import solve_discrete_are
 
 from winch_controller_node.model.blocks import CableModel
+from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.regulator import is_sea_state
 from winch_controller_node.parameters.model import WinchModelParameters
 
@@ -53,35 +56,30 @@ def mean_weights(ticks: float) -> Array:
 
 
 class TensionRecord:
-    """Tension and payout of the last ticks, the newest first.
+    """Tension and payout of the last ticks, in the core.
 
     Parameters
     ----------
     longest : time that is kept [s]
     tick_period : [s]
+    record : array of one `TensionRecord` of the core that it is; None: it has its own
+
+    Raises DesignError where that does not fit.
     """
 
-    def __init__(self, longest: float, *, tick_period: float) -> None:
-        self._dt = tick_period
+    def __init__(self, longest: float, *, tick_period: float, record: Any = None) -> None:
         ticks = math.ceil(longest / tick_period) + 1
-        self._tensions: deque[float] = deque(maxlen=ticks)
-        self._payouts: deque[float] = deque(maxlen=ticks)
+        if ticks > TENSION_TICKS:
+            raise DesignError(
+                f"a wave takes {longest:g} s down the wire and back, {ticks} ticks, and {TENSION_TICKS} fit: make the "
+                "tick longer"
+            )
+        self.record = new(TENSION_RECORD) if record is None else record
+        put(self.record, {"count": 0, "kept": ticks})
 
     def add(self, tension: float, payout: float) -> None:
         """Take in `tension` [N] and `payout` [m] of a tick."""
-        self._tensions.appendleft(tension)
-        self._payouts.appendleft(payout)
-
-    def mean_tension(self, window: float) -> float:
-        """Return the mean over the last `window` [s], at least a tick, or over what there is [N]."""
-        weights = mean_weights(window / self._dt)[: len(self._tensions)]
-        newest = np.array(self._tensions)[: len(weights)]
-        return float(weights @ newest / weights.sum())
-
-    def mean_payout(self, time: float) -> float:
-        """Return the mean of the payout now and a `time` [s] ago [m]."""
-        before = min(round(time / self._dt), len(self._payouts) - 1)
-        return 0.5 * (self._payouts[0] + self._payouts[before])
+        library().heave_core_note_tension(self.record.ctypes.data, tension, payout)
 
 
 def standing_wire(s: ComplexArray, wave_time: float) -> ComplexArray:
@@ -186,7 +184,6 @@ class TipByTension:
         self._row = np.append(self._tip, 1.0)
         ahead = np.linalg.matrix_power(self._A, round(loop.lateness / loop.tick_period))
         self._rate: Array = np.append(sea.row("boom_tip_heave_rate"), 0.0) @ ahead
-        self._state = np.zeros(len(self._row))
         self._design(sea, correction)
 
     def _design(self, sea: LinearModel, correction: float) -> None:
@@ -243,19 +240,26 @@ class TipByTension:
         late = np.exp(-s * self._loop.tick_period)
         return np.asarray((residues / (1.0 - np.outer(late, poles))).sum(axis=1))
 
-    def _read(self, record: TensionRecord) -> float:
-        return record.mean_tension(self.window) / self._loop.stiffness + record.mean_payout(self._loop.round_trip)
-
-    def begin(self, x: Array, record: TensionRecord) -> None:
-        """Go on from a state `x` of the model, shape (n,), with the `record` up to then."""
-        sea = x[self._sea]
-        self._state = np.append(sea, self._read(record) - self._tip @ sea)
-
-    def update(self, record: TensionRecord) -> float:
-        """Take in the newest of the `record`; return the rate for the next command [m/s]."""
-        predicted = self._A @ self._state
-        self._state = predicted + self._gain * (self._read(record) - float(self._row @ predicted))
-        return float(self._rate @ self._state)
+    def tell(self, core: Any) -> None:
+        """Tell `core`, an array of one `TensionAlone`, all of it."""
+        loop, weights = self._loop, mean_weights(self.window / self._loop.tick_period)
+        count = len(self._row)
+        if count > ALONE_STATES:
+            raise DesignError(f"the sea has {count - 1} states, and {ALONE_STATES - 1} fit: lower sea.filter_states")
+        values = {
+            "states": count,
+            "window": len(weights),
+            "trip": round(loop.round_trip / loop.tick_period),
+            "sea": self._sea,
+            "weights": weights,
+            "A": self._A.ravel(),
+            "row": self._row,
+            "rate": self._rate,
+            "gain": self._gain,
+            "x": np.zeros(count),
+            "stiffness": loop.stiffness,
+        }
+        put(core, values)
 
 
 def _with_constant(matrix: Array, value: float) -> Array:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from heave_core.law import new, put
+from heave_core.law_table import ACTIVE_WINCH
+
 from winch_controller_node.parameters.laws import LimitParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 
@@ -59,3 +62,62 @@ def winch_limits(winch: WinchModelParameters, limits: LimitParameters, static_te
         maximum_tension=highest * static_tension if highest > 0.0 else math.inf,
         static_tension=static_tension,
     )
+
+
+class ActiveWinch:
+    """The winch as it is active, and its limits: what governor, law and command find in the core.
+
+    Parameters
+    ----------
+    winch : the assumed one
+    limits : of it; attributes both
+    tick_period : [s]
+
+    Attributes
+    ----------
+    record : array of one `ActiveWinch` of the core
+    """
+
+    def __init__(self, winch: WinchModelParameters, limits: WinchLimits, tick_period: float) -> None:
+        self.record = new(ACTIVE_WINCH)
+        self._dt = tick_period
+        self.take(winch, limits)
+
+    def take(self, winch: WinchModelParameters, limits: WinchLimits) -> None:
+        """Go by another `winch` and its `limits` from now on."""
+        self.winch = winch
+        put(
+            self.record,
+            {
+                "is_first_order": int(winch.law == "first_order"),
+                "tick_period": self._dt,
+                "lag": winch.time_constant,
+                "position_rate": winch.position_rate,
+                "position_gain": winch.position_gain,
+                "gain": winch.speed_gain,
+                "hauling_gain": winch.hauling_gain,
+                "creep": winch.creep,
+                "reach": winch.set_point_reach,
+                "tick_share": -math.expm1(-self._dt / winch.time_constant),
+            },
+        )
+        self.take_limits(limits)
+
+    def take_limits(self, limits: WinchLimits) -> None:
+        """Keep other limits of the same winch from now on."""
+        self.limits = limits
+        put(
+            self.record,
+            {
+                "speed": limits.speed,
+                "acceleration": limits.acceleration,
+                "power": limits.power,
+                "lowest": limits.payout_minimum,
+                "highest": limits.payout_maximum,
+                "least_tension": limits.minimum_tension,
+                "most_tension": limits.maximum_tension,
+                "static_tension": limits.static_tension,
+                # the set-point that gains the limit over a tick of the linear servo
+                "linear_step": limits.acceleration * self._dt / self.record["tick_share"][0],
+            },
+        )

@@ -1,0 +1,106 @@
+"""A law whose command the core makes: what the laws of the suite have in common."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from heave_core.law import Law, put
+from heave_core.law_table import LawKind
+from heave_node.numerics.arrays import Array
+
+from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
+from winch_controller_node.laws.parts.loop_state import LoopState
+from winch_controller_node.laws.parts.winch_limits import ActiveWinch, WinchLimits
+from winch_controller_node.model.lqr import DesignError
+
+if TYPE_CHECKING:
+    from winch_controller_node.laws.mpc import Planner
+
+FREE = "free"
+"""Status of a command that no limit shapes."""
+
+
+class CoreLaw(ControlLaw):
+    """A law that the core knows.
+
+    Parameters
+    ----------
+    design : what the law is made for
+    kind : how it makes its command
+    values : fields of `Law` in the core
+
+    Raises DesignError for a model that does not fit.
+
+    Attributes
+    ----------
+    winch : the active one, with its limits
+    core : the law with its memory
+    planner : makes plans at the limits; None: it has none
+    """
+
+    planner: Planner | None = None
+
+    def __init__(self, design: LawDesign, kind: LawKind, **values: Any) -> None:
+        super().__init__(design, None)
+        assert design.model.dt is not None
+        self.winch = ActiveWinch(design.winch, design.limits, design.model.dt)
+        try:
+            self.core = Law(self.winch.record, design.model.order)
+        except ValueError as error:
+            raise DesignError(str(error)) from error
+        unit = [design.model.state("unit_heave"), design.model.state("unit_heave_rate")]
+        put(self.core.law, {"kind": kind, "unit": unit, **values})
+
+    def take_limits(self, limits: WinchLimits) -> None:
+        """Keep other limits from now on."""
+        self.winch.take_limits(limits)
+
+    def reset(self) -> None:
+        """Start again."""
+        self.core.restart()
+        if self.planner is not None:
+            self.planner.restart()
+
+    def command(self, state: LoopState) -> LawCommand:
+        """Return the command at `state`."""
+        self._pose(state)
+        if self.core.ask():
+            return self.planned()
+        memory = self.core.state[0]
+        return self.commanded(float(memory["command"]), by_plan=memory["by_plan"], has_plan=memory["has_plan"])
+
+    def planned(self) -> LawCommand:
+        """Return the command where limits shape it: a plan is made, and followed."""
+        assert self.planner is not None
+        found = self.planner.plan_again()
+        self.core.follow_plan()
+        return found._replace(value=float(self.core.state["command"][0]))
+
+    def commanded(self, value: float, *, by_plan: float, has_plan: float) -> LawCommand:
+        """Return a command of which no plan was needed in this tick.
+
+        Parameters
+        ----------
+        value : that the core has made
+        by_plan : not 0: the constrained law has
+        has_plan : not 0: it follows a plan of a tick before
+        """
+        if not by_plan:
+            return LawCommand(value)
+        if not has_plan:
+            return LawCommand(value, FREE)
+        assert self.planner is not None
+        return self.planner.last._replace(value=value)
+
+    def bounds(self, state: LoopState) -> tuple[Array, Array]:
+        """Return lower and upper bounds of the plan's rows at a `state`, with the mean payout's share subtracted."""
+        assert self.planner is not None
+        self._pose(state)
+        self.core.bound_plan()
+        return self.planner.bounds()
+
+    def _pose(self, state: LoopState) -> None:
+        tensions = state.static_tension, state.measured_tension
+        self.core.pose((*state.reference, *tensions, state.mru_rate, float(state.bounds_tension)), state.x)
+        if self.planner is not None:
+            self.planner.see(state.preview, state.x)
