@@ -2,8 +2,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from winch_controller_node.design.design import design_controller
+from winch_controller_node.motion.mean_motion import MeanMotion
 from winch_controller_node.motion.programme import Programme
 from winch_controller_node.motion.trajectory import MeanPayout
+from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import MoveParameters, ProgrammeParameters
 
 DT = 0.05
@@ -118,3 +121,17 @@ def test_a_halt_takes_its_deceleration_and_no_longer():
     assert ticks * 0.05 == pytest.approx(start.rate / 0.5, abs=0.05)
     assert points[-1].payout - start.payout == pytest.approx(start.rate**2 / (2.0 * 0.5), abs=0.5 * 0.05)
     assert not mean.is_moving
+
+
+def test_drum_and_unit_that_begin_elsewhere_stay_there():
+    """At rest the state is x = A x + B u under the command of a mean payout that rests; of a servo that is no speed."""
+    design = design_controller(WinchControllerParameters(), tick_period=DT)
+    winch, motion = design.parameters.winch, MeanMotion(MoveParameters(), design.model.order, tick_period=DT)
+    motion.begin_at(-7.0, design.model, winch)
+    for _ in range(3):
+        motion.advance(design.model, motion.reference_command(winch), is_braked=False)
+        assert (motion.set_point, motion.mean.is_moving) == (-7.0, False)
+        assert motion.state[design.model.state("payout")] == pytest.approx(-7.0)
+        assert motion.state[design.model.state("unit_heave")] == pytest.approx(7.0)
+    with pytest.raises(ValueError, match="read-only"):
+        motion.state[0] = 1.0

@@ -55,7 +55,8 @@ class MeanMotion:
 
     @state.setter
     def state(self, state: Array) -> None:
-        self._state = state
+        self._state = state.copy()
+        self._state.flags.writeable = False
         self._states = self._record["state"][0, : len(state)]
         self._states[:] = state
 
@@ -84,10 +85,11 @@ class MeanMotion:
         """Begin with drum and unit at rest at a `payout` [m], by the `model` of the design and its `winch`."""
         self.mean.jump_to(payout)
         command = self.reference_command(winch)
-        self.state = np.zeros(model.order)
-        self.state[model.state("payout")], self.state[model.state("unit_heave")] = payout, -payout
+        state = np.zeros(model.order)
+        state[model.state("payout")], state[model.state("unit_heave")] = payout, -payout
         past_commands = f"{model.input_names[0]}_"
-        self.state[[name.startswith(past_commands) for name in model.state_names]] = command
+        state[[name.startswith(past_commands) for name in model.state_names]] = command
+        self.state = state
 
     def continue_at(self, state: Array, lowered: float) -> None:
         """Go on from `state`, shape (n,), about a mean that is `lowered` [m] below the present one, at rest there."""
@@ -116,6 +118,7 @@ class MeanMotion:
             self._of_model = [matrix.ctypes.data for matrix in self._matrices]
         moved = self._advance(*self._of_model, self._address, len(self._state), command, is_braked)
         self._state = self._states.copy()
+        self._state.flags.writeable = False
         if moved & Moved.MEAN_MOVED:
             self.mean.advanced(has_halted=bool(moved & Moved.HALT_ENDED))
         if moved & Moved.LEFT_OVER_MOVED:
