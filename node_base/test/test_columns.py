@@ -38,7 +38,12 @@ def test_units_preamble_and_comments_are_known():
 
 @pytest.mark.parametrize(
     ("lines", "says"),
-    [([], "is empty"), (["# a"], "is empty"), (["a,b"], "no rows"), (["1,2", "3,4"], "no line of headings")],
+    [
+        ([], "is empty"),
+        (["# a", "", "#b"], "2 lines, all begin with #"),
+        (["a,b"], "no rows"),
+        (["1,2", "3,4"], "no line of headings"),
+    ],
 )
 def test_what_is_no_table_is_refused(lines, says):
     with pytest.raises(ColumnsError, match=says):

@@ -37,6 +37,7 @@ from heave_bags.mcap.files import (
 from heave_bags.mcap.loss import MISSING_FILE, Loss, recorded_loss
 from heave_bags.mcap.read.decode import LOG_TIME, TIME, BagTopic, ColumnReader, MessageDecoder, definition
 from heave_bags.mcap.read.folder import bag_of, find_files
+from heave_bags.mcap.read.other_storage import copied, source_of
 from heave_bags.mcap.read.recovery import Progress, Recovered, no_progress, recover
 from heave_bags.mcap.read.scan import FileContents, RawMessage
 from heave_bags.mcap.read.sound import is_sound
@@ -65,9 +66,14 @@ class Bag:
     """
 
     def __init__(self, path: str | Path) -> None:
-        self.path = bag_of(Path(path))
-        self._described = read_information(self.path if self.path.is_dir() else self.path.parent)
-        self._found = find_files(self.path, listed_files(self._described))
+        self.path = place = bag_of(Path(path))
+        source = source_of(place)
+        self._copied = None if source is None else copied(source)
+        if self._copied is not None:
+            place = self._copied.path
+        self._described = read_information(place if place.is_dir() else place.parent)
+        self._found = find_files(place, listed_files(self._described))
+        self._found.notes += self._copied.notes if self._copied is not None else []
         self.losses: list[Loss] = []
         self.notes: list[str] = []
         stated = recorded_loss(self._described)

@@ -5,7 +5,6 @@ Messages get the time of their arrival, by the host's clock or by `/clock` where
 
 from __future__ import annotations
 
-import os
 import signal
 import sys
 import time
@@ -21,6 +20,7 @@ from heave_node.ros.diagnostics import diagnostic_array
 from heave_node.ros.node import steady_clock
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.process import leave_ros
+from heave_node.ros.release import DISTRIBUTION
 from heave_node.ros.spin import spin
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.watchdog import watched_start
@@ -80,7 +80,7 @@ class LiveRecorder(Node):
             policy=parameters.policy(),
             run={**description, "host_time_minus_log_time_ns": str(time.time_ns() - now)},
             attachments=scenario_attachments(parameters.scenario_file),
-            ros_distro=os.environ.get("ROS_DISTRO", "kilted"),
+            ros_distro=DISTRIBUTION,
             opener=open_in_background,
         )
 

@@ -7,7 +7,6 @@ it comes, and no disk holds it up.
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections import deque
@@ -24,6 +23,7 @@ from heave_node.ros.diagnostics import Health
 from heave_node.ros.node import expect_no, expect_sender, steady_clock
 from heave_node.ros.participant import HELD_MESSAGES, ParticipantNode
 from heave_node.ros.process import run_node
+from heave_node.ros.release import DISTRIBUTION
 from heave_node.ros.spin import sender_callback
 from heave_node.tick.malformed import fault_in_join
 from heave_node.tick.speakers import Speakers, Standing
@@ -108,7 +108,7 @@ class RecorderNode(ParticipantNode):
                 policy=parameters.policy(),
                 run=description,
                 attachments=attachments,
-                ros_distro=os.environ.get("ROS_DISTRO", "kilted"),
+                ros_distro=DISTRIBUTION,
                 opener=DirectStorage if run.is_lockstep else open_in_background,
                 closing_attachments=self._parameter_attachment,
             )

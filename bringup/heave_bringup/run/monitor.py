@@ -14,6 +14,7 @@ from heave_node.interface import topics
 from heave_node.interface.alarm import alarms_in
 from heave_node.interface.codes import time_key, time_of, without_figures
 from heave_node.ros.process import in_namespace, node_beside
+from heave_node.ros.release import take_newest
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.qos import qos_of
 from heave_node.ros.transport.strangers import PART as STRANGERS
@@ -57,10 +58,9 @@ class TruthSampler:
     def look(self, live: LiveFigures) -> None:
         """Tell the newest to `live`."""
         for number, reader in enumerate(self._readers):
-            with reader.handle:
-                taken = reader.handle.take_message(reader.msg_type, False)
+            taken = take_newest(reader)
             if taken is not None:
-                self._newest[number] = taken[0]
+                self._newest[number] = taken
         unit, free, cable = self._newest
         if unit is not None and free is not None and cable is not None:
             live.note_truth(

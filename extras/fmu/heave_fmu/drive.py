@@ -28,6 +28,7 @@ from heave_node.parameters import ParameterError
 from heave_fmu.archive import FmuRefusedError, described, unpack_fmu
 from heave_fmu.instance import FmuInstance
 from heave_fmu.ports import Port
+from heave_fmu.unit_conversion import OwnVariable, conversion_of
 from heave_fmu.variables import BOOLEAN, INTEGER, REAL, Variable
 
 WINCH = "virtual_winch"
@@ -51,6 +52,7 @@ class DriveMap:
     file: Path  # the FMU
     variables: Mapping[str, str] = field(default_factory=dict)  # its names by those of the messages, where they differ
     start: Mapping[str, Any] = field(default_factory=dict)  # values that it begins with, by its names
+    scales: Mapping[str, float] = field(default_factory=dict)  # its values over those of the messages, both in SI units
 
 
 def program(node: str, file: str) -> list[str]:
@@ -89,15 +91,23 @@ def read_drive(path: Path) -> DriveMap:
     if not isinstance(variables, dict) or not isinstance(start, dict):
         raise ParameterError(f"{path}: variables and start must be names with what belongs to each")
     known = [variable.name for port in _ports() for variable in port.variables]
-    for name, own in variables.items():
-        if name not in known or not isinstance(own, str):
+    names, scales = {}, {}
+    for name, entry in variables.items():
+        given = entry if isinstance(entry, dict) else {"name": entry}
+        own, scale = given.get("name"), given.get("scale", 1.0)
+        is_scale = isinstance(scale, int | float) and not isinstance(scale, bool) and math.isfinite(scale) and scale
+        if name not in known or not isinstance(own, str) or not is_scale or set(given) - {"name", "scale"}:
             raise ParameterError(
-                f"{path}: variables: {name}: must be one of {', '.join(known)}, with a name of the FMU"
+                f"{path}: variables: {name}: must be one of {', '.join(known)}, with a name of the FMU, or "
+                "{name: NAME, scale: FACTOR}"
             )
+        names[name] = own
+        if "scale" in given:
+            scales[name] = float(scale)
     file = path.parent / content["fmu"]
     if not file.is_file():
         raise ParameterError(f"{path}: fmu: no such file: {file}")
-    return DriveMap(file, variables, start)
+    return DriveMap(file, names, start, scales)
 
 
 def _ports() -> tuple[Port, Port, Port]:
@@ -109,15 +119,16 @@ def _ports() -> tuple[Port, Port, Port]:
     )
 
 
-def drive_names(drive: DriveMap) -> dict[str, str]:
+def drive_names(drive: DriveMap) -> dict[str, OwnVariable]:
     """Return the names of the variables that a `drive` has, by those of the messages; none of its code runs.
 
     Raises FmuRefusedError, in one line, where the FMU cannot be used, lacks what a drive must have, or has no variable
-    of a name in the map, or one of a kind that does not take the value.
+    of a name in the map, or one of a kind or unit that does not take the value.
     """
     with tempfile.TemporaryDirectory(prefix="heave-fmu-") as folder:
         unpack_fmu(drive.file, Path(folder))
-        has = {one.name: one for one in described(drive.file, Path(folder)).modelVariables}
+        description = described(drive.file, Path(folder))
+    has = {one.name: one for one in description.modelVariables}
     found, faults = {}, {}
     for name, value in drive.start.items():
         faults["start", name] = _start_fault(has[name].type, value) if name in has else _MISSING
@@ -127,8 +138,10 @@ def drive_names(drive: DriveMap) -> dict[str, str]:
         for variable in port.variables:
             own = drive.variables.get(variable.name, variable.name)
             if own in has:
-                found[variable.name] = own
-                faults[variable.name, own] = _misfit(variable, has[own], is_out=port.topic == topics.WINCH_STATE)
+                conversion, fault = conversion_of(variable.unit, has[own], description.unitDefinitions)
+                found[variable.name] = OwnVariable(own, conversion, drive.scales.get(variable.name, 1.0))
+                misfit = _misfit(variable, has[own], is_out=port.topic == topics.WINCH_STATE)
+                faults[variable.name, own] = misfit or fault
     for (place, own), fault in faults.items():
         if fault:
             raise FmuRefusedError(f"{drive.file}: {place}: {own} {fault}")
@@ -186,6 +199,11 @@ class FmuWinch:
         self._commands, self._tensions, self._states = _ports()
         self._names = drive_names(drive)
         self._fmu = FmuInstance(drive.file, "virtual_winch", drive.start)
+        try:
+            self._fmu.steps_in(tick_period)
+        except CommandError:
+            self._fmu.close()
+            raise
         self._forget()
 
     def _forget(self) -> None:
@@ -220,8 +238,8 @@ class FmuWinch:
             self._tensions.publish([WireReading(now, (tension,))])
         for port in (self._commands, self._tensions):
             for variable, value in zip(port.variables, port.values, strict=True):
-                if variable.name in self._names:
-                    self._fmu.set(self._names[variable.name], value)
+                if own := self._names.get(variable.name):
+                    self._fmu.set(own.name, own.of_message(value))
         self._fmu.step((tick - 1) * self._dt, self._dt)
         state = self._filled({name: self._read(name) for name in WINCH_STATE if self._name(name) in self._names})
         self._payout = state["encoder_payout"]
@@ -235,7 +253,8 @@ class FmuWinch:
         return f"winch.state.{field_name}"
 
     def _read(self, field_name: str) -> Any:
-        value = self._fmu.get(self._names[self._name(field_name)])
+        own = self._names[self._name(field_name)]
+        value = own.to_message(self._fmu.get(own.name))
         return bool(value) if field_name == "brake" else value
 
     def _filled(self, known: dict[str, Any]) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import tempfile
 from collections.abc import Mapping
@@ -11,6 +12,9 @@ from typing import Any
 from heave_bringup.errors import CommandError
 
 from heave_fmu.archive import described, unpack_fmu
+
+_STEP_ROUNDING = 1e-6
+"""Share of a tick by which an FMU's own steps may miss it: both are printed decimals."""
 
 
 class FmuInstance:
@@ -40,6 +44,7 @@ class FmuInstance:
             unpack_fmu(file, self._folder)
             description = described(file, self._folder)
             self.kinds: dict[str, str] = {one.name: one.type for one in description.modelVariables}
+            self._step = _fixed_step(description)
             self._references = {one.name: one.valueReference for one in description.modelVariables}
             self._slave = self._asked(
                 FMU2Slave,
@@ -78,9 +83,29 @@ class FmuInstance:
         (value,) = self._asked(getattr(self._slave, f"get{kind}"), [self._references[variable]])
         return value.decode(errors="replace") if isinstance(value, bytes) else value
 
+    def steps_in(self, duration: float) -> int:
+        """Return the number of the FMU's steps in a `duration` [s]; one where it takes any.
+
+        Raises CommandError where its own step is fixed and is no fraction of that.
+        """
+        if math.isnan(self._step):
+            return 1
+        steps = max(round(duration / self._step), 1)
+        if abs(steps * self._step - duration) > _STEP_ROUNDING * duration:
+            raise CommandError(
+                f"{self.file}: takes steps of {self._step:g} s alone, and a tick is {duration:g} s: "
+                "--set all.tick_period to a multiple of its step"
+            )
+        return steps
+
     def step(self, time: float, duration: float) -> None:
-        """Step from a `time` on for a `duration` [s]. Raises CommandError where the FMU cannot go on."""
-        self._asked(self._slave.doStep, time, duration)
+        """Step from a `time` on for a `duration` [s], by its own step where that is fixed.
+
+        Raises CommandError where the FMU cannot go on.
+        """
+        steps = self.steps_in(duration)
+        for number in range(steps):
+            self._asked(self._slave.doStep, time + number * duration / steps, duration / steps)
 
     def close(self) -> None:
         """End and free the FMU."""
@@ -102,3 +127,14 @@ class FmuInstance:
             return call(*arguments, **options)
         except Exception as error:  # whatever somebody else's file brings about
             raise CommandError(f"{self.file}: {of}{' '.join(str(error).split()) or type(error).__name__}") from error
+
+
+def _fixed_step(description: Any) -> float:
+    """Return the step that an FMU of this `description` by FMPy takes alone [s]; NaN: it takes any, or states none."""
+    experiment = description.defaultExperiment
+    takes_any = description.coSimulation.canHandleVariableCommunicationStepSize
+    stated = None if experiment is None else experiment.stepSize
+    if stated is None or takes_any is True or takes_any == "true":
+        return math.nan
+    step = float(stated)
+    return step if math.isfinite(step) and step > 0.0 else math.nan

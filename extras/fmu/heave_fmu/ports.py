@@ -71,7 +71,8 @@ class Port:
     # an input
 
     def await_messages(self) -> None:
-        """Be an input: messages without a stamp are of the step."""
+        """Be an input: until somebody counts one comes with each tick, and those without a stamp are of the step."""
+        self.values[0] = EACH_TICK
         self.values[1 :: self._width] = [NO_STAMP] * self._slots
 
     def take(self, now: int) -> list[WireReading]:

@@ -46,7 +46,7 @@ _STANDARD = (
 """Units of fields whose own line in the definition has none: those of ROS are SI by REP-103."""
 
 _STAMP_MEANING = "time of the message, simulated; below 0 at an input: that of the step [s]"
-_COUNT_MEANING = "messages sent so far; -1 at an input: nobody counts, one comes with each tick"
+_COUNT_MEANING = "messages sent so far; -1 at an input, as at the start: nobody counts, one comes with each tick"
 
 
 def unit_definitions(names: Iterable[str]) -> Element:

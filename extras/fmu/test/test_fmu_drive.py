@@ -98,6 +98,70 @@ def test_a_drive_with_names_of_its_own_follows_its_lag_and_the_rest_is_filled_in
         winch.step(41, WinchCommand(41, 0.0, 200.0), None)
 
 
+def with_units(file, units, definitions, step=None):
+    """Write a copy of an FMU with `units` of its variables, by `definitions`, and a fixed `step` [s]; return it."""
+    changed = file.with_name("units.fmu")
+    with zipfile.ZipFile(file) as source, zipfile.ZipFile(changed, "w") as target:
+        for name in source.namelist():
+            content = source.read(name)
+            if name == "modelDescription.xml":
+                text = re.sub(r"<UnitDefinitions.*?</UnitDefinitions>", "", content.decode(), flags=re.DOTALL)
+                for variable, unit in units.items():
+                    text = re.sub(rf'(name="{variable}"[^>]*>\s*<Real)', rf'\1 unit="{unit}"', text)
+                text = re.sub(r"(<CoSimulation[^>]*/>)", rf"\1<UnitDefinitions>{definitions}</UnitDefinitions>", text)
+                if step is not None:
+                    text = re.sub(r'canHandleVariableCommunicationStepSize="\w+"', "", text)
+                    text = text.replace("<ModelVariables>", f'<DefaultExperiment stepSize="{step}"/><ModelVariables>')
+                content = text.encode()
+            target.writestr(name, content)
+    return changed
+
+
+MILLIMETRES = (
+    '<Unit name="mm/s"><BaseUnit m="1" s="-1" factor="0.001"/></Unit>'
+    '<Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit>'
+)
+
+
+def test_declared_units_and_the_scale_of_a_map_are_converted(stranger):
+    """A drive in mm/s and mm that hauls in: 1 m/s for 2 s is 1.6 m by its lag of 0.4 s (v t - v T), in any unit."""
+    file = with_units(stranger, {"v_ref": "mm/s", "x": "mm"}, MILLIMETRES)
+    scales = {"winch.command.payout_rate": -1.0, "winch.state.payout": -1.0}
+    plain = stepped(FmuWinch(DriveMap(stranger, NAMES), tick_period=0.05), 40)
+    winch = FmuWinch(DriveMap(file, NAMES, scales=scales), tick_period=0.05)
+    assert winch._fmu.get("v_ref") == 0.0
+    state = stepped(winch, 40, rate=0.05)
+    assert state["encoder_payout"] == pytest.approx(0.05 * plain["encoder_payout"])
+    assert winch._fmu.get("v_ref") == pytest.approx(-50.0), "hauling in, in mm/s"
+    winch.close()
+
+
+@pytest.mark.parametrize(
+    ("unit", "definitions", "words"),
+    [
+        ("mm/s2", '<Unit name="mm/s2"><BaseUnit m="1" s="-2" factor="0.001"/></Unit>', "not of one kind"),
+        ("furlong", "", "does not define"),
+        ("mm", "", "does not define"),
+    ],
+)
+def test_a_unit_that_cannot_be_converted_is_refused_with_both(stranger, unit, definitions, words):
+    file = with_units(stranger, {"v_ref": unit}, definitions)
+    with pytest.raises(CommandError, match=rf"v_ref is in {unit}.*m/s.*|{words}") as refused:
+        drive_names(DriveMap(file, NAMES))
+    assert words in str(refused.value)
+
+
+def test_a_fixed_step_is_kept_within_a_tick_and_one_that_does_not_fit_is_refused(stranger):
+    file = with_units(stranger, {}, "", step=0.01)
+    winch = FmuWinch(DriveMap(file, NAMES), tick_period=0.05)
+    assert winch._fmu.steps_in(0.05) == 5
+    assert stepped(winch, 40)["encoder_payout"] > 1.0
+    winch.close()
+    file = with_units(stranger, {}, "", step=0.02)
+    with pytest.raises(CommandError, match=r"takes steps of 0\.02 s alone, and a tick is 0\.05 s"):
+        FmuWinch(DriveMap(file, NAMES), tick_period=0.05)
+
+
 def test_a_drive_that_lacks_what_a_drive_must_have_is_refused(stranger):
     with pytest.raises(CommandError, match=r"needs the variable winch\.command\.payout_rate or winch\.command\.payout"):
         FmuWinch(DriveMap(stranger), tick_period=0.05)
@@ -128,7 +192,7 @@ def test_a_map_that_the_fmu_does_not_fit_is_refused_by_name_before_its_code_runs
 def test_a_flag_is_read_from_any_number_and_an_integer_goes_into_a_real(tmp_path):
     file = fmu_of(tmp_path, "v_ref Real input, x Real output, held Real output, number Real input")
     names = {**NAMES, "winch.state.brake": "held", "winch.command.sequence": "number"}
-    assert drive_names(DriveMap(file, names)) == names
+    assert {name: own.name for name, own in drive_names(DriveMap(file, names)).items()} == names
 
 
 def test_an_fmu_without_code_for_this_system_is_refused(tmp_path):

@@ -118,7 +118,8 @@ def read_columns(lines: Sequence[str], known: Collection[str] = ()) -> Columns:
     """
     numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
     if not numbered:
-        raise ColumnsError("is empty")
+        comments = sum(bool(line.strip()) for line in lines)
+        raise ColumnsError(f"{comments} lines, all begin with #, as comments do" if comments else "is empty")
     separator = _separator([line for _, line in numbered], known)
     cells = _split([line for _, line in numbered], separator)
     notes = [] if separator in (",", ";") else [f"columns parted by {_SEPARATORS[separator]}"]

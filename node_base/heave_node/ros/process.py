@@ -13,7 +13,6 @@ from types import FrameType
 from typing import Any
 
 import rclpy
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -21,6 +20,7 @@ from rclpy.task import Future
 
 from heave_node.parameters import ParameterError
 from heave_node.ros.node import HeaveNode
+from heave_node.ros.release import RCLError
 from heave_node.ros.spin import IDLE_PERIOD, Spinner, spin
 from heave_node.ros.transport.environment import is_bound_to_loopback, prepare_environment
 from heave_node.ros.transport.exchange import Exchange
@@ -28,8 +28,6 @@ from heave_node.ros.transport.exposure import exposed_ports
 from heave_node.ros.transport.parents_death import close_with, end_with, launcher_of
 from heave_node.ros.transport.real_time import between_looks
 from heave_node.ros.transport.watchdog import watched_end, watched_start
-
-RCLError = rclpy_implementation.RCLError
 
 EXIT_OK = 0
 EXIT_FAILED = 1

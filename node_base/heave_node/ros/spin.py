@@ -16,12 +16,8 @@ import rclpy
 from rclpy.node import Node
 from rclpy.task import Future
 
+from heave_node.ros.release import EventsExecutor
 from heave_node.ros.transport.identity import identity_of_sender
-
-try:
-    from rclpy.experimental import EventsExecutor
-except ImportError:  # a release that has it elsewhere, or not at all
-    from rclpy.executors import SingleThreadedExecutor as EventsExecutor
 
 IDLE_PERIOD = 0.2
 """Wall time between two calls of `on_idle` [s]."""

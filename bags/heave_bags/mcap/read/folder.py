@@ -18,6 +18,8 @@ from heave_bags.mcap.read.scan import is_like_magic
 from heave_bags.mcap.summary import MAGIC
 
 ENDINGS = (".mcap", ".mcap" + SUFFIX, ".mcap.zst")
+OTHERS = (".db3", ".bag")
+"""Endings of files of another storage: SQLite and ROS 1."""
 _LEFT_BY_OTHERS = "._"
 """Begins the name of a file in which macOS keeps what its own file system has beside a file."""
 
@@ -33,7 +35,9 @@ class BagFiles:
 
 def is_bag(path: Path) -> bool:
     """Return whether the folder `path` holds a bag; a damaged one may have lost its index."""
-    return (path / METADATA_NAME).is_file() or (path.is_dir() and any(_is_named_so(file) for file in path.iterdir()))
+    return (path / METADATA_NAME).is_file() or (
+        path.is_dir() and any(_is_named_so(file) or file.suffix in OTHERS for file in path.iterdir())
+    )
 
 
 BAG_IN_RUN = "bag"

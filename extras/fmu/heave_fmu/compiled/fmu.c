@@ -73,11 +73,11 @@ static void do_tick(Instance *instance)
     values[controller_state_count]++;
 }
 
-/* Start values: counters 0, and no stamps at the inputs. */
+/* Start values: nobody counts, and there are no stamps, at the inputs. */
 static void set_start(Instance *instance)
 {
     memset(instance->values, 0, sizeof instance->values);
-    for (int port = 0; port < PORTS; port++) instance->values[COUNTS[port] + 1] = -1.0;
+    for (int port = 0; port < PORTS; port++) instance->values[COUNTS[port]] = instance->values[COUNTS[port] + 1] = -1.0;
 }
 
 static void begin(Instance *instance)
