@@ -15,6 +15,7 @@ PASS = structure(
     Row("columns", "", "c, versions of the record", COUNTER),
     Row("ticks", "", "of the record", COUNTER),
     Row("rate", "", "index of the unit's heave rate", COUNTER),
+    Row("pad", "", "keeps the numbers aligned", COUNTER),
     Row("F", "", "transition of a tick, (n, n)", shape=(STATES * STATES,)),
     Row("B", "", "input of a tick, (n,)", shape=(STATES,)),
     Row("Q", "", "covariance of the process noise of a tick, (n, n)", shape=(STATES * STATES,)),
