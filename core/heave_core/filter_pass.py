@@ -31,9 +31,10 @@ def follow(
     Parameters
     ----------
     motion : of the state
-    ticks, readings : by the rows of PASS_TICK (t, 4) and PASS_READING (m, 2) in `pass_table`
+    ticks, readings : by the rows of PASS_TICK (t, 4) and PASS_READING (m, 4) in `pass_table`
     commands : in effect at each tick, (t, c)
-    rows, values : of the readings, on the state of their tick (m, n), and (m, c)
+    rows : of the measurements on the state of a tick, and their first and second differences over ticks (3, k, n)
+    values : of the readings (m, c)
 
     Returns the innovations over the standard deviation that was predicted (m, c), and its square (m,). Raises
     ValueError for a model that does not fit.
@@ -44,7 +45,8 @@ def follow(
     F, B, Q, pull, rate = motion
     model = np.zeros(1, dtype_of(PASS))
     one = model[0]
-    one["states"], one["columns"], one["ticks"], one["rate"] = n, c, len(ticks), rate
+    one["states"], one["measurements"], one["columns"] = n, rows.shape[1], c
+    one["ticks"], one["rate"] = len(ticks), rate
     one["F"][: n * n], one["B"][:n], one["Q"][: n * n], one["pull"][:n] = F.ravel(), B, Q.ravel(), pull
     given = [np.ascontiguousarray(array, dtype=float) for array in (ticks, commands, readings, rows, values)]
     made = [np.empty(n * c + 2 * n * n), np.empty((len(values), c)), np.empty(len(values))]

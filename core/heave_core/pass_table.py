@@ -9,11 +9,13 @@ from heave_core.rows import COUNTER, Row, structure
 
 PASS = structure(
     "Pass",
-    "Model of a pass: n states, c columns.",
+    "Model of a pass: n states, k measurements, c columns.",
     Row("states", "", "n", COUNTER),
+    Row("measurements", "", "k", COUNTER),
     Row("columns", "", "c, versions of the record", COUNTER),
     Row("ticks", "", "of the record", COUNTER),
     Row("rate", "", "index of the unit's heave rate", COUNTER),
+    Row("pad", "", "keeps the numbers aligned", COUNTER),
     Row("F", "", "transition of a tick, (n, n)", shape=(STATES * STATES,)),
     Row("B", "", "input of a tick, (n,)", shape=(STATES,)),
     Row("Q", "", "covariance of the process noise of a tick, (n, n)", shape=(STATES * STATES,)),
@@ -31,7 +33,9 @@ PASS_TICK = structure(
 
 PASS_READING = structure(
     "PassReading",
-    "A reading of the record, its row and its values apart.",
+    "A reading of the record, its values apart.",
+    Row("which", "", "index of the measurement"),
+    Row("offset", "", "how much later than its tick it was measured, in ticks"),
     Row("noise", "", "variance"),
     Row("used", "", "1: it is taken in; 0: judged alone"),
 )

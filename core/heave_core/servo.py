@@ -57,35 +57,38 @@ def _run(sent: int, ticks: int, fitted: int, position_gain: float, dt: float) ->
     return run
 
 
-def drum_records(
-    payouts: Array,
-    rates: Array,
-    late: Array,
-    tensions: Array,
-    drums: Array,
-    starts: Array,
-    position_gain: float,
-    count: int,
-    dt: float,
-) -> Array:
+def sent_points(payouts: Array, rates: Array, late: Array, tensions: Array) -> Array:
+    """Return what was sent as a table, (4, n), by ticks, oldest first.
+
+    Parameters
+    ----------
+    payouts, rates : set-points [m], [m/s]
+    late : by how much later than the delay each of them took effect [ticks]
+    tensions : at the top at the end of each tick [N]; NaN where unknown: there the power limits nothing
+    """
+    return np.array([payouts, rates, late, tensions], dtype=float)
+
+
+def drum_records(sent: Array, drums: Array, starts: Array, position_gain: float, count: int, dt: float) -> Array:
     """Return the encoder's reading of each drum at the end of each of the last `count` ticks, shape (m, count) [m].
 
     Parameters
     ----------
-    payouts, rates : set-points of the ticks, oldest first, at least count + delay/dt + 1 of them [m], [m/s]
-    late : by how much later than the delay each of them took effect (ticks), same shape
-    tensions : at the top at the end of each tick, same shape [N]; NaN where unknown: there the power limits nothing
+    sent : see `sent_points`, of at least count + delay/dt + 1 ticks
     drums : fields of `Drum`, shape (m, 13)
     starts : payout and rate at the start of the `count` ticks, shape (m, 2) [m], [m/s]
     position_gain : of the servo's position loop [1/s]; 0: none
     count : ticks
     dt : tick period [s]
+
+    Raises ValueError for arrays of another shape, and for fewer set-points than ticks.
     """
-    out, run = np.empty((len(drums), count)), _run(len(rates), count, 0, position_gain, dt)
+    if sent.shape[0] != 4 or sent.shape[1] < count or drums.shape[1] != len(Drum._fields) or starts.shape[1] != 2:
+        raise ValueError(f"drum: set-points {sent.shape} for {count} ticks, drums {drums.shape}, starts {starts.shape}")
+    out, run = np.empty((len(drums), count)), _run(sent.shape[1], count, 0, position_gain, dt)
     # held here until the call is over
-    arrays = [np.ascontiguousarray(one, dtype=float) for one in (payouts, rates, late, tensions, drums, starts)]
-    addresses = [one.ctypes.data for one in arrays]
-    library().heave_core_servo(run.ctypes.data, *addresses, len(drums), out.ctypes.data)
+    arrays = (run, sent, np.ascontiguousarray(drums), np.ascontiguousarray(starts))
+    library().heave_core_servo(*(one.ctypes.data for one in arrays), len(drums), out.ctypes.data)
     return out
 
 
@@ -105,9 +108,8 @@ class DrumPrediction:
         self._sent, self._readings = np.zeros((4, sent)), np.zeros(ticks + 1)
         self._drum, self._found = np.zeros(len(Drum._fields)), np.zeros(1)
         self._kept = (_run(sent, ticks, fitted, position_gain, dt), np.empty(2 * fitted + ticks))
-        run, work = (one.ctypes.data for one in self._kept)
-        after = (self._readings.ctypes.data, self._drum.ctypes.data, work, self._found.ctypes.data)
-        self._addresses = (run, *(row.ctypes.data for row in self._sent), *after)
+        arrays = (self._kept[0], self._sent, self._readings, self._drum, self._kept[1], self._found)
+        self._addresses = tuple(one.ctypes.data for one in arrays)
         self._call = library().heave_core_servo_reading
 
     def of(self, payouts: Array, rates: Array, tensions: Array, readings: Array, drum: Array) -> float:

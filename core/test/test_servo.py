@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_core.servo import Drum, DrumPrediction, drum_records
+from heave_core.servo import Drum, DrumPrediction, drum_records, sent_points
 from heave_core.servo_table import SERVO
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -25,7 +25,7 @@ def waves(size, seed=1):
 def record(drum, rates, *, payouts=NOTHING, tensions=UNKNOWN, start=(0.0, 0.0), gain=0.0, late=NOTHING):
     """Return the readings of one drum."""
     drums = np.array([drum], dtype=float)
-    return drum_records(payouts, rates, late, tensions, drums, np.array([start]), gain, COUNT, DT)[0]
+    return drum_records(sent_points(payouts, rates, late, tensions), drums, np.array([start]), gain, COUNT, DT)[0]
 
 
 def test_the_fields_of_a_drum_are_the_rows_of_its_table():
@@ -110,3 +110,12 @@ def test_play_of_the_gear_holds_the_reading_while_the_drum_turns_back():
     assert loose[:50] == pytest.approx(plain[:50] - 0.015, abs=1e-9)
     assert np.ptp(loose[49:52]) == 0.0, "it stands while the play is taken up"
     assert loose[60:] == pytest.approx(plain[60:] + 0.015, abs=1e-9)
+
+
+def test_arrays_of_another_shape_are_refused_in_one_line():
+    drums, starts = np.array([Drum(0.1, 0.0)]), np.zeros((1, 2))
+    for sent, some in ((np.zeros((4, 9)), drums), (np.zeros((3, 20)), drums), (np.zeros((4, 20)), drums[:, :12])):
+        with pytest.raises(
+            ValueError, match=r"^drum: set-points \(.*\) for 10 ticks, drums \(1, 1[23]\), starts \(1, 2\)$"
+        ):
+            drum_records(sent, some, starts, 0.0, 10, DT)

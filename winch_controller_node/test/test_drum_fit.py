@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
-from heave_core.servo import Drum, drum_records
+from heave_core.servo import Drum, drum_records, sent_points
 from heave_node.interface.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -397,21 +397,18 @@ def test_a_position_loop_is_part_of_the_drum():
     encoder, _ = driven(WinchParameters(position_gain=0.5), rates)
     payouts, orders = np.zeros(len(rates) + 10), np.concatenate([np.zeros(10), rates])
     drums = np.array([drum_of(BELIEF.winch)])
-    drum = drum_records(
-        payouts, orders, np.zeros(len(orders)), np.zeros(len(orders)), drums, np.zeros((1, 2)), 0.5, len(rates), DT
-    )[0]
+    sent = sent_points(payouts, orders, np.zeros(len(orders)), np.zeros(len(orders)))
+    drum = drum_records(sent, drums, np.zeros((1, 2)), 0.5, len(rates), DT)[0]
     # the encoder rounds to 1 mm; the position loop's steps of 5 ms differ by less
     np.testing.assert_allclose(drum, encoder, atol=1e-3)
 
 
 def test_orders_that_came_late_move_the_drum_late():
     """A drum without lag or delay that is sent 1 m/s, the order of tick 10 three ticks late."""
-    drums, rates, late = (
-        np.array([[0.005, 0.0, 1.0, 0.0, 9.0, 9.0, 1e9, 1e9, 0.0, 1.0, 1.0, 0.0]]),
-        np.zeros(40),
-        np.zeros(40),
-    )
+    drums, rates, late, none = np.array([Drum(0.005, 0.0, speed_out=9.0, speed_in=9.0)]), *np.zeros((3, 40))
     rates[10:], late[10:13] = 1.0, [3.0, 2.0, 1.0]
-    prompt = drum_records(np.zeros(40), rates, np.zeros(40), np.zeros(40), drums, np.zeros((1, 2)), 0.0, 40, DT)[0]
-    delayed = drum_records(np.zeros(40), rates, late, np.zeros(40), drums, np.zeros((1, 2)), 0.0, 40, DT)[0]
+    prompt, delayed = (
+        drum_records(sent_points(none, rates, took, none), drums, np.zeros((1, 2)), 0.0, 40, DT)[0]
+        for took in (none, late)
+    )
     np.testing.assert_allclose(delayed[20:], prompt[17:37], atol=1e-9)

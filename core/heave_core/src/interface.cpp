@@ -41,20 +41,17 @@ void heave_core_pass(const heave::Pass *pass, const heave::PassTick *ticks, cons
 }
 
 // Readings of the encoder under set-points, of each of several drums, (count, ticks).
-void heave_core_servo(const heave::ServoRun *run, const double *payouts, const double *rates, const double *late,
-                      const double *tensions, const heave::Servo *servos, const heave::ServoStart *starts, int count,
-                      double *readings) {
-    const heave::SetPoints sent{payouts, rates, late, tensions, run->sent};
+void heave_core_servo(const heave::ServoRun *run, const double *sent, const heave::Servo *servos,
+                      const heave::ServoStart *starts, int count, double *readings) {
+    const heave::SetPoints points = heave::set_points(sent, run->sent);
     for (int i = 0; i < count; i++)
-        heave::servo_record(*run, sent, servos[i], starts[i], run->ticks, readings + i * run->ticks);
+        heave::servo_record(*run, points, servos[i], starts[i], run->ticks, readings + i * run->ticks);
 }
 
 // What the encoder should read at the end of a record.
-void heave_core_servo_reading(const heave::ServoRun *run, const double *payouts, const double *rates, const double *late,
-                              const double *tensions, const double *readings, const heave::Servo *servo, double *work,
-                              double *found) {
-    const heave::SetPoints sent{payouts, rates, late, tensions, run->sent};
-    *found = heave::servo_reading(*run, sent, *servo, readings, work);
+void heave_core_servo_reading(const heave::ServoRun *run, const double *sent, const double *readings,
+                              const heave::Servo *servo, double *work, double *found) {
+    *found = heave::servo_reading(*run, heave::set_points(sent, run->sent), *servo, readings, work);
 }
 
 // A simulated unit: a tick, and its heave and rate.

@@ -44,11 +44,19 @@ void predict(const Pass &pass, const PassTick &tick, const double *commands, dou
     P[pass.rate * n + pass.rate] += tick.unknown;
 }
 
+// The row of a reading on the state of its tick: between ticks by Newton's formula over two ticks ahead.
+void set_row(const Pass &pass, const PassReads &reads, int m, double *row) {
+    const int n = pass.states, table = pass.measurements * n;
+    const double offset = reads.readings[m].offset, bend = 0.5 * offset * (offset - 1.0);
+    const double *at = reads.rows + int(reads.readings[m].which) * n;
+    for (int j = 0; j < n; j++) row[j] = at[j] + offset * at[table + j] + bend * at[2 * table + j];
+}
+
 // Judge a reading, and take it in: K = P h/S, x = x + K e, P = P - K S K' (Simon 2006, Eq. 5.19).
 void take(const Pass &pass, const PassReads &reads, int m, double *x, double *P) {
     const int n = pass.states, c = pass.columns;
-    const double *row = reads.rows + m * n;
-    double *left = reads.innovations + m * c, carried[STATES];
+    double *left = reads.innovations + m * c, row[STATES], carried[STATES];
+    set_row(pass, reads, m, row);
     std::memcpy(left, reads.values + m * c, sizeof(double) * c);
     for (int i = 0; i < n; i++)
         if (row[i] != 0.0) add(c, -row[i], x + i * c, left);

@@ -8,7 +8,8 @@ namespace heave {
 // What is read, of m readings and c columns, and what it leaves.
 struct PassReads {
     const PassReading *readings;
-    const double *rows, *values;        // on the state (m, n); (m, c)
+    const double *rows;                 // of the measurements, and their first and second differences over ticks (3, k, n)
+    const double *values;               // (m, c)
     double *innovations, *variances;    // over the standard deviation that was predicted (m, c), and its square (m,)
 };
 

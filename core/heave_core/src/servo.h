@@ -13,6 +13,11 @@ struct SetPoints {
     int count;
 };
 
+// Rows of a table (4, count).
+inline SetPoints set_points(const double *sent, int count) {
+    return {sent, sent + count, sent + 2 * count, sent + 3 * count, count};
+}
+
 void servo_record(const ServoRun &run, const SetPoints &sent, const Servo &servo, const ServoStart &start, int ticks,
                   double *readings);
 double servo_reading(const ServoRun &run, const SetPoints &sent, const Servo &servo, const double *readings, double *work);

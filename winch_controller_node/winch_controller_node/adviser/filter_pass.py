@@ -104,17 +104,14 @@ def run_pass(model: PassModel, record: PassInput, used: NDArray[np.bool_]) -> Pa
     model, record : see there
     used : which measurements the filter takes, (k,); of the others innovations are noted only
     """
-    row, change, bend = (table[record.which] for table in model.rows)
-    offset = record.offsets[:, None]
-    rows = np.ascontiguousarray(row + offset * change + 0.5 * offset * (offset - 1.0) * bend)
     state, covariance = np.zeros((len(model.F), record.values.shape[1])), model.start.copy()
-    readings = np.column_stack((record.variances, used[record.which].astype(float)))
+    readings = np.column_stack((record.which, record.offsets, record.variances, used[record.which]))
     innovations, variances = follow(
         (model.F, model.B, model.Q, model.slack.pull, model.drag.rate),
         _motion(model, record),
         record.commands,
-        readings,
-        rows,
+        readings.astype(float, copy=False),
+        model.rows,
         record.values,
         state,
         covariance,

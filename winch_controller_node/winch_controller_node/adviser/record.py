@@ -54,13 +54,13 @@ class Record:
     @property
     def duration(self) -> float:
         """Length of what is kept [s]."""
-        return sum(len(batch.ticks) for batch in self._batches) * self._dt
+        return (self._batches[-1].last + 1 - self._batches[0].first) * self._dt if self._batches else 0.0
 
     def last(self, duration: float) -> Excerpt:
         """Return the last `duration` [s] of it, in whole batches."""
         kept: list[Observations] = []
         for batch in reversed(self._batches):
-            if sum(len(one.ticks) for one in kept) * self._dt >= duration - 0.5 * self._dt:
+            if kept and (kept[0].last + 1 - kept[-1].first) * self._dt >= duration - 0.5 * self._dt:
                 break
             kept.append(batch)
         kept.reverse()

@@ -7,7 +7,7 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from heave_core.servo import Drum, drum_records
+from heave_core.servo import Drum, drum_records, sent_points
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
@@ -52,6 +52,11 @@ class DrumRecord:
         return np.isfinite(self.readings)
 
     @cached_property
+    def _sent(self) -> Array:
+        """What the drum was sent, as a table."""
+        return sent_points(self.payouts, self.rates, self.late, self.tensions)
+
+    @cached_property
     def _stretches(self) -> list[tuple[int, int]]:
         """First reading that is there, and end, of each stretch in which the encoder has not jumped."""
         places = np.searchsorted(np.flatnonzero(self.seen), sorted({*self.breaks, self.onset} - {0})).tolist()
@@ -68,9 +73,7 @@ class DrumRecord:
         drums = np.ascontiguousarray(thetas[:, :FIELDS])
         starts = np.ascontiguousarray(thetas[:, START_PAYOUT:])
         count = len(self.readings)
-        path = drum_records(
-            self.payouts, self.rates, self.late, self.tensions, drums, starts, self.position_gain, count, self.dt
-        )
+        path = drum_records(self._sent, drums, starts, self.position_gain, count, self.dt)
         factor = thetas[:, FACTOR, None]
         if np.all(factor == 1.0):
             return np.asarray(path)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from heave_core.servo import DrumPrediction, drum_records
+from heave_core.servo import DrumPrediction, drum_records, sent_points
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.newest import Newest
 
@@ -176,17 +176,8 @@ class DrumWatch:
         needed = before + count + 1 + self._ahead
         payouts, rates = self._payouts.last(needed), self._rates.last(needed)
         start = np.array([[begin, self._rate_before(before + count)]])
-        path = drum_records(
-            payouts,
-            rates,
-            np.zeros(len(rates)),
-            self._tensions.last(needed),
-            drum[np.newaxis],
-            start,
-            self._nominal.position_gain,
-            before + count,
-            self._dt,
-        )[0]
+        sent = sent_points(payouts, rates, np.zeros(len(rates)), self._tensions.last(needed))
+        path = drum_records(sent, drum[np.newaxis], start, self._nominal.position_gain, before + count, self._dt)[0]
         path, travel = path[before:], path[-1] - (path[before - 1] if before > 0 else begin)
         asked, read = path[seen[1:]], readings[1:][seen[1:]]
         asked, read = asked - asked.mean(), read - read.mean()
