@@ -25,6 +25,13 @@ foreach(target IN LISTS ros_wheels_targets)
   endif()
 endforeach()
 
+# Each interface is parsed by the first of the generators that comes to it, see parse_once.py.
+set(parse_once "${CMAKE_BINARY_DIR}/parse_once")
+file(MAKE_DIRECTORY "${parse_once}/parsed")
+file(CONFIGURE OUTPUT "${parse_once}/python" CONTENT "#!/bin/sh\nexec '@Python3_EXECUTABLE@' '@CMAKE_CURRENT_LIST_DIR@/parse_once.py' '@parse_once@/parsed' \"$@\"\n" @ONLY)
+file(CHMOD "${parse_once}/python" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+set_property(TARGET Python3::Interpreter PROPERTY IMPORTED_LOCATION "${parse_once}/python")
+
 if(SKBUILD)
   include("${CMAKE_CURRENT_LIST_DIR}/install_node_packages.cmake")
   include("${CMAKE_CURRENT_LIST_DIR}/../core/library.cmake")

@@ -8,12 +8,13 @@ import pytest
 from cable_sim_node.winch import installed_drives as registry
 from domain_coordinator import domain_id
 from heave_bringup.cli import main
-from heave_bringup.commands.extras import EXTRA_OF
 from heave_bringup.errors import CommandError
 from heave_bringup.run.records import read_records
 from heave_node import extras
 
 from tests.loop_runs import environment
+
+GROUP = "heave.commands"
 
 
 @pytest.fixture
@@ -28,11 +29,11 @@ def alone(monkeypatch):
         clear()
 
 
-@pytest.mark.parametrize("name", EXTRA_OF)
+@pytest.mark.parametrize("name", extras.PARTS[GROUP])
 def test_a_command_of_a_missing_extra_names_it_in_one_line(alone, name, capsys):
     assert main([name, "whatever"]) != 0
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(f"heave: heave {name} needs heave[{EXTRA_OF[name]}]; ")
+    assert line.startswith(f"heave: heave {name} needs heave[{extras.extra_of(GROUP, name)}]; ")
 
 
 @pytest.mark.parametrize(

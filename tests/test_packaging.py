@@ -12,11 +12,8 @@ from xml.etree import ElementTree
 
 import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_path
-from cable_sim_node.winch import installed_drives as registry
-from heave_bringup import replacements
-from heave_bringup.commands import extras
 from heave_bringup.nodes import PROCESS_BY_NAME
-from heave_bringup.run import records
+from heave_node.extras import PARTS
 from heave_node.ros.transport.environment import prepare_environment
 from packaging.requirements import Requirement
 from packaging.version import Version
@@ -139,10 +136,7 @@ def test_pip_and_colcon_install_the_same_parts_of_extras():
             by_colcon[group] = {**by_colcon.get(group, {}), **parts}
     del by_colcon["console_scripts"]
     assert by_colcon == PYPROJECT["project"]["entry-points"]
-    assert set(by_colcon[extras.COMMANDS]) == set(extras.EXTRA_OF)
-    assert set(by_colcon[records.RECORD_EXTRAS]) == set(records.EXTRA_OF)
-    assert set(by_colcon[registry.GROUP]) == set(registry.EXTRA_OF)
-    assert set(by_colcon[replacements.GROUP]) == set(replacements.EXTRA_OF)
+    assert all(set(by_colcon[group]) == set(parts) for group, parts in PARTS.items())
 
 
 def test_ros_finds_each_executable_under_the_package_that_colcon_puts_it_in():

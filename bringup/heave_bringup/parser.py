@@ -8,9 +8,12 @@ import sys
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
+from heave_node.extras import PARTS
+
 from heave_bringup.commands.bags import export, kpi, record, repair, replay, report
 from heave_bringup.commands.command import CommandModule, name_of
-from heave_bringup.commands.extras import EXTRA_OF, extra_command, extra_commands
+from heave_bringup.commands.extras import COMMANDS as EXTRA_COMMANDS
+from heave_bringup.commands.extras import extra_command, extra_commands
 from heave_bringup.commands.models import design, modes
 from heave_bringup.commands.runs import check, operate, run
 from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
@@ -128,7 +131,8 @@ def all_commands() -> tuple[CommandModule, ...]:
 
 
 def _is_known(words: Sequence[str]) -> bool:
-    return any(name_of(command) in words for command in COMMANDS) or any(word in EXTRA_OF for word in words)
+    known = {*map(name_of, COMMANDS), *PARTS[EXTRA_COMMANDS]}
+    return any(word in known for word in words)
 
 
 def _commands(words: Sequence[str]) -> tuple[CommandModule, ...]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from heave_node.extras import MissingExtraError, extra_parts, load_part
+from heave_node.extras import MissingExtraError, known_parts, load_part
 from heave_node.interface import topics
 from heave_node.interface.sensors import SENSORS
 from heave_node.parameters import ParameterError
@@ -28,8 +28,6 @@ GROUP = "heave.replacements"
 """Group of entry points that replace a node, by kind: functions of the node and of what follows the kind
 (NODE=KIND:WHAT) that check it and return module and arguments of the program to start.
 """
-EXTRA_OF = {"fmu": "fmu"}
-"""The extra that brings each kind."""
 FORMS = f"{EXTERNAL}[:CLOCK[:S]]|{LOCKSTEP}|{BAG}:DIR|fmu:FILE|{NONE}"
 FORMER = {
     "--external": f"NODE={EXTERNAL}[:CLOCK]",
@@ -100,7 +98,7 @@ def parse_replacements(texts: Iterable[str], option: str = OPTION, kinds: Sequen
         source = f"{option} {text}".replace(":= ", ":=")
         node, _, what = text.partition("=")
         kind, _, detail = what.partition(":")
-        known = (EXTERNAL, LOCKSTEP, BAG, NONE, *EXTRA_OF, *extra_parts(GROUP))
+        known = (EXTERNAL, LOCKSTEP, BAG, NONE, *known_parts(GROUP))
         if not node or kind not in (kinds or known):
             raise ParameterError(f"{source}: must be NODE=WHAT, WHAT one of {', '.join(kinds or dict.fromkeys(known))}")
         if kind != EXTERNAL and node not in NODE_BY_NAME:
@@ -153,7 +151,7 @@ def _bag(node: str, detail: str, source: str) -> list[str]:
 
 def _of_extra(node: str, kind: str, detail: str, source: str) -> list[str]:
     try:
-        program: list[str] = load_part(GROUP, kind, source, EXTRA_OF.get(kind, kind))(node, detail)
+        program: list[str] = load_part(GROUP, kind, source)(node, detail)
     except MissingExtraError as error:
         raise CommandError(str(error)) from error
     return program

@@ -2,9 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
+
+PARTS: Mapping[str, Mapping[str, str]] = {
+    "heave.commands": {
+        **dict.fromkeys(("adapt", "import"), "devices"),
+        **dict.fromkeys(("accept", "campaign", "extremes", "falsify", "identify", "lift", "operability"), "studies"),
+        **dict.fromkeys(("sizing", "whatif"), "studies"),
+        "static": "statics",
+        **dict.fromkeys(("panel", "view"), "panel"),
+        "fmu": "fmu",
+    },
+    "heave.record_extras": {"kappa": "studies", "baseline": "studies"},
+    "heave.drives": dict.fromkeys(("electric", "pump_controlled", "valve_controlled"), "drives"),
+    "heave.motion_sources": {"crane": "devices"},
+    "heave.replacements": {"fmu": "fmu"},
+}
+"""The extra of the suite that brings each part of a group of entry points, so that one that is missing can be named."""
 
 
 class MissingExtraError(Exception):
@@ -32,18 +49,27 @@ def extra_parts(group: str) -> dict[str, EntryPoint]:
     return {entry.name: entry for entry in entry_points(group=group)}
 
 
-def load_part(group: str, name: str, what: str, extra: str) -> Any:
+def known_parts(group: str) -> tuple[str, ...]:
+    """Return the names of the parts of a `group`: the suite's own, then those of others that are installed."""
+    return tuple(dict.fromkeys((*PARTS[group], *extra_parts(group))))
+
+
+def extra_of(group: str, name: str) -> str:
+    """Return the extra that brings the part `name` of a `group`."""
+    return PARTS[group].get(name, name)
+
+
+def load_part(group: str, name: str, what: str) -> Any:
     """Return what an extra brings.
 
     Parameters
     ----------
     group, name : of its entry point
     what : it is for the user; opens the message
-    extra : that brings it
 
     Raises MissingExtraError where the extra, or a package of its own, is not installed.
     """
-    entry = extra_parts(group).get(name)
+    entry, extra = extra_parts(group).get(name), extra_of(group, name)
     if entry is None:
         raise missing_extra(what, extra)
     try:

@@ -65,5 +65,5 @@ def motion_source(controller: WinchController, tick_period: float) -> MotionSour
     """
     if not controller.parameters.crane.is_fitted and CRANE not in extra_parts(MOTION_SOURCES):
         return NothingInFront(controller)
-    entry: MotionSourceEntry = load_part(MOTION_SOURCES, CRANE, "system.crane", "devices")
+    entry: MotionSourceEntry = load_part(MOTION_SOURCES, CRANE, "system.crane")
     return entry.make(controller, tick_period)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from cable_sim_node.parameters import CableParameters
 from cable_sim_node.unit_parameters import UnitParameters
-from heave_node.extras import extra_parts, missing_extra
+from heave_node.extras import extra_of, extra_parts, missing_extra
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.parameters import ParameterError, group, parameter
 
@@ -146,7 +146,7 @@ def load_chosen_parts(parameters: WinchControllerParameters) -> None:
     pose of a crane is not installed.
     """
     if parameters.crane.is_fitted and CRANE not in extra_parts(MOTION_SOURCES):
-        raise ParameterError(str(missing_extra("system.crane", "devices")))
+        raise ParameterError(str(missing_extra("system.crane", extra_of(MOTION_SOURCES, CRANE))))
     law = load_law(parameters.law)
     if ":" in parameters.law:
         parameters_of_place(law, parameters.law_parameters)

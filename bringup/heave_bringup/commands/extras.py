@@ -5,25 +5,13 @@ from __future__ import annotations
 import argparse
 from typing import cast
 
-from heave_node.extras import extra_parts, missing_extra
+from heave_node.extras import PARTS, extra_of, extra_parts, missing_extra
 
 from heave_bringup.commands.command import CommandModule
 from heave_bringup.errors import CommandError
 
 COMMANDS = "heave.commands"
 """Group of entry points whose modules are subcommands (`heave_bringup.commands.command`)."""
-
-EXTRA_OF = {
-    **dict.fromkeys(("adapt", "import"), "devices"),
-    **dict.fromkeys(
-        ("accept", "campaign", "extremes", "falsify", "identify", "lift", "operability", "sizing", "whatif"), "studies"
-    ),
-    "static": "statics",
-    **dict.fromkeys(("panel", "view"), "panel"),
-    "fmu": "fmu",
-}
-"""The extra that brings each subcommand, so that one that is not installed can be named."""
-
 
 EXTRA_OF_MODULE = {
     **dict.fromkeys(("control", "matplotlib"), "design"),
@@ -46,7 +34,7 @@ class AbsentCommand:
 
     def __init__(self, name: str, error: ModuleNotFoundError | None) -> None:
         self.__name__ = name
-        self.SUMMARY = f"Needs heave[{EXTRA_OF[name]}], which is not installed."
+        self.SUMMARY = f"Needs heave[{extra_of(COMMANDS, name)}], which is not installed."
         self._error = error
 
     def add_arguments(self, parser: argparse.ArgumentParser, /) -> None:
@@ -60,7 +48,7 @@ class AbsentCommand:
 
 def extra_commands() -> tuple[CommandModule, ...]:
     """Return the subcommands that extras bring; one of a missing extra says what it needs."""
-    return tuple(extra_command(name) for name in EXTRA_OF)
+    return tuple(extra_command(name) for name in PARTS[COMMANDS])
 
 
 def extra_command(name: str) -> CommandModule:
@@ -75,7 +63,7 @@ def extra_command(name: str) -> CommandModule:
 def missing(command: str, error: ModuleNotFoundError | None) -> CommandError:
     """Return what to say where a `command` needs a module that is not there; raise `error` where no extra has it."""
     module = "" if error is None else str(error.name).partition(".")[0]
-    extra = EXTRA_OF.get(command) or EXTRA_OF_MODULE.get(module)
+    extra = PARTS[COMMANDS].get(command) or EXTRA_OF_MODULE.get(module)
     if extra is None:
         raise error or KeyError(command)
     return CommandError(str(missing_extra(f"heave {command}", extra, error)))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from heave_bags.analyse import analysis
 from heave_bags.analyse.run_record import RunRecord
-from heave_node.extras import MissingExtraError, extra_parts, load_part
+from heave_node.extras import MissingExtraError, known_parts, load_part
 
 from heave_bringup.errors import CommandError
 from heave_bringup.output import warn
@@ -19,8 +19,6 @@ from heave_bringup.stored_scenario import parameters_of
 RECORD_EXTRAS = "heave.record_extras"
 """Group of entry points that add to the record of a run: functions as `AddToRecord`."""
 BASELINE, KAPPA = "baseline", "kappa"
-EXTRA_OF = dict.fromkeys((KAPPA, BASELINE), "studies")
-"""The extra that brings each of them, in the order in which they are added; those of others follow."""
 
 
 @dataclass(frozen=True)
@@ -83,12 +81,12 @@ def read_records(
 def _extras(wanted: Mapping[str, bool | None]) -> list[AddToRecord]:
     """Return what adds to a record; raise CommandError where the extra for something `wanted` (True) is missing."""
     found = []
-    for name in dict.fromkeys((*EXTRA_OF, *extra_parts(RECORD_EXTRAS))):
+    for name in known_parts(RECORD_EXTRAS):
         asked = wanted.get(name)
         if asked is False:
             continue
         try:
-            found.append(load_part(RECORD_EXTRAS, name, f"--{name}", EXTRA_OF.get(name, name)))
+            found.append(load_part(RECORD_EXTRAS, name, f"--{name}"))
         except MissingExtraError as error:
             if asked:
                 raise CommandError(str(error)) from error

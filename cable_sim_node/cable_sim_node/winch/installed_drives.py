@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import make_dataclass
 from functools import cache
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from heave_node.extras import MissingExtraError, extra_parts, load_part, missing_extra
+from heave_node.extras import PARTS, MissingExtraError, extra_of, known_parts, load_part, missing_extra
 from heave_node.parameters import group
-
-T = TypeVar("T")
 
 GROUP = "heave.drives"
 """Group of entry points that are drives: a `DriveEntry` each, by the name that `drive` chooses it by."""
 SERVO = "speed_servo"
 """The ideal servo, which is always there."""
-EXTRA_OF = dict.fromkeys(("electric", "pump_controlled", "valve_controlled"), "drives")
-"""The extra that brings each drive, so that one that is not installed can be named."""
 
 
 class DriveEntry(NamedTuple):
@@ -35,26 +32,35 @@ class DriveEntry(NamedTuple):
 def installed_drives() -> dict[str, DriveEntry]:
     """Return the drives that are installed, by name, without the servo."""
     found = {}
-    for name in dict.fromkeys((*EXTRA_OF, *extra_parts(GROUP))):
+    for name in known_parts(GROUP):
         with suppress(MissingExtraError):
-            found[name] = load_part(GROUP, name, name, EXTRA_OF.get(name, name))
+            found[name] = load_part(GROUP, name, name)
     return found
 
 
 def absent_drives() -> tuple[str, ...]:
     """Return the names of known drives that are not installed."""
-    return tuple(name for name in EXTRA_OF if name not in installed_drives())
+    return tuple(name for name in PARTS[GROUP] if name not in installed_drives())
 
 
 def check_is_installed(drive: str) -> None:
     """Refuse a known `drive` whose extra is missing, by ValueError with what it needs."""
     if drive in absent_drives():
-        raise ValueError(str(missing_extra(f"drive = {drive}", EXTRA_OF[drive])))
+        raise ValueError(str(missing_extra(f"drive = {drive}", extra_of(GROUP, drive))))
 
 
-def with_drives(kind: type[T]) -> type[T]:
-    """Let the dataclass that `kind` becomes have the parameters of each installed drive, as a group of its name."""
-    for name, entry in installed_drives().items():
-        kind.__annotations__[name] = entry.parameters
-        setattr(kind, name, group(entry.parameters))
-    return kind
+def drive_groups(installed: Mapping[str, DriveEntry]) -> type:
+    """Return a dataclass with the parameters of each `installed` drive as a group of its name."""
+    fields: list[tuple[str, type, Any]] = [
+        (name, entry.parameters, group(entry.parameters)) for name, entry in installed.items()
+    ]
+    return make_dataclass("DriveGroups", fields, frozen=True)
+
+
+if TYPE_CHECKING:
+
+    class DriveGroups:
+        """Groups of the drives that are installed; only a drive itself reads its own."""
+
+else:
+    DriveGroups = drive_groups(installed_drives())

@@ -11,10 +11,10 @@ from heave_node.winch.position_loop import check_position_gain
 
 from cable_sim_node.winch.installed_drives import (
     SERVO,
+    DriveGroups,
     absent_drives,
     check_is_installed,
     installed_drives,
-    with_drives,
 )
 
 
@@ -51,13 +51,8 @@ class WinchDriftParameters(Checked):
 
 
 @dataclass(frozen=True)
-@with_drives
-class WinchParameters(WinchFigures):
-    """The winch: how it answers a command, what it cannot exceed, and when it stops by itself.
-
-    The defaults are the winch of the benchmark scenarios, with an encoder of 1 mm. The parameters of each installed
-    drive with its physics are a group under its name (`electric`, ...).
-    """
+class OwnWinchParameters(WinchFigures):
+    """The winch without the groups of its drives: how it answers a command, what it cannot exceed, when it stops."""
 
     drive: str = parameter("speed_servo",
         description="What moves the drum: an ideal servo (with law), or a drive with its physics: electric.*, "
@@ -135,3 +130,12 @@ class WinchParameters(WinchFigures):
             check_position_gain("position_rate", self.position_rate, self.speed_limit, self.acceleration_limit)
         else:
             check_position_gain("position_gain", self.position_gain, self.speed_limit, slowest)
+
+
+@dataclass(frozen=True)
+class WinchParameters(DriveGroups, OwnWinchParameters):
+    """The winch: how it answers a command, what it cannot exceed, and when it stops by itself.
+
+    The defaults are the winch of the benchmark scenarios, with an encoder of 1 mm. The parameters of each drive with
+    its physics that is installed when this module is imported are a group under its name (`electric`, ...).
+    """
