@@ -70,8 +70,8 @@ def test_every_figure_of_merit_of_a_ship_is_known_without_the_truth(sea_trial):
 def test_each_figure_says_what_it_is_made_from(sea_trial):
     record = read_run(sea_trial)
     assert record.sources == {
-        "unit heave": "estimated",
-        "uncompensated unit heave": "estimated",
+        "load heave": "estimated",
+        "load heave, winch locked": "estimated",
         "boom-tip heave": "measured",
         "top tension": "measured",
         "payout": "measured",
@@ -89,7 +89,7 @@ def test_each_figure_says_what_it_is_made_from(sea_trial):
 
 
 def test_a_figure_is_as_certain_as_the_least_certain_of_its_motions():
-    sources = {"unit heave": "true", "uncompensated unit heave": "estimated"}
+    sources = {"load heave": "true", "load heave, winch locked": "estimated"}
     assert source_of("unit_efficiency", sources) == "estimated"
     assert source_of("unit_sigma_m", sources) == "true"
     assert source_of("missed_deadlines", sources) == ""

@@ -83,8 +83,8 @@ def extremes(record: RunRecord) -> list[Extreme]:
         )
         found.append(Extreme(name, float(values[index]), unit, float(part.time[index])))
 
-    add("unit heave about its mean", signals.unit_heave, "m", about_mean=True)
-    add("uncompensated unit heave about its mean", signals.uncompensated_heave, "m", about_mean=True)
+    add("load heave about its mean", signals.unit_heave, "m", about_mean=True)
+    add("load heave about its mean, winch locked", signals.uncompensated_heave, "m", about_mean=True)
     add("boom-tip heave about its mean", signals.boom_tip_heave, "m", about_mean=True)
     add("top tension, smallest", signals.tension, "N", smallest=True)
     add("top tension, largest", signals.peak_tension(), "N")

@@ -213,12 +213,12 @@ def _fill_motion(record: RunRecord, fields: Mapping[str, Fields], parameters: No
     depths = measured_height(pressure, payout, water_of(parameters.get("winch_controller", {})))
     signals.unit_heave = _best(
         record,
-        "unit heave",
+        "load heave",
         ((TRUE, fields[UNIT].signal("pose.pose.position.z")), (ESTIMATED, state.signal("predicted_unit_heave"))),
     )
     signals.uncompensated_heave = _best(
         record,
-        "uncompensated unit heave",
+        "load heave, winch locked",
         (
             (TRUE, fields[UNCOMPENSATED].signal("position.z")),
             (ESTIMATED, state.signal("predicted_uncompensated_heave")),

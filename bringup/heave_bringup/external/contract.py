@@ -153,86 +153,86 @@ CONTRACTS: tuple[Contract, ...] = (
         "a controller",
         publishes=(COMMAND, OBSERVATIONS),
         hears=(CLOCK, MRU, HEAVE_PREVIEW, CRANE_POSE, STATE, *SENSORS_OF_SHIP, BELIEFS),
-        when_late=f"A winch that gets no fresh command for {WATCHDOG:g} s stops with its own deceleration and brakes. "
-        "A command older than that on arrival is not used.",
-        handshake="The winch starts with its brake on: it is released by a fresh command with `brake: false`. "
+        when_late=f"Without a fresh command for {WATCHDOG:g} s the winch stops at its own deceleration and brakes."
+        " Older commands are ignored.",
+        handshake="The winch starts with its brake on. A fresh command with `brake: false` releases it. "
         f"`sequence` counts up from 1, by one.\n\n{RELEASE}",
-        advice="Publish one command for each `clock` message that comes, from the first one on, also while there is "
-        "nothing to do (`brake: true`). The unit is held still by paying out what the boom tip rises: wanted payout = "
-        f"heave, wanted payout rate = heave rate. **Put the motion into `payout_rate`**: the drive of the suite "
-        "follows it, within its limits, after `command_delay` and with the lag `time_constant`, both in the scenario "
-        f"under `system.winch`; it adds `position_gain` ({WINCH.position_gain:g} 1/s unless set) times what is "
-        "missing to `payout`, so that with a gain of 0 `payout` alone moves nothing. Look ahead by the delay and the "
-        "lag, and pull `encoder_payout` gently towards your mean: it drifts otherwise. Payout is "
-        f"{WINCH.payout_minimum:g} to {WINCH.payout_maximum:g} m unless set.",
+        advice="Publish one command for each `clock` message, from the first one on, even if there is nothing to "
+        "do (`brake: true`). To hold the load still, pay out as the boom tip rises: payout = heave, payout"
+        " rate = heave rate. **Put the motion into `payout_rate`.** The suite's drive follows it within "
+        "its limits, after `command_delay` and with lag `time_constant` (`system.winch`), and adds "
+        f"`position_gain` ({WINCH.position_gain:g} 1/s by default) times the error in `payout`: with a gain"
+        " of 0, `payout` alone moves nothing. Look ahead by delay and lag, and pull `encoder_payout` "
+        f"gently towards your mean, or it drifts. Payout is {WINCH.payout_minimum:g} to "
+        f"{WINCH.payout_maximum:g} m by default.",
     ),
     Contract(
         "winch_adviser",
         "an adviser: identification of winch, cable, sensors and sea",
         publishes=(BELIEFS,),
         hears=(OBSERVATIONS,),
-        when_late=f"An answer is active {LATENCY:g} s after the last tick of its batch. One that comes later is "
-        "rejected and counted; one that makes no sense is rejected with the part that is wrong. Without answers the "
-        "controller keeps the last beliefs, or the nominal, and says so.",
-        advice="`asked` is the number of the last tick of the batch: `first`, plus the number of rows of `ticks`, less "
-        "one. Stamp the answer with the start of the last tick before it is active, so that it is taken in that tick. "
-        "The smallest answer is `asked` and `authority: 1.0`. `heave run SCENARIO --replace winch_adviser=none` has "
-        "no adviser at all.",
+        when_late=f"An answer becomes active {LATENCY:g} s after the last tick of its batch. A later one is "
+        "rejected and counted; an invalid one is rejected, naming the part that is wrong. Without "
+        "answers the controller keeps the last values, or the nominal ones, and reports it.",
+        advice="`asked` is the last tick of the batch: `first`, plus the number of rows of `ticks`, minus one. "
+        "Stamp the answer with the start of the last tick before it becomes active. The smallest answer is"
+        " `asked` and `authority: 1.0`. `heave run SCENARIO --replace winch_adviser=none` runs without an "
+        "adviser.",
     ),
     Contract(
         "virtual_winch",
         "a winch drive",
         publishes=(STATE,),
         hears=(CLOCK, COMMAND, Port(topics.CABLE_STATE, 0.0, False, "tension, of simulated cables only")),
-        when_late="The simulated cable coasts the drum to rest after 0.5 s without a state. The controller takes the "
-        f"encoder for lost, runs on prediction for {COAST:g} s, then stops the winch.",
-        handshake=f"Begin with the brake on, `encoder_payout` 0. Without a fresh command for {WATCHDOG:g} s, once "
-        "released, the drive must stop by itself, brake, and say `fault: 1` (FAULT_COMMAND_TIMEOUT). A set-point that "
-        f"is not finite: stop, brake, `fault: 2`. `brake: true` is no fault: stop, brake.\n\n{RELEASE}\n\nThe suite's "
-        f"controller acknowledges `fault: 1` at once, releases the drive {WAIT:g} s later and compensates again, "
-        f"{MOST} times in {PERIOD / 60.0:g} minutes; every other fault waits for an operator.",
-        advice="Publish one state for each `clock` message that comes, from the first one on, also before the first "
-        "command. Follow `payout_rate` within your limits of speed and acceleration; or, with a position loop of your "
-        "own, `payout`: the integral of that rate, where the drum is to be at the end of the interval, in the count of "
-        "`encoder_payout`. State the lag of the loop as `system.winch.time_constant`. `mean_payout` is what the winch "
-        "works about, to display or to centre a drum that drifts. `command_sequence` echoes the number "
-        "of the newest command in effect: lateness is measured by it. `payout`, `payout_rate`, "
-        "`payout_acceleration`, `tension` and `power` are NaN where the drive does not know them. The controller takes "
-        "limits and lag from `system.winch` of the scenario: set them to those of your drive.",
+        when_late="Without a state for 0.5 s the simulated cable lets the drum coast to rest. The controller "
+        f"treats the encoder as lost, predicts for {COAST:g} s, then stops the winch.",
+        handshake="Start with the brake on and `encoder_payout` 0. Once released, the drive must stop by itself, "
+        "brake and report `fault: 1` (FAULT_COMMAND_TIMEOUT) if there is no fresh command for "
+        f"{WATCHDOG:g} s. A set-point that is not finite: stop, brake, `fault: 2`. `brake: true` is no "
+        f"fault: stop, brake.\n\n{RELEASE}\n\nThe suite's controller acknowledges `fault: 1` at once, "
+        f"releases the drive {WAIT:g} s later and compensates again, up to {MOST} times in "
+        f"{PERIOD / 60.0:g} minutes; every other fault waits for an operator.",
+        advice="Publish one state for each `clock` message, from the first one on, even before the first command."
+        " Follow `payout_rate` within your limits of speed and acceleration; or, with your own position "
+        "loop, `payout`: the integral of that rate, in the count of `encoder_payout`, as the position at "
+        "the end of the interval. Enter the lag of the loop as `system.winch.time_constant`. `mean_payout`"
+        " is the working point, for display or to centre a drifting drum. `command_sequence` echoes the "
+        "newest command in effect: lateness is measured by it. Use NaN for `payout`, `payout_rate`, "
+        "`payout_acceleration`, `tension` and `power` if unknown. The controller takes limits and lag from"
+        " `system.winch`: set them to those of your drive.",
     ),
     Contract(
         "wave_vessel",
         "a motion reference unit, or a vessel with one",
         publishes=(MRU, BOOM_TIP, WAVE_COMPONENTS, HEAVE_PREVIEW, CRANE_POSE),
         hears=(CLOCK,),
-        when_late=f"The controller runs on prediction for {COAST:g} s, then damps the unit by the depth sensor and "
-        "goes on compensating 1 s after readings are good again; on a short stiff cable, and without a depth sensor, "
-        f"it fades out and stops the winch, and resumes when readings have been good for {RESUME:g} s. The simulated "
-        "cable coasts its upper end to rest after 0.5 s.",
-        advice="`mru` may be published at a rate of its own, with the time of the measurement. `boom_tip` moves the "
-        "simulated cable: one message for each `clock` message, `position` = (0, 0, height + heave) with the height "
-        f"of the boom tip in the scenario, `system.boom_tip_height` ({BOOM_TIP_HEIGHT:g} m unless set), `velocity.z` "
-        "and `acceleration.z` those of the heave. An MRU alone fills it from its own readings. Begin near rest, or "
-        "within 1 m of it. `vessel/heave_preview` may come from a process of its own, such as a wave radar's, at a "
-        "rate of its own: law `mpc` uses it where `mpc.preview_time` is set, once it has come true for "
-        f"{PROOF_TIME:g} s, while it is at most {MAXIMUM_AGE:g} s old and covers all times up to `mpc.preview_time`. "
-        "`crane/pose` may come from a process of its own too, at a rate of its own: `mru` is then that of the boom tip "
-        "in the reference pose, `system.crane`, and what stands in front of the controller "
-        "(heave[devices]) carries it to where the tip is. A pose older than "
-        f"{CRANE.pose_timeout:g} s is stale, and the last one is held; one that is elsewhere is used once it has gone "
-        f"on for {CONFIRMED_AFTER:g} s.",
+        when_late=f"The controller predicts for {COAST:g} s, then the depth sensor damps the load, and "
+        "compensation resumes 1 s after good readings. On a short stiff cable or without a depth sensor"
+        f" it fades out, stops the winch, and resumes after {RESUME:g} s of good readings. The boom tip "
+        "of the simulated cable coasts to rest after 0.5 s.",
+        advice="`mru` may have its own rate; stamp it with the time of the measurement. `boom_tip` moves the "
+        "simulated cable: one message for each `clock` message, `position` = (0, 0, height + heave) with "
+        f"`system.boom_tip_height` ({BOOM_TIP_HEIGHT:g} m by default), `velocity.z` and `acceleration.z` "
+        "those of the heave. An MRU alone fills it from its own readings. Start at rest, or within 1 m of "
+        "it. `vessel/heave_preview` may come from another process, such as a wave radar's, at its own "
+        f"rate: law `mpc` uses it if `mpc.preview_time` is set, once it has been right for {PROOF_TIME:g} "
+        f"s, while it is at most {MAXIMUM_AGE:g} s old and covers `mpc.preview_time`. `crane/pose` may also"
+        " come from another process at its own rate: `mru` is then that of the boom tip in the reference "
+        "pose (`system.crane`), and heave[devices] carries it to the present tip. A pose older than "
+        f"{CRANE.pose_timeout:g} s is stale, and the last one is held; a pose that jumped is used after "
+        f"{CONFIRMED_AFTER:g} s without another jump.",
     ),
     Contract(
         "cable_sim",
         "the ship itself: cable, unit and their sensors",
         publishes=SENSORS_OF_SHIP,
         hears=(CLOCK,),
-        when_late="A sensor that falls silent is lost: the controller goes on with the others. Without a depth sensor "
-        "it holds the boom tip's heave off the cable as the model says; moves to a depth are refused.",
-        advice="The suite supplies `clock` and the start barrier itself (node `ship_clock`); MRU and winch are "
-        "external too, as above, and `boom_tip` is then still asked for. No reading is required: publish those that "
-        "the ship has. Figures of the run come from sensors and estimates, and are marked so. One sensor alone may be "
-        f"external beside the simulated plant, by its topic: `--external {SENSORS_OF_SHIP[0].topic.name}`.",
+        when_late="A silent sensor is lost: the controller continues with the others. Without a depth sensor it "
+        "compensates the boom-tip motion through the cable model, and refuses moves to a depth.",
+        advice="The suite supplies `clock` and the start barrier (node `ship_clock`). MRU and winch are external "
+        "too, and `boom_tip` is still required. No reading is required: publish what the ship has. Figures"
+        " of the run come from sensors and estimates, and are marked so. To replace one sensor of the "
+        f"simulated plant, name its topic: `--replace {SENSORS_OF_SHIP[0].topic.name}=external`.",
     ),
 )
 CONTRACT_OF = {contract.node: contract for contract in CONTRACTS}
@@ -256,51 +256,49 @@ def page() -> str:
 
 INTRODUCTION = f"""# The contract of external nodes
 
-This page is generated by `python -m heave_bringup.external.contract` from the code that runs.
+Generated by `python -m heave_bringup.external.contract`.
 
-1. Start your node. It makes its publishers at once, and waits for `clock`.
-2. `heave check --replace NODE=external` listens to it, plays its counterpart, and checks it against this page (a winch
-   is braked and released, never moved).
-3. `heave run b2_calm_300 --pacing realtime --replace NODE=external` starts all nodes but NODE, and waits for a
-   publisher of each topic that is marked *required*. Restart your node for each run.
+1. Start your node. It creates its publishers and waits for `clock`.
+2. `heave check --replace NODE=external` plays its counterpart and checks it against this page. A winch is braked and
+   released, never moved.
+3. `heave run b2_calm_300 --pacing realtime --replace NODE=external` starts all other nodes and waits for a publisher of
+   each *required* topic. Restart your node for each run.
 
-Your node needs ROS 2 with the package `heave_msgs` built: the suite's own environment (`.venv/bin/python my_node.py`)
-has both. Its wheels bring rclpy, and no rclcpp: a node in C++ needs a ROS of its own, with `heave_msgs` built by
-colcon. `examples/` holds a node of one page for each. A device that speaks lines, datagrams or messages of another
-type needs no node of yours: `heave adapt MAP.yaml` is one by a map file.
+Your node needs ROS 2 and `heave_msgs`: the suite's environment has both (`.venv/bin/python my_node.py`). It has rclpy
+but no rclcpp: for C++ use your own ROS, with `heave_msgs` built by colcon. `examples/` has a one-page node of each
+kind. A device that speaks serial lines, datagrams or other messages needs no node: `heave adapt MAP.yaml`.
 
-- **Units** are SI, in every field. **Signs**: payout positive lets cable out and lowers the unit; heave is positive
-  up, depth positive down. Frame `world`: z up, origin at still water below the mean boom tip.
-- **Clock**: `clock` comes once per tick, {TICK:g} s unless the scenario says otherwise; it begins at one tick, not
-  at 0, when everybody is there, and starts again with each run. Your stamps are one of three, per node: `simulated`,
-  that of the newest `clock` (or `use_sim_time`); `own`, any clock of your own, whose offset and drift are estimated;
-  `none`, stamp 0: the time of arrival counts. The first message decides; `--replace NODE=external:CLOCK` says it, and
-  messages that do not fit are an error. What you measure that much before you stamp it is a latency that no clock
-  shows: `--replace NODE=external:CLOCK:0.04` takes 40 ms off.
-- **Quality of service**: as the tables say; depth 10 is enough. A command that is published best effort is refused at
-  the start. What comes in may be subscribed to as reliable or as best effort.
-- **Names** are relative, `clock` too: a namespace or a remapping works on either side, `heave run --namespace NAME`
-  puts the whole run under `/NAME`, `heave check --namespace NAME` looks there. A node that uses `use_sim_time` in a
-  namespace needs the remapping `/clock:=/NAME/clock`. The name of your node is free.
-- **The system** (delay and lag of the winch, its limits, masses) is the scenario's: `heave params virtual_winch` lists
-  names, units and defaults, `scenario.yaml` beside each bag the active values, and `--set system.winch.speed_limit=1`
-  changes one. The suite's controller brakes until it knows the sea, some 25 s; figures count after the transient (120 s
-  as shipped).
-- **Reach**: the same `ROS_DOMAIN_ID`, on this machine. For other machines give `heave` the option `--network`; the
-  guide's page on several hosts says what a link that drops does.
-- **A topic has one publisher**, a process: a second one is named, is an error, and is not obeyed. One that has left
-  may be started again during the run.
+- **Units** are SI. **Signs**: positive payout lets rope out and lowers the load; heave is positive up, depth positive
+  down. Frame `world`: z up, origin at still water below the mean boom tip.
+- **Clock**: `clock` comes once per tick ({TICK:g} s by default). It starts with each run at one tick, not at 0, once
+  everybody is there. Your stamps are, per node, `simulated` (the newest `clock`, or `use_sim_time`), `own` (any clock;
+  offset and drift are estimated) or `none` (stamp 0: time of arrival). The first message decides, unless you
+  state it (`--replace NODE=external:CLOCK`); messages that do not fit are an error. A latency before the stamp cannot
+  be seen: `--replace NODE=external:CLOCK:0.04` subtracts 40 ms.
+- **Quality of service**: see the tables; depth 10 is enough. Commands published as best effort are refused. Subscribe
+  as reliable or best effort.
+- **Names** are relative, including `clock`, so namespaces and remapping work. `heave run --namespace NAME` puts the run
+  under `/NAME`; `heave check --namespace NAME` looks there. With `use_sim_time` in a namespace, remap
+  `/clock:=/NAME/clock`. Your node may have any name.
+- **The system** (winch delay, lag and limits, masses) is that of the scenario: `heave params virtual_winch` lists
+  defaults, `scenario.yaml` beside each bag the active values, `--set system.winch.speed_limit=1` changes one. The
+  suite's controller brakes for some 25 s until it knows the sea; figures count after the transient (120 s as
+  shipped).
+- **Reach**: the same `ROS_DOMAIN_ID` on this machine; other machines need `--network`
+  ([several hosts](guide/howto/several_hosts.md)).
+- **A topic has one publisher.** A second one is named, is an error, and is ignored. One that has left may be restarted
+  during the run.
 """
 
 
 LOCKSTEP = f"""## In lockstep, under the name of a node
 
-External nodes are used as they come, in real time. A program that can wait takes part in each tick instead, in
-lockstep and in real time: `heave run SCENARIO --replace NODE=lockstep` starts all nodes but NODE, and waits for a node
-of that name at the start barrier. Equal seeds then give equal bytes, if the program does.
+A program that can wait may take part in each tick, in lockstep and in real time:
+`heave run SCENARIO --replace NODE=lockstep` starts all other nodes and waits for a node of that name at the start
+barrier. Equal seeds then give equal bytes, if the program is deterministic.
 
-- In Python, derive from `ParticipantNode`: `examples/lockstep_controller.py` and `examples/plant.py` are all that it
-  takes. An error in your code ends your node and the run at once; both say in which file and line.
+- In Python, derive from `ParticipantNode` (`examples/lockstep_controller.py`, `examples/plant.py`). An error in your
+  code ends node and run at once, naming file and line.
 
   | you fill in | called | does |
   |---|---|---|
@@ -311,9 +309,8 @@ of that name at the start barrier. Equal seeds then give equal bytes, if the pro
   | `on_left_out(tick)` | in real time, for each tick that a node jumps over | lets time pass, publishes nothing |
   | `on_exit()` | once, however the node ends | releases files and devices |
 
-- **In real time** a node that is behind makes up for its ticks for {CATCH_UP_LIMIT:g} s, then jumps to the newest one.
-  It never works through a backlog of seconds; the controller predicts its estimate over them. The end of the run
-  counts the messages that never came to a node. It prints the figures, names the loss and ends with status 1.
+- **In real time** a node that is late catches up for {CATCH_UP_LIMIT:g} s, then jumps to the newest tick; the
+  controller predicts across the gap. The end of the run counts lost messages, names the loss, and has exit status 1.
 - **`--replace cable_sim=lockstep`**: your plant takes part like any other node, and `ship_clock` leads the ticks. Stamp
   its readings with the end of the tick: the controller reads them in the next one.
 - In anything else, follow the protocol (its topics are relative, reliable, keep the last 200; `_tick/roster` and

@@ -37,8 +37,10 @@ def announce(scenario: Scenario, required: Sequence[Criterion] = ()) -> Announce
             is_judged=False,
         )
     criteria = dict.fromkeys((*scenario.wanted, *required))
-    bounds = [f"{DEFINITION_OF[one.kpi].title} {required_words(one)}" for one in criteria]
-    bounds += [f"compensation active at least {100.0 * LEAST_SHARE:.0f} % of the time"] if scenario.moves_winch else []
+    bounds = [f"{DEFINITION_OF[one.kpi].title} ({required_words(one)})" for one in criteria]
+    bounds += (
+        [f"compensation active (at least {100.0 * LEAST_SHARE:.0f} % of the time)"] if scenario.moves_winch else []
+    )
     bounds += ["no overload of rope, winch or attachment"]
     window = f"{run.transient:g} s to {run.duration:g} s, seed {run.seed}"
-    return Announcement(f"{scenario.name}, judged over {window}: {'; '.join(bounds)}", is_judged=True)
+    return Announcement(f"{scenario.name}, judged from {window}: {'; '.join(bounds)}", is_judged=True)

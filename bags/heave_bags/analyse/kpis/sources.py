@@ -8,7 +8,7 @@ from heave_node.loads.strength import ROPE, WINCH_PULL
 
 SOURCES = ("estimated", "measured", "true")
 """Sources of a motion, the least certain first."""
-UNIT_HEAVE, FREE_HEAVE, TIP_HEAVE = "unit heave", "uncompensated unit heave", "boom-tip heave"
+UNIT_HEAVE, FREE_HEAVE, TIP_HEAVE = "load heave", "load heave, winch locked", "boom-tip heave"
 TOP_TENSION, PAYOUT, BASELINE = "top tension", "payout", "baseline"
 _OF_TENSION = (
     *("tension_min_n", "tension_mean_n", "tension_max_n", "tension_sigma_n", "tension_ratio_min"),

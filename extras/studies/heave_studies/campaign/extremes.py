@@ -70,7 +70,7 @@ def _of_group(path: Path, part: pandas.DataFrame, duration: float) -> list[Expec
 
     still, tension = np.zeros(len(part)), column("tension_mean_n")
     maxima = {
-        "unit heave about its mean": ("m", still, column("max_abs_heave_m"), 1.0),
+        "load heave about its mean": ("m", still, column("max_abs_heave_m"), 1.0),
         "uncompensated heave about its mean": ("m", still, column("uncompensated_max_abs_heave_m"), 1.0),
         "top tension, largest": ("N", tension, column("tension_max_n") - tension, 1.0),
         "top tension, smallest": ("N", tension, tension - column("tension_min_n"), -1.0),

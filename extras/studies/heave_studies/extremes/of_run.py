@@ -69,7 +69,7 @@ def expected_of_run(record: RunRecord, duration: float) -> list[Expected]:
     """
     signals = record.signals
     quantities = (
-        ("unit heave about its mean", "m", signals.unit_heave, 0.0),
+        ("load heave about its mean", "m", signals.unit_heave, 0.0),
         ("uncompensated heave about its mean", "m", signals.uncompensated_heave, 0.0),
         ("top tension, largest", "N", signals.tension, 1.0),
         ("top tension, smallest", "N", signals.tension, -1.0),

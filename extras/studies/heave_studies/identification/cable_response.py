@@ -114,7 +114,7 @@ def identification_figure(found: Identification) -> Figure:
     above.plot(found.time[shown], found.measured[shown], label="response")
     above.plot(found.time[shown], found.model[shown], "--", label=f"model, {found.drag} drag")
     above.set_title(found.summary().replace("\n", "; "), fontsize=9)
-    above.set_ylabel("unit heave [m]")
+    above.set_ylabel("load heave [m]")
     above.legend()
     below.plot(found.time[shown], (found.measured - found.model)[shown], color="0.3")
     below.set_ylabel("residual [m]")
