@@ -18,7 +18,7 @@ LIMITS = WinchLimits(2.0, 1.5, -50.0, 50.0)
 def gates_over(sigma, **thresholds):
     """Return gates over a boom tip of a standard deviation `sigma` [m]."""
     gates = EntryGates(EntryParameters(**thresholds))
-    gates.tip_sigma = sigma
+    gates.observe(sigma)
     return gates
 
 

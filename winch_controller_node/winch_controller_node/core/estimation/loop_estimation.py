@@ -46,7 +46,7 @@ NEAR = 0.1
 
 
 def look_design(design: ControllerDesign) -> dict[str, Any]:
-    """Return the values of the core's LookDesign.
+    """Return the values of the core's LookDesign, of a `design`.
 
     Raises ValueError for a model with more states than fit.
     """

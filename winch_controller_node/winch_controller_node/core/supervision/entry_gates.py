@@ -19,15 +19,15 @@ class EntryGates:
     Parameters
     ----------
     parameters : thresholds
-
-    Attributes
-    ----------
-    tip_sigma : standard deviation of the boom tip over the last waves [m]
     """
 
     def __init__(self, parameters: EntryParameters) -> None:
         self._parameters = parameters
-        self.tip_sigma = 0.0
+        self._tip_sigma = 0.0
+
+    def observe(self, tip_sigma: float) -> None:
+        """Take in a tick: the standard deviation of the boom tip over the last waves, `tip_sigma` [m]."""
+        self._tip_sigma = tip_sigma
 
     def for_compensation(self, payout: float, limits: WinchLimits, demand: float, largest_demand: float) -> str:
         """Return why compensation may not begin, in words; empty when it may.
@@ -82,7 +82,7 @@ class EntryGates:
 
     def _range(self, payout: float, limits: WinchLimits) -> str:
         """Return how the range of payout does not hold the waves."""
-        amplitude = PEAK * self.tip_sigma
+        amplitude = PEAK * self._tip_sigma
         room = min(payout - limits.payout_minimum, limits.payout_maximum - payout)
         if room >= amplitude:
             return ""

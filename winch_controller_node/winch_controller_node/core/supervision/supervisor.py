@@ -181,7 +181,7 @@ class Supervisor:
             tick, winch.mean_payout, self._load, brake=modes.brake, is_wanted=modes.wants_compensation
         )
         alarms += self._judge(tick, winch.mean_acceleration) + self._resume_after_timeout(tick, winch)
-        self._gates.tip_sigma = self.guard.tip_sigma
+        self._gates.observe(self.guard.tip_sigma)
         alarms += self._watch_highest_tension(tick)
         lost = self._lost(tick)
         alarms += self._report_share(tick, winch)
