@@ -46,8 +46,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.nodeid in LONG_CASES:
             item.add_marker(pytest.mark.long)
-    assert config.cache is not None
-    known = config.cache.get(COSTS, {})
+    cache = getattr(config, "cache", None)  # none with -p no:cacheprovider
+    known = {} if cache is None else cache.get(COSTS, {})
     slow = Counter(file_of(item.nodeid) for item in items if item.get_closest_marker("slow"))
     items.sort(key=lambda item: -known.get(file_of(item.nodeid), SLOW * slow[file_of(item.nodeid)]))
 
@@ -64,8 +64,9 @@ def pytest_runtest_logreport(report: pytest.TestReport) -> None:
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
     """Keep what files took for the order of the next run; a part of a file says nothing of the whole."""
-    if hasattr(session.config, "workerinput") or session.config.cache is None:
+    cache = getattr(session.config, "cache", None)
+    if hasattr(session.config, "workerinput") or cache is None:
         return
     is_whole = not any("::" in argument for argument in session.config.args) and not session.config.option.keyword
     if is_whole:
-        session.config.cache.set(COSTS, {**session.config.cache.get(COSTS, {}), **seconds})
+        cache.set(COSTS, {**cache.get(COSTS, {}), **seconds})
