@@ -6,7 +6,7 @@ cases that `tests/long_cases.txt` lists are marked `long`. Files begin in the or
 """
 
 import importlib
-from collections import Counter
+from collections import Counter, defaultdict
 from contextlib import suppress
 from pathlib import Path
 
@@ -33,7 +33,7 @@ COSTS = "heave/seconds_by_file"
 SLOW = 20.0
 """What a slow test of a file that was not run yet is taken to cost [s]."""
 
-seconds: Counter[str] = Counter()
+seconds: defaultdict[str, float] = defaultdict(float)
 """What each file has taken so far in this run [s]."""
 
 

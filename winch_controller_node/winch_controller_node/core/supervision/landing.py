@@ -134,7 +134,7 @@ class HangingUnit(NamedTuple):
 
 
 def landing_design(load: HangingLoad, touchdown_ratio: float) -> dict[str, Any]:
-    """Return the values of the core's LandingDesign, of a `load` that has landed below `touchdown_ratio` of its weight."""
+    """Return the core's LandingDesign of a `load` that has landed below `touchdown_ratio` of its weight."""
     return {
         "static_tension": load.static_tension,
         "weight": load.weight,
