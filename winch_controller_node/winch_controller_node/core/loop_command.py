@@ -231,7 +231,7 @@ class LoopCommand:
             if law is not None and law.planner is not None:
                 law.planner.see(preview, core.x)
             asks = core.answer()
-        if asks & Asks.NEEDS_TENSION:
+        if asks == Asks.NEEDS_TENSION:
             self._tension.begin_alone(self._payout())
             asks = core.answer()
         elsewhere = self._asked_elsewhere(asks, preview) if asks else None

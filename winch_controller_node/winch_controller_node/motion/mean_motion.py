@@ -56,7 +56,7 @@ class MeanMotion:
     @state.setter
     def state(self, state: Array) -> None:
         self._state = state.copy()
-        self._state.flags.writeable = False
+        self._state.setflags(write=False)
         self._states = self._record["state"][0, : len(state)]
         self._states[:] = state
 
@@ -118,7 +118,9 @@ class MeanMotion:
             self._of_model = [matrix.ctypes.data for matrix in self._matrices]
         moved = self._advance(*self._of_model, self._address, len(self._state), command, is_braked)
         self._state = self._states.copy()
-        self._state.flags.writeable = False
+        self._state.setflags(write=False)
+        if not moved:
+            return
         if moved & Moved.MEAN_MOVED:
             self.mean.advanced(has_halted=bool(moved & Moved.HALT_ENDED))
         if moved & Moved.LEFT_OVER_MOVED:
