@@ -13,6 +13,7 @@ from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.closed_loop import COLUMNS, ClosedLoop, LoopParameters
 from heave_bringup.closed_loop import loop_parameters as parameters_of
 from heave_bringup.scenarios import load_scenario
+from heave_core.landing_table import Landed
 from heave_node.interface.alarm import Severity
 from heave_node.interface.codes import SensorLevel, WinchFault
 from heave_node.interface.faults import FaultParameters
@@ -778,7 +779,13 @@ def test_a_touchdown_while_the_mru_is_lost_for_a_moment_is_acted_upon(monkeypatc
         return step(tick, dataclasses.replace(measured, mru=()))
 
     monkeypatch.setattr(controller, "step", without_mru)
-    monkeypatch.setattr(controller._supervisor.landing, "_touches_down", lambda *_: True)
+    landing = controller._supervisor.landing
+
+    def touches_down(*seen):
+        landing.unit_stands = landing.unit_stands or seen[-1]
+        return int(Landed.TOUCHDOWN) if seen[-1] else 0
+
+    monkeypatch.setattr(landing._core, "judge", touches_down)
     outputs = [loop.step()[0] for _ in range(6)]
     assert "TOUCHDOWN" in {alarm.code for outputs_ in outputs for alarm in outputs_.alarms}
     assert controller.mode.value == "constant_tension"
