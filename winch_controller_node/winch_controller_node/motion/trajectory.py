@@ -188,7 +188,7 @@ class MeanPayout:
         return self.advanced(has_halted=has_halted)
 
     def advanced(self, *, has_halted: bool = False) -> MovePoint:
-        """Return the point to which the core has moved it; a halt may have ended there."""
+        """Return the point to which the core has moved it; with `has_halted` a halt has ended there."""
         self._ticks_to_go = max(self._ticks_to_go - 1, 0)
         move = self._move[0]
         self.point = MovePoint(float(self._record["payout"][0]), float(move["rate"]), float(move["slope"]))

@@ -52,7 +52,10 @@ SHAPED_NAMES = {
 
 @lru_cache
 def shaped_by(bits: int, *, is_first_order: bool) -> tuple[str, ...]:
-    """Return the names of what shaped a command, in the order in which it did; its range bounds a payout first."""
+    """Return the names of what shaped a command by `bits` of the core, in the order in which it did.
+
+    With `is_first_order` the command is a payout, which its range bounds first.
+    """
     names = tuple(name for bit, name in SHAPED_NAMES.items() if bits & bit)
     return names[::-1] if is_first_order else names
 
