@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from heave_core.law import Law, put
 from heave_core.law_table import LawKind
+from heave_node.interface.preview import HeavePreview
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.laws.law import ControlLaw, LawCommand, LawDesign
@@ -13,11 +14,31 @@ from winch_controller_node.laws.parts.loop_state import LoopState
 from winch_controller_node.laws.parts.winch_limits import ActiveWinch, WinchLimits
 from winch_controller_node.model.lqr import DesignError
 
-if TYPE_CHECKING:
-    from winch_controller_node.laws.mpc import Planner
-
 FREE = "free"
 """Status of a command that no limit shapes."""
+
+
+class PlanMaker(Protocol):
+    """Makes plans at the limits of the winch: see `laws.mpc.Planner`.
+
+    Attributes
+    ----------
+    last : command of the last plan, but for its value
+    """
+
+    last: LawCommand
+
+    def restart(self) -> None:
+        """Discard the plan."""
+
+    def see(self, preview: HeavePreview | None, x: Array) -> None:
+        """Take in a `preview` of the boom tip, where one is used and given, beside the state `x`, shape (n,)."""
+
+    def plan_again(self) -> LawCommand:
+        """Solve, and have it followed; return the command but for its value."""
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Return lower and upper bounds of the rows as the core has found them, shape (r,) each."""
 
 
 class CoreLaw(ControlLaw):
@@ -38,7 +59,7 @@ class CoreLaw(ControlLaw):
     planner : makes plans at the limits; None: it has none
     """
 
-    planner: Planner | None = None
+    planner: PlanMaker | None = None
 
     def __init__(self, design: LawDesign, kind: LawKind, **values: Any) -> None:
         super().__init__(design, None)
