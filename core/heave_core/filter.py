@@ -1,7 +1,7 @@
-"""The Kalman filter of the loop: `src/filter.cpp` on arrays that Python and C++ share.
+"""The Kalman filter of the loop: `src/filter.cpp` on arrays that Python and C++ share; and a pass, `src/pass.cpp`.
 
 It estimates x[k+1] = F x[k] + B u[k] + w, w of covariance Q, from readings that are judged, and taken in at the tick
-they were measured at.
+they were measured at. A pass is one linear filter over a record in many columns, for searches.
 """
 
 from __future__ import annotations
@@ -13,7 +13,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from heave_core.filter_table import FILTER, FILTER_STATE, MEASUREMENTS, PAST, PAST_TICKS, READING, SAID, STATES, USED
+from heave_core.filter_table import (
+    FILTER,
+    FILTER_STATE,
+    MEASUREMENTS,
+    PASS,
+    PAST,
+    PAST_TICKS,
+    READING,
+    SAID,
+    STATES,
+    USED,
+)
 from heave_core.library import dtype_of, library
 
 Array = NDArray[np.float64]
@@ -215,3 +226,47 @@ class KalmanFilter:
         self._ticks = np.zeros((ticks, 3))
         self._readings, self._said = (np.zeros((readings, width)) for width in widths)
         self._addresses: tuple[Any, ...] = tuple(one.ctypes.data for one in (self._ticks, self._readings, self._said))
+
+
+Motion = tuple[Array, Array, Array, Array, int]
+"""F (n, n), B (n,), Q (n, n) of a tick, pull of the cable on the unit as a row on the state (n,), and index of the
+unit's heave rate."""
+
+
+def follow(
+    motion: Motion,
+    ticks: Array,
+    commands: Array,
+    readings: Array,
+    rows: Array,
+    values: Array,
+    state: Array,
+    covariance: Array,
+) -> tuple[Array, Array]:
+    """Go through a record; `state` (n, c) and `covariance` (n, n) are changed in place.
+
+    Parameters
+    ----------
+    motion : of the state
+    ticks, readings : by the rows of PASS_TICK (t, 4) and PASS_READING (m, 4) in `filter_table`
+    commands : in effect at each tick, (t, c)
+    rows : of the measurements on the state of a tick, and their first and second differences over ticks (3, k, n)
+    values : of the readings (m, c)
+
+    Returns the innovations over the standard deviation that was predicted (m, c), and its square (m,). Raises
+    ValueError for a model that does not fit.
+    """
+    n, c = state.shape
+    if n > STATES:
+        raise ValueError(f"pass: {n} states, and at most {STATES} fit")
+    F, B, Q, pull, rate = motion
+    model = np.zeros(1, dtype_of(PASS))
+    one = model[0]
+    one["states"], one["measurements"], one["columns"] = n, rows.shape[1], c
+    one["ticks"], one["rate"] = len(ticks), rate
+    one["F"][: n * n], one["B"][:n], one["Q"][: n * n], one["pull"][:n] = F.ravel(), B, Q.ravel(), pull
+    given = [np.ascontiguousarray(array, dtype=float) for array in (ticks, commands, readings, rows, values)]
+    made = [np.empty(n * c + 2 * n * n), np.empty((len(values), c)), np.empty(len(values))]
+    arrays = (model, *given, state, covariance, *made)
+    library().heave_core_pass(*(array.ctypes.data for array in arrays))
+    return made[1], made[2]

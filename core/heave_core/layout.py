@@ -18,12 +18,11 @@ from heave_core import (
     landing_table,
     law_table,
     look_table,
-    pass_table,
     servo_table,
 )
 from heave_core.rows import COUNTER, NUMBER, Structure
 
-TABLES = (envelope_table, filter_table, look_table, landing_table, kpi_table, law_table, pass_table, servo_table)
+TABLES = (envelope_table, filter_table, look_table, landing_table, kpi_table, law_table, servo_table)
 """By subject, in the order in which C++ needs them."""
 
 STRUCTURES = tuple(one for table in TABLES for one in table.STRUCTURES)

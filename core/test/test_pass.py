@@ -3,7 +3,7 @@
 import filterpy.kalman
 import numpy as np
 import pytest
-from heave_core.filter_pass import follow
+from heave_core.filter import follow
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -10,8 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from heave_core.filter import UNCERTAINTY, UNCERTAINTY_TIME, Drag, Slack
-from heave_core.filter_pass import follow
+from heave_core.filter import UNCERTAINTY, UNCERTAINTY_TIME, Drag, Slack, follow
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
@@ -122,7 +121,7 @@ def run_pass(model: PassModel, record: PassInput, used: NDArray[np.bool_]) -> Pa
 def _motion(model: PassModel, record: PassInput) -> Array:
     """Return how the state of a `model` moves at the speed and the slack that a `record` has seen, tick by tick.
 
-    Columns are the rows of PASS_TICK in `heave_core.pass_table`.
+    Columns are the rows of PASS_TICK in `heave_core.filter_table`.
     """
     drag, slack, missing = model.drag, model.slack, record.missing_push
     excess = np.maximum(drag.quadratic * record.unit_speed - drag.damping, 0.0) / drag.inertia
