@@ -474,7 +474,7 @@ def test_a_winch_other_than_believed_is_found_out_and_driven_to_its_limits_as_if
 def test_an_identified_winch_that_cannot_be_designed_for_is_an_alarm_and_the_loop_goes_on(monkeypatch):
     loop = ClosedLoop(dataclasses.replace(loop_parameters(), winch=WinchParameters(time_constant=0.08)))
 
-    def refuse(parameters):
+    def refuse(parameters, length):
         raise DesignError("no gain for that winch")
 
     monkeypatch.setattr(loop.adviser, "_designed", refuse)
