@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 from heave_bags.analyse import kpi_set
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
-from heave_bringup.run.baseline_law import BASELINE_LAW
+from heave_bringup.run.criteria import BASELINE_LAW
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting, make_setting

@@ -19,8 +19,13 @@ from heave_node.numerics.compiled import kernel
 from heave_node.numerics.constants import STANDARD_GRAVITY
 from rclpy.serialization import deserialize_message
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.parameters import LaterSeaParameters, SpreadingParameters, WaveVesselParameters
-from wave_vessel_node.vessel_parameters import CourseParameters, VesselParameters
+from wave_vessel_node.parameters import (
+    CourseParameters,
+    LaterSeaParameters,
+    SpreadingParameters,
+    VesselParameters,
+    WaveVesselParameters,
+)
 
 from cable_sim_node import conversions as plant_messages
 from wave_vessel_node import conversions as vessel_messages

@@ -14,7 +14,7 @@ from typing import Any
 from heave_node.catalogue import with_entries
 from heave_node.criteria import WANTED, Criterion
 from heave_node.extras import extra_parts
-from heave_node.files.whole_file import whole_file
+from heave_node.files.given_files import whole_file
 from heave_node.parameters import Given, ParameterError, describe, flatten, unknown_parameter
 from heave_node.run_parameters import NodeParameters, RunParameters, build_node_parameters
 from heave_node.scenario import WILDCARD, Sections, parse_sections, read_sections

@@ -2,8 +2,7 @@
 
 from collections.abc import Callable
 
-from heave_bringup.operate.answer import Answer
-from heave_bringup.operate.requests import Request
+from heave_bringup.operate.requests import Answer, Request
 from heave_bringup.operate.situation import ControllerStatus, RunStatus, Situation, WinchStatus
 
 

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 from heave_bringup.pages.alarms import TABLES
-from heave_bringup.pages.hazard_table import HAZARDS
-from heave_bringup.pages.hazards import DEVICES, hazards_of, page
+from heave_bringup.pages.hazards import DEVICES, HAZARDS, hazards_of, page
 from heave_node.interface.alarm import Severity
 from heave_node.interface.fault_kinds import FAULTS, faults_of
 from winch_controller_node.core.supervision.modes import Event

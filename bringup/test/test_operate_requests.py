@@ -1,8 +1,9 @@
 """What each verb asks of whom, and what becomes of the answer."""
 
-from heave_bringup.operate.answer import Answer, refusal
 from heave_bringup.operate.requests import (
     NODE_OF_DEVICE,
+    Answer,
+    refusal,
     request_factor,
     request_fault,
     request_mode,

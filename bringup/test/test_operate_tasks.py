@@ -1,8 +1,8 @@
 """When an operator's request is done, and what is reported to the operator."""
 
 import pytest
-from heave_bringup.operate.answer import Answer, refusal
 from heave_bringup.operate.moves import Followed, Lowering, MoveBy
+from heave_bringup.operate.requests import Answer, refusal
 from heave_bringup.operate.situation import PAUSED, RUNNING, RunStatus
 from heave_bringup.operate.tasks import AnyOf, ClockTask, EmergencyStop, Stop
 

@@ -15,7 +15,7 @@ from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bringup.cli import main
 from heave_bringup.nodes import NODES
 from heave_bringup.scenarios import Scenario, description_of, load_scenario, shipped_scenarios
-from heave_node.loads.payload import payload_words
+from heave_node.loads.strength import payload_words
 from heave_node.numerics.constants import STANDARD_GRAVITY
 from heave_node.parameters import describe, flatten
 from heave_node.scenario import read_sections

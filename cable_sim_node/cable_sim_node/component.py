@@ -23,8 +23,7 @@ from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.sensors.instruments import SensorTruth
-from cable_sim_node.sensors.rope_path import RopePath
-from cable_sim_node.sensors.suite import SensorReadings, SensorSuite
+from cable_sim_node.sensors.suite import RopePath, SensorReadings, SensorSuite
 from cable_sim_node.shadow import ShadowPayout
 from cable_sim_node.vertical.linear_plant import LinearPlant
 

@@ -14,7 +14,7 @@ import pytest
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters
-from cable_sim_node.physics.rope_friction import friction_of
+from cable_sim_node.physics.tension_law import friction_of
 from cable_sim_node.unit_parameters import UnitParameters
 from heave_node.numerics.kinematics import PointMotion
 

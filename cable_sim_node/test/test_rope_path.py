@@ -11,7 +11,7 @@ from cable_sim_node.component import CableSim
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.parameters import RopePathParameters
 from cable_sim_node.sensors.instruments import LoadCellParameters, SensorsParameters
-from cable_sim_node.sensors.rope_path import RopePath
+from cable_sim_node.sensors.suite import RopePath
 from heave_node.numerics.kinematics import PointMotion
 from heave_node.parameters import ParameterError, build_parameters
 from hypothesis import given

@@ -13,8 +13,7 @@ from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch, WinchState
 from cable_sim_node.winch.drive import settings_of
 from cable_sim_node.winch.parameters import EncoderParameters, WinchDriftParameters, WinchParameters
-from heave_drives.parameters.electric import ElectricParameters
-from heave_drives.parameters.spool import SpoolParameters
+from heave_drives.parameters import ElectricParameters, SpoolParameters
 from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.interface.faults import FaultParameters
 from heave_node.winch.position_loop import highest_position_gain

@@ -4,7 +4,7 @@ import gzip
 
 import pytest
 from heave_node.files.columns import ColumnsError, read_columns
-from heave_node.files.text_files import TextFileError, read_text
+from heave_node.files.given_files import TextFileError, read_text
 from hypothesis import given
 from hypothesis import strategies as st
 

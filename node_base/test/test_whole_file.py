@@ -1,7 +1,7 @@
 """A file is written whole or not at all."""
 
 import pytest
-from heave_node.files.whole_file import whole_file
+from heave_node.files.given_files import whole_file
 
 
 def test_the_old_file_stays_until_the_new_one_is_whole_and_nothing_else_is_left(tmp_path):

@@ -10,10 +10,8 @@ from heave_node.parameters import build_parameters
 from scipy.integrate import solve_ivp
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.mru.mru import MotionReferenceUnit, high_pass_response
-from wave_vessel_node.mru_parameters import MruParameters
-from wave_vessel_node.parameters import WaveVesselParameters
-from wave_vessel_node.sea.filter_fit import fit_filter
-from wave_vessel_node.sea.filter_quality import filter_quality
+from wave_vessel_node.parameters import MruParameters, WaveVesselParameters
+from wave_vessel_node.sea.filter_fit import filter_quality, fit_filter
 from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import Bretschneider, Jonswap
 from wave_vessel_node.vessel.course import Course

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from wave_vessel_node.sea.spectrum_files import SpectrumFileError, read_spectra
 from wave_vessel_node.sea.spectrum_record import objection_to
 from wave_vessel_node.sources.recording import RecordingError, read_recording
-from wave_vessel_node.vessel.rao import RaoError
-from wave_vessel_node.vessel.rao_checks import response_questions
+from wave_vessel_node.vessel.rao import RaoError, response_questions
 from wave_vessel_node.vessel.rao_files import COLUMNS, read_rao, read_rao_csv
 
 DATA = Path(__file__).parent / "data"

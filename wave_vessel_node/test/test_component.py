@@ -6,12 +6,17 @@ import pytest
 from heave_node.numerics.linear_model import output_sigma, output_spectrum
 from heave_node.parameters import ParameterError, build_parameters, describe
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.parameters import LaterSeaParameters, WaveVesselParameters
+from wave_vessel_node.parameters import (
+    CourseParameters,
+    DriftParameters,
+    LaterSeaParameters,
+    VesselParameters,
+    WaveVesselParameters,
+)
 from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import Bretschneider
 from wave_vessel_node.sources.filtered import FilterSource
 from wave_vessel_node.vessel.second_order import SecondOrderVessel, boom_tip_model
-from wave_vessel_node.vessel_parameters import CourseParameters, DriftParameters, VesselParameters
 
 DT = 0.05
 

@@ -13,10 +13,15 @@ from heave_node.interface.faults import FaultParameters
 from heave_node.parameters import ParameterError, build_parameters
 from rclpy.serialization import deserialize_message
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.crane_parameters import CraneMotionParameters, PoseSensorParameters
-from wave_vessel_node.parameters import PreviewParameters, WaveVesselParameters
+from wave_vessel_node.parameters import (
+    CourseParameters,
+    CraneMotionParameters,
+    PoseSensorParameters,
+    PreviewParameters,
+    VesselParameters,
+    WaveVesselParameters,
+)
 from wave_vessel_node.vessel.crane_motion import CraneMotion
-from wave_vessel_node.vessel_parameters import CourseParameters, VesselParameters
 
 DT = 0.05
 ARM = (-20.0, 10.0, 15.0)

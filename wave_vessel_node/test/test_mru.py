@@ -7,7 +7,7 @@ from heave_node.interface.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from wave_vessel_node.mru.mru import HighPass, MotionReferenceUnit, high_pass_response
-from wave_vessel_node.mru_parameters import MruParameters
+from wave_vessel_node.parameters import MruParameters
 from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotion
 
 DT = 0.05

@@ -7,8 +7,7 @@ import pytest
 from heave_msgs.msg import HeavePreview
 from rclpy.serialization import deserialize_message
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.parameters import PreviewParameters, WaveVesselParameters
-from wave_vessel_node.vessel_parameters import DriftParameters
+from wave_vessel_node.parameters import DriftParameters, PreviewParameters, WaveVesselParameters
 
 from wave_vessel_node import conversions
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from heave_node.numerics.constants import STANDARD_GRAVITY
+from wave_vessel_node.parameters import CourseParameters
 from wave_vessel_node.sea.realisation import WaveComponents
 from wave_vessel_node.sea.spectra import Bretschneider
 from wave_vessel_node.sources.rao_components import RaoSource
@@ -20,7 +21,6 @@ from wave_vessel_node.vessel.rao_files import (
     write_rao_csv,
 )
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
-from wave_vessel_node.vessel_parameters import CourseParameters
 
 import wave_vessel_node
 

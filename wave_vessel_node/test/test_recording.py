@@ -7,11 +7,10 @@ from heave_msgs.msg import MruSample, PointMotion
 from mcap.writer import Writer
 from rclpy.serialization import serialize_message
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.parameters import WaveVesselParameters
+from wave_vessel_node.parameters import VesselParameters, WaveVesselParameters
 from wave_vessel_node.sources.recorded import RecordedSource
 from wave_vessel_node.sources.recording import RecordingError, read_recording
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
-from wave_vessel_node.vessel_parameters import VesselParameters
 
 DT = 0.05
 TIME = np.arange(0.0, 120.0, 0.1)

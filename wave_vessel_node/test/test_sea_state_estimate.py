@@ -7,7 +7,7 @@ from heave_node.interface.sensors import MruReading
 from heave_node.numerics.spectral_estimate import peak_frequency
 from wave_vessel_node.mru.mru import high_pass_response
 from wave_vessel_node.mru.sea_state_estimate import SeaStateEstimator
-from wave_vessel_node.mru_parameters import SeaStateEstimateParameters
+from wave_vessel_node.parameters import SeaStateEstimateParameters
 from wave_vessel_node.sea.realisation import draw_components
 from wave_vessel_node.sea.spectra import Bretschneider, Jonswap
 

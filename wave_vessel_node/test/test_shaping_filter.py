@@ -3,8 +3,7 @@ import math
 import numpy as np
 import pytest
 from heave_node.numerics.linear_model import interconnect, linear_model, output_sigma, output_spectrum
-from wave_vessel_node.sea.filter_fit import fit_filter
-from wave_vessel_node.sea.filter_quality import filter_quality
+from wave_vessel_node.sea.filter_fit import filter_quality, fit_filter
 from wave_vessel_node.sea.shaping_filter import shaping_filter, thesis_filter
 from wave_vessel_node.sea.spectra import (
     Bretschneider,

@@ -1,18 +1,178 @@
-"""The parameter set of the sea and vessel."""
+"""The parameter set of the sea and vessel: sea, sources, vessel, crane and motion reference unit."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
+from heave_node.crane.kinematics import JOINTS, CraneParameters
 from heave_node.files.plausible import breaking_words
+from heave_node.interface.faults import FaultParameters, MruFaultParameters
 from heave_node.parameters import group, parameter
 from heave_node.registry import describe_choices
+from heave_node.sensing.view import SensorParameters, View
 
-from wave_vessel_node.crane_parameters import CraneMotionParameters
-from wave_vessel_node.mru_parameters import MruParameters, SeaStateEstimateParameters
 from wave_vessel_node.sea_registry import AUTO, FILTER_FORMS, NEED_NO_PERIOD, SPECTRA, SPECTRUM_FILE
 from wave_vessel_node.source_registry import SOURCES
-from wave_vessel_node.vessel_parameters import CourseParameters, DriftParameters, VesselParameters
+
+if TYPE_CHECKING:
+    from heave_node.numerics.arrays import Array
+
+
+VESSEL_MODELS = ("second_order", "rao", "fitted", "direct")
+
+
+@dataclass(frozen=True)
+class VesselAnswer:
+    """What sea and controller state alike of how the vessel answers the sea."""
+
+    model: str = parameter("second_order",
+        description="second_order (thesis Eq. 6.25), rao (table, 6 DOF; to a controller as fitted), fitted (second "
+        "order, to the rao), direct.", choices=VESSEL_MODELS)  # fmt: skip
+    natural_frequency: float = parameter(0.9, "rad/s", 0.01, 10.0, "omega_v of the second-order vessel.")
+    damping_ratio: float = parameter(0.4, "", 0.01, 5.0, "xi_v of the second-order vessel.")
+    rao_file: str = parameter("",
+        description="RAO table (models rao, fitted), .csv or Capytaine .nc; empty uses the hull form shipped with the "
+        "package.")  # fmt: skip
+    boom_tip_arm: tuple[float, ...] = parameter((-20.0, 10.0, 15.0), "m", -500.0, 500.0,
+        "Boom tip from the vessel's reference point (x forward, y port, z up); models rao, fitted.",
+        length=3)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class VesselParameters(VesselAnswer):
+    """How the vessel answers the sea."""
+
+    gain: float = parameter(1.0, "", 0.0, 10.0, "K_v: boom-tip heave per wave elevation at low frequency.")
+    pitch_gain: float = parameter(0.0, "", 0.0, 5.0,
+        "Pitch of the second-order vessel per wave slope at low frequency (odometry, lever-arm error).")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class CourseParameters:
+    """Heading and forward speed, and one change of them. They matter to model rao (encounter) and to the MRU (turn)."""
+
+    heading: float = parameter(0.0, "rad", -6.3, 6.3, "Heading of the vessel from world x, anticlockwise.")
+    speed: float = parameter(0.0, "m/s", 0.0, 15.0, "Forward speed.")
+    turn_start: float = parameter(0.0, "s", 0.0, None, "Time at which the turn starts.")
+    turn_angle: float = parameter(0.0, "rad", -20.0, 20.0, "Change of heading; 6.2832 is a full circle, 0 means none.")
+    turn_rate: float = parameter(0.01, "rad/s", 1e-4, 0.2, "Largest rate of turn during the change of heading.")
+    speed_change_start: float = parameter(0.0, "s", 0.0, None, "Time at which the speed changes.")
+    speed_change: float = parameter(0.0, "m/s", -15.0, 15.0, "Change of the forward speed; 0 means none.")
+    speed_change_duration: float = 60.0  # duration of the change of speed [s]
+
+
+@dataclass(frozen=True)
+class DriftParameters:
+    """Slow drift of the vessel on its position keeping."""
+
+    standard_deviation: tuple[float, ...] = parameter((0.0, 0.0), "m", 0.0, 100.0,
+        "Standard deviation of the slow drift in surge and sway; 0 means none.", length=2)  # fmt: skip
+    period: float = parameter(120.0, "s", 20.0, 1000.0, "Natural period of the drift under mooring or DP.")
+    damping_ratio: float = 0.15  # damping ratio of the slow drift [-]
+
+
+@dataclass(frozen=True)
+class MruParameters:
+    """The motion reference unit at the boom tip."""
+
+    rate: float = parameter(0.0, "Hz", 0.0, 1000.0, "Rate of readings; 0 means one per tick.")
+    noise: float = parameter(0.01, "m", 0.0, 1.0, "White noise of heave: standard deviation of each reading.")
+    rate_noise: float = parameter(0.01, "m/s", 0.0, 1.0,
+        "White noise of heave rate: standard deviation of each reading.")  # fmt: skip
+    measures_rate: bool = parameter(True,
+        description="It measures heave rate and acceleration; many units state heave alone (NaN then).")  # fmt: skip
+    wander: float = parameter(0.0, "m", 0.0, 10.0,
+        "Error of heave that is not white, a first-order Gauss-Markov process: standard deviation.")  # fmt: skip
+    wander_time: float = parameter(60.0, "s", 0.01, 1e4,
+        "Time constant of wander: a second colours the noise, a minute lets the zero drift.")  # fmt: skip
+    resolution: float = parameter(0.0, "m", 0.0, 1.0, "Step of the readings of heave; 0 means none.")
+    rate_resolution: float = parameter(0.0, "m/s", 0.0, 1.0, "Step of the readings of heave rate; 0 means none.")
+    high_pass_period: float = parameter(0.0, "s", 0.0, 300.0,
+        "Cut-off period of the second-order high-pass filter; 0 means no filter.")  # fmt: skip
+    high_pass_damping: float = parameter(0.7071, "", 0.2, 2.0, "Damping ratio of the high-pass filter.")
+    scale_error: float = parameter(0.0, "", -0.5, 0.5, "Relative scale error: 0.05 reads 5 % high.")
+    lever_arm_error: tuple[float, ...] = parameter((0.0, 0.0, 0.0), "m", -10.0, 10.0,
+        "Error of the lever arm entered in the unit, vessel axes; it couples pitch and roll into heave.",
+        length=3)  # fmt: skip
+    latency: float = parameter(0.0, "s", 0.0, 5.0, "Delay of a reading, which its stamp accounts for.")
+    stamp_error: float = parameter(0.0, "s", -5.0, 5.0,
+        "Time by which the stamp is late: above 0 an additional delay that it does not account for, below 0 readings "
+        "are newer than their stamp.")  # fmt: skip
+    # after a restart or a turn the status is settling for this many periods of the high-pass filter [-]
+    settling_periods: float = 10.0
+    # error of vertical acceleration right after a restart [m/s^2]; it decays with the period of the high-pass filter
+    restart_bias: float = 0.02
+    # error of vertical acceleration per centripetal acceleration in a turn (tilt of the vertical) [-]
+    turn_sensitivity: float = 0.01
+    restart_duration: float = 2.0  # time for which the unit is silent while it restarts [s]
+    faults: FaultParameters = group(MruFaultParameters)
+
+    def __post_init__(self) -> None:
+        """Refuse faults that the unit cannot have."""
+        self.faults.check("mru.faults", "mru")
+
+
+@dataclass(frozen=True)
+class SeaStateEstimateParameters:
+    """The running estimate of the sea state from the MRU record."""
+
+    window: float = parameter(1800.0, "s", 120.0, 21600.0, "Length of the record on which the estimate is based.")
+    segment: float = parameter(200.0, "s", 30.0, 3600.0, "Length of one Welch segment (half overlapping).")
+    period: float = parameter(30.0, "s", 1.0, 3600.0, "Interval between estimates.")
+
+    def __post_init__(self) -> None:
+        if self.window < 2 * self.segment:
+            raise ValueError(
+                f"estimate.window ({self.window:g} s) must hold at least two of estimate.segment ({self.segment:g} s)"
+            )
+
+
+_WHERE = "after each of move_times; none: it stays."
+
+
+@dataclass(frozen=True)
+class PoseSensorParameters(SensorParameters):
+    """Encoders of the crane's joints, read together. A scale, and a fault of one, is that of all of them."""
+
+    rate: float = parameter(20.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
+    angle_resolution: float = 0.0  # step of the measured angles [rad]; 0 means none
+
+    def view(self, truth: Array) -> View:
+        """See the joints [rad], [m], and their rates [rad/s], [m/s], shape (8,)."""
+        angle = self.angle_resolution
+        return View(truth, 0.0, resolution=(angle, angle, angle, 0.0, 0.0, 0.0, 0.0, 0.0))
+
+
+@dataclass(frozen=True)
+class CraneMotionParameters(CraneParameters):
+    """The crane of the simulated ship: it begins in the reference pose, moves by a programme, and measures its pose."""
+
+    move_times: tuple[float, ...] = parameter((), "s", 0.0, None,
+        "Simulated times at which moves of the crane begin, ascending.")  # fmt: skip
+    move_slew: tuple[float, ...] = parameter((), "rad", -6.3, 6.3, f"Slew {_WHERE}")
+    move_luff: tuple[float, ...] = parameter((), "rad", -1.6, 1.6, f"Luff {_WHERE}")
+    move_knuckle: tuple[float, ...] = parameter((), "rad", -3.2, 3.2, f"Knuckle {_WHERE}")
+    move_extension: tuple[float, ...] = parameter((), "m", -100.0, 100.0, f"Extension {_WHERE}")
+    turn_rate: float = parameter(0.035, "rad/s", 1e-4, 1.0, "Largest rate of an angle during a move.")
+    extension_rate: float = parameter(0.2, "m/s", 1e-4, 10.0, "Largest rate of the extension during a move.")
+    pose: PoseSensorParameters = group(PoseSensorParameters)
+
+    def __post_init__(self) -> None:
+        self.pose.faults.check("crane.pose.faults", "sensor")
+        if list(self.move_times) != sorted(self.move_times):
+            raise ValueError(f"crane.move_times must be ascending; got {list(self.move_times)}")
+        for joint in JOINTS:
+            targets = getattr(self, f"move_{joint}")
+            if targets and len(targets) != len(self.move_times):
+                raise ValueError(f"crane.move_{joint} must be empty or have as many values as crane.move_times")
+        if self.move_times and not self.is_fitted:
+            raise ValueError("crane.move_times needs a crane: give crane.boom_length")
+
+    def largest_rate(self, joint: str) -> float:
+        """Return the largest rate of a `joint` during a move [rad/s], [m/s]."""
+        return self.extension_rate if joint == "extension" else self.turn_rate
+
 
 FILTER_CHOICES = (AUTO, *FILTER_FORMS)
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from heave_node.interface.alarm import Severity, alarms_in
 from heave_node.interface.codes import without_figures
-from heave_node.loads.payload import mass_words, payload_words
+from heave_node.loads.strength import mass_words, payload_words
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 
 from heave_bags.analyse import events

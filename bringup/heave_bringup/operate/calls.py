@@ -11,8 +11,7 @@ from rclpy.action import ActionClient
 from rclpy.client import Client
 from rclpy.task import Future
 
-from heave_bringup.operate.answer import Answer, refusal
-from heave_bringup.operate.requests import ANSWER_TIME, CONTROLLER, Request
+from heave_bringup.operate.requests import ANSWER_TIME, CONTROLLER, Answer, Request, refusal
 from heave_bringup.operate.tasks import Link
 
 MEETING_TIME = 6.0

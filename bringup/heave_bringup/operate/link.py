@@ -24,12 +24,13 @@ from rclpy.client import Client
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from heave_bringup.errors import NoRunError
-from heave_bringup.operate.answer import Answer, refusal
 from heave_bringup.operate.calls import MEETING_TIME, MOVE, DepthMove, ServiceCall
 from heave_bringup.operate.requests import (
     CONTROLLER,
     NODE_OF_DEVICE,
+    Answer,
     Request,
+    refusal,
     request_fault,
     request_mode,
 )

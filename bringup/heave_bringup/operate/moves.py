@@ -12,7 +12,7 @@ from heave_bags.analyse.events import ALARMS_PART
 from heave_node.interface.alarm import alarms_in
 from heave_node.interface.codes import OPERATOR_SPEED_LIMITED
 
-from heave_bringup.operate.answer import Answer, refusal
+from heave_bringup.operate.requests import Answer, refusal
 from heave_bringup.operate.tasks import STATE_TIME, Link, Move
 
 SPEED_PERIOD = 0.1

@@ -15,7 +15,19 @@ from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters
 from std_srvs.srv import SetBool
 
-from heave_bringup.operate.answer import Answer
+
+@dataclass(frozen=True)
+class Answer:
+    """A definite answer, in one line."""
+
+    text: str  # what was done, or why it was not
+    is_refused: bool = False  # it was not done
+
+
+def refusal(text: str) -> Answer:
+    """Return the answer that says in `text` why something was not done."""
+    return Answer(text, is_refused=True)
+
 
 CONTROLLER, MASTER, RECORDER, WINCH = "winch_controller", "cable_sim", "recorder", "virtual_winch"
 

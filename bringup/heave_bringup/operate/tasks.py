@@ -11,8 +11,15 @@ import math
 from collections.abc import Sequence
 from typing import Protocol
 
-from heave_bringup.operate.answer import Answer, refusal
-from heave_bringup.operate.requests import Request, request_fault, request_mode, request_pause, request_step
+from heave_bringup.operate.requests import (
+    Answer,
+    Request,
+    refusal,
+    request_fault,
+    request_mode,
+    request_pause,
+    request_step,
+)
 from heave_bringup.operate.situation import PAUSED, RUNNING, Situation
 
 STATE_TIME = 5.0

@@ -12,8 +12,7 @@ from collections.abc import Iterable, Mapping
 from cable_sim_node.alarms import ALARMS as PLANT
 from heave_bags.record.alarms import ALARMS as RECORDER
 from heave_node.extras import extra_parts
-from heave_node.interface.alarm import AlarmRow, AlarmTable
-from heave_node.interface.node_alarms import NODE_ALARMS
+from heave_node.interface.alarm import NODE_ALARMS, AlarmRow, AlarmTable
 from wave_vessel_node.alarms import ALARMS as VESSEL
 from winch_controller_node.core.estimation.loop_estimation import BACK_TIME
 from winch_controller_node.core.supervision.command_timeouts import MOST, PERIOD, WAIT

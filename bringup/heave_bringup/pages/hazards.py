@@ -6,15 +6,51 @@ import json
 import math
 import statistics
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+from cable_sim_node.winch.parameters import WinchParameters
+from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.interface.fault_kinds import FAULTS, faults_of
 from winch_controller_node.core.supervision.modes import TABLE, Event
+from winch_controller_node.core.supervision.supervisor import BLIND_LIMIT
+from winch_controller_node.parameters.laws import ModeParameters
 
-from heave_bringup.pages.hazard_table import HAZARDS, Hazard
+VALUES = {"winch": WinchParameters(), "modes": ModeParameters(), "blind_minutes": BLIND_LIMIT / 60.0}
+"""What the words of a hazard may name in braces."""
+
+
+@dataclass(frozen=True)
+class Hazard:
+    """A hazard, and the protective measures against it."""
+
+    name: str  # the hazardous event, and whom or what it harms
+    alarms: tuple[str, ...]  # codes by which it is detected; `*` stands for any letters
+    reaction: str  # besides the changes of mode, in words
+    time: str  # from the cause to the reaction, with its source
+    residual: str  # risk that remains
+    tests: tuple[str, ...]  # `file::function` of tests that show it
+    causes: Mapping[str, tuple[str, ...]]  # faults by kind of device
+    others: str = ""  # causes that are no fault of a simulated device, in words
+    events: tuple[Event, ...] = ()  # of the table of modes, to which the controller reacts
+
+
+def _hazard(row: Mapping[str, Any]) -> Hazard:
+    """Return the hazard of a row of the file."""
+    cells: dict[str, Any] = {
+        name: cell.format(**VALUES) if isinstance(cell, str) else tuple(cell) for name, cell in row.items()
+    }
+    causes = {device: tuple(kinds) for device, kinds in row.get("causes", {}).items()}
+    events = tuple(Event[name.upper()] for name in row.get("events", ()))
+    return Hazard(**{**cells, "causes": causes, "events": events})
+
+
+HAZARDS = tuple(map(_hazard, parse_yaml(Path(__file__).with_name("hazards.yaml").read_text(encoding="utf-8"))))
+"""Hazards, the winch's own first."""
+
 
 DEVICES = ("winch", "encoder", "mru", "sensor")
 """Kinds of device that have faults; `sensor`: depth, load cell and the others on unit and cable."""

@@ -41,3 +41,10 @@ def refuse_unknown(criterion: Criterion, where: str) -> None:
         near = difflib.get_close_matches(criterion.kpi, DEFINITION_OF)
         helps = f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(DEFINITION_OF)}"
         raise ParameterError(f"{where}: {criterion.kpi} is not a figure of merit; {helps}")
+
+
+BASELINE_LAW = "industrial"
+"""Law of the baseline, by its name in the registry: what makers of winches do."""
+
+LAW = "winch_controller.law"
+"""Place of the law among the parameters of a case."""

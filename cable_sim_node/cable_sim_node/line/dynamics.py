@@ -28,8 +28,7 @@ from cable_sim_node.line import layout as at
 from cable_sim_node.line.feed import set_top_segment
 from cable_sim_node.line.grid import build_line, settings_of, with_waves
 from cable_sim_node.line.observation import observe, snapshot
-from cable_sim_node.line.rest.floating import refuse_floating
-from cable_sim_node.line.rest.hanging import hang
+from cable_sim_node.line.rest.hanging import hang, refuse_floating
 from cable_sim_node.line.rest.settling import hold_here, hold_strains, settle
 from cable_sim_node.line.step import advance
 from cable_sim_node.parameters import CableSimParameters

@@ -19,8 +19,8 @@ from cable_sim_node.physics.properties import (
     cable_sections,
     unit_properties,
 )
-from cable_sim_node.physics.rope_friction import friction_of
 from cable_sim_node.physics.seabed import HEIGHT, Seabed
+from cable_sim_node.physics.tension_law import friction_of
 
 _SPARE_SEGMENTS = 8
 """Grid segments beyond the longest line, so that the kernels may look ahead."""

@@ -14,7 +14,8 @@ import scipy
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
 
-from cable_sim_node.parameters import SeabedParameters
+from cable_sim_node.errors import StaticsError
+from cable_sim_node.parameters import CableSimParameters, SeabedParameters
 
 DISTANCE, HEIGHT, SLOPE = range(3)
 PROFILE_COLUMNS = 3
@@ -92,3 +93,20 @@ def height_and_slope(at: float, table: Array, first: int, rows: int) -> tuple[fl
     height = table[i + 1] + t * (a + t * (3.0 * rise - 2.0 * a - b + t * (a + b - 2.0 * rise)))
     slope = (a + t * (6.0 * rise - 4.0 * a - 2.0 * b + 3.0 * t * (a + b - 2.0 * rise))) / size
     return height, slope
+
+
+def clearance_of(parameters: CableSimParameters, unit: Array) -> float | None:
+    """Return the height [m] of a `unit` at x, y, z [m] above the seabed of the `parameters`, None where there is none.
+
+    Raises StaticsError for a unit below the seabed.
+    """
+    seabed = parameters.seabed
+    if not seabed.depth > 0.0:
+        return None
+    clearance = Seabed(seabed).clearance(unit)
+    if clearance < 0.0:
+        raise StaticsError(
+            f"the unit would hang {-clearance:.3g} m below the seabed: reduce length ({parameters.length:g} m) "
+            f"or increase seabed.depth ({seabed.depth:g} m)"
+        )
+    return clearance

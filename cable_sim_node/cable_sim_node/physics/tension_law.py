@@ -58,3 +58,25 @@ def strain_at(stiffness: float, quadratic: float, cubic: float, tension: float) 
         if abs(change) < 1e-15 * (1e-12 + abs(strain)):
             break
     return strain
+
+
+_LARGEST_AT = 0.5
+"""Amplitude at which wires begin to slide over the one with the largest loss."""
+
+
+@kernel
+def jenkin_force(sticking: float, low: float, high: float) -> float:
+    """Return the force of a spring that slides: what it has where it sticks, `sticking`, within `low` and `high`."""
+    return min(max(sticking, low), high)
+
+
+def friction_of(loss_factor: float, loss_swing: float) -> tuple[float, float]:
+    """Return k and m of a rope, see the text of the module.
+
+    Parameters
+    ----------
+    loss_factor : loss per cycle over 2 pi times the largest elastic energy of the swing, where it is largest [-]
+    loss_swing : A, tension amplitude over mean tension where that is [-]
+    """
+    sticking = math.pi * loss_factor / (1.0 - _LARGEST_AT * math.pi * loss_factor)
+    return sticking, _LARGEST_AT * sticking * loss_swing

@@ -15,7 +15,7 @@ from cable_sim_node.errors import LinearisationError, StaticsError
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.line.linearised import LinearLine, LineResponse, linearise
 from cable_sim_node.parameters import CableSimParameters, CompensatorParameters, RopePathParameters, SeabedParameters
-from cable_sim_node.physics.clearance import clearance_of
+from cable_sim_node.physics.seabed import clearance_of
 from cable_sim_node.physics.tension_law import overstrained_words
 from cable_sim_node.reports.report import columns, labelled_rows
 from cable_sim_node.vertical.axial_line import AxialLine, axial_line

@@ -10,7 +10,7 @@ from heave_devices.crane.tip_carry import TipCarry
 from heave_node.crane.pose import CranePose
 from heave_node.interface.faults import FaultParameters
 from heave_node.interface.sensors import MruReading
-from wave_vessel_node.crane_parameters import CraneMotionParameters, PoseSensorParameters
+from wave_vessel_node.parameters import CraneMotionParameters, PoseSensorParameters
 from wave_vessel_node.vessel.crane_motion import CraneMotion, PoseSensor
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.interface.sensors import MruModelParameters

@@ -10,8 +10,7 @@ import numpy as np
 from cable_sim_node.winch.drives.interface import DriveCommand, DriveEnergy, DriveState, check_step
 from heave_node.interface.codes import WinchLimit
 
-from heave_drives.kernels.integration import STAGES
-from heave_drives.kernels.mechanics import FROM_LOAD, LOST, PAYOUT, RATE, SUPPLIED, Order
+from heave_drives.kernels.mechanics import FROM_LOAD, LOST, PAYOUT, RATE, STAGES, SUPPLIED, Order
 
 
 class CompiledDrive(abc.ABC):

@@ -26,7 +26,7 @@ from heave_drives.compiled_drive import CompiledDrive
 from heave_drives.kernels import electric as kernel
 from heave_drives.kernels.mechanics import RATE, Order, bounds_of, friction_of
 from heave_drives.kernels.spool import make_spool
-from heave_drives.parameters.electric import ElectricDriveParameters
+from heave_drives.parameters import ElectricDriveParameters
 
 SUBSTEP = 0.2
 """Substep over the shortest time constant."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
-from heave_drives.parameters.motion import FrictionParameters, MotionParameters
-from heave_drives.parameters.pump import PumpDriveParameters
-from heave_drives.parameters.valve import (
+from heave_drives.parameters import (
     FluidParameters,
+    FrictionParameters,
+    MotionParameters,
+    PumpDriveParameters,
     ServoValveParameters,
     SupplyParameters,
     ValveDriveParameters,

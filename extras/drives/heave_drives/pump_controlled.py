@@ -27,7 +27,7 @@ from collections.abc import Mapping
 from heave_drives.compiled_drive import CompiledDrive
 from heave_drives.kernels import pump as kernel
 from heave_drives.kernels.mechanics import NO_LIMIT, RATE, Order, bounds_of, friction_of
-from heave_drives.parameters.pump import PumpDriveParameters
+from heave_drives.parameters import PumpDriveParameters
 
 SUBSTEP = 0.01
 """Substep over the shortest time constant."""

@@ -7,10 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 from cable_sim_node.winch.installed_drives import DriveEntry
 
-from heave_drives.parameters.electric import ElectricDriveParameters, ElectricParameters
-from heave_drives.parameters.motion import MotionParameters
-from heave_drives.parameters.pump import PumpControlledParameters, PumpDriveParameters
-from heave_drives.parameters.valve import ValveControlledParameters, ValveDriveParameters
+from heave_drives.parameters import (
+    ElectricDriveParameters,
+    ElectricParameters,
+    MotionParameters,
+    PumpControlledParameters,
+    PumpDriveParameters,
+    ValveControlledParameters,
+    ValveDriveParameters,
+)
 
 if TYPE_CHECKING:
     from cable_sim_node.winch.drives.interface import Drive

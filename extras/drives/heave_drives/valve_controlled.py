@@ -24,7 +24,7 @@ from collections.abc import Mapping
 from heave_drives.compiled_drive import CompiledDrive
 from heave_drives.kernels import valve as kernel
 from heave_drives.kernels.mechanics import RATE, Order, bounds_of, friction_of
-from heave_drives.parameters.valve import SupplyParameters, ValveDriveParameters
+from heave_drives.parameters import SupplyParameters, ValveDriveParameters
 
 SUBSTEP = 0.1
 """Substep over the shortest time constant."""

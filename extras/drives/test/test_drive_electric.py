@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from cable_sim_node.winch.drives.interface import DriveCommand
 from heave_drives.electric import ElectricDrive
-from heave_drives.parameters.electric import ElectricDriveParameters
-from heave_drives.parameters.motion import FrictionParameters, MotionParameters
+from heave_drives.parameters import ElectricDriveParameters, FrictionParameters, MotionParameters
 from heave_node.interface.codes import WinchLimit
 from scipy.linalg import expm
 

@@ -7,8 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 from cable_sim_node.winch.drives.interface import DriveCommand
-from heave_drives.parameters.motion import MotionParameters
-from heave_drives.parameters.pump import PumpDriveParameters
+from heave_drives.parameters import MotionParameters, PumpDriveParameters
 from heave_drives.published import zinage_drive
 from heave_drives.pump_controlled import PumpDrive
 from heave_node.interface.codes import WinchLimit

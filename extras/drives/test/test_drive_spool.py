@@ -9,9 +9,7 @@ import pytest
 from cable_sim_node.winch.drives.interface import DriveCommand
 from heave_drives.electric import ElectricDrive
 from heave_drives.kernels.spool import make_spool
-from heave_drives.parameters.electric import ElectricDriveParameters
-from heave_drives.parameters.motion import MotionParameters
-from heave_drives.parameters.spool import SpoolParameters
+from heave_drives.parameters import ElectricDriveParameters, MotionParameters, SpoolParameters
 
 LAYERED = SpoolParameters(drum_radius=0.4, rope_diameter=0.04, turns_per_layer=10, rope_at_zero=100.0, falls=2)
 

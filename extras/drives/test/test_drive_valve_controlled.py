@@ -9,8 +9,13 @@ import numpy as np
 import pytest
 from cable_sim_node.winch.drives.interface import DriveCommand
 from heave_drives.kernels import valve as valve_kernel
-from heave_drives.parameters.motion import FrictionParameters, MotionParameters
-from heave_drives.parameters.valve import FluidParameters, SupplyParameters, ValveDriveParameters
+from heave_drives.parameters import (
+    FluidParameters,
+    FrictionParameters,
+    MotionParameters,
+    SupplyParameters,
+    ValveDriveParameters,
+)
 from heave_drives.published import mas410_published_solution, mas410_radians_per_metre
 from heave_drives.valve_controlled import ValveDrive
 from heave_node.interface.codes import WinchLimit

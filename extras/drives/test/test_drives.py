@@ -13,11 +13,14 @@ from cable_sim_node.winch.drives.interface import Drive, DriveCommand
 from cable_sim_node.winch.drives.speed_servo import SpeedServo
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_drives.electric import ElectricDrive
-from heave_drives.parameters.electric import ElectricDriveParameters
-from heave_drives.parameters.motion import MotionParameters
-from heave_drives.parameters.pump import PumpDriveParameters
-from heave_drives.parameters.spool import SpoolParameters
-from heave_drives.parameters.valve import SupplyParameters, ValveDriveParameters
+from heave_drives.parameters import (
+    ElectricDriveParameters,
+    MotionParameters,
+    PumpDriveParameters,
+    SpoolParameters,
+    SupplyParameters,
+    ValveDriveParameters,
+)
 from heave_drives.published import zinage_drive
 from heave_drives.pump_controlled import PumpDrive
 from heave_drives.ramp import RampedDrive

@@ -7,8 +7,7 @@ import time
 
 import pytest
 from heave_bringup.cli import main
-from heave_bringup.operate.answer import Answer
-from heave_bringup.operate.requests import WinchLimits, request_limits
+from heave_bringup.operate.requests import Answer, WinchLimits, request_limits
 from heave_bringup.operate.situation import ControllerStatus, Figures, RunStatus, Situation, Trouble, WinchStatus
 from heave_bringup.operate.tasks import EmergencyStop
 from heave_node.interface.alarm import Severity

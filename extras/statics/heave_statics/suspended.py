@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 from cable_sim_node.errors import NoEquilibriumError, StaticsError
-from cable_sim_node.line.rest.floating import refuse_floating
+from cable_sim_node.line.rest.hanging import refuse_floating
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import body_properties, cable_sections, depth_at_rest, unit_properties
 from cable_sim_node.physics.tension_law import overstrained_words, stiffening, strain_at, yielding_words

@@ -19,12 +19,12 @@ from heave_bags.mcap.reader import Progress, no_progress
 from heave_bags.record.provenance import git_commit, versions
 from heave_bags.signals import RunSignals, Signal
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
-from heave_bringup.run.baseline_law import BASELINE_LAW
+from heave_bringup.run.criteria import BASELINE_LAW
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.run.records import Request
 from heave_bringup.scenarios import Scenario
 from heave_bringup.stored_scenario import parameters_of
-from heave_node.files.whole_file import whole_file
+from heave_node.files.given_files import whole_file
 from heave_node.parameters import ParameterError
 from winch_controller_node.model.lqr import DesignError
 

@@ -28,8 +28,7 @@ from heave_studies.campaign.plan import Case
 from heave_studies.campaign.report import case_table, left_out, remarks, summarise, summary_table, to_json
 from heave_studies.campaign.runs import CaseResult, Task, lost_because, make_tasks, run_task
 from heave_studies.campaign.table import case_frame
-from heave_studies.tables.case_scenario import write_case
-from heave_studies.tables.case_table import read_cases
+from heave_studies.tables.case_table import read_cases, write_case
 from rich.console import Console
 
 TEXT = """

@@ -4,8 +4,17 @@ import math
 
 import numpy as np
 import pytest
-from heave_studies.extremes.largest import Largest, fit_blocks, fit_peaks, from_blocks, from_peaks
-from heave_studies.extremes.maxima import Peaks, block_maxima, cycle_maxima, peaks_over_threshold
+from heave_studies.extremes.largest import (
+    Largest,
+    Peaks,
+    block_maxima,
+    cycle_maxima,
+    fit_blocks,
+    fit_peaks,
+    from_blocks,
+    from_peaks,
+    peaks_over_threshold,
+)
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats

@@ -30,7 +30,7 @@ def record():
 
 def test_the_largest_in_three_hours_of_a_gaussian_sea_is_that_of_rayleigh_crests(record):
     """Crests and troughs count: n is twice the cycles. One hour of waves says this much of its own sigma: 5 %."""
-    heave = next(one for one in expected_of_run(record, 10_800.0) if one.name.startswith("unit heave"))
+    heave = next(one for one in expected_of_run(record, 10_800.0) if one.name.startswith("load heave"))
     sigma = float(np.std(record.signals.unit_heave.value))
     exact = sigma * math.sqrt(2.0 * math.log(2.0 * 10_800.0 / PERIOD))
     assert [estimate.method for estimate in heave.estimates] == ["block maxima", "peaks over threshold"]

@@ -20,8 +20,7 @@ from heave_node.parameters import ParameterError
 from heave_node.scenario import read_sections, sections_text
 from heave_studies.baseline import KEPT, read_kept
 from heave_studies.campaign.extremes import FIGURES, extremes_of_table
-from heave_studies.tables.case_scenario import write_case
-from heave_studies.tables.case_table import files_of, read_cases, scenario_of, split_reference
+from heave_studies.tables.case_table import files_of, read_cases, scenario_of, split_reference, write_case
 from heave_studies.tables.kept_files import MARK
 
 CONTENT = b"content of a file"

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 from heave_node.parameters import build_parameters
-from heave_studies.identification.cable import IdentificationError, identify
-from heave_studies.identification.cable_kernel import respond
+from heave_studies.identification.cable import IdentificationError, identify, respond
 from heave_studies.identification.cable_response import identify_against_length, identify_simulated
 from scipy.integrate import solve_ivp
 from winch_controller_node.design.design import assumed_cable

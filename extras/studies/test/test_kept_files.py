@@ -18,8 +18,7 @@ from heave_studies.campaign import executors, study
 from heave_studies.campaign.campaign_file import read_campaign
 from heave_studies.campaign.runs import CaseResult, Task, run_task
 from heave_studies.tables import kept_files
-from heave_studies.tables.case_scenario import write_case
-from heave_studies.tables.case_table import files_of, read_cases, write_cases
+from heave_studies.tables.case_table import files_of, read_cases, write_case, write_cases
 from heave_studies.tables.kept_files import MARK, digest_of, keep_files, make_good
 
 RAO = Path(str(resources.files("wave_vessel_node"))) / "data" / "wigley_90m.csv"

@@ -13,7 +13,7 @@ from heave_bags.signals import RunSignals, Signal
 from heave_bringup.cli import main
 from heave_bringup.settings import Setting
 from heave_node.criteria import Criterion
-from heave_node.files.stated_files import shipped_files
+from heave_node.files.given_files import shipped_files
 from heave_node.loads.strength import ROPE
 from heave_node.parameters import ParameterError
 from heave_studies.lift.as_built import IN_PART, NOT_REACHED, as_built

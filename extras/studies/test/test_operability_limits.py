@@ -11,7 +11,7 @@ import pandas
 import pytest
 from heave_bags.analyse import kpi_set
 from heave_bringup.cli import main
-from heave_bringup.run.baseline_law import LAW
+from heave_bringup.run.criteria import LAW
 from heave_bringup.scenarios import load_scenario
 from heave_node.criteria import Criterion
 from heave_studies.campaign import executors

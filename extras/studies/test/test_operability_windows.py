@@ -9,12 +9,11 @@ import numpy as np
 import pandas
 import pytest
 from heave_node.parameters import ParameterError
-from heave_studies.operability.alpha import read_alpha
-from heave_studies.operability.exposure import beyond_the_grid, workable, workable_share
-from heave_studies.operability.record import read_record
+from heave_studies.operability.record import beyond_the_grid, read_record, workable, workable_share
 from heave_studies.operability.windows import (
     monthly_share,
     persistence,
+    read_alpha,
     spells,
     waiting_by_month,
     waiting_times,

@@ -148,3 +148,7 @@ def refusal(questions: Sequence[str], option: str) -> str:
     """
     more = f" (and {len(questions) - 1} more such figures)" if len(questions) > 1 else ""
     return f"{questions[0]}{more} {option} takes the figures as they are"
+
+
+ACCEPT = "--set system.accept_implausible=true"
+"""Option that takes them as they are; see `heave_node.files.plausible`."""

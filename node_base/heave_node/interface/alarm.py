@@ -206,3 +206,6 @@ def alarms_in(text: str) -> list[ReadAlarm]:
         )
         for head, end in zip(heads, ends, strict=False)  # a text without a head has one end
     ]
+
+
+NODE_ALARMS = read_alarms(Path(__file__).with_name("alarms.yaml"))

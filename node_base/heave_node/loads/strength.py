@@ -11,6 +11,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from heave_node.numerics.constants import SEAWATER_DENSITY
+
 SAFETY_FACTOR = 2.535
 """Breaking force over largest dynamic load that a lift should have [-]: 1.3 (load) x 1.3 (consequence) x 1.5 (certified
 steel wire rope), the nominal safety factor of GL Noble Denton 0027/ND rev. 11.2 (2016), 7.3 to 7.10, where bends,
@@ -153,3 +155,23 @@ def load_checks(parts: Iterable[Strength], *, top: float, unit: float) -> tuple[
 def _is_stated(value: object) -> bool:
     """Return whether a parameter states a number above 0; one out of a bag may be anything."""
     return isinstance(value, int | float) and math.isfinite(value) and value > 0.0
+
+
+def payload_words(mass: float, volume: float, density: float = SEAWATER_DENSITY) -> str:
+    """Return a load as a lift plan states it: 12 t in air, 8.93 t in water.
+
+    Parameters
+    ----------
+    mass : in air [kg]
+    volume : of the displaced water [m^3]
+    density : of the water [kg/m^3]
+
+    >>> payload_words(12000.0, 3.0)
+    '12 t in air, 8.93 t in water'
+    """
+    return f"{mass_words(mass)} in air, {mass_words(mass - density * volume)} in water"
+
+
+def mass_words(mass: float) -> str:
+    """Return a `mass` [kg] in t, or in kg below half a tonne, with three figures."""
+    return f"{mass:.3g} kg" if abs(mass) < 500.0 else f"{float(f'{1e-3 * mass:.3g}'):g} t"

@@ -20,7 +20,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from heave_node.cdr.packer import Packer
 from heave_node.interface import topics
-from heave_node.interface.node_alarms import NODE_ALARMS
+from heave_node.interface.alarm import NODE_ALARMS
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock

@@ -30,9 +30,9 @@ from rclpy.timer import Timer
 
 from heave_node.errors import NodeError, one_line
 from heave_node.interface import topics
+from heave_node.interface.alarm import NODE_ALARMS
 from heave_node.interface.codes import OPERATOR, time_key, timed_message
 from heave_node.interface.messages import message_type
-from heave_node.interface.node_alarms import NODE_ALARMS
 from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health, diagnostic_array
 from heave_node.ros.input_timing import InputTiming

@@ -24,7 +24,7 @@ from heave_node.sensing.quantisation import quantised
 from numpy.typing import NDArray
 
 from wave_vessel_node.mru.oscillator import DrivenOscillator
-from wave_vessel_node.mru_parameters import MruParameters
+from wave_vessel_node.parameters import MruParameters
 from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotion
 
 _TICK_ROUNDING = 1e-6

@@ -26,7 +26,7 @@ from heave_node.numerics.spectral_estimate import (
     segment_size,
 )
 
-from wave_vessel_node.mru_parameters import SeaStateEstimateParameters
+from wave_vessel_node.parameters import SeaStateEstimateParameters
 
 _MINIMUM_SEGMENTS = 3
 _LEAST_RESPONSE = 0.03  # of |H|^2: below, the motion says nothing of the sea

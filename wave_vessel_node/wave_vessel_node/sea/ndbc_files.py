@@ -15,7 +15,7 @@ from datetime import datetime, timedelta, timezone
 from pathlib import Path
 
 import numpy as np
-from heave_node.files.text_files import TextFileError, read_text
+from heave_node.files.given_files import TextFileError, read_text
 from heave_node.numerics.arrays import Array
 
 from wave_vessel_node.sea.spectra import SpectrumError, TabulatedSpectrum

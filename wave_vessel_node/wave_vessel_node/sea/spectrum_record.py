@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta, timezone
 from typing import NoReturn
 
-from heave_node.files.plausible import sea_question
+from heave_node.files.plausible import ACCEPT, sea_question
 from heave_node.numerics.arrays import Array
 
-from wave_vessel_node.implausible import ACCEPT
 from wave_vessel_node.sea.spectra import TabulatedSpectrum
 
 

@@ -7,15 +7,15 @@ import math
 import numpy as np
 from heave_node.interface.waves import Waves, from_start
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.ramp import smooth_ramp
+from heave_node.numerics.kinematics import smooth_ramp
 from heave_node.numerics.randomness import random_stream
 
+from wave_vessel_node.parameters import DriftParameters
 from wave_vessel_node.sea.realisation import HarmonicSum, draw_components
 from wave_vessel_node.sea.spectra import TabulatedSpectrum
 from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.motion import VesselMotion
-from wave_vessel_node.vessel_parameters import DriftParameters
 
 _DRIFT_COMPONENTS = 120
 

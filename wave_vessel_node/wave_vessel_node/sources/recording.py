@@ -13,11 +13,10 @@ from pathlib import Path
 
 import numpy as np
 from heave_node.files.columns import ColumnsError, read_columns
-from heave_node.files.plausible import question, refusal
-from heave_node.files.text_files import TextFileError, read_text
+from heave_node.files.given_files import TextFileError, read_text
+from heave_node.files.plausible import ACCEPT, question, refusal
 from heave_node.numerics.arrays import Array
 
-from wave_vessel_node.implausible import ACCEPT
 from wave_vessel_node.sources.bag_motion import BagMotionError, bag_samples
 
 _LONGEST_GAP = 2.0  # s between samples; longer gaps cannot be interpolated

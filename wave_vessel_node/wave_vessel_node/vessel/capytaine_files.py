@@ -14,8 +14,7 @@ from heave_node.extras import how_to_install
 from heave_node.numerics.arrays import Array, ComplexArray
 
 from wave_vessel_node.vessel.motion import DEGREES_OF_FREEDOM
-from wave_vessel_node.vessel.rao import MIRROR, RaoError, ResponseTable, encounter_frequency
-from wave_vessel_node.vessel.rao_checks import judged
+from wave_vessel_node.vessel.rao import MIRROR, RaoError, ResponseTable, encounter_frequency, judged
 
 _STATION_KEEPING_PERIOD = 120.0  # s
 _STATION_KEEPING_DAMPING = 0.3  # of critical

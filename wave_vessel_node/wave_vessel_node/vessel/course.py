@@ -8,9 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.ramp import PEAK_OF_RAMP, smooth_ramp
+from heave_node.numerics.kinematics import PEAK_OF_RAMP, smooth_ramp
 
-from wave_vessel_node.vessel_parameters import CourseParameters
+from wave_vessel_node.parameters import CourseParameters
 
 _CELL = 0.5  # s, of the table of positions within manoeuvres
 

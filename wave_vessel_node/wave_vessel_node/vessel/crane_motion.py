@@ -9,11 +9,10 @@ import numpy as np
 from heave_node.crane.kinematics import JOINTS, Crane, TipPlace
 from heave_node.crane.pose import POSE_FIELDS, CranePose, pose_of_numbers
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.kinematics import PointMotion
-from heave_node.numerics.ramp import PEAK_OF_RAMP, smooth_ramp
+from heave_node.numerics.kinematics import PEAK_OF_RAMP, PointMotion, smooth_ramp
 from heave_node.sensing.sensor import Sensor
 
-from wave_vessel_node.crane_parameters import CraneMotionParameters, PoseSensorParameters
+from wave_vessel_node.parameters import CraneMotionParameters, PoseSensorParameters
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
 
 _OF_JOINTS = np.array([1.0] * len(JOINTS) + [0.0] * len(JOINTS))

@@ -16,14 +16,13 @@ from pathlib import Path
 
 import numpy as np
 from heave_node.files.columns import Columns, ColumnsError, read_columns
+from heave_node.files.given_files import TextFileError, read_text
 from heave_node.files.plausible import question
-from heave_node.files.text_files import TextFileError, read_text
 from heave_node.numerics.arrays import Array
 
 from wave_vessel_node.vessel.capytaine_files import read_capytaine
 from wave_vessel_node.vessel.motion import DEGREES_OF_FREEDOM
-from wave_vessel_node.vessel.rao import RaoError, ResponseTable
-from wave_vessel_node.vessel.rao_checks import judged
+from wave_vessel_node.vessel.rao import RaoError, ResponseTable, judged
 
 SHIPPED_TABLE = "wigley_90m.csv"
 _GRID = ("speed_mps", "heading_rad", "omega_radps")

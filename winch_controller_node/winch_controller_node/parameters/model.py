@@ -11,8 +11,7 @@ from dataclasses import dataclass, replace
 from heave_node.parameters import ParameterError, parameter
 from heave_node.winch.parameters import WinchFigures
 from heave_node.winch.position_loop import check_position_gain
-from wave_vessel_node.parameters import FILTER_CHOICES, SeaParameters
-from wave_vessel_node.vessel_parameters import VesselAnswer
+from wave_vessel_node.parameters import FILTER_CHOICES, SeaParameters, VesselAnswer
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from heave_bringup.commands.arguments import add_namespace, add_network
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
-    from heave_bringup.operate.answer import Answer
     from heave_bringup.operate.link import RunLink
+    from heave_bringup.operate.requests import Answer
     from heave_bringup.operate.tasks import Move, Task
 
 SUMMARY = "Operate a run from another terminal: status, mode, moves, gain, stop, faults."

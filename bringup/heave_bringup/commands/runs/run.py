@@ -181,8 +181,7 @@ def execute(options: argparse.Namespace) -> None:
 def _check(options: argparse.Namespace, scenario: Scenario, replaced: Replacements) -> None:
     """Refuse, before anything starts, what this run cannot be; warn of what its files leave open."""
     from heave_bringup.output import warn
-    from heave_bringup.run.checks.files import check_files
-    from heave_bringup.run.checks.rest import check_design, check_rest
+    from heave_bringup.run.checks.files import check_design, check_files, check_rest
     from heave_bringup.run.checks.waves import check_waves
     from heave_bringup.run.criteria import refuse_unknown
 

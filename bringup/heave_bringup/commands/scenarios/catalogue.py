@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from heave_node.catalogue import KINDS, Entry, entries, find
-from heave_node.loads.payload import payload_words
+from heave_node.loads.strength import payload_words
 
 if TYPE_CHECKING:
     from rich.table import Table

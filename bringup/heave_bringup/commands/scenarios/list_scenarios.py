@@ -14,7 +14,7 @@ def add_arguments(_: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Print load, rope and description of each scenario, as `options` say."""
-    from heave_node.loads.payload import mass_words
+    from heave_node.loads.strength import mass_words
 
     from heave_bringup.output import make_table, write_result
     from heave_bringup.scenarios import description_of, load_scenario, shipped_scenarios

@@ -65,7 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Write the file that `options` name, and check it."""
-    from heave_node.loads.payload import payload_words
+    from heave_node.loads.strength import payload_words
 
     from heave_bringup.output import write_result
     from heave_bringup.pages.commented_scenario import commented_scenario

@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
+from cable_sim_node.errors import PlantError
+from cable_sim_node.line.dynamics import CableDynamics
+from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.physics.tension_law import overstrained_words
+from cable_sim_node.vertical.axial_line import axial_line
 from heave_node.parameters import ParameterError
 from wave_vessel_node.parameters import WaveVesselParameters
 from wave_vessel_node.source_registry import SOURCES
+from winch_controller_node.design.design import check_inputs
+from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.parameters.model import VesselModelParameters
 
 from heave_bringup.scenarios import Scenario
@@ -45,3 +53,36 @@ def vessel_warnings(scenario: Scenario) -> list[str]:
     from wave_vessel_node.vessel.rao_files import read_rao  # noqa: PLC0415 (few runs need it)
 
     return list(read_rao(vessel.rao_file, sorted({0.0, vessel.speed}), vessel.accept_implausible).warnings)
+
+
+def check_design(scenario: Scenario) -> None:
+    """Refuse a load that floats, sensors that do not suffice, or a delay beyond prediction in a `scenario` that moves
+    the winch, as the controller would once it runs.
+
+    Raises ParameterError with the cause.
+    """
+    if scenario.moves_winch:
+        try:
+            check_inputs(scenario.parameters["winch_controller"], scenario.run.tick_period)
+        except DesignError as error:
+            raise ParameterError(f"{scenario.path}: winch_controller: {error}") from error
+
+
+def check_rest(scenario: Scenario) -> None:
+    """Refuse a cable that would part under its own load in a `scenario`, or whose tension law does not carry it, a
+    unit that floats up, and a seabed that leaves no room.
+
+    Raises ParameterError with the cause.
+    """
+    plant: CableSimParameters = scenario.parameters["cable_sim"]
+    try:
+        height = scenario.parameters["wave_vessel"].boom_tip_height
+        strain = axial_line(plant, height).static_strain(plant.length)
+        floats = plant.unit.weight_in_fluid(plant.water_density, plant.gravity) < 0.0
+        if floats or plant.seabed.depth > 0.0:  # only a solver knows where it rests
+            CableDynamics(plant).start_at_equilibrium(np.array([0.0, 0.0, height]))
+    except PlantError as error:
+        raise ParameterError(f"{scenario.path}: cable_sim: {error}") from error
+    words = overstrained_words(strain, plant.cable.axial_stiffness)
+    if words:
+        raise ParameterError(f"{scenario.path}: cable_sim: {words}")

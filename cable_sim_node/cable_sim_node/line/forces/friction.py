@@ -18,8 +18,7 @@ from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.forces.segment import rank_one
 from cable_sim_node.line.tiles import copy_borders
 from cable_sim_node.physics.drag import Vector
-from cable_sim_node.physics.rope_friction import jenkin_force
-from cable_sim_node.physics.tension_law import stiffening, tangent_stiffness
+from cable_sim_node.physics.tension_law import jenkin_force, stiffening, tangent_stiffness
 
 
 @inner_kernel

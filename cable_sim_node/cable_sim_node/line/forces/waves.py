@@ -16,7 +16,7 @@ import math
 
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
-from heave_node.numerics.ramp import smooth_ramp_kernel
+from heave_node.numerics.kinematics import smooth_ramp_kernel
 
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays

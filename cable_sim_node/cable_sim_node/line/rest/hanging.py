@@ -20,10 +20,24 @@ from cable_sim_node.line.forces.body import set_unit
 from cable_sim_node.line.forces.flow import set_flow
 from cable_sim_node.line.forces.surface import dry_part, put_back, take_from_water
 from cable_sim_node.line.observation import evaluate
-from cable_sim_node.line.rest.floating import floating_words
 from cable_sim_node.line.tiles import take_present
 from cable_sim_node.physics.drag import Vector, drag_force, resolve
 from cable_sim_node.physics.tension_law import strain_at, yielding_words
+
+
+def refuse_floating(unit_height: float, boom_tip_height: float) -> None:
+    """Raise NoEquilibriumError for a unit that hangs upwards, its `unit_height` above the `boom_tip_height` [m]."""
+    if unit_height > boom_tip_height:
+        raise NoEquilibriumError(floating_words(unit_height))
+
+
+def floating_words(unit_height: float) -> str:
+    """Return in words that a unit floats up to its `unit_height` [m], above the boom tip."""
+    return (
+        f"the line does not hang: the unit's buoyancy lifts it above the boom tip, to {unit_height:.0f} m; "
+        "there is no surface here to float on: use a heavier unit or more cable"
+    )
+
 
 _PASSES = 200
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import resources
 from pathlib import Path
 
-from heave_node.files.stated_files import shipped_files
+from heave_node.files.given_files import shipped_files
 from heave_node.parameters import ParameterError
 
 from heave_devices.maps.channel import MapError

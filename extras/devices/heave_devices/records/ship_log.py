@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from heave_bags.errors import BagError
 from heave_node.files.columns import ColumnsError, read_columns
-from heave_node.files.text_files import TextFileError, read_text
+from heave_node.files.given_files import TextFileError, read_text
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 

@@ -22,7 +22,7 @@ from heave_node.interface.codes import WinchLimit
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
 
-from heave_drives.parameters.motion import FrictionParameters, MotionParameters
+from heave_drives.parameters import FrictionParameters, MotionParameters
 
 PAYOUT, RATE, SUPPLIED, FROM_LOAD, LOST = 0, 1, 2, 3, 4
 OWN = 5
@@ -168,3 +168,21 @@ def keep_in_bounds(state: Array, mass: float, rate_before: float, h: float, brak
     state[LOST] += 0.5 * mass * (state[RATE] ** 2 - v * v)
     state[RATE] = v
     return limits
+
+
+STAGES = 5
+"""Rows of the work array: four slopes, and the state at which the next one is taken."""
+
+
+@inner_kernel
+def shift(at: Array, state: Array, slope: Array, h: float) -> None:
+    """Set `at` to state + h slope."""
+    for i in range(state.size):
+        at[i] = state[i] + h * slope[i]
+
+
+@inner_kernel
+def add_slopes(state: Array, work: Array, h: float) -> None:
+    """Advance the state by `h` with the four slopes in `work`."""
+    for i in range(state.size):
+        state[i] += h / 6.0 * (work[0, i] + 2.0 * work[1, i] + 2.0 * work[2, i] + work[3, i])

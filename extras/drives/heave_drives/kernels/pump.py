@@ -13,7 +13,6 @@ from cable_sim_node.winch import drive
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel, kernel
 
-from heave_drives.kernels.integration import add_slopes, shift
 from heave_drives.kernels.mechanics import (
     BOOST_TIME,
     LIMIT_FLOW,
@@ -25,11 +24,13 @@ from heave_drives.kernels.mechanics import (
     Bounds,
     Friction,
     Order,
+    add_slopes,
     braking_of,
     clip,
     keep_in_bounds,
     rate_demand,
     set_motion,
+    shift,
 )
 
 SWASH, PRESSURE, MOTOR, INTEGRAL = OWN, OWN + 1, OWN + 2, OWN + 3

@@ -14,7 +14,7 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel
 
-from heave_drives.parameters.spool import SpoolParameters
+from heave_drives.parameters import SpoolParameters
 
 
 class Spool(NamedTuple):

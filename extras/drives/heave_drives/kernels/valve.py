@@ -13,7 +13,6 @@ from typing import NamedTuple
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.compiled import inner_kernel, kernel
 
-from heave_drives.kernels.integration import add_slopes, shift
 from heave_drives.kernels.mechanics import (
     BOOST_TIME,
     LIMIT_FLOW,
@@ -24,11 +23,13 @@ from heave_drives.kernels.mechanics import (
     Bounds,
     Friction,
     Order,
+    add_slopes,
     braking_of,
     clip,
     keep_in_bounds,
     rate_demand,
     set_motion,
+    shift,
 )
 
 SPOOL, SPOOL_RATE, PRESSURE_A, PRESSURE_B, INTEGRAL, PUMP, OIL = (OWN + i for i in range(7))

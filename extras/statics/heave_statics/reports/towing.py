@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from cable_sim_node.errors import StaticsError
-from cable_sim_node.line.rest.floating import refuse_floating
+from cable_sim_node.line.rest.hanging import refuse_floating
 from cable_sim_node.parameters import CableSimParameters
-from cable_sim_node.physics.clearance import clearance_of
 from cable_sim_node.physics.current import current_of
+from cable_sim_node.physics.seabed import clearance_of
 from cable_sim_node.reports.report import columns
 from heave_node.numerics.arrays import Array
 from heave_node.sheet import Column, Sheet

@@ -38,7 +38,7 @@ from typing import Any
 
 from heave_bringup.pages.alarms import TABLES
 from heave_node.criteria import Criterion, parse_criterion
-from heave_node.files.stated_files import as_list, as_mapping, find_stated, read_stated, refuse_keys, scenario_of
+from heave_node.files.given_files import as_list, as_mapping, find_stated, read_stated, refuse_keys, scenario_of
 from heave_node.files.units import UNITS
 from heave_node.interface.fault_kinds import FAULTS
 from heave_node.parameters import Given, ParameterError

@@ -34,7 +34,7 @@ from typing import Any
 
 from heave_bringup.settings import make_setting, plain_settings
 from heave_node.files.bounded_yaml import YamlError, parse_yaml
-from heave_node.files.stated_files import find_stated, read_stated, refuse_keys
+from heave_node.files.given_files import find_stated, read_stated, refuse_keys
 from heave_node.parameters import ParameterError
 
 from heave_studies.campaign.plan import Campaign, Link

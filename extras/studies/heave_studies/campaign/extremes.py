@@ -12,8 +12,7 @@ from heave_node.parameters import ParameterError
 from heave_studies.campaign.plan import Case
 from heave_studies.campaign.table import FAILURE, NOMINAL, SEED, settings_of
 from heave_studies.extremes.of_run import Expected, expected_of_seeds
-from heave_studies.tables.case_scenario import load_case
-from heave_studies.tables.case_table import CASE, read_cases
+from heave_studies.tables.case_table import CASE, load_case, read_cases
 
 FEWEST_SEEDS = 3
 """Fewest seeds of a sea from which its extremes are estimated."""

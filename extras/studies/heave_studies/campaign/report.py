@@ -6,7 +6,7 @@ import numpy as np
 import pandas
 from heave_bags.analyse import kpi_set
 from heave_bringup.output import FittedTable, make_table
-from heave_bringup.run.baseline_law import BASELINE_LAW, LAW
+from heave_bringup.run.criteria import BASELINE_LAW, LAW
 from heave_node import kpi
 from rich.table import Table
 

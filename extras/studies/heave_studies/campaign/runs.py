@@ -12,8 +12,7 @@ from heave_bags.analyse.events import COMPENSATES
 from heave_bags.analyse.verdict import Judged, Verdict
 from heave_bags.signals import RunSignals, Signal
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
-from heave_bringup.run.baseline_law import BASELINE_LAW, LAW
-from heave_bringup.run.criteria import refuse_unknown
+from heave_bringup.run.criteria import BASELINE_LAW, LAW, refuse_unknown
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title

@@ -64,7 +64,7 @@ def execute(options: argparse.Namespace) -> None:
     """List or show procedures, or run one and report, as `options` say."""
     from heave_bringup.network import set_up_transport
     from heave_bringup.output import make_table, write_result
-    from heave_node.files.stated_files import shipped_files
+    from heave_node.files.given_files import shipped_files
 
     from heave_studies.accept.procedure_file import FOLDER, find_procedure, read_head
     from heave_studies.accept.session import Session

@@ -140,7 +140,7 @@ def _write_case(options: argparse.Namespace) -> None:
     """Write the scenario of the case that `options` name, and print the line that runs it."""
     from heave_bringup.output import check_output, warn, write_result
 
-    from heave_studies.tables.case_scenario import write_case
+    from heave_studies.tables.case_table import write_case
 
     check_output("--output", options.output, (".yaml",))
     path, reported = write_case(options.case, options.output)

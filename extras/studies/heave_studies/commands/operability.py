@@ -101,9 +101,9 @@ def _campaign(options: argparse.Namespace, settings: Mapping[str, object], requi
 
 
 def _place(options: argparse.Namespace) -> Place | None:
-    from heave_studies.operability.alpha import read_alpha
     from heave_studies.operability.record import read_record
     from heave_studies.operability.study import WINDOWS, Place
+    from heave_studies.operability.windows import read_alpha
 
     windows = tuple(options.windows or WINDOWS)
     if min(windows) <= 0.0:
@@ -118,7 +118,7 @@ def _place(options: argparse.Namespace) -> Place | None:
 
 def _left_out(scenario: Scenario, frame: DataFrame) -> list[str]:
     """Return the line that says how to have the limits under the baseline law, where they are not among the cases."""
-    from heave_bringup.run.baseline_law import BASELINE_LAW, LAW
+    from heave_bringup.run.criteria import BASELINE_LAW, LAW
 
     law = scenario.parameters["winch_controller"].law
     if LAW in frame or law == BASELINE_LAW:

@@ -149,8 +149,7 @@ def study_criteria(
     Raises ParameterError where there are none, and for a table of other cases.
     """
     from heave_studies.operability.seas import HEIGHT, PERIOD
-    from heave_studies.tables.case_scenario import load_case
-    from heave_studies.tables.case_table import CASE
+    from heave_studies.tables.case_table import CASE, load_case
 
     missing = [name for name in (HEIGHT, PERIOD) if name not in frame.columns]
     if missing:

@@ -111,7 +111,7 @@ def execute(options: argparse.Namespace) -> None:
 
 def _left_out(scenario: Scenario) -> list[str]:
     """Return the line that says how to have the same tables of the baseline law, where they are of another one."""
-    from heave_bringup.run.baseline_law import BASELINE_LAW
+    from heave_bringup.run.criteria import BASELINE_LAW
 
     if scenario.parameters["winch_controller"].law == BASELINE_LAW:
         return []

@@ -11,8 +11,16 @@ from heave_bags.analyse.run_record import RunRecord
 from heave_bags.signals import Signal
 from heave_node.numerics.arrays import Array
 
-from heave_studies.extremes.largest import FEWEST, Estimate, from_blocks, from_peaks, most_probable_by_blocks
-from heave_studies.extremes.maxima import block_maxima, cycle_maxima, peaks_over_threshold
+from heave_studies.extremes.largest import (
+    FEWEST,
+    Estimate,
+    block_maxima,
+    cycle_maxima,
+    from_blocks,
+    from_peaks,
+    most_probable_by_blocks,
+    peaks_over_threshold,
+)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from cable_sim_node.vertical.axial import simulate_axial
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.ramp import smooth_ramp
+from heave_node.numerics.kinematics import smooth_ramp
 from winch_controller_node.design.bounds import boom_tip_realisation
 from winch_controller_node.design.design import assumed_cable, assumed_plant
 from winch_controller_node.node_parameters import WinchControllerParameters

@@ -25,7 +25,7 @@ from typing import Any, TypeVar
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting, make_setting
 from heave_node.criteria import Criterion, parse_criterion
-from heave_node.files.stated_files import as_list, as_mapping, find_stated, read_stated, refuse_keys, scenario_of
+from heave_node.files.given_files import as_list, as_mapping, find_stated, read_stated, refuse_keys, scenario_of
 from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL
 from heave_node.parameters import Given, ParameterError, build_parameters, check_ranges, parameter
 

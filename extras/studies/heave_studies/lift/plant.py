@@ -25,8 +25,7 @@ from heave_bringup.settings import Setting
 from heave_node.interface.waves import NO_WAVES, Waves
 from heave_node.loads.strength import Strength
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.kinematics import PointMotion
-from heave_node.numerics.ramp import smooth_ramp
+from heave_node.numerics.kinematics import PointMotion, smooth_ramp
 from heave_node.parameters import ParameterError
 from wave_vessel_node.component import WaveVessel
 

@@ -8,11 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pandas
+from heave_node.files.given_files import TextFileError, read_text
 from heave_node.files.plausible import PLAUSIBLE, question
-from heave_node.files.text_files import TextFileError, read_text
+from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 from wave_vessel_node.sea.spectrum_files import read_spectra
 from wave_vessel_node.sea.spectrum_record import SpectrumFileError
+
+from heave_studies.operability.windows import AlphaTable, Flags
 
 HS, TP = "hs", "tp"
 """Columns: significant wave height [m], peak period [s]."""
@@ -171,3 +174,62 @@ def at_equal_steps(name: str, states: pandas.DataFrame, warnings: tuple[str, ...
     even = states.reindex(grid, method="nearest", tolerance=step / 2)
     even["share"] = np.where(even[HS].isna(), 0.0, 1.0) / max(int(even[HS].notna().sum()), 1)
     return SeaRecord(name, even, step.total_seconds() / 3600.0, warnings)
+
+
+def limit_at(curve: pandas.DataFrame, periods: Array, column: str = "limit") -> Array:
+    """Return the limit at peak periods, linear between those of the curve and held beyond them.
+
+    Parameters
+    ----------
+    curve : as `limit_curve` gives it
+    periods : any shape [s]
+    column : of the curve: limit, lower or upper
+    """
+    return np.asarray(np.interp(periods, curve["period"], curve[column].fillna(curve["limit"])))
+
+
+def workable(
+    record: SeaRecord, curve: pandas.DataFrame, *, alpha: AlphaTable | None = None, hours: float = 0.0
+) -> Flags:
+    """Return which seas of a record are within the limit; missing ones are not.
+
+    Parameters
+    ----------
+    record : of a place
+    curve : as `limit_curve` gives it
+    alpha : factors on the limit, by the planned duration; None: the forecast is trusted
+    hours : planned duration [h]
+    """
+    states = record.states
+    limits = limit_at(curve, states[TP].to_numpy())
+    if alpha is not None:
+        limits = limits * alpha.factor(hours, limits)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(states[HS].to_numpy() <= limits)
+
+
+def workable_share(record: SeaRecord, curve: pandas.DataFrame, column: str = "limit") -> float:
+    """Return the share of the measured seas that are within the limit.
+
+    Parameters
+    ----------
+    record : of a place
+    curve : as `limit_curve` gives it
+    column : of the curve: limit, lower or upper
+    """
+    states = record.states.dropna(subset=[HS])
+    within = states[HS].to_numpy() <= limit_at(curve, states[TP].to_numpy(), column)
+    return float(states["share"].to_numpy() @ within)
+
+
+def beyond_the_grid(record: SeaRecord, curve: pandas.DataFrame) -> float:
+    """Return the share of the measured seas whose period lies outside the curve's, where its end is held.
+
+    Parameters
+    ----------
+    record : of a place
+    curve : as `limit_curve` gives it
+    """
+    states = record.states.dropna(subset=[HS])
+    outside = (states[TP] < curve["period"].min()) | (states[TP] > curve["period"].max())
+    return float(states["share"].to_numpy() @ outside.to_numpy())

@@ -10,11 +10,9 @@ import numpy as np
 import pandas
 from heave_node.criteria import Criterion
 
-from heave_studies.operability.alpha import AlphaTable
-from heave_studies.operability.exposure import beyond_the_grid, workable, workable_share
 from heave_studies.operability.limits import limit_curve, situations
-from heave_studies.operability.record import HS, SeaRecord
-from heave_studies.operability.windows import all_windows, monthly_share, persistence
+from heave_studies.operability.record import HS, SeaRecord, beyond_the_grid, workable, workable_share
+from heave_studies.operability.windows import AlphaTable, all_windows, monthly_share, persistence
 
 WINDOWS = (6.0, 12.0, 24.0)
 """Lengths of weather windows where none are given [h]."""

@@ -14,8 +14,8 @@ from heave_node.loads.cycles import DAMAGE_EXPONENT, LEAST_RANGE
 from heave_node.sheet import Sheet
 
 from heave_studies.operability.limits import FEWEST_SEEDS
-from heave_studies.operability.page import About
-from heave_studies.operability.page_parts import (
+from heave_studies.operability.page import (
+    About,
     cases_table,
     criteria_table,
     provenance_table,

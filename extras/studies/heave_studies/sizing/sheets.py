@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from heave_node.sheet import Column, Sheet
 
-from heave_studies.operability.page_parts import number
+from heave_studies.operability.page import number
 from heave_studies.sizing.candidates import PARTICULARS
 from heave_studies.sizing.study import Sized
 

@@ -15,9 +15,8 @@ from heave_node.numerics.arrays import Array
 from scipy.interpolate import RegularGridInterpolator
 
 from heave_studies.campaign.plan import Campaign
-from heave_studies.operability.exposure import workable, workable_share
 from heave_studies.operability.limits import limit_curve
-from heave_studies.operability.record import HS, TP, SeaRecord
+from heave_studies.operability.record import HS, TP, SeaRecord, workable, workable_share
 from heave_studies.operability.seas import HEIGHT, PERIOD
 from heave_studies.sizing.candidates import PARTICULARS, Candidate, Particular, as_link, of_frame
 

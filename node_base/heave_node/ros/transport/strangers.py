@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 from rclpy.node import Node
 
-from heave_node.interface.alarm import Alarm
-from heave_node.interface.node_alarms import NODE_ALARMS
+from heave_node.interface.alarm import NODE_ALARMS, Alarm
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.transport.identity import (
     NAMELESS_SENDER,

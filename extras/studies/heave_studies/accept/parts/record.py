@@ -15,11 +15,11 @@ from heave_devices.records.sea_import import record_channels
 from heave_devices.records.sea_mapping import SeaMapping, read_mapping
 from heave_devices.records.ship_log import is_text
 
-from heave_studies.accept.coverage import lacking_words
 from heave_studies.accept.measured import Measured, Nominal, rate_of
 from heave_studies.accept.parts.run import depth_of, read_loop
 from heave_studies.accept.parts.winch import Trace
 from heave_studies.accept.procedure import Event, Step, WinchTest
+from heave_studies.accept.results import lacking_words
 
 QUANTITIES = ("heave", "payout", "payout_rate", "ordered_rate", "unit_heave", "tension", "pressure")
 """Quantities of a map that are used: heave of the boom tip, those of the winch, heave of the unit, pressure at it."""

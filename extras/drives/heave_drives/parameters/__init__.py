@@ -1,1 +1,0 @@
-"""Parameters of the drives of a winch."""
