@@ -241,7 +241,7 @@ class LoopCommand:
         return self.last
 
     def _loop(self, tick: LoopTick, decision: Decision) -> LoopNow:
-        """Return what the core is told of the loop."""
+        """Return what the core gets to know of the loop."""
         mode, sensed = decision.mode, tick.sensed
         is_held = tick.knows_tip and mode.mode is Mode.COMPENSATING
         heave, rate = 0.0, 0.0  # where the boom tip is not known the unit is to come to rest
