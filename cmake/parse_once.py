@@ -1,6 +1,6 @@
 """Runs a generator of ROS messages: `python parse_once.py FOLDER SCRIPT ...`. What one has parsed the others take.
 
-Each of six generators parses all interfaces again, which takes 2.7 s of a processor. The first that comes to one of them
+Each of six generators parses all interfaces again, which takes 2.7 s of CPU. The first that comes to one of them
 keeps it, parsed, in FOLDER under the digest of its text; others that come to it meanwhile wait.
 """
 
