@@ -32,9 +32,10 @@ def how_to_install(extra: str) -> str:
     """Return the command, given in the folder of the suite, that installs the packages of an `extra`.
 
     >>> how_to_install("dask")
-    'in the folder of the suite: .venv/bin/uv pip install -r pyproject.toml --extra dask'
+    'in the folder of the suite: make extras (most), or .venv/bin/uv pip install -r pyproject.toml --extra dask'
     """
-    return f"in the folder of the suite: .venv/bin/uv pip install -r pyproject.toml --extra {extra}"
+    of_one = f".venv/bin/uv pip install -r pyproject.toml --extra {extra}"
+    return f"in the folder of the suite: make extras (most), or {of_one}"
 
 
 def missing_extra(what: str, extra: str, error: ModuleNotFoundError | None = None) -> MissingExtraError:

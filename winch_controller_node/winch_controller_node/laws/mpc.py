@@ -154,7 +154,7 @@ class Planner:
     ----------
     design : what the law is made for; its winch is a speed servo
     parameters : horizon, ticks between solutions, caps, cost
-    core : of the law, which gets all that it needs of them
+    core : of the law, which gets all that it needs
 
     Raises DesignError for a first-order winch, for a horizon that the delay fills, and for one that does not fit.
 
