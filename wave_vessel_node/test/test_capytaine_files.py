@@ -148,10 +148,24 @@ def test_headings_of_every_form_give_one_table(tmp_path, headings):
     assert MIRROR[1] == -1.0
 
 
+def of_two_bodies(data):
+    """Return the database as of two bodies side by side, labelled as Capytaine does: BODY__DOF."""
+
+    def labelled(dataset, axis, body):
+        return dataset.assign_coords({axis: [f"{body}__{name}" for name in dataset[axis].to_numpy()]})
+
+    for axis in ("influenced_dof", "radiating_dof"):
+        pair = [labelled(data, axis, body) for body in ("ship", "barge")]
+        data = xarray.concat(pair, axis, data_vars="minimal", coords="minimal", compat="override")
+    return data
+
+
 @pytest.mark.parametrize(
     ("change", "says"),
     [
         (lambda data: data.isel(wave_direction=[2]), "headings must span 0 to pi"),
+        (lambda data: data.isel(wave_direction=slice(0, 3)), "these are 0, .* degrees; compute the others"),
+        (of_two_bodies, "holds the bodies ship, barge, which move one another"),
         (
             lambda data: xarray.concat([data, data], "water_depth").assign_coords(water_depth=[50.0, 200.0]),
             "along water_depth",

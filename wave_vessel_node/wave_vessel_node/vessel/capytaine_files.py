@@ -107,6 +107,7 @@ def _read(path: Path) -> _Database:
     notes: list[str] = []
     try:
         dataset = _in_headings(_over_omega(path, dataset), notes)
+        _refuse_bodies(path, dataset)
         order = [_dof_label(dataset, name) for name in DEGREES_OF_FREEDOM]
         radiation = {"radiating_dof": order, "influenced_dof": order}
         grid = ("omega", "influenced_dof", "radiating_dof")
@@ -205,6 +206,17 @@ def _one_case(path: Path, values: Any) -> Any:
             raise RaoError(f"{path}: has {values.sizes[axis]} entries along {axis}: keep one (dataset.isel({axis}=0))")
         values = values.isel({axis: 0})
     return values
+
+
+def _refuse_bodies(path: Path, dataset: Any) -> None:
+    """Raise RaoError for a database of several bodies, whose degrees of freedom are BODY__NAME each."""
+    labels = [str(label).partition("__") for label in dataset["influenced_dof"].to_numpy()]
+    bodies = dict.fromkeys(body for body, mark, _ in labels if mark)
+    if bodies:
+        raise RaoError(
+            f"{path}: holds the bodies {', '.join(bodies)}, which move one another: compute the vessel alone, or keep "
+            "its rows where the others stand still, with labels without the body"
+        )
 
 
 def _dof_label(dataset: Any, name: str) -> str:
