@@ -2,6 +2,14 @@
 VENV := .venv
 BIN := $(VENV)/bin
 PYTHON ?=
+# An environment that was moved or copied here leads to where it was made, without a word: it is made again.
+MADE_AT := $(shell sed -n '1s,^\#!\(/.*/\)python[^/]*$$,\1,p' $(VENV)/bin/heave 2>/dev/null)
+ifneq ($(MADE_AT),)
+ifneq ($(shell [ "$(MADE_AT)" -ef $(VENV)/bin/ ] && echo here),here)
+$(info setup: $(VENV) was made at $(MADE_AT) and moved: it is made again)
+$(shell rm -rf $(VENV))
+endif
+endif
 # What a build copies; Python files, scenarios among them, are used where they lie.
 BUILD_INPUTS := pyproject.toml $(wildcard cmake/* core/*.cmake core/heave_core/src/* core/heave_core/*.py msgs/*.txt msgs/*.xml msgs/msg/* msgs/srv/* msgs/action/* */package.xml */launch/* */config/*)
 

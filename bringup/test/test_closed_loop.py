@@ -24,7 +24,7 @@ from cable_sim_node.winch.parameters import WinchParameters
 from heave_bags.analyse import kpi_set
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, loop_parameters
 from heave_bringup.run.loop_signals import run_signals
-from heave_bringup.scenarios import make_scenario
+from heave_bringup.scenarios import load_scenario, make_scenario
 from heave_node.crane.messages import pose_message
 from heave_node.crane.pose import POSE_FIELDS, pose_of, pose_to_wire
 from heave_node.interface import topics
@@ -233,3 +233,12 @@ def test_gravity_of_the_place_is_in_what_an_imu_says_and_the_one_believed_in_is_
     loop.step()
     # the unit hangs at rest in the first tick
     assert heard[0].of("imu")[0].value == pytest.approx(9.83 - assumed, abs=1e-9)
+
+
+def test_a_slow_late_depth_sensor_is_compared_with_where_the_unit_was():
+    """1 Hz, 10 cm, and 1 s late, as stated: it is no contradiction of the motion reference unit."""
+    given_settings = [f"system.sensors.depth.{name}" for name in ("rate=1", "noise=0.1", "latency=1.0")]
+    scenario = load_scenario("module_900", settings=["all.duration=45", *given_settings])
+    record = ClosedLoop(loop_parameters(scenario)).run()
+    assert "DEPTH_MRU_DISAGREE" not in {alarm.code for _, alarm in record.alarms}
+    assert record.modes[-1] == "compensating"

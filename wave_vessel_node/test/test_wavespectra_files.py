@@ -1,5 +1,6 @@
 """NetCDF of the makers that `wavespectra` reads: each is known by its variables, and read to the sea it was made of."""
 
+import json
 import math
 from datetime import datetime, timezone
 
@@ -79,6 +80,55 @@ def test_the_file_of_each_maker_is_the_sea_it_was_made_from(tmp_path, maker):
     file = read_spectra(written(tmp_path, maker()))
     # the tail of f^-5 is that of Bretschneider; NDBC's has none, and lacks 2 % of the energy
     assert file.records[0].spectrum.significant_wave_height == pytest.approx(2.0, rel=0.02)
+    assert file.records[0].spectrum.peak_period == pytest.approx(9.0, abs=0.5)
+    assert file.records[0].time == datetime(2024, 1, 1, tzinfo=timezone.utc)
+
+
+def ww3_station():
+    """WAVEWATCH III's point output: frequencies, directions [rad], then a place and its densities [m^2/Hz/rad]."""
+    rows = [f"'WAVEWATCH III SPECTRA' {FREQUENCY.size:5d} {DIRECTION.size:5d} {1:5d} 'points'"]
+    rows += [" ".join(f"{one:.4E}" for one in FREQUENCY), " ".join(f"{one:.4E}" for one in np.radians(DIRECTION))]
+    rows += ["20240101 000000", "'BUOY      '  50.00   0.00   100.0  10.0 270.0   0.0   0.0"]
+    density = (PER_DEGREE[0] * 180.0 / math.pi).T  # over direction, then frequency
+    return "\n".join([*rows, *(" ".join(f"{one:.6E}" for one in row) for row in density), ""]), "points.spec"
+
+
+def triaxys():
+    """A Triaxys report without directions: two columns, frequency and density."""
+    head = (
+        "TRIAXYS BUOY DATA REPORT\nVERSION = 5a.04.03\nTYPE     = NON-DIRECTIONAL SPECTRUM\n"
+        f"DATE     = 2024 Jan 01 00:00 (UTC)\nNUMBER OF FREQUENCIES = {FREQUENCY.size}\n"
+        "INITIAL FREQUENCY (Hz) = 0.040\nFREQUENCY SPACING (Hz) = 0.010\n"
+        "COLUMN 1 = FREQUENCY (HZ)\nCOLUMN 2 = ENERGY (M^2/HZ)\n"
+    ).replace("COLUMN 1 = FREQUENCY (HZ)\n", "")
+    return head + "".join(f"{f:.3f} {s:.6E}\n" for f, s in zip(FREQUENCY, ONED, strict=True)), "report.NONDIRSPEC"
+
+
+def spotter():
+    """What Sofar's programming interface returns for a Spotter."""
+    zeros = np.zeros(FREQUENCY.size).tolist()
+    stamp = "2024-01-01T00:00:00.000Z"
+    waves = {"significantWaveHeight": 2.0, "peakPeriod": 9.0, "timestamp": stamp, "latitude": 50.0, "longitude": 0.0}
+    spectrum = {"frequency": FREQUENCY.tolist(), "varianceDensity": ONED.tolist(), "timestamp": stamp}
+    spectrum |= dict.fromkeys(("direction", "directionalSpread", "a1", "b1", "a2", "b2"), zeros)
+    return json.dumps({"data": {"spotterId": "SPOT-1", "waves": [waves], "frequencyData": [spectrum]}}), "spot.json"
+
+
+def datawell():
+    """A .spt file: twelve lines, then frequency, density over its largest, direction, spread, skewness, kurtosis."""
+    head = [8, 200, 7.0, f"{ONED.max():.6f}", 20.0, 12.0, 7, 0.0, 0.0, 0.0, 0.0, 0.0]
+    rows = [f"{f:.3f},{s / ONED.max():.6f},0,30,0,0" for f, s in zip(FREQUENCY, ONED, strict=True)]
+    return "\n".join([*map(str, head), *rows, ""]), "buoy}2024-01-01T00h00Z.spt"
+
+
+@pytest.mark.parametrize("maker", [ww3_station, triaxys, spotter, datawell])
+def test_the_text_of_each_maker_is_the_sea_it_was_made_from(tmp_path, maker):
+    """Forms by the makers' manuals. What was measured has no tail, and lacks 2 % of the height's square."""
+    text, name = maker()
+    path = tmp_path / name
+    path.write_text(text)
+    file = read_spectra(path)
+    assert file.records[0].spectrum.significant_wave_height == pytest.approx(2.0, rel=0.03)
     assert file.records[0].spectrum.peak_period == pytest.approx(9.0, abs=0.5)
     assert file.records[0].time == datetime(2024, 1, 1, tzinfo=timezone.utc)
 

@@ -371,3 +371,16 @@ def test_a_mistreated_log_is_refused_in_one_line_or_gives_a_sea_that_can_be(tmp_
         return
     assert np.isfinite(sea.position).all()
     assert 4.0 * sea.position[:, 2].std() <= 25.0
+
+
+@pytest.mark.parametrize("form", ["%Y-%m-%d %H:%M:%S", "%H:%M:%S"])
+def test_an_hour_that_comes_twice_is_counted_on(tmp_path, form):
+    """Clocks are put back at the middle of the record: no sample is lost, and the record is as long as it was."""
+
+    def put_back(t):
+        return t - 3600.0 if t >= TIME[-1] / 2.0 else t
+
+    row = lambda t, z: f"{clock(put_back(t), form)},{z:.3f}"  # noqa: E731 - as the others
+    sea = import_sea(written(tmp_path / "log.csv", "time,heave", row), mapping())
+    assert sea.time[-1] - sea.time[0] == pytest.approx(TIME[-1], abs=1e-6)
+    assert any("put back by an hour" in note for note in sea.notes)

@@ -311,8 +311,16 @@ def test_the_time_that_is_taken_out_of_several_is_said(tmp_path):
     assert "time: taken from time, not from gps_time; --time-column names another" in sea.notes
 
 
-def test_a_clock_that_is_put_back_is_said(tmp_path):
-    """At the end of summer time a local clock runs twice through the same hour."""
-    moved = [f"{t - 3600.0 * (t >= 100.0) + 7200.0:.1f},{z:.4f}" for t, z in zip(TIMES, sine(TIMES), strict=True)]
+@pytest.mark.parametrize(
+    ("back", "says"),
+    [
+        (3600.0, "put back by an hour, as summer time ends"),
+        (1800.0, "the time goes back by 1799.9 s after t = 7299.900 s"),
+    ],
+)
+def test_a_clock_that_is_put_back_is_said(tmp_path, back, says):
+    """At the end of summer time a local clock runs twice through an hour, which is counted on; else it is a loss."""
+    stamps = TIMES - back * (TIMES >= 100.0) + 7200.0
+    moved = [f"{t:.1f},{z:.4f}" for t, z in zip(stamps, sine(TIMES), strict=True)]
     notes = imported(tmp_path / "mru.csv", ["time,heave", *moved]).notes
-    assert any("the time goes back by 3599.9 s after t = 7299.900 s" in note for note in notes)
+    assert any(says in note for note in notes)

@@ -1,4 +1,9 @@
-"""Measured wave spectra from files: NDBC's text files, and what the library `wavespectra` reads."""
+"""Measured wave spectra from files: NDBC's text files, and what the library `wavespectra` reads.
+
+That is NetCDF, and text of models and buoys. Which reader a file needs is known by the names of its variables, or by
+how it begins; what comes out is checked. Wave models end at a frequency beyond which they count on a tail of f^-5 (as
+in their own significant wave heights); it is added here. Measured spectra (NDBC, buoys) have none.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +49,23 @@ _ANGLES = {
     "read_era5": ("d2fd", "rad"),
 }
 """Variable of the densities, and the unit of angle that the reader takes them to be over, whatever the file says."""
-_OPTIONS = {"read_ndbc": {"directional": False}}
+_TEXTS = (
+    ("read_swan", ("SWAN",), ""),
+    ("read_ww3_station", ("'WAVEWATCH III SPECTRA'",), ""),
+    ("read_triaxys", ("TRIAXYS BUOY DATA REPORT", "TRIAXYS BUOY REPORT"), ""),
+    ("read_spotter", ('"spotterId"', '"varianceDensity"', "varianceDensity_"), ""),
+    ("read_datawell", (), ".spt"),
+)
+"""The library's reader of each text, words of which one is in its first bytes, and the ending that it is known by."""
+_FIRST_BYTES = 65536
+"""Of a text, in which those words stand: a Spotter's headings name all its frequencies."""
+_OPTIONS: dict[str, dict[str, Any]] = {
+    "read_ndbc": {"directional": False},
+    "read_spotter": {"dd": None},
+    "read_datawell": {"dd": None},
+}
+_MEASURED = ("read_ndbc", "read_triaxys", "read_spotter", "read_datawell")
+"""Readers of what was measured, which has no tail."""
 _OWN_HEIGHTS = ("hs", "HS", "hsig")
 """Variables in which a file states its own significant wave heights [m]."""
 _LARGEST_DIFFERENCE = 0.3
@@ -77,12 +98,20 @@ class _Table:
 
 
 def is_for_wavespectra(path: Path) -> bool:
-    """Return whether the file at `path` is NetCDF or SWAN's text, by its first bytes (by its name if broken)."""
+    """Return whether the file at `path` is NetCDF, or a text that the library knows, by its first bytes or its name."""
+    return _is_netcdf(path) or path.suffix.lower() in _ENDINGS or bool(_text_reader(path))
+
+
+def _text_reader(path: Path) -> str:
+    """Return the name of the library's reader for the text at `path`; "": none."""
     with path.open("rb") as file:
-        begin = file.read(16)
-    if begin.startswith(_NETCDF) or begin.lstrip().upper().startswith(b"SWAN"):
-        return True
-    return path.suffix.lower() in _ENDINGS
+        begin = file.read(_FIRST_BYTES).decode("ascii", "replace").lstrip()
+    for name, words, ending in _TEXTS:
+        is_swan = name == "read_swan"
+        has_word = begin.upper().startswith(words) if is_swan else any(word in begin for word in words)
+        if has_word or (ending and path.suffix.lower() == ending):
+            return name
+    return ""
 
 
 def read_with_wavespectra(path: Path, *, accept_implausible: bool = False) -> SpectrumFile:
@@ -109,8 +138,8 @@ def read_with_wavespectra(path: Path, *, accept_implausible: bool = False) -> Sp
                 angle = _angle_factor(name, opened)
                 heights = next((opened[own].load() for own in _OWN_HEIGHTS if own in opened), None)
         else:
-            name = "read_swan"
-        dataset = getattr(wavespectra, name)(str(path), **_OPTIONS.get(name, {}))
+            name = _text_reader(path)
+        dataset = getattr(wavespectra, name)(str(path), **_options(path, name))
         frequency, density, times, warnings = _one_site(path, dataset)
         if angle != 1.0:
             warnings.append(f"{path}: densities taken per {'degree' if angle > 1.0 else 'radian'}, as their unit says")
@@ -119,10 +148,19 @@ def read_with_wavespectra(path: Path, *, accept_implausible: bool = False) -> Sp
     except Exception as error:  # the library and its backends raise what they like
         first = (str(error) or type(error).__name__).splitlines()[0]
         raise SpectrumFileError(f"{path}: wavespectra cannot read it: {first}") from error
-    table = _Table(frequency, angle * density, times, has_tail=name != "read_ndbc")
+    table = _Table(frequency, angle * density, times, has_tail=name not in _MEASURED)
     records = _records(path, table, warnings, accept_implausible)
     _compare(path, records, heights, warnings)
     return SpectrumFile(str(path), tuple(sorted(records, key=lambda record: record.time)), tuple(warnings))
+
+
+def _options(path: Path, name: str) -> dict[str, Any]:
+    """Return the options of a reader, by its `name`, for the file at `path`."""
+    if name != "read_spotter":
+        return _OPTIONS.get(name, {})
+    with path.open("rb") as file:
+        is_json = file.read(64).lstrip().startswith(b"{")
+    return {**_OPTIONS[name], "filetype": "json" if is_json else "csv"}
 
 
 def _is_netcdf(path: Path) -> bool:

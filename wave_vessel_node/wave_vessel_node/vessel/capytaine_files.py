@@ -70,7 +70,7 @@ def read_capytaine(
     fine = np.asarray(frequencies, dtype=float)
     if fine.min() < omega[0] - 1e-9 or fine.max() > omega[-1] + 1e-9:
         raise RaoError(f"{path}: has frequencies {omega[0]:g} to {omega[-1]:g} rad/s: the table must lie within")
-    force = np.asarray(scipy.interpolate.CubicSpline(omega, database.excitation, axis=1)(fine))
+    force = _between(omega, database.excitation, fine)
     response = np.array(
         [_motions(fine, omega, database.heading, database.coefficients, force, speed, roll_damping) for speed in speeds]
     )
@@ -85,11 +85,28 @@ def read_capytaine(
     return judged(path, table, accept=accept_implausible)
 
 
+def _between(omega: Array, force: ComplexArray, fine: Array) -> ComplexArray:
+    """Return a complex `force`, shape (h, f, 6) at `omega`, at the frequencies `fine`, between coarse ones too.
+
+    Its phase turns fast where the body is long or lies far from the origin, so that its parts cannot be interpolated
+    each by itself. The steps of the phase, averaged over three by the force squared, are unwound into psi; what is
+    left, F exp(-i psi), is slow, and passes through zero where the force does.
+    """
+    turns = force[:, 1:] * np.conj(force[:, :-1])
+    padded = np.concatenate((turns[:, :1], turns, turns[:, -1:]), axis=1)
+    step = np.angle(padded[:, :-2] + padded[:, 1:-1] + padded[:, 2:])
+    start = np.zeros_like(step[:, :1])
+    psi = np.concatenate((start, np.cumsum(np.unwrap(step, axis=1), axis=1)), axis=1)
+    slow = scipy.interpolate.CubicSpline(omega, force * np.exp(-1j * psi), axis=1)(fine)
+    return np.asarray(slow * np.exp(1j * scipy.interpolate.CubicSpline(omega, psi, axis=1)(fine)))
+
+
 def _read(path: Path) -> _Database:
     dataset = _open_dataset(path)
     notes: list[str] = []
     try:
         dataset = _in_headings(_over_omega(path, dataset), notes)
+        _refuse_bodies(path, dataset)
         order = [_dof_label(dataset, name) for name in DEGREES_OF_FREEDOM]
         radiation = {"radiating_dof": order, "influenced_dof": order}
         grid = ("omega", "influenced_dof", "radiating_dof")
@@ -188,6 +205,17 @@ def _one_case(path: Path, values: Any) -> Any:
             raise RaoError(f"{path}: has {values.sizes[axis]} entries along {axis}: keep one (dataset.isel({axis}=0))")
         values = values.isel({axis: 0})
     return values
+
+
+def _refuse_bodies(path: Path, dataset: Any) -> None:
+    """Raise RaoError for a database of several bodies, whose degrees of freedom are BODY__NAME each."""
+    labels = [str(label).partition("__") for label in dataset["influenced_dof"].to_numpy()]
+    bodies = dict.fromkeys(body for body, mark, _ in labels if mark)
+    if bodies:
+        raise RaoError(
+            f"{path}: holds the bodies {', '.join(bodies)}, which move one another: compute the vessel alone, or keep "
+            "its rows where the others stand still, with labels without the body"
+        )
 
 
 def _dof_label(dataset: Any, name: str) -> str:

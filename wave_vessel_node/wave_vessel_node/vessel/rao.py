@@ -57,7 +57,11 @@ class ResponseTable:
             hint = "2 pi is the same as 0" if self.heading[-1] < 6.3 else "are they in degrees?"
             raise RaoError(f"headings must lie from 0 to below 2 pi rad, they are {reach}: {hint}")
         if self.heading[0] > 1e-6 or self.heading[-1] < np.pi - 1e-3:
-            raise RaoError("headings must span 0 to pi (symmetric ship) or the full circle from 0")
+            given = ", ".join(f"{angle:.0f}" for angle in np.degrees(self.heading[:9]))
+            raise RaoError(
+                "headings must span 0 to pi (symmetric ship) or the full circle from 0: "
+                f"these are {given} degrees; compute the others"
+            )
         headings = self._headings()
         gap = int(np.argmax(np.diff(headings)))
         if headings[gap + 1] - headings[gap] > np.pi + 1e-3:

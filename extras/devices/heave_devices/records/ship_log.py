@@ -14,7 +14,15 @@ from heave_node.files.given_files import TextFileError, read_text
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
-from heave_devices.records.ship_time import TimeError, gps_time, is_gps, spread, time_of_numbers, time_of_texts
+from heave_devices.records.ship_time import (
+    TimeError,
+    counted_on,
+    gps_time,
+    is_gps,
+    spread,
+    time_of_numbers,
+    time_of_texts,
+)
 
 TIME_NAMES = (
     *("time_s", "time", "timestamp", "datetime", "date_time", "utc", "unix", "seconds", "t", "time_utc", "utc_time"),
@@ -146,7 +154,9 @@ class ShipLog:
             time, notes = self._time_of(names, parts, scale, order)
         except TimeError as error:
             raise BagError(f"{self.source}: {' and '.join(names)}: {error}") from error
+        time, found = counted_on(time)
         time, words = spread(time)
+        notes += found
         if others:
             notes.append(f"time: taken from {names[0]}, not from {', '.join(others)}; --time-column names another")
         return time, notes + words

@@ -227,6 +227,10 @@ def _as_clock_numbers(numbers: Array) -> tuple[Array, list[str]]:
     return time, ["time: taken as hhmmss, the time of the day"]
 
 
+HOUR = 3600.0
+"""By which clocks are put back [s]."""
+
+
 def unwrapped(time: Array) -> tuple[Array, list[str]]:
     """Return times of the day or of the week with the turns at their ends taken out, and what was found.
 
@@ -262,6 +266,26 @@ def is_gps(week: Array, second: Array) -> bool:
         return False
     low, high = float(np.nanmin(week)), float(np.nanmax(week))
     return low >= 500.0 and high < 6000.0 and high - low <= 4.0 and float(np.nanmax(second)) <= 1e3 * WEEK
+
+
+def counted_on(time: Array) -> tuple[Array, list[str]]:
+    """Return times in which an hour that comes twice, as summer time ends, is counted on, and what was found.
+
+    Parameters
+    ----------
+    time : [s], shape (n,); NaN where there is none. It goes back once, by an hour less a usual step
+    """
+    good = np.flatnonzero(np.isfinite(time))
+    steps = np.diff(time[good])
+    back = np.flatnonzero(steps < 0.0)
+    if back.size != 1:
+        return time, []
+    usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+    if abs(steps[back[0]] + HOUR - usual) > max(3.0 * usual, 1.0):
+        return time, []
+    added = np.zeros(time.size)
+    added[good[back[0] + 1] :] = HOUR
+    return time + added, ["time: the clock was put back by an hour, as summer time ends: counted on"]
 
 
 def spread(time: Array) -> tuple[Array, list[str]]:

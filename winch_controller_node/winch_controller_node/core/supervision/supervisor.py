@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from typing import NamedTuple
 
 from heave_core.look import Seen
@@ -40,6 +41,9 @@ ENDED = (*BRAKED, Mode.FADE_OUT, Mode.STOPPING)
 
 HANGING_SHARES = (0.7, 1.3)
 """A unit hangs whose cable carries on average a share of its weight between these, and that has not landed."""
+
+LONGEST_AGE = 6.0
+"""Age of a depth reading up to which the estimate of its time is kept [s]: the largest latency, 5 s, and a second."""
 
 ASK_AGAIN = "check the cause, then request compensation"
 """Ends the reason of an inhibition that only an operator can end."""
@@ -143,6 +147,7 @@ class Supervisor:
         self._blind_time = 0.0
         self._blind_lowering = Episode(dt)
         self._dt = dt
+        self._unit_past: deque[float] = deque(maxlen=1 + round(LONGEST_AGE / dt))
         self._refer_to(design, law)
         self._watch_sea()
 
@@ -262,7 +267,7 @@ class Supervisor:
         # the estimate is that of a hanging unit
         hangs = self.landing.hangs and not self.landing.may_stand
         is_judged = hangs and tick.knows_tip and self.modes.mode is not Mode.CONSTANT_TENSION
-        motions, depth_heave = tick.motions, tick.sensed.depth_heave
+        motions, depth_now = tick.motions, self._depth_now(tick)
         seen = Seen(
             motions.unit,
             motions.unit_rate,
@@ -272,7 +277,7 @@ class Supervisor:
             motions.tip,
             motions.tip_rate,
             motions.payout_rate,
-            math.nan if depth_heave is None or not hangs else depth_heave + motions.mean_heave,
+            depth_now if hangs else math.nan,
             tick.sensed.depth_noise,
             mean_acceleration,
         )
@@ -280,6 +285,19 @@ class Supervisor:
         alarm, before = self.guard.alarm, self._code_before
         self._code_before = "" if alarm is None else alarm.code
         return (alarm,) if alarm is not None and alarm.code != before else ()
+
+    def _depth_now(self, tick: LoopTick) -> float:
+        """Return the unit's heave by the newest depth reading, carried from its stamp to now by the estimate [m].
+
+        A sensor that is late, or slow, reads where the unit was. NaN: no reading came.
+        """
+        unit, past, sensed = tick.motions.unit - tick.motions.mean_heave, self._unit_past, tick.sensed
+        past.appendleft(unit)
+        if sensed.depth_heave is None:
+            return math.nan
+        age = tick.number * self._dt - sensed.depths[-1][0] if sensed.depths else 0.0
+        then = past[min(max(round(age / self._dt), 0), len(past) - 1)]
+        return sensed.depth_heave + tick.motions.mean_heave + unit - then
 
     def _report_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
         """Return what limits authority, where it lasts, or that it is over."""
