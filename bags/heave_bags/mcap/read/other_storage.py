@@ -29,10 +29,11 @@ _METADATA_VERSION = 9
 class Copied:
     """A bag as MCAP.
 
-    Attributes
+    Parameters
     ----------
     path : of the bag, a folder or a file
     notes : what was copied, and what could not be
+    folder : temporary, which goes with it
     """
 
     def __init__(self, path: Path, notes: list[str], folder: tempfile.TemporaryDirectory[str]) -> None:
