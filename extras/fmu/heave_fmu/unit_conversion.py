@@ -27,7 +27,7 @@ class OwnVariable(NamedTuple):
     """A variable of an FMU in the place of a message's field."""
 
     name: str  # of the FMU
-    conversion: Conversion = Conversion()  # from its unit to SI
+    conversion: Conversion = Conversion()  # from its unit to that of the message
     scale: float = 1.0  # its value over that of the message, both in SI units
 
     def of_message(self, value: Any) -> Any:
