@@ -296,7 +296,7 @@ READINGS = structure(
     Row("mru_heave", "m", "raw heave of the boom tip, positive up; NaN: no good reading came"),
     Row("mru_rate", "m/s", "raw heave rate; NaN: none came"),
     Row("count", "m", "raw count of the drum; NaN: none came"),
-    Row("is_held", "", "1: the winch reports its brake, a fault or a limit"),
+    Row("is_held", "", "2: the winch reports its brake or a fault; 1: a limit of its own"),
     Row("load", "N", "raw load cell; NaN: none came"),
     Row("lift_rate", "m/s", "rate with which a crane lifts the boom tip, by geometry"),
     Row("duty", "", "Duty: what the controller is there for"),

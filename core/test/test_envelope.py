@@ -147,8 +147,9 @@ class Rig:
         """Do a tick in which the controller orders a `rate`; None: that of the boom tip."""
         heave, tip_rate = self.tip
         ordered = tip_rate if rate is None else rate
-        seen = {"mru_heave": heave, "mru_rate": tip_rate, "count": self.payout, "load": 37e3} | values
-        order = self.envelope.step(readings(rate=ordered, brake=brake, is_held=self.line[0][1], **seen))
+        seen = {"mru_heave": heave, "mru_rate": tip_rate, "count": self.payout, "load": 37e3}
+        seen |= {"is_held": 2.0 * self.line[0][1]} | values
+        order = self.envelope.step(readings(rate=ordered, brake=brake, **seen))
         self.orders.append(order)
         self.line.append((order.rate, bool(order.brake)))
         sent, braked = self.line.pop(0)
@@ -604,3 +605,12 @@ def test_the_count_of_an_encoder_in_steps_of_3_cm_is_no_drum_that_runs():
     for _ in range(1200):
         rig.step(count=round(rig.payout / 0.03) * 0.03)
         assert abs(float(rig.envelope.state["runaway"][0])) < BOUNDS["stroke_margin"]
+
+
+def test_orders_that_hit_a_limit_of_the_drive_do_not_widen_their_own_bounds():
+    """They did, as a stop does: orders 100 times too large went through at 2 m/s, for 3.1 m."""
+    rig = Rig().settled()
+    bound = rig.orders[-1].rate_bound
+    order = rig.run(0.4, 2.0, is_held=1.0)
+    assert order.rate_bound == pytest.approx(bound, rel=0.05)
+    assert rig.run(0.4, 2.0, is_held=1.0).cause == Cause.RATE

@@ -79,7 +79,8 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const double dt = design.tick_period;
     const bool is_held = travelled.is_braked || readings.is_held != 0.0, rests = is_held && state.drum.rate == 0.0;
     // a unit that is let go by a stop swings, and what takes that out is more than the ship does: as after a lost MRU
-    const bool lets_go = is_held || int(readings.duty) == STOP;
+    // (a limit of the drive lets nothing go: orders that hit it must not widen their own bounds)
+    const bool lets_go = travelled.is_braked || readings.is_held > 1.0 || int(readings.duty) == STOP;
     if (lets_go && state.drum.rate != 0.0) state.seen_time = 0.0;
     const double left = rests ? 1.0 : 1.0 - dt / bounds.travel_time;
     state.travel_sent = left * state.travel_sent + travelled.drum - travelled.move;

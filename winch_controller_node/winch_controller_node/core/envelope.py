@@ -210,16 +210,17 @@ def _readings(raw: Measurements, asked: Asked, order: WinchOrder, is_acknowledge
     for reading in raw.mru:
         if reading.status == MruStatus.OK:
             heave, rate = reading.heave, reading.heave_rate
-    winch, is_held = raw.winch, False
+    winch, held = raw.winch, 0.0
     if winch is not None:
         count = winch.encoder_payout
-        is_held = winch.brake or winch.fault != WinchFault.NONE or winch.limits_hit != 0
+        rests = winch.brake or winch.fault != WinchFault.NONE
+        held = 2.0 if rests else float(winch.limits_hit != 0)
     for cell in raw.of("load_cell"):
         load = cell.value
     move = asked.move
     duty = Duty.DAMP if asked.is_damped_blind else DUTIES.get(asked.mode, Duty.OPERATE)
     return (
-        *(heave, rate, count, float(is_held), load, asked.lift_rate),
+        *(heave, rate, count, held, load, asked.lift_rate),
         *(float(duty), asked.tension),
         *(float(move.number), float(MOVES[move.kind]), move.distance, move.target, move.reference),
         *(move.speed, move.acceleration, float(is_acknowledged)),
