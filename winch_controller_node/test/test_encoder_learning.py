@@ -70,10 +70,12 @@ def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_of_moti
     moving = record.column("time")[np.abs(record.column("payout_rate")) > MOVES]
     assert len(moving) > 0
     assert moving[-1] - moving[0] < 3.0
-    assert modes_of(record) == ["standby", "compensating", "fade_out", "stopping", "standby"]
+    *before, end = modes_of(record)
+    assert before == ["standby", "compensating", "fade_out", "stopping"]
+    # the envelope brakes a drum whose count runs against what was sent, where it sees that before the winch is at rest
+    assert end == {"winch": "standby", "encoder": "stopped"}[who]
     # the finding is reported once, and compensation is not tried again by itself
     assert [alarm.code for _, alarm in record.alarms].count("DRUM_OR_ENCODER_REVERSED") == 1
-    assert record.modes[-1] == "standby"
 
 
 @pytest.mark.parametrize("who", WHO)
@@ -91,7 +93,7 @@ def test_what_stands_beside_it_is_that_it_is_not_tried_again_until_an_operator_a
     stopped = max(k for k, report in enumerate(reports) if report.mode == "stopping")
     stands = [report.reason for report in reports[stopped + 1 :]]
     assert len(stands) > 60.0 / TICK
-    assert all("encoder" in reason for reason in stands)
+    assert all("count" in reason and "request" in reason for reason in stands)
     assert run_of("encoder").answer == "standby, on the way to compensating"
 
 
