@@ -56,7 +56,7 @@ def proved(delivered, scale, cable, length, witnesses):
     load, found = NominalLoad(cable, length, TICK), []
     for k, one in enumerate(delivered):
         mru = [one._replace(heave=scale * one.heave, heave_rate=scale * one.heave_rate) for one in one.mru]
-        load.step(tuple(mru), (0.0, 0.0))
+        load.step(tuple(mru))
         if k in (400, 800):
             proof = MotionProof(TICK)
             found.append(proof)

@@ -234,6 +234,7 @@ STATE = structure(
     Row("phase", "", "Phase: who makes the order"),
     Row("cause", "", "Cause: why the envelope took over; latched until acknowledged"),
     Row("phase_time", "s", "time in the phase"),
+    Row("duty", "", "Duty of the tick before"),
     Row("value", "", "figure that the cause exceeded, in its unit"),
     Row("limit", "", "limit of that figure"),
     Row("ramp", "m/s", "largest speed of a stop that is under way; NaN: none is"),

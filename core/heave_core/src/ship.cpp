@@ -21,6 +21,11 @@ void fill_window(const Design &design, State &state) {
     bin.time += state.read_age;
 }
 
+// Where compensation follows on constant tension or a fade-out, the unit swings as these have left it.
+bool lets_unit_swing(Duty before, Duty now) {
+    return now == FOLLOW && (before == TENSION || before == FADE || before == DAMP);
+}
+
 }  // namespace
 
 // A reading is good where it is plausible, and goes with the one before: a jump of the heave is taken off.
@@ -81,7 +86,9 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     // a unit that is let go by a stop swings, and what takes that out is more than the ship does: as after a lost MRU
     // (a limit of the drive lets nothing go: orders that hit it must not widen their own bounds)
     const bool lets_go = travelled.is_braked || readings.is_held > 1.0 || int(readings.duty) == STOP;
-    if (lets_go && state.drum.rate != 0.0) state.seen_time = 0.0;
+    const bool begins = lets_unit_swing(Duty(int(state.duty)), Duty(int(readings.duty)));
+    if ((lets_go && state.drum.rate != 0.0) || begins) state.seen_time = 0.0;
+    state.duty = readings.duty;
     const double left = rests ? 1.0 : 1.0 - dt / bounds.travel_time;
     state.travel_sent = left * state.travel_sent + travelled.drum - travelled.move;
     state.travel_count *= left;
