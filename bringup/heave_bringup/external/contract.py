@@ -74,8 +74,7 @@ STATE = Port(
     topics.WINCH_STATE,
     1.0 / TICK,
     True,
-    "encoder's reading of payout and of its rate, newest command accepted, brake, fault and what it waits for; NaN "
-    "where unknown",
+    "encoder payout and payout rate, newest accepted command, brake, fault and its release condition; NaN if unknown",
     (("encoder_payout", 1e4), ("encoder_payout_rate", 10.0)),
 )
 MRU = Port(
@@ -91,15 +90,14 @@ HEAVE_PREVIEW = Port(
     topics.HEAVE_PREVIEW,
     0.0,
     False,
-    "optional: `heave` of the boom tip at the times `ahead` of the stamp, from waves measured up-sea or by radar",
+    "optional: predicted boom-tip `heave` at the times `ahead` after the stamp, from waves measured up-sea or by radar",
     (("heave_sigma", 10.0),),
 )
 CRANE_POSE = Port(
     topics.CRANE_POSE,
     5.0,
     False,
-    "optional: joints of the crane, by which the boom tip is elsewhere on the ship, and their rates; NaN where one is "
-    "not measured",
+    "optional: joint positions and rates of the crane, which give the position of the boom tip; NaN where not measured",
     (*LARGEST, *((rate, 10.0) for rate in RATES)),
     may_be_missing=(*(joint for joint, _ in LARGEST), *RATES),
 )
@@ -114,20 +112,20 @@ WAVE_COMPONENTS = Port(
     topics.WAVE_COMPONENTS,
     0.0,
     False,
-    "optional, once: components of the sea, for the water at cable and unit; `cable_sim.wave.source: sea` needs them",
+    "optional, once: wave components, for the water motion at cable and load; `cable_sim.wave.source: sea` needs them",
     (("ramp", 1e4),),
 )
 OBSERVATIONS = Port(
     topics.CONTROLLER_OBSERVATIONS,
     0.0,
     False,
-    "a batch of ticks, once a second: orders, readings as gated, state of the winch, and the nominal parameters",
+    "once a second, a batch of ticks: commands, checked readings, winch state, nominal parameters",
 )
 BELIEFS = Port(
     topics.CONTROLLER_BELIEFS,
     0.0,
     False,
-    "the answer to a batch: what is other than nominal, findings, the design for it",
+    "the answer to a batch: values that differ from nominal, findings, and a design for these values",
     (("authority", 1.0),),
 )
 SENSORS_OF_SHIP = tuple(
@@ -136,7 +134,7 @@ SENSORS_OF_SHIP = tuple(
     if sensor.topic.publisher == "cable_sim"
 )
 
-RELEASE = """A fault is latched, and `winch/state` says in `release` what it waits for:
+RELEASE = """A fault is latched. The field `release` of `winch/state` shows what the winch waits for:
 
 | `release` | the winch waits for |
 |---|---|
@@ -144,8 +142,8 @@ RELEASE = """A fault is latched, and `winch/state` says in `release` what it wai
 | 2 RELEASE_STANDSTILL | the drum to come to rest; keep `brake: true` |
 | 3 RELEASE_COMMAND | a fresh command with `brake: false`: the fault is gone, `fault` and `release` are 0 |
 
-A command is fresh when its `sequence` is above that of the newest one taken. While a fault is latched a command with
-`brake: true` and any other number is fresh too, so that a controller that was restarted counts from 1 again."""
+A command is fresh if its `sequence` is higher than that of the last command taken. While a fault is latched, a command
+with `brake: true` and any other `sequence` is fresh too, so a restarted controller may count from 1 again."""
 
 CONTRACTS: tuple[Contract, ...] = (
     Contract(
@@ -156,48 +154,48 @@ CONTRACTS: tuple[Contract, ...] = (
         when_late=f"Without a fresh command for {WATCHDOG:g} s the winch stops at its own deceleration and brakes."
         " Older commands are ignored.",
         handshake="The winch starts with its brake on. A fresh command with `brake: false` releases it. "
-        f"`sequence` counts up from 1, by one.\n\n{RELEASE}",
+        f"`sequence` starts at 1 and increases by 1.\n\n{RELEASE}",
         advice="Publish one command for each `clock` message, from the first one on, even if there is nothing to "
         "do (`brake: true`). To hold the load still, pay out as the boom tip rises: payout = heave, payout"
         " rate = heave rate. **Put the motion into `payout_rate`.** The suite's drive follows it within "
-        "its limits, after `command_delay` and with lag `time_constant` (`system.winch`), and adds "
+        "its limits, after `command_delay` and with lag `time_constant` (`system.winch`). It adds "
         f"`position_gain` ({WINCH.position_gain:g} 1/s by default) times the error in `payout`: with a gain"
-        " of 0, `payout` alone moves nothing. Look ahead by delay and lag, and pull `encoder_payout` "
-        f"gently towards your mean, or it drifts. Payout is {WINCH.payout_minimum:g} to "
-        f"{WINCH.payout_maximum:g} m by default.",
+        " of 0, `payout` alone moves nothing. Predict ahead by delay plus lag. Pull `encoder_payout` "
+        "gently towards your mean, otherwise it drifts. Payout is limited to "
+        f"{WINCH.payout_minimum:g} to {WINCH.payout_maximum:g} m by default.",
     ),
     Contract(
         "winch_adviser",
         "an adviser: identification of winch, cable, sensors and sea",
         publishes=(BELIEFS,),
         hears=(OBSERVATIONS,),
-        when_late=f"An answer becomes active {LATENCY:g} s after the last tick of its batch. A later one is "
-        "rejected and counted; an invalid one is rejected, naming the part that is wrong. Without "
+        when_late=f"An answer becomes active {LATENCY:g} s after the last tick of its batch. A later answer is "
+        "rejected and counted. An invalid one is rejected, and the alarm names the faulty part. Without "
         "answers the controller keeps the last values, or the nominal ones, and reports it.",
         advice="`asked` is the last tick of the batch: `first`, plus the number of rows of `ticks`, minus one. "
-        "Stamp the answer with the start of the last tick before it becomes active. The smallest answer is"
-        " `asked` and `authority: 1.0`. `heave run SCENARIO --replace winch_adviser=none` runs without an "
+        "Stamp the answer with the start of the last tick before it becomes active. The shortest answer has "
+        "only `asked` and `authority: 1.0`. `heave run SCENARIO --replace winch_adviser=none` runs without an "
         "adviser.",
     ),
     Contract(
         "virtual_winch",
         "a winch drive",
         publishes=(STATE,),
-        hears=(CLOCK, COMMAND, Port(topics.CABLE_STATE, 0.0, False, "tension, of simulated cables only")),
-        when_late="Without a state for 0.5 s the simulated cable lets the drum coast to rest. The controller "
+        hears=(CLOCK, COMMAND, Port(topics.CABLE_STATE, 0.0, False, "tension (simulated cables only)")),
+        when_late="Without a state for 0.5 s the simulated drum coasts to rest. The controller "
         f"treats the encoder as lost, predicts for {COAST:g} s, then stops the winch.",
         handshake="Start with the brake on and `encoder_payout` 0. Once released, the drive must stop by itself, "
         "brake and report `fault: 1` (FAULT_COMMAND_TIMEOUT) if there is no fresh command for "
-        f"{WATCHDOG:g} s. A set-point that is not finite: stop, brake, `fault: 2`. `brake: true` is no "
-        f"fault: stop, brake.\n\n{RELEASE}\n\nThe suite's controller acknowledges `fault: 1` at once, "
+        f"{WATCHDOG:g} s. If a set-point is not finite, stop, brake and report `fault: 2`. On `brake: true`, stop "
+        f"and brake; that is no fault.\n\n{RELEASE}\n\nThe suite's controller acknowledges `fault: 1` at once, "
         f"releases the drive {WAIT:g} s later and compensates again, up to {MOST} times in "
-        f"{PERIOD / 60.0:g} minutes; every other fault waits for an operator.",
+        f"{PERIOD / 60.0:g} minutes. Every other fault waits for an operator.",
         advice="Publish one state for each `clock` message, from the first one on, even before the first command."
-        " Follow `payout_rate` within your limits of speed and acceleration; or, with your own position "
-        "loop, `payout`: the integral of that rate, in the count of `encoder_payout`, as the position at "
+        " Follow `payout_rate` within your speed and acceleration limits. With your own position loop, follow "
+        "`payout` instead: the integral of that rate on the scale of `encoder_payout`, reached at "
         "the end of the interval. Enter the lag of the loop as `system.winch.time_constant`. `mean_payout`"
         " is the working point, for display or to centre a drifting drum. `command_sequence` echoes the "
-        "newest command in effect: lateness is measured by it. Use NaN for `payout`, `payout_rate`, "
+        "newest command in effect; delay is measured from it. Use NaN for `payout`, `payout_rate`, "
         "`payout_acceleration`, `tension` and `power` if unknown. The controller takes limits and lag from"
         " `system.winch`: set them to those of your drive.",
     ),
@@ -206,20 +204,20 @@ CONTRACTS: tuple[Contract, ...] = (
         "a motion reference unit, or a vessel with one",
         publishes=(MRU, BOOM_TIP, WAVE_COMPONENTS, HEAVE_PREVIEW, CRANE_POSE),
         hears=(CLOCK,),
-        when_late=f"The controller predicts for {COAST:g} s, then the depth sensor damps the load, and "
-        "compensation resumes 1 s after good readings. On a short stiff cable or without a depth sensor"
-        f" it fades out, stops the winch, and resumes after {RESUME:g} s of good readings. The boom tip "
-        "of the simulated cable coasts to rest after 0.5 s.",
+        when_late=f"The controller predicts for {COAST:g} s. Then the depth sensor damps the load; "
+        "compensation resumes after 1 s of good readings. On a short stiff cable or without a depth sensor "
+        f"it fades out, the winch stops, and it resumes after {RESUME:g} s of good readings. The simulated "
+        "boom tip coasts to rest after 0.5 s.",
         advice="`mru` may have its own rate; stamp it with the time of the measurement. `boom_tip` moves the "
-        "simulated cable: one message for each `clock` message, `position` = (0, 0, height + heave) with "
-        f"`system.boom_tip_height` ({BOOM_TIP_HEIGHT:g} m by default), `velocity.z` and `acceleration.z` "
-        "those of the heave. An MRU alone fills it from its own readings. Start at rest, or within 1 m of "
-        "it. `vessel/heave_preview` may come from another process, such as a wave radar's, at its own "
-        f"rate: law `mpc` uses it if `mpc.preview_time` is set, once it has been right for {PROOF_TIME:g} "
-        f"s, while it is at most {MAXIMUM_AGE:g} s old and covers `mpc.preview_time`. `crane/pose` may also"
-        " come from another process at its own rate: `mru` is then that of the boom tip in the reference "
-        "pose (`system.crane`), and heave[devices] carries it to the present tip. A pose older than "
-        f"{CRANE.pose_timeout:g} s is stale, and the last one is held; a pose that jumped is used after "
+        "simulated cable: one message for each `clock` message, with `position` = (0, 0, height + heave), "
+        f"height = `system.boom_tip_height` ({BOOM_TIP_HEIGHT:g} m by default), and `velocity.z` and "
+        "`acceleration.z` of the heave. If you have only an MRU, fill `boom_tip` from its readings. Start at "
+        "heave 0, or within 1 m of it. `vessel/heave_preview` may come from another process, such as a wave "
+        "radar's, at its own rate. Law `mpc` uses it if `mpc.preview_time` is set, once it has been right for "
+        f"{PROOF_TIME:g} s, while it is at most {MAXIMUM_AGE:g} s old and covers `mpc.preview_time`. `crane/pose` "
+        "may also come from another process at its own rate. Then `mru` refers to the boom tip in the reference "
+        "pose (`system.crane`), and heave[devices] converts it to the present boom tip. A pose older than "
+        f"{CRANE.pose_timeout:g} s is stale, and the last one is held. After a jump a pose is used again after "
         f"{CONFIRMED_AFTER:g} s without another jump.",
     ),
     Contract(
@@ -230,8 +228,8 @@ CONTRACTS: tuple[Contract, ...] = (
         when_late="A silent sensor is lost: the controller continues with the others. Without a depth sensor it "
         "compensates the boom-tip motion through the cable model, and refuses moves to a depth.",
         advice="The suite supplies `clock` and the start barrier (node `ship_clock`). MRU and winch are external "
-        "too, and `boom_tip` is still required. No reading is required: publish what the ship has. Figures"
-        " of the run come from sensors and estimates, and are marked so. To replace one sensor of the "
+        "too, and `boom_tip` is still required. No sensor reading is required: publish what the ship has. The "
+        "results of the run come from sensors and estimates, and are marked so. To replace one sensor of the "
         f"simulated plant, name its topic: `--replace {SENSORS_OF_SHIP[0].topic.name}=external`.",
     ),
 )
@@ -259,77 +257,77 @@ INTRODUCTION = f"""# The contract of external nodes
 Generated by `python -m heave_bringup.external.contract`.
 
 1. Start your node. It creates its publishers and waits for `clock`.
-2. `heave check --replace NODE=external` plays its counterpart and checks it against this page. A winch is braked and
+2. `heave check --replace NODE=external` acts as its counterpart and checks it against this page. A winch is braked and
    released, never moved.
 3. `heave run b2_calm_300 --pacing realtime --replace NODE=external` starts all other nodes and waits for a publisher of
    each *required* topic. Restart your node for each run.
 
-Your node needs ROS 2 and `heave_msgs`: the suite's environment has both (`.venv/bin/python my_node.py`). It has rclpy
+Your node needs ROS 2 and `heave_msgs`. The suite's environment has both (`.venv/bin/python my_node.py`). It has rclpy
 but no rclcpp: for C++ use your own ROS, with `heave_msgs` built by colcon. `examples/` has a one-page node of each
-kind. A device that speaks serial lines, datagrams or other messages needs no node: `heave adapt MAP.yaml`.
+kind. A device with a serial line, datagrams or other messages needs no node: use `heave adapt MAP.yaml`.
 
 - **Units** are SI. **Signs**: positive payout lets rope out and lowers the load; heave is positive up, depth positive
   down. Frame `world`: z up, origin at still water below the mean boom tip.
-- **Clock**: `clock` comes once per tick ({TICK:g} s by default). It starts with each run at one tick, not at 0, once
-  everybody is there. Your stamps are, per node, `simulated` (the newest `clock`, or `use_sim_time`), `own` (any clock;
-  offset and drift are estimated) or `none` (stamp 0: time of arrival). The first message decides, unless you
-  state it (`--replace NODE=external:CLOCK`); messages that do not fit are an error. A latency before the stamp cannot
-  be seen: `--replace NODE=external:CLOCK:0.04` subtracts 40 ms.
+- **Clock**: `clock` comes once per tick ({TICK:g} s by default). In each run it starts at one tick, not at 0, once all
+  nodes have joined. A node's stamps are `simulated` (the newest `clock`, or `use_sim_time`), `own` (any clock; offset
+  and drift are estimated) or `none` (stamp 0: time of arrival). The first message decides, unless you state it
+  (`--replace NODE=external:CLOCK`). Messages that do not fit raise an error. Latency before the stamp cannot be
+  detected: `--replace NODE=external:CLOCK:0.04` subtracts 40 ms.
 - **Quality of service**: see the tables; depth 10 is enough. Commands published as best effort are refused. Subscribe
   as reliable or best effort.
 - **Names** are relative, including `clock`, so namespaces and remapping work. `heave run --namespace NAME` puts the run
   under `/NAME`; `heave check --namespace NAME` looks there. With `use_sim_time` in a namespace, remap
   `/clock:=/NAME/clock`. Your node may have any name.
-- **The system** (winch delay, lag and limits, masses) is that of the scenario: `heave params virtual_winch` lists
-  defaults, `scenario.yaml` beside each bag the active values, `--set system.winch.speed_limit=1` changes one. The
-  suite's controller brakes for some 25 s until it knows the sea; figures count after the transient (120 s as
-  shipped).
-- **Reach**: the same `ROS_DOMAIN_ID` on this machine; other machines need `--network`
+- **The system** (winch delay, lag and limits, masses) comes from the scenario. `heave params virtual_winch` lists the
+  defaults, `scenario.yaml` beside each bag has the active values, and `--set system.winch.speed_limit=1` changes one.
+  The suite's controller keeps the brake on for about 25 s while it estimates the sea. Results count after the
+  transient (120 s as shipped).
+- **Reach**: nodes on this machine need the same `ROS_DOMAIN_ID`; other machines need `--network`
   ([several hosts](guide/howto/several_hosts.md)).
-- **A topic has one publisher.** A second one is named, is an error, and is ignored. One that has left may be restarted
-  during the run.
+- **A topic has one publisher.** A second one is reported as an error and ignored. A publisher that has left may be
+  restarted during the run.
 """
 
 
 LOCKSTEP = f"""## In lockstep, under the name of a node
 
-A program that can wait may take part in each tick, in lockstep and in real time:
+A program that can wait may take part in each tick, in lockstep or in real time:
 `heave run SCENARIO --replace NODE=lockstep` starts all other nodes and waits for a node of that name at the start
-barrier. Equal seeds then give equal bytes, if the program is deterministic.
+barrier. If the program is deterministic, runs with equal seeds are byte-identical.
 
 - In Python, derive from `ParticipantNode` (`examples/lockstep_controller.py`, `examples/plant.py`). An error in your
-  code ends node and run at once, naming file and line.
+  code ends the node and the run at once; the message names file and line.
 
   | you fill in | called | does |
   |---|---|---|
   | `on_build()` | once, before the run | makes component, inputs and outputs |
   | `on_tick(tick)` | once per tick | takes the inputs, steps the component, publishes the outputs |
-  | `on_reset()` | `simulation/reset` starts the run again | sets back what you keep; without it a reset ends the run |
+  | `on_reset()` | when `simulation/reset` restarts the run | resets your state; without it a reset ends the run |
   | `on_inactive_tick(tick)` | in place of `on_tick` while the node is inactive | lets time pass, publishes nothing |
-  | `on_left_out(tick)` | in real time, for each tick that a node jumps over | lets time pass, publishes nothing |
+  | `on_left_out(tick)` | in real time, for each tick that the node skips | lets time pass, publishes nothing |
   | `on_exit()` | once, however the node ends | releases files and devices |
 
-- **In real time** a node that is late catches up for {CATCH_UP_LIMIT:g} s, then jumps to the newest tick; the
-  controller predicts across the gap. The end of the run counts lost messages, names the loss, and has exit status 1.
+- **In real time** a late node catches up for {CATCH_UP_LIMIT:g} s, then jumps to the newest tick; the controller
+  predicts across the gap. At its end the run counts and names the lost messages, and has exit status 1.
 - **`--replace cable_sim=lockstep`**: your plant takes part like any other node, and `ship_clock` leads the ticks. Stamp
   its readings with the end of the tick: the controller reads them in the next one.
-- In anything else, follow the protocol (its topics are relative, reliable, keep the last 200; `_tick/roster` and
-  `_tick/status` are transient local):
-  1. Until the roster comes, publish `_tick/join` each 0.05 s: your name, `ready`, your topics with the number of
-     peers that each sees, and as `identity` the first 12 bytes of the GID of your publishers, as hexadecimal digits
-     (the graph tells: `get_publishers_info_by_topic`). What you publish under another identity is not taken.
+- In any other language, follow the protocol. Its topics are relative and reliable, and keep the last 200 messages;
+  `_tick/roster` and `_tick/status` are transient local.
+  1. Until the roster comes, publish `_tick/join` every 0.05 s: your name, `ready`, your topics with the number of
+     peers that each sees, and your `identity`. That is the first 12 bytes of the GID of your publishers in hexadecimal
+     digits (from `get_publishers_info_by_topic`). Messages under another identity are rejected.
   2. `_tick/roster` holds the order of all counters: entry i counts what `nodes[i]` published on `topics[i]`.
   3. `_tick/start` begins a tick: `published[i]` messages were sent before it. Wait until you have as many on each
-     topic that you read, and until `_tick/done/OTHER` of this tick has come from each node whose part comes before
-     yours, with as many messages as its own counts say. The controller comes after `wave_vessel`, the winch after
-     `winch_controller`, the plant after `wave_vessel` and `virtual_winch`. A higher `epoch` begins a new run at tick 1:
-     start again from nothing. The adviser comes after nobody: with the
-     `lag` in its join it may be behind, by two ticks less than its latency in lockstep, without bound in real time.
-  4. Do your part, publish, and publish `_tick/done/NODE` with how many messages you have published on each of your
-     outputs since the start, in the order of your join. `lost` is 0, but at the end of a run in real time.
-  5. A `_tick/start` that you have answered already: publish the messages of the tick and your answer again, byte for
-     byte. One with `flush` true is the last: answer it when you have all messages, and end.
-  6. If you cannot go on, publish your join once more with the reason in `failure`: the run ends at once.
+     topic that you read. Then wait for `_tick/done/OTHER` of this tick from each node that acts before yours, and for
+     as many messages as its counts state. The controller acts after `wave_vessel`, the winch after `winch_controller`,
+     the plant after `wave_vessel` and `virtual_winch`. A higher `epoch` starts a new run at tick 1: discard your state.
+     The adviser waits for no node. With the `lag` in its join it may be late: in lockstep by at most its latency less
+     two ticks, in real time without bound.
+  4. Do your part and publish. Then publish `_tick/done/NODE` with the number of messages published on each of your
+     outputs since the start, in the order of your join. `lost` is 0, except at the end of a run in real time.
+  5. If you have already answered a `_tick/start`, publish the messages of that tick and your answer again, byte for
+     byte. A start with `flush` true is the last: answer it when you have all messages, and end.
+  6. If you cannot continue, publish your join again with the reason in `failure`: the run ends at once.
 """
 
 

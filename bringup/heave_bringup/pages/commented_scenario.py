@@ -21,8 +21,8 @@ INDENT = "  "
 COMMENTS_AT = 50
 
 HEAD = """# {title}
-# Values are SI; a parameter that is not listed keeps its default. All parameters: heave params. Cables, units and
-# winches that can be named here instead of their values: heave catalogue. Run it: heave run {path}
+# Values are SI. Parameters not listed keep their defaults; heave params lists all. heave catalogue lists the cables,
+# units and winches that can be given by name. Run it: heave run {path}
 """
 SECTION_WORDS = {
     WILDCARD: "the run, its criteria (wanted), and what ship and controller share",
@@ -30,7 +30,7 @@ SECTION_WORDS = {
     "cable_sim": "cable, unit, seabed, current, sensors",
     "virtual_winch": "the winch",
     "winch_controller": "the controller, and where its assumptions differ",
-    "winch_envelope": "the envelope as a node of its own",
+    "winch_envelope": "the envelope as a separate node",
     "winch_adviser": "the adviser",
     "recorder": "the bag",
 }
