@@ -65,6 +65,10 @@ def stranger(host: Host, outcome: str, seconds: float, **environment: str) -> st
     return out.strip()
 
 
+FOUND = ("1 1", "2 1")
+"""How what a stranger matched begins: the winch, and the recorder where both of them are found at once; one state."""
+
+
 PROBE = """
 import socket, sys
 def refuses(port):
@@ -102,7 +106,7 @@ def test_by_default_no_port_of_a_run_answers_another_host_and_nothing_matches(ho
     this, other = hosts
     started.append(this.start(*live_run(tmp_path), environment={"ROS_STATIC_PEERS": other.address}))
     assert started[0].stderr.readline().startswith("heave: ROS_STATIC_PEERS is ignored: ")
-    assert stranger(this, "matched", 60.0).startswith("1 1"), "it runs, and nodes of this host find it"
+    assert stranger(this, "matched", 60.0).startswith(FOUND), "it runs, and nodes of this host find it"
     assert port_that_answers(other, this.address) == "none"
     subnet = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_STATIC_PEERS": this.address}
     assert stranger(other, "nothing", 5.0, **subnet) == "0 0 0 []"
@@ -113,7 +117,7 @@ def test_opened_by_network_a_run_says_so_and_another_host_matches(hosts, started
     started.append(this.start(*live_run(tmp_path, "--network")))
     said = started[0].stderr.readline()
     assert said.startswith("heave: open to the network: any host of the subnet can join ROS domain 0")
-    assert stranger(other, "matched", 60.0, ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET").startswith("1 1")
+    assert stranger(other, "matched", 60.0, ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET").startswith(FOUND)
     assert port_that_answers(other, this.address) == "7400", "the port of multicast discovery"
 
 
@@ -142,7 +146,7 @@ def test_a_node_started_without_the_command_is_on_this_machine_alone_too(hosts, 
     this, other = hosts
     asked = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_STATIC_PEERS": other.address}
     started.append(this.start(*WINCH, environment=asked))
-    assert stranger(this, "matched", 30.0).startswith("1 1"), "it runs, and nodes of this host find it"
+    assert stranger(this, "matched", 30.0).startswith(FOUND), "it runs, and nodes of this host find it"
     assert port_that_answers(other, this.address) == "none"
     peer = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_STATIC_PEERS": this.address}
     assert stranger(other, "nothing", 3.0, **peer) == "0 0 0 []"
@@ -152,7 +156,7 @@ def test_a_node_started_without_the_command_is_opened_by_ros_own_variable_and_sa
     this, other = hosts
     started.append(this.start(*WINCH, environment={"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}))
     assert "open to the network" in started[0].stderr.readline()
-    assert stranger(other, "matched", 30.0).startswith("1 1")
+    assert stranger(other, "matched", 30.0).startswith(FOUND)
 
 
 @pytest.mark.parametrize("first", ["ours", "theirs"])
@@ -170,7 +174,7 @@ def test_ordinary_ros_nodes_of_this_host_match_whatever_their_range(hosts, start
         started.append(this.start(*WINCH))
     for process in theirs:
         out, err = process.communicate(timeout=60.0)
-        assert out.startswith("1 1"), err
+        assert out.startswith(FOUND), err
 
 
 def test_a_node_whose_profile_is_not_taken_does_not_start(hosts, started, tmp_path):

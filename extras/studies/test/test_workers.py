@@ -15,12 +15,15 @@ from heave_bringup.errors import ExitStatus
 from heave_studies.workers.pool import worker_pool
 
 PARENT = """
-import os, sys
+import os, signal, sys
 sys.path.insert(0, {folder!r})
 from busy import busy
 from heave_studies.workers.pool import worker_pool
 
 if __name__ == "__main__":
+    # as in a terminal, whatever the process of the tests ignores or blocks
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT, signal.SIGTERM])
     with worker_pool(2) as pool:
         for number in range(4):
             pool.submit(busy, number)
