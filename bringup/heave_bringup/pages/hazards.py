@@ -149,9 +149,7 @@ def _coverage() -> str:
             ", ".join(map(str, hazards_of(device, kind))) if kind in faults_of(device) else "" for device in DEVICES
         ]
         lines.append(f"| `{kind}` | {' | '.join(cells)} |")
-    return "\n".join(
-        [*lines, "", "Numbers refer to the hazards above. Empty: the device cannot have this fault.", ""]
-    )
+    return "\n".join([*lines, "", "Numbers refer to the hazards above. Empty: the device cannot have this fault.", ""])
 
 
 def hazards_of(device: str, kind: str) -> list[int]:
