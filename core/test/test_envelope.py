@@ -511,6 +511,27 @@ def test_whatever_comes_in_a_finite_bounded_order_leaves(pieces, position_gain, 
                 assert reached(box, order, lag=lag) <= max(order.rate_bound, now) + 1e-9
 
 
+@pytest.mark.parametrize(
+    "absurd",
+    [
+        {"mru_rate": 9e307},
+        {"mru_heave": -9e306, "mru_rate": math.nan},
+        {"count": 1e300},
+        {"count": -9e307},
+    ],
+)
+@pytest.mark.parametrize("is_first_order", [0, 1])
+def test_a_reading_that_cannot_be_leaves_bounds_and_order_as_a_lost_one_does(absurd, is_first_order):
+    """A rate of 9e307 was taken for a jump of the heave: the bound on travel was no number and bound nothing."""
+    box, lost = (envelope({"is_first_order": is_first_order}) for _ in range(2))
+    good = {"mru_heave": 0.0, "mru_rate": 0.0, "count": 0.0, "payout": 0.0, "rate": 0.0}
+    for values in (*[good] * 3, absurd, absurd, *[good] * 3, {**good, "lift_rate": 1.0}, {**good, "lift_rate": 1.0}):
+        order = box.step(readings(**{**good, **values}))
+        other = lost.step(readings(**{**good, **values, **dict.fromkeys(absurd if values is absurd else (), math.nan)}))
+        assert order == pytest.approx(other, nan_ok=True)
+        assert math.isfinite(order.travel_bound)
+
+
 @pytest.mark.parametrize("payout", [1e6, -9e307])
 def test_a_payout_beyond_the_reach_of_a_position_loop_is_replaced_and_the_rate_stays_small(payout):
     """A rate against it was -inf, and cancelled to nothing it was wrong by rounding."""

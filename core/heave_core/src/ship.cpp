@@ -35,11 +35,12 @@ void observe_mru(const Design &design, State &state, const Readings &readings) {
     state.mru_age += design.tick_period;
     state.read_age += design.tick_period;
     const double heave = readings.mru_heave;
-    if (!std::isfinite(heave)) return;
+    // what no ship does is no reading: taken for a jump it would stay in the heave
+    if (!(std::abs(heave) <= bounds.largest_heave) || std::abs(readings.mru_rate) > bounds.largest_rate) return;
     const double step = heave - state.read_heave, time = state.read_age;
     const bool follows = std::isfinite(state.read_heave) && time <= bounds.mru_time;
     const double rate = std::isfinite(readings.mru_rate) ? readings.mru_rate : follows ? step / time : 0.0;
-    bool is_good = std::abs(heave) <= bounds.largest_heave && std::abs(rate) <= bounds.largest_rate;
+    bool is_good = std::abs(rate) <= bounds.largest_rate;
     if (follows) {
         const double off = step - 0.5 * (rate + state.read_rate) * time;
         const bool is_jump = std::abs(off) > bounds.heave_step;
@@ -98,7 +99,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.asked_since_count += travelled.move;
     state.time_since_count += dt;
     state.count_age += dt;
-    if (!std::isfinite(readings.count)) return state.count_age > bounds.count_time ? COUNT_LOST : 0;
+    if (!has_count(bounds, readings)) return state.count_age > bounds.count_time ? COUNT_LOST : 0;
     const double sent = state.since_count, asked = state.asked_since_count, time = state.time_since_count;
     const double step = readings.count - state.count;
     const bool is_first = !std::isfinite(state.count);
