@@ -34,3 +34,13 @@ def test_a_winch_weaker_than_believed_is_found_out_and_the_unit_held_still(tmp_p
     )
     assert any(float(value) == pytest.approx(LIMIT, rel=0.1) for value in told), told
     assert not [code for code in HARMFUL if code in result.stdout + result.stderr]
+
+
+def test_a_winch_of_a_quarter_of_the_assumed_speed_is_identified_before_the_envelope_takes_it_for_a_runaway():
+    """It was not: the drum trailed by 1.7 m at its limit, was braked, and the load swung 2.5 times as far as locked."""
+    scenario = load_scenario("b3_deep_900", settings=["all.duration=100", "virtual_winch.speed_limit=0.5"])
+    record = ClosedLoop(loop_parameters(scenario)).run()
+    assert record.modes[-1] == "compensating"
+    codes = {alarm.code for _, alarm in record.alarms}
+    assert "WINCH_MODEL_UPDATED" in codes
+    assert not codes & {"ORDER_TOO_FAR", "ORDER_TOO_FAST", "COMPENSATION_LOST"}

@@ -235,6 +235,7 @@ STATE = structure(
     Row("cause", "", "Cause: why the envelope took over; latched until acknowledged"),
     Row("phase_time", "s", "time in the phase"),
     Row("duty", "", "Duty of the tick before"),
+    Row("limited", "", "1: the drive reports a limit of its own; forgotten as travel is"),
     Row("value", "", "figure that the cause exceeded, in its unit"),
     Row("limit", "", "limit of that figure"),
     Row("ramp", "m/s", "largest speed of a stop that is under way; NaN: none is"),

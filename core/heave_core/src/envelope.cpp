@@ -33,7 +33,8 @@ Limits limits_of(const Design &design, const State &state, const Readings &readi
     const double factor = early * (has_count && has_mru ? 1.0 : bounds.lost_factor);
     const double swing = state.lead / std::sqrt(std::max(design.cable.inertia, 1.0));  // at the load's own frequency
     const double rate = share * (bounds.rate_factor * factor * ship.rate + swing) + bounds.rate_margin;
-    const double travel = bounds.travel_factor * factor * ship.heave + bounds.travel_margin + state.allowance + state.lead;
+    const double trails = std::max(early, 1.0 + (bounds.early_factor - 1.0) * state.limited) / early;
+    const double travel = bounds.travel_factor * factor * trails * ship.heave + bounds.travel_margin + state.allowance + state.lead;
     const double lag = design.winch.delay + design.winch.lag, now = state.drum.rate - move;
     double out = (travel - state.travel_sent) / lag, in = (travel + state.travel_sent) / lag;
     if (has_count) {

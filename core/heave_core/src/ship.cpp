@@ -89,6 +89,8 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const bool lets_go = travelled.is_braked || readings.is_held > 1.0 || int(readings.duty) == STOP;
     const bool begins = lets_unit_swing(Duty(int(state.duty)), Duty(int(readings.duty)));
     if ((lets_go && state.drum.rate != 0.0) || begins) state.seen_time = 0.0;
+    // a drive at its limit trails behind its orders, and comes back to them: further, not faster, than another one
+    state.limited = readings.is_held == 1.0 ? 1.0 : state.limited * (1.0 - dt / bounds.travel_time);
     state.duty = readings.duty;
     const double left = rests ? 1.0 : 1.0 - dt / bounds.travel_time;
     state.travel_sent = left * state.travel_sent + travelled.drum - travelled.move;
