@@ -4,6 +4,7 @@ import json
 import re
 
 import pytest
+from heave_bringup import ClosedLoop, load_scenario, loop_parameters
 from winch_controller_node.interface.alarms import HARMFUL
 
 from tests.loop_runs import HAS_RUN, heave
