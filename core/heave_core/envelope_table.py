@@ -58,6 +58,14 @@ class MoveKind(IntEnum):
     STAND = 5
 
 
+class DriveState(IntEnum):
+    """What the drive reports: nothing, a limit of its own, or its brake or a fault."""
+
+    DRIVE_FREE = 0
+    DRIVE_LIMITED = 1
+    DRIVE_RESTS = 2
+
+
 class Bit(IntFlag):
     """What acted in a tick."""
 
@@ -298,7 +306,7 @@ READINGS = structure(
     Row("mru_heave", "m", "raw heave of the boom tip, positive up; NaN: no good reading came"),
     Row("mru_rate", "m/s", "raw heave rate; NaN: none came"),
     Row("count", "m", "raw count of the drum; NaN: none came"),
-    Row("is_held", "", "2: the winch reports its brake or a fault; 1: a limit of its own"),
+    Row("drive", "", "DriveState: what the winch reports of itself"),
     Row("load", "N", "raw load cell; NaN: none came"),
     Row("lift_rate", "m/s", "rate with which a crane lifts the boom tip, by geometry"),
     Row("duty", "", "Duty: what the controller is there for"),
@@ -347,5 +355,5 @@ RECORDS = (DESIGN, STATE, READINGS, ORDER)
 SIZES = {"KEPT": KEPT, "BINS": BINS}
 """Sizes of arrays."""
 
-ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (Duty, Phase, Cause, MoveKind, Bit)
+ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (Duty, Phase, Cause, MoveKind, DriveState, Bit)
 """Names of numbers, and of bits."""

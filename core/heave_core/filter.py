@@ -25,7 +25,7 @@ from heave_core.filter_table import (
     STATES,
     USED,
 )
-from heave_core.library import dtype_of, library
+from heave_core.library import library, new
 
 Array = NDArray[np.float64]
 
@@ -147,7 +147,7 @@ class KalmanFilter:
         n, m = len(x), len(model.rows)
         check_sizes(n, m, kept)
         loaded = library()
-        self.design, self.state = np.zeros(1, dtype_of(FILTER)), np.zeros(1, dtype_of(FILTER_STATE))
+        self.design, self.state = new(FILTER), new(FILTER_STATE)
         design, state = self.design[0], self.state[0]
         design["states"], design["measurements"], design["kept"] = n, m, kept
         design["gate"], design["gate_limit"], design["stream_factor"] = gate.threshold, gate.limit, STREAM_FACTOR
@@ -260,7 +260,7 @@ def follow(
     if n > STATES:
         raise ValueError(f"pass: {n} states, and at most {STATES} fit")
     F, B, Q, pull, rate = motion
-    model = np.zeros(1, dtype_of(PASS))
+    model = new(PASS)
     one = model[0]
     one["states"], one["measurements"], one["columns"] = n, rows.shape[1], c
     one["ticks"], one["rate"] = len(ticks), rate

@@ -10,8 +10,7 @@ import numpy as np
 
 from heave_core import law_table as table
 from heave_core.filter_table import STATES
-from heave_core.library import dtype_of, library
-from heave_core.rows import Structure
+from heave_core.library import library, new
 
 WANTED_NUMBERS, GOVERNED_NUMBERS = len(table.WANTED.rows), len(table.GOVERNED.rows)
 PROBLEM_NUMBERS, LOOP_NUMBERS = len(table.PROBLEM.rows) - 1, len(table.LOOP.rows) - 2
@@ -57,11 +56,6 @@ class MadeCommand(NamedTuple):
     has_plan: float
     payout: float
     rate: float
-
-
-def new(structure: Structure) -> Any:
-    """Return an empty array of one `structure`."""
-    return np.zeros(1, dtype_of(structure))
 
 
 def put(record: Any, values: Mapping[str, Any]) -> None:

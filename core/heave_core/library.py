@@ -100,6 +100,11 @@ def dtype_of(structure: Structure) -> np.dtype[Any]:
     return np.dtype(fields, align=True)
 
 
+def new(structure: Structure) -> Any:
+    """Return an empty array of one `structure`, on whose memory C++ works."""
+    return np.zeros(1, dtype_of(structure))
+
+
 def _prefixes() -> Iterator[Path]:
     """Yield where a library may be installed: with this Python, or in a sourced workspace."""
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
@@ -196,8 +201,8 @@ class Envelope:
 
     def __init__(self, design: Mapping[str, Any]) -> None:
         self._library = library()
-        self.design = np.zeros(1, dtype_of(DESIGN))
-        self.state = np.zeros(1, dtype_of(STATE))
+        self.design = new(DESIGN)
+        self.state = new(STATE)
         self._readings = np.zeros(len(READING_NAMES))
         self._order = np.zeros(len(EnvelopeOrder._fields))
         self._call = self._library.heave_core_envelope

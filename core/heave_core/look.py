@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heave_core.filter_table import STATES
-from heave_core.library import dtype_of, fill, library
+from heave_core.library import fill, library, new
 from heave_core.look_table import (
     GUARD_DESIGN,
     GUARD_STATE,
@@ -108,7 +108,7 @@ class HangingUnit:
 
     def __init__(self, cable: Mapping[str, Any]) -> None:
         core = library()
-        self._cable, self._unit = np.zeros(1, dtype_of(HANGING_CABLE)), np.zeros(1, dtype_of(HANGING_UNIT))
+        self._cable, self._unit = new(HANGING_CABLE), new(HANGING_UNIT)
         self._motion = np.zeros(2)
         self._addresses = self._cable.ctypes.data, self._unit.ctypes.data
         self._at = self._motion.ctypes.data
@@ -153,8 +153,8 @@ class Look:
 
     def __init__(self, design: Mapping[str, Any]) -> None:
         core = library()
-        self.design, self.state = np.zeros(1, dtype_of(LOOK_DESIGN)), np.zeros(1, dtype_of(LOOK_STATE))
-        self.inputs, self._motions = np.zeros(1, dtype_of(LOOK_INPUTS)), np.zeros(len(Motions._fields))
+        self.design, self.state = new(LOOK_DESIGN), new(LOOK_STATE)
+        self.inputs, self._motions = new(LOOK_INPUTS), np.zeros(len(Motions._fields))
         self._scalars = self.inputs.view(np.float64)[:SCALARS]
         self._at = self.design.ctypes.data, self.state.ctypes.data
         self._seen_at = self.inputs.ctypes.data, self._motions.ctypes.data
@@ -236,7 +236,7 @@ class Guard:
 
     def __init__(self, design: Mapping[str, Any]) -> None:
         core = library()
-        self.design, self.state = np.zeros(1, dtype_of(GUARD_DESIGN)), np.zeros(1, dtype_of(GUARD_STATE))
+        self.design, self.state = new(GUARD_DESIGN), new(GUARD_STATE)
         self._seen, self._verdict = np.zeros(len(Seen._fields) + 3), np.zeros(len(Verdict._fields))
         self._at = self.design.ctypes.data, self.state.ctypes.data
         self._seen_at, self._verdict_at = self._seen.ctypes.data, self._verdict.ctypes.data
@@ -300,7 +300,7 @@ class RunningSigma:
     """
 
     def __init__(self, time_constant: float, tick_period: float, slow_mean: float) -> None:
-        self._memory, self._add = np.zeros(1, dtype_of(SIGMA)), library().heave_core_sigma
+        self._memory, self._add = new(SIGMA), library().heave_core_sigma
         self._given = self._memory.ctypes.data, tick_period / time_constant, slow_mean
 
     def add(self, value: float) -> None:

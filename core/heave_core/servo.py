@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from heave_core.library import dtype_of, library
+from heave_core.library import library, new
 from heave_core.servo_table import SERVO_RUN
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ class Drum(NamedTuple):
 
 
 def _run(sent: int, ticks: int, fitted: int, position_gain: float, dt: float) -> NDArray[Any]:
-    run = np.zeros(1, dtype_of(SERVO_RUN))
+    run: NDArray[Any] = new(SERVO_RUN)
     of_it = (POSITION_STEP, EDGE, NO_POWER_LIMIT, RATE_STEP, WEAK_SLOPE)
     run[0] = (sent, ticks, fitted, START_STEPS, dt, position_gain, *of_it)
     return run

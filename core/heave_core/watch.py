@@ -9,7 +9,7 @@ import numpy as np
 
 from heave_core.kpi_table import KPI_DESIGN, KPI_ROW, KPI_STATE
 from heave_core.landing_table import LANDING_DESIGN, LANDING_SEEN, LANDING_STATE
-from heave_core.library import dtype_of, fill, library
+from heave_core.library import fill, library, new
 
 FLAGS = 7
 """Numbers of LandingState in front of its event."""
@@ -42,7 +42,7 @@ class LandingWatch:
 
     def __init__(self, design: Mapping[str, Any]) -> None:
         core = library()
-        self.design, self.state = np.zeros(1, dtype_of(LANDING_DESIGN)), np.zeros(1, dtype_of(LANDING_STATE))
+        self.design, self.state = new(LANDING_DESIGN), new(LANDING_STATE)
         self._seen = np.zeros(len(LANDING_SEEN.rows))
         self.flags = self.state.view(np.uint8)[: 8 * (FLAGS + 1)].view(np.float64)
         self._state_at = self.state.ctypes.data
@@ -107,7 +107,7 @@ class KpiRing:
 
     def __init__(self, design: Mapping[str, Any]) -> None:
         core = library()
-        self._design, self._state = np.zeros(1, dtype_of(KPI_DESIGN)), np.zeros(1, dtype_of(KPI_STATE))
+        self._design, self._state = new(KPI_DESIGN), new(KPI_STATE)
         fill(self._design[0], design)
         self._rows = np.zeros((int(design["rows"]), len(KPI_ROW.rows)))
         self._row, self._window = np.zeros(len(KPI_ROW.rows)), np.zeros(len(KpiStatistics._fields))

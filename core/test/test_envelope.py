@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 from heave_core import envelope_table
-from heave_core.envelope_table import Bit, Cause, Duty, MoveKind, Phase
+from heave_core.envelope_table import Bit, Cause, DriveState, Duty, MoveKind, Phase
 from heave_core.library import READING_NAMES, Envelope
 from hypothesis import given
 from hypothesis import strategies as st
@@ -148,7 +148,7 @@ class Rig:
         heave, tip_rate = self.tip
         ordered = tip_rate if rate is None else rate
         seen = {"mru_heave": heave, "mru_rate": tip_rate, "count": self.payout, "load": 37e3}
-        seen |= {"is_held": 2.0 * self.line[0][1]} | values
+        seen |= {"drive": DriveState.DRIVE_RESTS if self.line[0][1] else DriveState.DRIVE_FREE} | values
         order = self.envelope.step(readings(rate=ordered, brake=brake, **seen))
         self.orders.append(order)
         self.line.append((order.rate, bool(order.brake)))
@@ -481,7 +481,7 @@ PIECE = st.fixed_dictionaries(
         "distance": NUMBERS,
         "speed": NUMBERS,
         "acceleration": NUMBERS,
-        "is_held": st.sampled_from([0.0, 1.0]),
+        "drive": st.sampled_from([float(state) for state in DriveState]),
         "brake": st.sampled_from([0.0, 0.0, 0.0, 1.0]),
         "duty": st.sampled_from([float(duty) for duty in Duty]),
         "kind": st.sampled_from([float(kind) for kind in MoveKind]),
@@ -632,6 +632,6 @@ def test_orders_that_hit_a_limit_of_the_drive_do_not_widen_their_own_bounds():
     """They did, as a stop does: orders 100 times too large went through at 2 m/s, for 3.1 m."""
     rig = Rig().settled()
     bound = rig.orders[-1].rate_bound
-    order = rig.run(0.4, 2.0, is_held=1.0)
+    order = rig.run(0.4, 2.0, drive=DriveState.DRIVE_LIMITED)
     assert order.rate_bound == pytest.approx(bound, rel=0.05)
-    assert rig.run(0.4, 2.0, is_held=1.0).cause == Cause.RATE
+    assert rig.run(0.4, 2.0, drive=DriveState.DRIVE_LIMITED).cause == Cause.RATE

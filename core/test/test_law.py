@@ -12,9 +12,9 @@ import pytest
 from heave_core import law_table
 from heave_core.envelope_table import MoveKind
 from heave_core.filter_table import STATES
-from heave_core.law import Commander, Governor, Law, LoopNow, MadeCommand, check_states, new, put
+from heave_core.law import Commander, Governor, Law, LoopNow, MadeCommand, check_states, put
 from heave_core.law_table import FOLLOWED, Asks, LawKind, Moved, RowKind, Shaped, Way
-from heave_core.library import library
+from heave_core.library import library, new
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from heave_core.law import LoopNow, new, put
+from heave_core.law import LoopNow, put
 from heave_core.law_table import COMMAND_STATE, Way
+from heave_core.library import new
 from winch_controller_node.core.estimation.tension import FILTER_SHARE, MEMORY, MeanTension, TensionFilter
 from winch_controller_node.core.loop_command import commander
 from winch_controller_node.design.design import design_controller

@@ -5,8 +5,9 @@ import osqp
 import pytest
 import scipy.sparse as sp
 from heave_bringup.scenarios import load_scenario
-from heave_core.law import LoopNow, new
+from heave_core.law import LoopNow
 from heave_core.law_table import COMMAND_STATE, Way
+from heave_core.library import new
 from heave_node.parameters import build_parameters
 from hypothesis import given
 from hypothesis import strategies as st

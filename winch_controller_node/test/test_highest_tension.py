@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_core.law import LoopNow, new
+from heave_core.law import LoopNow
 from heave_core.law_table import COMMAND_STATE, Way
+from heave_core.library import new
 from heave_node.parameters import ParameterError
 from winch_controller_node.core.loop_command import commander
 from winch_controller_node.core.supervision.watch.highest_tension import LEFT, PEAK, HighestTension

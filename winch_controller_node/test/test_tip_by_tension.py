@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from heave_core.law import new, put
+from heave_core.law import put
 from heave_core.law_table import TENSION_ALONE
-from heave_core.library import library
+from heave_core.library import library, new
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.parts.tension_alone import TensionAlone
 from winch_controller_node.laws.parts.tip_by_tension import (

@@ -134,13 +134,13 @@ void watch_brake(const Design &design, State &state, const Readings &readings, b
     const Bounds &bounds = design.envelope;
     HeldDrum &held = state.held;
     const double dt = design.tick_period, before = held.count, longest = design.winch.speed / bounds.stop_deceleration;
-    if (has_count(bounds, readings)) held.count = readings.count;
+    if (count_came(bounds, readings)) held.count = readings.count;
     if (!is_braked) {
         held.time = held.rests = held.runs = held.step = held.moved = 0.0;
         return;
     }
     const double step = readings.count - before, speed = std::abs(step) / dt;
-    if (!has_count(bounds, readings) || !std::isfinite(step)) return;
+    if (!count_came(bounds, readings) || !std::isfinite(step)) return;
     if (held.time == 0.0) held.slowest = speed;
     held.time += dt;
     const bool is_late = held.time > longest, is_faster = speed > held.slowest + 2.0 * bounds.rest_speed;

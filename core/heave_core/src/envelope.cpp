@@ -30,11 +30,12 @@ Limits limits_of(const Design &design, const State &state, const Readings &readi
     const Bounds &bounds = design.envelope;
     const bool has_count = state.count_age <= bounds.count_time, has_mru = state.mru_age <= bounds.mru_time;
     const double early = 1.0 + (bounds.early_factor - 1.0) * (1.0 - ship.filling);
-    const double factor = early * (has_count && has_mru ? 1.0 : bounds.lost_factor);
+    const double trails = 1.0 + (bounds.early_factor - 1.0) * state.limited;  // a drive that was at its limit
+    const double lost = has_count && has_mru ? 1.0 : bounds.lost_factor;
     const double swing = state.lead / std::sqrt(std::max(design.cable.inertia, 1.0));  // at the load's own frequency
-    const double rate = share * (bounds.rate_factor * factor * ship.rate + swing) + bounds.rate_margin;
-    const double trails = std::max(early, 1.0 + (bounds.early_factor - 1.0) * state.limited) / early;
-    const double travel = bounds.travel_factor * factor * trails * ship.heave + bounds.travel_margin + state.allowance + state.lead;
+    const double rate = share * (bounds.rate_factor * (early * lost) * ship.rate + swing) + bounds.rate_margin;
+    const double way = bounds.travel_factor * (std::max(early, trails) * lost) * ship.heave;
+    const double travel = way + bounds.travel_margin + state.allowance + state.lead;
     const double lag = design.winch.delay + design.winch.lag, now = state.drum.rate - move;
     double out = (travel - state.travel_sent) / lag, in = (travel + state.travel_sent) / lag;
     if (has_count) {
@@ -109,7 +110,7 @@ void rest_drum(State &state) {
 // A braked drum that moves: nothing that was ordered explains it.
 void watch_held_drum(const Design &design, State &state, const Readings &readings, bool acts) {
     const bool is_braked = state.tick == 0 || state.sent[(state.tick - 1) % KEPT].brake != 0.0;
-    watch_brake(design, state, readings, is_braked && (acts || readings.is_held != 0.0));
+    watch_brake(design, state, readings, is_braked && (acts || readings.drive != DRIVE_FREE));
     if (state.held.rests != 0.0) rest_drum(state);
     const double moved = state.held.moved, limit = design.envelope.brake_margin;
     if (std::abs(moved) > limit && state.cause != BRAKE_SLIPS) enter(state, HELD, BRAKE_SLIPS, moved, limit);

@@ -14,7 +14,7 @@ constexpr double NOT_KNOWN = std::numeric_limits<double>::quiet_NaN();
 inline double clip(double value, double lower, double upper) { return std::min(std::max(value, lower), upper); }
 
 // Whether a count came: one in which a step is lost in rounding is none.
-inline bool has_count(const Bounds &bounds, const Readings &readings) {
+inline bool count_came(const Bounds &bounds, const Readings &readings) {
     constexpr double ROUNDING = 1e-9;
     return std::abs(readings.count) * ROUNDING <= bounds.count_step;
 }

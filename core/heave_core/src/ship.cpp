@@ -83,14 +83,14 @@ Ship ship_of(const Design &design, const State &state) {
 int observe_count(const Design &design, State &state, const Readings &readings, const Travelled &travelled) {
     const Bounds &bounds = design.envelope;
     const double dt = design.tick_period;
-    const bool is_held = travelled.is_braked || readings.is_held != 0.0, rests = is_held && state.drum.rate == 0.0;
+    const bool is_held = travelled.is_braked || readings.drive != DRIVE_FREE, rests = is_held && state.drum.rate == 0.0;
     // a unit that is let go by a stop swings, and what takes that out is more than the ship does: as after a lost MRU
     // (a limit of the drive lets nothing go: orders that hit it must not widen their own bounds)
-    const bool lets_go = travelled.is_braked || readings.is_held > 1.0 || int(readings.duty) == STOP;
+    const bool lets_go = travelled.is_braked || readings.drive == DRIVE_RESTS || int(readings.duty) == STOP;
     const bool begins = lets_unit_swing(Duty(int(state.duty)), Duty(int(readings.duty)));
     if ((lets_go && state.drum.rate != 0.0) || begins) state.seen_time = 0.0;
     // a drive at its limit trails behind its orders, and comes back to them: further, not faster, than another one
-    state.limited = readings.is_held == 1.0 ? 1.0 : state.limited * (1.0 - dt / bounds.travel_time);
+    state.limited = readings.drive == DRIVE_LIMITED ? 1.0 : state.limited * (1.0 - dt / bounds.travel_time);
     state.duty = readings.duty;
     const double left = rests ? 1.0 : 1.0 - dt / bounds.travel_time;
     state.travel_sent = left * state.travel_sent + travelled.drum - travelled.move;
@@ -101,7 +101,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.asked_since_count += travelled.move;
     state.time_since_count += dt;
     state.count_age += dt;
-    if (!has_count(bounds, readings)) return state.count_age > bounds.count_time ? COUNT_LOST : 0;
+    if (!count_came(bounds, readings)) return state.count_age > bounds.count_time ? COUNT_LOST : 0;
     const double sent = state.since_count, asked = state.asked_since_count, time = state.time_since_count;
     const double step = readings.count - state.count;
     const bool is_first = !std::isfinite(state.count);

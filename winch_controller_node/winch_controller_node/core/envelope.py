@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
-from heave_core.envelope_table import Bit, Cause, Duty, MoveKind, Phase
+from heave_core.envelope_table import Bit, Cause, DriveState, Duty, MoveKind, Phase
 from heave_core.library import Envelope, EnvelopeOrder
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import MruStatus, WinchFault
@@ -210,17 +210,19 @@ def _readings(raw: Measurements, asked: Asked, order: WinchOrder, is_acknowledge
     for reading in raw.mru:
         if reading.status == MruStatus.OK:
             heave, rate = reading.heave, reading.heave_rate
-    winch, held = raw.winch, 0.0
+    winch, drive = raw.winch, DriveState.DRIVE_FREE
     if winch is not None:
         count = winch.encoder_payout
-        rests = winch.brake or winch.fault != WinchFault.NONE
-        held = 2.0 if rests else float(winch.limits_hit != 0)
+        if winch.brake or winch.fault != WinchFault.NONE:
+            drive = DriveState.DRIVE_RESTS
+        elif winch.limits_hit != 0:
+            drive = DriveState.DRIVE_LIMITED
     for cell in raw.of("load_cell"):
         load = cell.value
     move = asked.move
     duty = Duty.DAMP if asked.is_damped_blind else DUTIES.get(asked.mode, Duty.OPERATE)
     return (
-        *(heave, rate, count, held, load, asked.lift_rate),
+        *(heave, rate, count, float(drive), load, asked.lift_rate),
         *(float(duty), asked.tension),
         *(float(move.number), float(MOVES[move.kind]), move.distance, move.target, move.reference),
         *(move.speed, move.acceleration, float(is_acknowledged)),

@@ -11,8 +11,9 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from heave_core.law import Commander, LoopNow, new, put
+from heave_core.law import Commander, LoopNow, put
 from heave_core.law_table import COMMAND_STATE, Asks, Shaped, Way
+from heave_core.library import new
 from heave_node.interface.preview import HeavePreview
 
 from winch_controller_node.core.estimation.loop_tick import CommandShares, LoopTick

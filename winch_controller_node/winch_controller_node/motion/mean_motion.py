@@ -10,9 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from heave_core.law import new
 from heave_core.law_table import MEAN_MOTION, Moved
-from heave_core.library import library
+from heave_core.library import library, new
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 

@@ -10,9 +10,9 @@ import math
 from typing import Any, NamedTuple
 
 from heave_core.envelope_table import MoveKind
-from heave_core.law import new, put
+from heave_core.law import put
 from heave_core.law_table import MEAN_PAYOUT
-from heave_core.library import library
+from heave_core.library import library, new
 
 from winch_controller_node.parameters.laws import MoveParameters
 

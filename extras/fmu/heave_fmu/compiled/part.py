@@ -14,9 +14,9 @@ import numpy as np
 from cable_sim_node.conversions import WINCH_COMMAND
 from heave_bringup.errors import CommandError
 from heave_core.envelope_table import Duty
-from heave_core.law import LoopNow, new
+from heave_core.law import LoopNow
 from heave_core.law_table import COMMAND_STATE, Way
-from heave_core.library import READING_NAMES, Envelope
+from heave_core.library import READING_NAMES, Envelope, new
 from heave_node.interface import topics
 from heave_node.interface.sensors import DEPTH, MRU, Water, WireReading
 from winch_controller_node.core.envelope import nominal_design

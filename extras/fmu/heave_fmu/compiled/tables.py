@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from heave_core.envelope_table import DESIGN, STATE
-from heave_core.library import dtype_of, fill
+from heave_core.library import dtype_of, fill, new
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import ATMOSPHERIC_PRESSURE
 from winch_controller_node.core.estimation.reading_terms import ON_TICK
@@ -114,7 +114,7 @@ def design_header(part: FixedControllerPart) -> str:
 
 def bounds_header(part: FixedControllerPart) -> str:
     """Return `bounds.h`: the nominal design of the envelope of a fixed controller, `part`, to the last bit."""
-    record = np.zeros(1, dtype_of(DESIGN))
+    record = new(DESIGN)
     fill(record[0], part.nominal)
     numbers = dtype_of(STATE).itemsize // 8
     design = f"#define ENVELOPE_DESIGN {_initialiser(record[0])}"

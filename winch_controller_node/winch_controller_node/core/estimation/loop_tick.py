@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
-import numpy as np
 from heave_core.look import Motions
 from heave_node.interface.alarm import Alarm
 from heave_node.numerics.arrays import Array
@@ -115,30 +114,3 @@ class LoopTick(NamedTuple):
     knows_tip: bool = True
     mean_tension: TensionMean = NO_MEAN
     missing_push: float = 0.0
-
-    @property
-    def total_state(self) -> Array:
-        """State of the loop, the mean payout's own motion included, shape (n,)."""
-        return self.estimate + self.mean_state
-
-    @property
-    def mean_swing(self) -> Array:
-        """Heave and rate of the unit about the mean payout that this itself brings about, shape (2,)."""
-        return np.array([self.motions.mean_heave, self.motions.mean_rate])
-
-    @property
-    def taut_uncompensated(self) -> Array:
-        """Heave and rate of the unit since compensation began, the winch locked and the cable taut, shape (2,).
-
-        The cable is taut once the unit is held.
-        """
-        return np.array([self.motions.taut, self.motions.taut_rate])
-
-    @property
-    def released_motion(self) -> Array:
-        """Heave and rate that the unit is let go to, shape (2,): the uncompensated ones, as far as waves make them.
-
-        What noise of the motion reference unit makes of a lightly damped unit grows to centimetres while the winch
-        keeps its uncompensated motion from being measured: in calm water a unit would be swung up to it.
-        """
-        return np.array([self.motions.released, self.motions.released_rate])

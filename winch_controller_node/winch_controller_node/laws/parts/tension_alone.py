@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from heave_core.law import new, put
+from heave_core.law import put
 from heave_core.law_table import TENSION_ALONE
-from heave_core.library import library
+from heave_core.library import library, new
 from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.laws.parts.tip_by_tension import (

@@ -15,9 +15,9 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from heave_core.law import new, put
+from heave_core.law import put
 from heave_core.law_table import ALONE_STATES, TENSION_RECORD, TENSION_TICKS
-from heave_core.library import library
+from heave_core.library import library, new
 from heave_node.numerics.arrays import Array, ComplexArray
 from heave_node.numerics.linear_model import LinearModel, output_sigma
 from scipy.linalg import solve_discrete_are

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from heave_core.law import new, put
+from heave_core.law import put
 from heave_core.law_table import ACTIVE_WINCH
+from heave_core.library import new
 
 from winch_controller_node.parameters.laws import LimitParameters
 from winch_controller_node.parameters.model import WinchModelParameters
