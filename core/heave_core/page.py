@@ -11,7 +11,8 @@ HEAD = """# The core's layout
 
 `heave_core` is the part of the controller's tick that is compiled: C++17 without a library, an allocation, an
 exception, a clock or a text. One table, `heave_core.layout`, makes the C++ structures, the numpy types by which Python
-reads and writes the same memory, and this page (`python -m heave_core.page`).
+reads and writes the same memory, and this page. The C++ header, with the unit and meaning of every field, is printed by
+`python -m heave_core.layout`.
 
 | part | file in `core/heave_core/src/` | what it does |
 |---|---|---|
@@ -45,22 +46,16 @@ calls them by ctypes, with the lock released. A copy of a state is its part at t
 """
 
 
-def _table(structure: Structure) -> str:
-    lines = [f"## {structure.name}", "", structure.meaning, "", "| field | unit | meaning |", "|---|---|---|"]
-    for row in structure.rows:
-        if row.name == "pad":
-            continue
-        size = "".join(f"[{n}]" for n in row.shape)
-        meaning = f"{row.meaning} (`{row.kind.name}`)" if isinstance(row.kind, Structure) else row.meaning
-        lines.append(f"| `{row.name}{size}` | {row.unit} | {meaning} |")
-    return "\n".join(lines)
+def _row(structure: Structure) -> str:
+    return f"| `{structure.name}` | {len(structure.rows)} | {structure.meaning} |"
 
 
 def page() -> str:
     """Return the page as Markdown."""
     names = ["## Numbers", "", "| what | names |", "|---|---|"]
     names += [f"| `{kind.__name__}` | {', '.join(f'{one.name} {int(one)}' for one in kind)} |" for kind in ENUMERATIONS]
-    return "\n\n".join([HEAD.rstrip(), "\n".join(names), *map(_table, STRUCTURES)]) + "\n"
+    structures = ["## Structures", "", "| structure | fields | what it is |", "|---|---|---|", *map(_row, STRUCTURES)]
+    return "\n\n".join([HEAD.rstrip(), "\n".join(names), "\n".join(structures)]) + "\n"
 
 
 if __name__ == "__main__":
