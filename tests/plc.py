@@ -53,7 +53,7 @@ class EmulatedPlc:
         return text.replace("udp: 10120", f"udp: {self.state_port}")
 
     def drum(self) -> dict[str, float]:
-        """Return its greatest speed since the last time [m/s] and where its drum is [m], positive hauls in."""
+        """Return its greatest speed since the last time [m/s], the drum's place [m], positive in, and `enable`."""
         assert self.process.stdout is not None
         self.tell("where")
         words = self.process.stdout.readline().split()

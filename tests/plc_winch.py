@@ -8,7 +8,7 @@ it is sent has not changed for 0.5 s the drum stops and brakes, and a fault is l
 Words on its standard input: `halt` (the program stands, the server still answers), `go`, `refuse` (the server answers
 each request with an exception), `accept`, `trip` (the drive trips), `restart` (its count and its clock
 begin at 0), `anew` (all is as at its start, and is said to be so), `where` (it prints its greatest speed since the
-last time, and the place of its drum), `end`. It prints `ready` once it can be reached.
+last time, the place of its drum, and whether it is enabled), `end`. It prints `ready` once it can be reached.
 """
 
 import argparse
@@ -247,7 +247,8 @@ async def run(options):
             sys.stdout.write("ready\n")
             sys.stdout.flush()
         elif word == "where":
-            sys.stdout.write(f"fastest {plc.fastest:.4f} position {plc.position:.5f}\n")
+            enable = plc.control & ENABLE
+            sys.stdout.write(f"fastest {plc.fastest:.4f} position {plc.position:.5f} enable {enable}\n")
             sys.stdout.flush()
             plc.fastest = 0.0
         elif word in ("", "end"):
