@@ -12,6 +12,7 @@ def test_recorded_sea_and_sensors_lead_the_same_controller_to_the_same_run(calm_
     replaced = ("wave_vessel", "cable_sim", "virtual_winch")
     options = [part for node in replaced for part in ("--replace", f"{node}=bag:{calm_bag}")]
     again = run_scenario(tmp_path / "again", duration=CALM_DURATION, options=options)
+    assert Bag(again).run["replaced"].split() == [f"{node}=bag" for node in replaced]
     assert list(Bag(again).messages()) == list(Bag(calm_bag).messages())
 
 

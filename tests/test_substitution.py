@@ -41,7 +41,7 @@ def test_the_sea_from_another_recorder_by_the_host_s_clock_gives_the_same_run(ca
         tmp_path / "again", duration=CALM_DURATION, options=["--replace", f"wave_vessel=bag:{foreign}"]
     )
     assert recorded_messages(again) == recorded_messages(calm_bag)
-    assert [Bag(bag).run["replaced"] for bag in (again, calm_bag)] == ["wave_vessel", ""]
+    assert [Bag(bag).run["replaced"] for bag in (again, calm_bag)] == ["wave_vessel=bag", ""]
 
 
 def test_the_sea_of_a_run_in_one_namespace_gives_the_same_run_in_another(calm_bag, tmp_path):

@@ -43,5 +43,7 @@ def test_a_winch_of_a_quarter_of_the_assumed_speed_is_identified_before_the_enve
     record = ClosedLoop(loop_parameters(scenario)).run()
     assert record.modes[-1] == "compensating"
     codes = {alarm.code for _, alarm in record.alarms}
-    assert "WINCH_MODEL_UPDATED" in codes
+    said = [alarm.values["changes"] for _, alarm in record.alarms if alarm.code == "WINCH_MODEL_UPDATED"]
+    limits = [float(limit) for text in said for limit in re.findall(r"speed limit [a-z ]*([\d.]+)", text)]
+    assert limits == pytest.approx([0.5], rel=0.01), "of the direction that has reached it, and as it is"
     assert not codes & {"ORDER_TOO_FAR", "ORDER_TOO_FAST", "COMPENSATION_LOST"}

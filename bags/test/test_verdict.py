@@ -105,6 +105,25 @@ def test_a_run_that_ended_within_its_transient_is_not_judged_but_held_to_what_is
     assert met.state == NO_VERDICT
 
 
+@pytest.mark.parametrize("played", ["cable_sim", "virtual_winch"])
+def test_a_run_whose_winch_or_load_no_command_moves_is_not_judged_but_held_to_what_is_required(played):
+    open_loop = replace(record(0.0), run={"replaced": f"wave_vessel=bag {played}=bag"}, largest_strain=0.5)
+    missed = [Criterion("unit_sigma_m", "<", 0.001)]
+    verdict = judge(open_loop, missed, moves_winch=True, alarms=2)
+    assert (verdict.is_good, verdict.state) == (True, NO_VERDICT)
+    assert verdict.lines()[0] == (
+        f"verdict: none: open loop: the figures are those of the recorded {played}, which no command moved; "
+        "2 errors reported"
+    )
+    assert judge(open_loop, required=missed, moves_winch=True).state == FAILED
+
+
+@pytest.mark.parametrize("replaced", ["wave_vessel=bag", "virtual_winch", "winch_controller=bag", ""])
+def test_a_run_whose_winch_obeys_is_judged(replaced):
+    closed_loop = replace(record(100.0), run={"replaced": replaced})
+    assert judge(closed_loop, [Criterion("unit_sigma_m", "<=", 0.02)], moves_winch=True).state == PASSED
+
+
 def test_a_figure_that_a_short_run_cannot_have_says_what_it_needs():
     judged = Judged(Criterion("worst_minute", "<=", 1.05), math.nan)
     assert not judged.is_met

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from heave_bags.play.substitute_program import SUBSTITUTE, program
 from heave_node.extras import MissingExtraError, known_parts, load_part
 from heave_node.interface import topics
 from heave_node.interface.sensors import SENSORS
@@ -54,6 +55,16 @@ class Replacements:
     def in_ticks(self) -> list[str]:
         """Nodes in whose place a bag or another program takes part in each tick."""
         return [*self.programs, *self.lockstep]
+
+    @property
+    def played(self) -> list[str]:
+        """Nodes in whose place a bag takes part."""
+        return [node for node, (module, *_) in self.programs.items() if module == SUBSTITUTE]
+
+    @property
+    def entries(self) -> list[str]:
+        """What the bag of a run says of `in_ticks`: NODE, or NODE=bag."""
+        return [f"{node}={BAG}" if node in self.played else node for node in self.in_ticks]
 
     def apply(self, scenario: Scenario) -> Scenario:
         """Return the `scenario` without what is left out; raise ParameterError where another takes no part in it."""
@@ -141,7 +152,6 @@ def _check_external(name: str, clock: str, source: str) -> None:
 
 def _bag(node: str, detail: str, source: str) -> list[str]:
     from heave_bags.mcap.read.folder import bag_of  # noqa: PLC0415 - few runs need it
-    from heave_bags.play.substitute_program import program  # noqa: PLC0415
 
     bag = bag_of(Path(detail).resolve())
     if not bag.exists():

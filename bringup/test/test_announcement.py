@@ -38,6 +38,12 @@ def test_a_run_that_ends_before_its_figures_count_says_so_before_it_starts_and_h
     assert announce(load_scenario(name, settings=[f"all.duration={transient + 60.0}"])).is_judged
 
 
+def test_a_run_in_which_commands_move_nothing_says_before_it_starts_that_it_is_not_judged() -> None:
+    said = announce(load_scenario("b2_calm_300"), played=("wave_vessel", "cable_sim", "virtual_winch"))
+    assert (said.is_judged, "cable_sim and virtual_winch" in said.text) == (False, True)
+    assert announce(load_scenario("b2_calm_300"), played=("wave_vessel",)).is_judged
+
+
 def test_a_criterion_of_the_command_line_is_said_once() -> None:
     scenario = load_scenario("b3_deep_900")
     same = parse_requirement("unit_sigma_m<=0.005")

@@ -119,6 +119,15 @@ def test_a_lost_sensor_is_told_once_by_the_controllers_alarms():
     assert monitor.alarms == [f"t = 9.80 s: winch_controller: sensor mru: {lost}"], "an error of the run, at one time"
 
 
+def test_a_critical_alarm_is_an_error_of_the_run_in_whatever_mode():
+    monitor, lines = listener(), ("DRUM_NOT_HELD (critical): drum turns.", "DEPTH_SLOW (low): one reading a second.")
+    values = [KeyValue(key="t = 9.80 s", value=line) for line in lines]
+    alarms = DiagnosticStatus(level=DiagnosticStatus.WARN, name=ALARMS_PART, message="2", values=values)
+    off = DiagnosticStatus(name=MODE_PART, message="off")
+    Monitor._on_diagnostics(monitor, DiagnosticArray(header=Header(stamp=Time(sec=10)), status=[off, alarms]))
+    assert monitor.alarms == [f"t = 9.80 s: {lines[0]}"]
+
+
 def test_an_alarm_is_printed_once_where_a_slow_tick_was_sent_and_answered_again():
     limited, monitor = "AUTHORITY_LIMITED_BY_WINCH (medium): authority limited to 30 %.", listener()
     values = [KeyValue(key="t = 9.80 s", value=limited)]

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from winch_controller_node.adviser.report import LONGEST, SETTLED, Report
 from winch_controller_node.beliefs.beliefs import Belief, Beliefs
 from winch_controller_node.beliefs.quantities import QUANTITIES
+from winch_controller_node.beliefs.words import alarms_of
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 NOMINAL = WinchControllerParameters()
@@ -51,6 +52,19 @@ def test_a_winch_that_never_settles_is_told_at_the_latest_after_the_longest_time
     times = [when for when, _ in told(hunting)]
     assert times[0] <= LONGEST
     assert all(b - a >= LONGEST for a, b in pairwise(times))
+
+
+def test_a_limit_that_was_never_found_is_not_told_and_one_that_was_is_told_when_it_is_on_trial():
+    """Assumed of the other direction, and raised since no record needs it: no record says it (0 nats)."""
+    (name, found), assumed = (
+        ("winch.speed_out", beliefs(winch__speed_out=0.5)),
+        Belief("winch.speed_out", 0.6, nats=0.0),
+    )
+    on_trial = replace(beliefs(), values=MappingProxyType({name: assumed}))
+    assert told([on_trial] * 60) == []
+    assert [finding.value for _, finding in told([found] * 30 + [on_trial] * 30)] == [0.5, 0.6]
+    (alarm,) = alarms_of([told([found] * 30 + [on_trial] * 30)[-1][1]])
+    assert "0.600 m/s on trial (was 0.500)" in alarm.values["changes"]
 
 
 def test_what_comes_back_to_nominal_is_told_as_nominal():

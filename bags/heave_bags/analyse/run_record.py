@@ -63,6 +63,12 @@ class RunRecord:
         by_modes = any(mode.name != events.OFF for mode in self.modes)
         return bool(law != events.OFF) if isinstance(law, str) else by_modes
 
+    @property
+    def played(self) -> list[str]:
+        """Nodes in whose place a bag was played, as far as the bag says."""
+        replaced = (entry.partition("=") for entry in self.run.get("replaced", "").split())
+        return [node for node, _, kind in replaced if kind == "bag"]
+
     def source_notes(self) -> list[str]:
         """Return which motions are not the truth, as on a ship, where it is unknown."""
         known = [(name, self.sources.get(name, TRUE)) for name in (UNIT_HEAVE, FREE_HEAVE, TIP_HEAVE, TOP_TENSION)]

@@ -25,6 +25,12 @@ LEAST_SHARE = 0.9
 FAILED, PASSED, NO_VERDICT = "FAILED", "passed", "none"
 """Verdicts."""
 
+TOO_SHORT = "the run ended before its figures start to count; use a longer --duration or a shorter all.transient"
+"""Why a run that ended within its transient is not judged."""
+
+MOVED_BY_COMMANDS = ("cable_sim", "virtual_winch")
+"""Nodes whose figures are those of the controller under test; played from a bag, they are those of another run."""
+
 NO_ROPE = "Rope strength not stated: not judged (system.cable.breaking_force)"
 """Remark on a lift whose rope has no safety factor."""
 
@@ -100,7 +106,7 @@ class Verdict:
     # somebody had asked for that [-]; NaN: unknown, or not required
     share: float
     alarms: int = 0  # number of errors that came
-    is_judged: bool = True  # the run is longer than its transient
+    why_not_judged: str = ""  # in words; "": it is judged
     strain: float = math.nan  # largest of the cable in the whole run [-]; NaN: unknown
     # how the parts whose strength is stated stood under their largest load of the whole run
     loads: tuple[LoadCheck, ...] = ()
@@ -146,18 +152,15 @@ class Verdict:
         """The verdict in a word: FAILED, passed, or none."""
         if self.failures:
             return FAILED
-        return PASSED if (self.criteria or self.loads) and self.is_judged else NO_VERDICT
+        return PASSED if (self.criteria or self.loads) and not self.why_not_judged else NO_VERDICT
 
     def lines(self) -> list[str]:
         """Return the verdict for people: one word, then each criterion and each part under load."""
         if self.state == FAILED:
             head = f"verdict: {FAILED}"
-        elif not self.is_judged:
-            what = "only on --require" if self.criteria else "none"
-            head = (
-                f"verdict: {what}: the run ended before its figures start to count; use a longer --duration or a "
-                "shorter all.transient"
-            )
+        elif self.why_not_judged:
+            what = "only on --require" if self.criteria else NO_VERDICT
+            head = f"verdict: {what}: {self.why_not_judged}"
         elif self.state == PASSED:
             head = f"verdict: {PASSED}" + (f" for one sea, seed {self.seed}" if self.seed else "")
         else:
@@ -208,20 +211,29 @@ def judge(
         return tuple(Judged(criterion, values.get(criterion.kpi, math.nan)) for criterion in criteria)
 
     # the start-up says nothing about the loop
-    wanted = wanted if record.is_past_transient else ()
-    share = share_in_force(record, values) if moves_winch and record.is_past_transient else math.nan
+    is_open_loop = open_loop(record.played)
+    why_not = is_open_loop or ("" if record.is_past_transient else TOO_SHORT)
     return Verdict(
-        held(wanted),
+        held(() if why_not else wanted),
         held(required),
         time_in_modes(record),
-        share,
+        share_in_force(record, values) if moves_winch and not why_not else math.nan,
         alarms,
-        record.is_past_transient,
-        record.largest_strain,
-        record.signals.load_checks(),
+        why_not,
+        math.nan if is_open_loop else record.largest_strain,
+        () if is_open_loop else record.signals.load_checks(),
         any(one.key == ROPE for one in record.signals.strengths),
         record.run.get("seed", ""),
     )
+
+
+def open_loop(played: Sequence[str]) -> str:
+    """Return why a run in which the nodes `played` come from a bag is not judged; "" where commands move the winch."""
+    nodes = [node for node in MOVED_BY_COMMANDS if node in played]
+    if not nodes:
+        return ""
+    what = " and ".join(nodes)
+    return f"open loop: the figures are those of the recorded {what}, which no command moved"
 
 
 def judge_loads(loads: Sequence[LoadCheck]) -> Verdict:

@@ -21,7 +21,7 @@ class RecorderParameters:
     scenario: str = parameter("", description="Name of the scenario, for the bag's metadata.")
     scenario_file: str = parameter("", description="Parameter file of the run, carried in the bag.")
     replaced: tuple[str, ...] = parameter((),
-        description="Nodes in whose place a bag or another program takes part, for the bag's metadata.")  # fmt: skip
+        description="Nodes replaced by a bag (NODE=bag) or another program, for the bag's metadata.")  # fmt: skip
     record: bool = parameter(True, description="Start recording at once; false waits for the service start.")
     snapshot_duration: float = parameter(0.0, "s", 0.0, 86400.0, "Time span kept in memory for snapshots; 0: none.")
     snapshot_size: int = parameter(256 << 20, "byte", 1 << 20, 1 << 36, "Memory for snapshots.")

@@ -71,7 +71,7 @@ def describe_run(
     pacing : "lockstep" or "realtime"
     tick_period, transient : [s]
     composed : all nodes share one process
-    replaced : nodes in whose place a bag or another program takes part
+    replaced : nodes in whose place a bag (NODE=bag) or another program takes part
     """
     return {
         "scenario": scenario,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bags.analyse.read_run import SHORTEST_WINDOW
-from heave_bags.analyse.verdict import LEAST_SHARE, required_words
+from heave_bags.analyse.verdict import LEAST_SHARE, open_loop, required_words
 from heave_node.criteria import Criterion
 
 from heave_bringup.scenarios import Scenario
@@ -24,12 +24,14 @@ class Announcement:
     is_judged: bool
 
 
-def announce(scenario: Scenario, required: Sequence[Criterion] = ()) -> Announcement:
+def announce(scenario: Scenario, required: Sequence[Criterion] = (), played: Sequence[str] = ()) -> Announcement:
     """Return what a run of the `scenario` will be judged by: the time that counts, and the criteria.
 
-    `required` are the criteria of the command line.
+    `required` are the criteria of the command line, `played` the nodes in whose place a bag takes part.
     """
     run = scenario.run
+    if why_not := open_loop(played):
+        return Announcement(f"{scenario.name} will not be judged: {why_not}", is_judged=False)
     if run.duration < run.transient + SHORTEST_WINDOW:
         return Announcement(
             f"{scenario.name} will not be judged: it ends at {run.duration:g} s, before its figures start to count at "

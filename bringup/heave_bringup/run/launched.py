@@ -74,5 +74,5 @@ def prepare(arguments: Mapping[str, str]) -> tuple[RunFolder, list[str]]:
     replaced = replacements_of(arguments)
     scenario = replaced.apply(load_scenario(arguments["scenario"], settings=settings_of(arguments)))
     folder = new_run_folder(scenario.name, Path(arguments["folder"]) if arguments.get("folder") else None)
-    store_scenario(scenario, folder, replaced.in_ticks)
+    store_scenario(scenario, folder, replaced.entries)
     return folder, nodes_to_start(scenario.run, replaced.lockstep)

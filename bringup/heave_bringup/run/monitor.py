@@ -11,7 +11,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_bags.analyse.events import ALARMS_PART, MODE_PART, SENSOR_PARTS
 from heave_msgs.msg import CableState, CompensationKpi, PointMotion, TickStatus
 from heave_node.interface import topics
-from heave_node.interface.alarm import alarms_in
+from heave_node.interface.alarm import Severity, alarms_in
 from heave_node.interface.codes import time_key, time_of, without_figures
 from heave_node.ros.process import in_namespace, node_beside
 from heave_node.ros.release import take_newest
@@ -86,7 +86,7 @@ class Monitor:
     ----------
     status, kpi : the newest of each
     live : what the unit does, and the mode of the controller
-    alarms : errors that the nodes reported on /diagnostics, in order, each once
+    alarms : errors that the nodes reported on /diagnostics, and critical alarms, in order, each once
     strangers : what they said of processes that publish where only others may, in order
     """
 
@@ -154,7 +154,11 @@ class Monitor:
                 if self.live.is_reported:
                     continue
             if part.name == ALARMS_PART:
-                self._news += [f"{reported.key}: {reported.value}" for reported in part.values]
+                lines = [f"{reported.key}: {reported.value}" for reported in part.values]
+                self._news += lines
+                self.alarms += [
+                    line for line in lines if any(one.severity is Severity.CRITICAL for one in alarms_in(line))
+                ]
             if part.level != DiagnosticStatus.ERROR:
                 self._errors.pop(part.name, None)
             elif self._errors.get(part.name) != without_figures(part.message):

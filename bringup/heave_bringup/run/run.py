@@ -163,7 +163,7 @@ def run_scenario(
             if monitor.another_run():
                 _remove_unused(folder)
                 raise AnotherRunError(ANOTHER_RUN)
-            store_scenario(scenario, folder, replaced.in_ticks)
+            store_scenario(scenario, folder, replaced.entries)
             names = nodes_to_start(scenario.run, replaced.lockstep)
             if composed is None:
                 launcher.start(names, folder.scenario, folder.logs, replaced.programs, namespace)
@@ -279,7 +279,7 @@ def store_scenario(scenario: Scenario, folder: RunFolder, replaced: Sequence[str
     ----------
     scenario : checked
     folder : of the run; the recorder writes into it
-    replaced : nodes in whose place a bag or another program takes part
+    replaced : nodes in whose place a bag (NODE=bag) or another program takes part
     """
     recorder = replace(
         scenario.parameters["recorder"],

@@ -111,7 +111,8 @@ def _why_unknown(record: RunRecord, scenario: Scenario | None) -> str:
 
 def _replaced(record: RunRecord, scenario: Scenario) -> list[str]:
     """Return the nodes of a run in whose place hardware, a bag or another program took part."""
-    return [*scenario.run.external, *record.run.get("replaced", "").split()]
+    entries = record.run.get("replaced", "").split()
+    return [*scenario.run.external, *(entry.partition("=")[0] for entry in entries)]
 
 
 def _kept_or_computed(scenario: Scenario, bag: Path, progress: Progress) -> RunSignals:

@@ -37,10 +37,10 @@ class Report:
         for name, quantity in QUANTITIES.items():
             nominal = quantity.nominal_in(self._nominal)
             belief = beliefs.values.get(name, Belief(name, nominal))
-            if name == "mru.bias_sigma" or belief.nats == 0.0:
-                # it goes with the drift, or is assumed and no record says so
-                continue
             before = self._reported.get(name, nominal)
+            if name == "mru.bias_sigma" or (belief.nats == 0.0 and before == nominal):
+                # it goes with the drift, or is assumed and no record has said so
+                continue
             if not self._is_due(name, belief.value, before, now, waits=quantity.owner == "winch"):
                 continue
             self._reported[name] = belief.value

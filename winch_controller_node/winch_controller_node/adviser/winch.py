@@ -225,7 +225,7 @@ class WinchIdentifier:
                 QUANTITY_OF[Drum._fields[i]],
                 value,
                 self._sigma(found, i),
-                0.0 if i in alike else nats,  # what no record says is not reported
+                0.0 if i in alike or i in self._let_up else nats,  # assumed, or on trial: no record says so
                 excerpt.last,
             )
             for i, value in values.items()

@@ -43,6 +43,7 @@ def _change(label: str, finding: Finding, digits: int) -> str:
         )
         return f"{label} {value} (was {before})"
     value = f"{finding.value:.{digits}f} {finding.unit}".rstrip()
+    value += " on trial" if finding.nats == 0.0 else ""  # of a limit that no record needs any more
     return f"{label} {value} (was {finding.nominal:.{digits}f})"
 
 

@@ -145,7 +145,7 @@ def execute(options: argparse.Namespace) -> None:
         from heave_bringup.run.run import new_run_folder, run_scenario
 
         folder = new_run_folder(scenario.name, options.bag)
-        _announce(options, scenario, required)
+        _announce(options, scenario, required, replaced.played)
         # What judges the run takes seconds to load: time that the nodes need to find each other.
         judging = [EVALUATION] if options.no_report else [EVALUATION, SPECTRA]
         threading.Thread(target=lambda: [importlib.import_module(module) for module in judging]).start()
@@ -199,12 +199,14 @@ def _check(options: argparse.Namespace, scenario: Scenario, replaced: Replacemen
         warn(check_waves(scenario))
 
 
-def _announce(options: argparse.Namespace, scenario: Scenario, required: Sequence[Criterion]) -> None:
+def _announce(
+    options: argparse.Namespace, scenario: Scenario, required: Sequence[Criterion], played: Sequence[str]
+) -> None:
     """Write in the first line of a run what it will be judged by, or that it cannot be judged."""
     from heave_bringup.output import warn
     from heave_bringup.run.announcement import announce
 
-    words = announce(scenario, required)
+    words = announce(scenario, required, played)
     if not words.is_judged:
         warn([words.text])
     elif not options.quiet:
