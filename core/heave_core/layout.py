@@ -14,15 +14,14 @@ import hashlib
 from heave_core import (
     envelope_table,
     filter_table,
-    kpi_table,
-    landing_table,
     law_table,
     look_table,
     servo_table,
+    watch_table,
 )
 from heave_core.rows import COUNTER, NUMBER, Structure
 
-TABLES = (envelope_table, filter_table, look_table, landing_table, kpi_table, law_table, servo_table)
+TABLES = (envelope_table, filter_table, look_table, law_table, servo_table, watch_table)
 """By subject, in the order in which C++ needs them."""
 
 STRUCTURES = tuple(one for table in TABLES for one in table.STRUCTURES)

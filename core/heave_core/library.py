@@ -31,7 +31,6 @@ ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
     "heave_core_filter": (*(_POINTER,) * 3, _COUNT, *(_POINTER,) * 2),
     "heave_core_pass": (_POINTER,) * 11,
     "heave_core_servo": (*(_POINTER,) * 4, _COUNT, _POINTER),
-    "heave_core_servo_reading": (_POINTER,) * 6,
     "heave_core_unit": (_POINTER, _POINTER, _NUMBER, _NUMBER, _POINTER),
     "heave_core_unit_motion": (_POINTER,) * 3,
     "heave_core_unit_continue": (_POINTER, _POINTER, _NUMBER, _NUMBER),
@@ -56,6 +55,13 @@ ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
     "heave_core_trend": (_POINTER, _NUMBER, _NUMBER, _NUMBER, _POINTER),
     "heave_core_kpi_add": (_POINTER,) * 4,
     "heave_core_kpi": (_POINTER,) * 4,
+    "heave_core_drum_add": (_POINTER,) * 5,
+    "heave_core_drum_reset": (*(_POINTER,) * 4, _NUMBER),
+    "heave_core_drum_error": (_POINTER,) * 4,
+    "heave_core_drum_ordered": (*(_POINTER,) * 4, _COUNT, _POINTER),
+    "heave_core_link_command": (*(_POINTER,) * 3, _COUNT, _COUNT, _NUMBER),
+    "heave_core_link_silence": (_POINTER, _POINTER, _COUNT, _NUMBER),
+    "heave_core_watch_winch": (_POINTER,) * 6,
     "heave_core_approach_speed": (_NUMBER,) * 3,
     "heave_core_govern": (_POINTER,) * 3,
     "heave_core_restart_law": (_POINTER,),
@@ -82,6 +88,7 @@ RESULTS: Mapping[str, Any] = {
     **dict.fromkeys(("heave_core_ask_law", "heave_core_answer", "heave_core_act"), _COUNT),
     **dict.fromkeys(("heave_core_advance_mean", "heave_core_is_moving", "heave_core_ticks_to_go"), _COUNT),
     "heave_core_advance_motion": _COUNT,
+    "heave_core_drum_error": _NUMBER,
 }
 """Types of what those functions return that return anything."""
 

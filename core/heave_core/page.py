@@ -25,6 +25,8 @@ reads and writes the same memory, and this page. The C++ header, with the unit a
 | filter's steps | `filter_steps.cpp` | prediction, correction |
 | pass | `pass.cpp` | a linear filter over a record in many versions at once, for the adviser's searches |
 | servo | `servo.cpp` | a drum under the set-points it was sent: what its encoder should have read |
+| drum watch | `drum_watch.cpp` | orders and encoder of the last seconds: is the drum off, is its encoder |
+| winch watch | `winch_watch.cpp` | late commands, a silent winch, authority that is cut for a drum that is off |
 | look | `look.cpp` | all motions at a tick: boom tip, drum, units with the winch locked and without readings |
 | unit | `unit.cpp` | a unit below an outlet whose motion is known: quadratic drag, slack cable |
 | guard | `guard.cpp` | whether compensation does harm: drum, swing, depth sensor, waves |

@@ -50,10 +50,18 @@ class Drum(NamedTuple):
     power: float = NO_POWER_LIMIT
 
 
-def _run(sent: int, ticks: int, fitted: int, position_gain: float, dt: float) -> NDArray[Any]:
+def run_of(position_gain: float, dt: float, sent: int = 0, ticks: int = 0) -> NDArray[Any]:
+    """Return an array of one ServoRun.
+
+    Parameters
+    ----------
+    position_gain : of the servo's position loop [1/s]; 0: none
+    dt : tick period [s]
+    sent, ticks : set-points of the record, and ticks at its end for which readings are made
+    """
     run: NDArray[Any] = new(SERVO_RUN)
     of_it = (POSITION_STEP, EDGE, NO_POWER_LIMIT, RATE_STEP, WEAK_SLOPE)
-    run[0] = (sent, ticks, fitted, START_STEPS, dt, position_gain, *of_it)
+    run[0] = (sent, ticks, 0, START_STEPS, dt, position_gain, *of_it)
     return run
 
 
@@ -85,45 +93,8 @@ def drum_records(sent: Array, drums: Array, starts: Array, position_gain: float,
     """
     if sent.shape[0] != 4 or sent.shape[1] < count or drums.shape[1] != len(Drum._fields) or starts.shape[1] != 2:
         raise ValueError(f"drum: set-points {sent.shape} for {count} ticks, drums {drums.shape}, starts {starts.shape}")
-    out, run = np.empty((len(drums), count)), _run(sent.shape[1], count, 0, position_gain, dt)
+    out, run = np.empty((len(drums), count)), run_of(position_gain, dt, sent.shape[1], count)
     # held here until the call is over
     arrays = (run, sent, np.ascontiguousarray(drums), np.ascontiguousarray(starts))
     library().heave_core_servo(*(one.ctypes.data for one in arrays), len(drums), out.ctypes.data)
     return out
-
-
-class DrumPrediction:
-    """What the encoder should read at the end of a record by what the first half of it shows; its memory is kept.
-
-    Parameters
-    ----------
-    ticks : of the record; payout and rate at its start are those that explain the first half of its readings best
-    ahead : set-points before it, for the delay [ticks]
-    position_gain : of the servo's position loop [1/s]; 0: none
-    dt : tick period [s]
-    """
-
-    def __init__(self, ticks: int, ahead: int, position_gain: float, dt: float) -> None:
-        fitted, sent = (ticks + 1) // 2, ticks + ahead
-        self._sent, self._readings = np.zeros((4, sent)), np.zeros(ticks + 1)
-        self._drum, self._found = np.zeros(len(Drum._fields)), np.zeros(1)
-        self._kept = (_run(sent, ticks, fitted, position_gain, dt), np.empty(2 * fitted + ticks))
-        arrays = (self._kept[0], self._sent, self._readings, self._drum, self._kept[1], self._found)
-        self._addresses = tuple(one.ctypes.data for one in arrays)
-        self._call = library().heave_core_servo_reading
-
-    def of(self, payouts: Array, rates: Array, tensions: Array, readings: Array, drum: Array) -> float:
-        """Return the reading [m].
-
-        Parameters
-        ----------
-        payouts, rates : set-points of the ticks, oldest first, shape (ticks + ahead,) [m], [m/s]
-        tensions : at the top at the end of each of these ticks [N]; NaN: unknown
-        readings : at the start of the record and at the end of each of its ticks [m], shape (ticks + 1,)
-        drum : fields of `Drum`, shape (13,)
-        """
-        sent = self._sent
-        sent[0], sent[1], sent[3] = payouts, rates, tensions
-        self._readings[:], self._drum[:] = readings, drum
-        self._call(*self._addresses)
-        return float(self._found[0])

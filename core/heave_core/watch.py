@@ -1,4 +1,4 @@
-"""Landing, and the rolling window of the figures of merit, by ctypes, on the memory that C++ has."""
+"""What is watched, by ctypes, on the memory that C++ has: landing, figures of merit, drum, winch and its link."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from heave_core.kpi_table import KPI_DESIGN, KPI_ROW, KPI_STATE
-from heave_core.landing_table import LANDING_DESIGN, LANDING_SEEN, LANDING_STATE
-from heave_core.library import fill, library, new
+from heave_core import watch_table as table
+from heave_core.library import dtype_of, fill, library, new
+from heave_core.watch_table import KPI_DESIGN, KPI_ROW, KPI_STATE, LANDING_DESIGN, LANDING_SEEN, LANDING_STATE
 
 FLAGS = 7
 """Numbers of LandingState in front of its event."""
@@ -128,3 +128,119 @@ class KpiRing:
         """Return the statistics over what the window holds."""
         self._summarise(*self._at, self._window_at)
         return KpiStatistics._make(self._window.tolist())
+
+
+WORK = 7
+"""Numbers to work on, for each row that a drum watch keeps."""
+
+
+class DrumOrders:
+    """Orders and encoder readings of the last seconds.
+
+    Parameters
+    ----------
+    values : by the names of DRUM_WATCH_DESIGN
+    design, state : arrays of one of these structures; None: its own
+
+    Attributes
+    ----------
+    design, state : structured arrays of one element
+    at : addresses of both, of the rows, and of what they are worked on with
+    """
+
+    def __init__(self, values: Mapping[str, Any], design: Any = None, state: Any = None) -> None:
+        core, kept = library(), int(values["kept"])
+        self.design = new(table.DRUM_WATCH_DESIGN) if design is None else design
+        self.state = new(table.DRUM_WATCH_STATE) if state is None else state
+        fill(self.design[0], values)
+        self._rows, self._work = np.zeros(kept, dtype_of(table.DRUM_ROW)), np.zeros(WORK * kept)
+        self._row, self._found = np.zeros(len(table.DRUM_ROW.rows)), np.zeros(len(table.ORDERED.rows))
+        self.at = [one.ctypes.data for one in (self.design, self.state, self._rows, self._work)]
+        self._row_at, self._found_at = self._row.ctypes.data, self._found.ctypes.data
+        self._add, self._reset = core.heave_core_drum_add, core.heave_core_drum_reset
+        self._error, self._ordered = core.heave_core_drum_error, core.heave_core_drum_ordered
+
+    def add(self, *row: float) -> None:
+        """Take a tick in, by the rows of DRUM_ROW."""
+        self._row[:] = row
+        self._add(*self.at, self._row_at)
+
+    def reset(self, payout: float) -> None:
+        """Restart with the drum at rest at a `payout` [m]."""
+        self._reset(*self.at, payout)
+
+    def restart(self) -> None:
+        """Compare from now on."""
+        self.state["readings"] = 0
+
+    def error(self) -> float:
+        """Return how far the drum is off what was predicted a second ago [m]; 0 where unknown."""
+        found: float = self._error(*self.at)
+        return found
+
+    def ordered(self, *, of_nominal: bool) -> list[float]:
+        """Return what the encoder reads of what the assumed or the nominal drum was ordered, by the rows of ORDERED."""
+        self._ordered(*self.at, of_nominal, self._found_at)
+        found: list[float] = self._found.tolist()
+        return found
+
+
+class Link:
+    """How late commands are, and who was silent.
+
+    Parameters
+    ----------
+    values : by the names of LINK_DESIGN
+    design, state : arrays of one of these structures; None: its own
+
+    Attributes
+    ----------
+    state : structured array of one element
+    minute : by how much the commands of the last minute were late, in a ring [s]
+    """
+
+    def __init__(self, values: Mapping[str, Any], design: Any = None, state: Any = None) -> None:
+        core, count = library(), int(values["minute"])
+        self._design = new(table.LINK_DESIGN) if design is None else design
+        self.state = new(table.LINK_STATE) if state is None else state
+        fill(self._design[0], values)
+        self._kept = np.zeros(count + int(values["window"]))
+        self.minute = self._kept[:count]
+        self.at = [one.ctypes.data for one in (self._design, self.state, self._kept)]
+        self._command, self._silence = core.heave_core_link_command, core.heave_core_link_silence
+
+    def command(self, given: int, taken: int, modelled: float) -> None:
+        """Take in the number of the last command `given`, and of the newest `taken`, late beyond `modelled` [s]."""
+        self._command(*self.at, given, taken, modelled)
+
+    def silence(self, untaken: float, *, has_state: bool) -> None:
+        """Take in whether the winch has reported in a tick, and for how long commands were `untaken` [s]."""
+        self._silence(*self.at[:2], has_state, untaken)
+
+
+class WinchRecord:
+    """Drum, link, and whether authority is cut for them.
+
+    Parameters
+    ----------
+    values : by the names of WINCH_WATCH_DESIGN
+
+    Attributes
+    ----------
+    design, state : structured arrays of one element
+    drum, link : on their memory
+    """
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        self.design, self.state = new(table.WINCH_WATCH_DESIGN), new(table.WINCH_WATCH_STATE)
+        fill(self.design[0], values)
+        self.drum = DrumOrders(values["drum"], self.design["drum"], self.state["drum"])
+        self.link = Link(values["link"], self.design["link"], self.state["link"])
+        self._seen, self._watch = np.zeros(len(table.WINCH_SEEN.rows)), library().heave_core_watch_winch
+        records = self.design.ctypes.data, self.state.ctypes.data
+        self._at = [*records, *self.drum.at[2:], self.link.at[2], self._seen.ctypes.data]
+
+    def watch(self, *seen: float) -> None:
+        """Take a tick in, by the rows of WINCH_SEEN."""
+        self._seen[:] = seen
+        self._watch(*self._at)

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from heave_core.servo import Drum, DrumPrediction, drum_records, sent_points
+from heave_core.servo import Drum, drum_records, run_of, sent_points
 from heave_core.servo_table import SERVO
+from heave_core.watch import DrumOrders
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
@@ -14,6 +15,16 @@ from scipy.signal import lsim
 DT, AHEAD, COUNT = 0.05, 10, 100
 NOTHING = np.zeros(AHEAD + COUNT)
 UNKNOWN = np.full(AHEAD + COUNT, math.nan)
+
+
+COMPARED = 40
+
+
+def orders_of(drum):
+    """Return what watches a `drum`, which is assumed and nominal."""
+    kept = {"kept": COUNT + 2 * AHEAD, "ahead": AHEAD - 1, "checked": COUNT + 1, "ordered": COMPARED}
+    limits = {"least_seen": 0.8, "settled": 50.0, "least_motion": 0.004}
+    return DrumOrders({**kept, **limits, "run": run_of(0.0, DT)[0], "assumed": drum, "nominal": drum})
 
 
 def waves(size, seed=1):
@@ -99,9 +110,28 @@ def test_a_drum_keeps_its_limits_whatever_it_is_sent(size, speed, power, seed):
 def test_payout_and_rate_at_the_start_are_those_that_the_first_readings_show(start, lag, seed):
     """The readings are of the drum itself: half of them say how it began, and with that what the last one is."""
     drum, rates = Drum(lag, 0.1), waves(0.5, seed)
-    readings = np.concatenate([[start[0]], record(drum, rates, start=start)])
-    found = DrumPrediction(COUNT, AHEAD, 0.0, DT).of(NOTHING, rates, UNKNOWN, readings, np.array(drum))
-    assert found == pytest.approx(readings[-1], abs=1e-9)
+    orders, readings = orders_of(drum), record(drum, rates, start=start)
+    for rate, reading in zip(rates, [*[math.nan] * (AHEAD - 1), start[0], *readings], strict=True):
+        orders.add(0.0, rate, math.nan, reading, False)
+    assert orders.error() == pytest.approx(0.0, abs=1e-9)
+
+
+@settings(max_examples=40, deadline=None)
+@given(share=st.floats(-2.0, 2.0), lag=st.floats(0.1, 0.5), seed=st.integers(0, 1000))
+def test_what_an_encoder_reads_of_its_orders_is_numpys_least_squares(share, lag, seed):
+    """The encoder reads `share` times what the drum does, and noise."""
+    drum, rates = Drum(lag, 0.1), waves(0.5, seed)
+    orders, path = orders_of(drum), record(drum, rates)
+    read = share * path + 0.01 * np.random.default_rng(seed).standard_normal(COUNT)
+    for rate, reading in zip(rates, [*[math.nan] * (AHEAD - 1), 0.0, *read], strict=True):
+        orders.add(0.0, rate, math.nan, reading, False)
+    found, left, payout, is_limited = orders.ordered(of_nominal=False)
+    (wanted, _), rest, *_ = np.polyfit(path[-COMPARED:], read[-COMPARED:], 1, full=True)
+    if math.isfinite(found):
+        assert found == pytest.approx(wanted, abs=1e-9)
+        assert left == pytest.approx(math.sqrt(rest[0] / COMPARED) / np.std(read[-COMPARED:]), abs=1e-9)
+        assert payout == pytest.approx(read[-COMPARED - 1] + path[-1] - path[-COMPARED - 1], abs=1e-9)
+    assert not is_limited
 
 
 def test_play_of_the_gear_holds_the_reading_while_the_drum_turns_back():

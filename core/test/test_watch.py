@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from heave_core import kpi_table, landing_table, watch
-from heave_core.landing_table import Landed
+from heave_core import watch, watch_table
 from heave_core.watch import KpiRing, KpiStatistics, LandingWatch
+from heave_core.watch_table import Landed
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -154,7 +154,7 @@ def test_a_standing_unit_is_lifted_off_once_the_cable_carries_more_than_its_weig
 
 
 def test_the_values_of_python_are_the_rows_of_the_tables():
-    names = {one.name: [row.name for row in one.rows] for one in (*kpi_table.STRUCTURES, *landing_table.STRUCTURES)}
+    names = {one.name: [row.name for row in one.rows] for one in watch_table.STRUCTURES}
     assert names["KpiWindow"] == list(KpiStatistics._fields)
     assert names["LandingState"][watch.FLAGS] == "event"
     assert names["LandingSeen"][watch.OBSERVED] == "filtered_tension"

@@ -13,7 +13,7 @@ from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.closed_loop import COLUMNS, ClosedLoop, LoopParameters
 from heave_bringup.closed_loop import loop_parameters as parameters_of
 from heave_bringup.scenarios import load_scenario
-from heave_core.landing_table import Landed
+from heave_core.watch_table import Landed
 from heave_node.interface.alarm import Severity
 from heave_node.interface.codes import SensorLevel, WinchFault
 from heave_node.interface.faults import FaultParameters

@@ -48,12 +48,6 @@ void heave_core_servo(const heave::ServoRun *run, const double *sent, const heav
         heave::servo_record(*run, points, servos[i], starts[i], run->ticks, readings + i * run->ticks);
 }
 
-// What the encoder should read at the end of a record.
-void heave_core_servo_reading(const heave::ServoRun *run, const double *sent, const double *readings,
-                              const heave::Servo *servo, double *work, double *found) {
-    *found = heave::servo_reading(*run, heave::set_points(sent, run->sent), *servo, readings, work);
-}
-
 // A simulated unit: a tick, and its heave and rate.
 void heave_core_unit(const heave::HangingCable *cable, heave::HangingUnit *unit, double heave, double rate, double *motion) {
     heave::advance_unit(*cable, *unit, {heave, rate});
@@ -143,6 +137,36 @@ void heave_core_kpi_add(const heave::KpiDesign *design, heave::KpiState *state, 
 
 void heave_core_kpi(const heave::KpiDesign *design, const heave::KpiState *state, const heave::KpiRow *rows, heave::KpiWindow *window) {
     heave::summarise(*design, *state, rows, *window);
+}
+
+// The drum watch: a tick, a drum at rest, the error of its prediction, what was ordered of the assumed or the nominal drum.
+void heave_core_drum_add(const heave::DrumWatchDesign *design, heave::DrumWatchState *state, heave::DrumRow *rows, double *work, const heave::DrumRow *row) {
+    heave::add(*design, *state, {rows, work}, *row);
+}
+
+void heave_core_drum_reset(const heave::DrumWatchDesign *design, heave::DrumWatchState *state, heave::DrumRow *rows, double *work, double payout) {
+    heave::reset_drum(*design, *state, {rows, work}, payout);
+}
+
+double heave_core_drum_error(const heave::DrumWatchDesign *design, heave::DrumWatchState *state, heave::DrumRow *rows, double *work) {
+    return heave::drum_error(*design, *state, {rows, work});
+}
+
+void heave_core_drum_ordered(const heave::DrumWatchDesign *design, heave::DrumWatchState *state, heave::DrumRow *rows, double *work, int of_nominal, heave::Ordered *ordered) {
+    *ordered = heave::drum_ordered(*design, *state, {rows, work}, of_nominal ? design->nominal : design->assumed);
+}
+
+// Commands: one that was taken, who is silent; and all that is watched of the winch in a tick.
+void heave_core_link_command(const heave::LinkDesign *design, heave::LinkState *state, double *minute, int given, int taken, double modelled) {
+    heave::note_command(*design, *state, minute, given, taken, modelled);
+}
+
+void heave_core_link_silence(const heave::LinkDesign *design, heave::LinkState *state, int has_state, double untaken) {
+    heave::note_silence(*design, *state, has_state, untaken);
+}
+
+void heave_core_watch_winch(const heave::WinchWatchDesign *design, heave::WinchWatchState *state, heave::DrumRow *rows, double *work, double *minute, const heave::WinchSeen *seen) {
+    heave::watch_winch(*design, *state, {rows, work}, minute, *seen);
 }
 
 // The largest speed from which half an acceleration is enough to stop after a distance.

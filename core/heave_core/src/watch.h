@@ -1,7 +1,7 @@
 // What is watched beside the loop: landing, and the rolling window of the figures of merit.
 #pragma once
 
-#include "parts.h"
+#include "servo.h"
 
 namespace heave {
 
@@ -25,5 +25,23 @@ Slope slope_of(const Trend &trend, double window, double least_readings, double 
 void begin_landing(LandingState &state);
 void observe_landing(const LandingDesign &design, LandingState &state, const LandingSeen &seen);
 void judge_landing(const LandingDesign &design, LandingState &state, const LandingSeen &seen);
+
+// Rows of the drum watch, and numbers to work on: 7 for each row that is kept.
+struct DrumRecord {
+    DrumRow *rows;
+    double *work;
+};
+
+// drum_watch.cpp: orders and encoder of the last seconds
+void add(const DrumWatchDesign &design, DrumWatchState &state, const DrumRecord &record, const DrumRow &row);
+void reset_drum(const DrumWatchDesign &design, DrumWatchState &state, const DrumRecord &record, double payout);
+double drum_error(const DrumWatchDesign &design, const DrumWatchState &state, const DrumRecord &record);
+Ordered drum_ordered(const DrumWatchDesign &design, const DrumWatchState &state, const DrumRecord &record, const Servo &drum);
+
+// winch_watch.cpp: whether the winch does what is predicted of it, and takes commands in time
+void note_command(const LinkDesign &design, LinkState &state, double *minute, int given, int taken, double modelled);
+void note_silence(const LinkDesign &design, LinkState &state, bool has_state, double untaken);
+void watch_winch(const WinchWatchDesign &design, WinchWatchState &state, const DrumRecord &record, double *minute,
+                 const WinchSeen &seen);
 
 }  // namespace heave

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, NamedTuple
 
-from heave_core.landing_table import LANDING_STATE, Landed
 from heave_core.watch import LandingWatch
+from heave_core.watch_table import LANDING_STATE, Landed
 
 from winch_controller_node.core.estimation.loop_tick import Sensed
 from winch_controller_node.core.estimation.tension import MEMORY, TensionMean

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
-from collections import deque
-from itertools import islice
-
+from heave_core.watch import Link
+from heave_core.watch_table import LinkNews
 from heave_node.interface.alarm import Alarm
 
 from winch_controller_node.interface.alarms import ALARMS
@@ -23,48 +21,88 @@ CUT_TIME = 0.5
 """Time without a new command taken after which the link counts as cut [s]: how late any command is, is then unknown."""
 
 
+ROUNDING = 1e-6
+"""Part of a tick that counts as none."""
+
+MEMORY = 3.0
+"""Time for which a silence of the winch is the cause of a timeout [s]."""
+
+
+def link_values(tick_period: float) -> dict[str, float]:
+    """Return the values of the core's LinkDesign for a `tick_period` [s]."""
+    return {
+        "minute": max(1, round(SHARE_WINDOW / tick_period)),
+        "window": max(1, round(LATE_WINDOW / tick_period)),
+        "late_ticks": LATE_TICKS,
+        "tick_period": tick_period,
+        "largest_share": LARGEST_SHARE,
+        "cut_time": CUT_TIME,
+        "memory": MEMORY,
+        "rounding": ROUNDING,
+    }
+
+
 class LateCommands:
     """Notices that the winch takes commands later than modelled, by the sequence numbers that it acknowledges.
 
-    That they have just become late is seen within three ticks, long before the record of the drum shows it. An alarm is
-    given where it is more than a hiccup: by the median over some seconds, and by the share of a minute.
+    They are counted in C++ (`heave_core`, winch_watch.cpp).
 
     Parameters
     ----------
     tick_period : [s]
-
-    Attributes
-    ----------
-    known, late : commands of which it is known how late they were, and those that were late, since the start
-    largest : time by which one was later than modelled [s]
-    has_begun : with the last one they have just become late
-    is_cut : no new command has been taken for CUT_TIME
+    link : of the core; None: its own
     """
 
-    def __init__(self, tick_period: float) -> None:
-        self._dt = tick_period
-        self._in_a_row = 0
-        self._overdue: deque[float] = deque(maxlen=max(1, round(SHARE_WINDOW / tick_period)))
-        self._window = max(1, round(LATE_WINDOW / tick_period))
-        self._late_in_minute = 0
-        self._is_slow = self._is_ragged = False
-        self._newest, self._ticks_without_new = 0, 0
-        self.known = self.late = 0
-        self.largest = 0.0
-        self.has_begun = self.is_cut = False
+    def __init__(self, tick_period: float, link: Link | None = None) -> None:
+        self._link = Link(link_values(tick_period)) if link is None else link
+        self._state = self._link.state[0]
+
+    @property
+    def known(self) -> int:
+        """Commands of which it is known how late they were, since the start."""
+        return int(self._state["known"])
+
+    @property
+    def late(self) -> int:
+        """Those that were late, since the start."""
+        return int(self._state["late"])
+
+    @property
+    def largest(self) -> float:
+        """Time by which one was later than modelled [s]."""
+        return float(self._state["largest"])
+
+    @property
+    def has_begun(self) -> bool:
+        """Tell whether with the last command they have just become late."""
+        return bool(self._state["has_begun"])
+
+    @property
+    def is_cut(self) -> bool:
+        """Tell whether no new command has been taken for CUT_TIME."""
+        return bool(self._state["is_cut"])
 
     @property
     def overdue(self) -> float:
         """Time by which more than half of the commands of the last seconds were later than modelled, at least [s]."""
-        if self._late_in_minute == 0:
-            return 0.0
-        later = sorted(islice(reversed(self._overdue), self._window), reverse=True)
-        return later[self._window // 2] if len(later) > self._window // 2 else 0.0
+        return float(self._state["overdue"])
 
     @property
     def is_reported(self) -> bool:
         """Tell whether an alarm holds."""
-        return self._is_slow or self._is_ragged
+        return bool(self._state["is_slow"] or self._state["is_ragged"])
+
+    @property
+    def news(self) -> Alarm | None:
+        """What is wrong since this tick; None: nothing new."""
+        found = int(self._state["news"])
+        if found == LinkNews.COMMANDS_SLOW:
+            return ALARMS.alarm("COMMANDS_LATE", delay=self.overdue)
+        if found == LinkNews.COMMANDS_RAGGED:
+            minute = self._link.minute
+            percent, largest = 100.0 * float(self._state["late_in_minute"]) / len(minute), float(minute.max())
+            return ALARMS.alarm("COMMANDS_OFTEN_LATE", percent=percent, window=SHARE_WINDOW, largest=largest)
+        return None
 
     def update(self, given: int, taken: int, delay: float) -> Alarm | None:
         """Return what is wrong, once each time; None when nothing is.
@@ -74,38 +112,5 @@ class LateCommands:
         given, taken : number of the last command, and of the newest one in effect at the end of its tick
         delay : of the model [s]
         """
-        due = math.ceil(delay / self._dt - 1e-6) - 1
-        late_ticks = given - taken - due - 1
-        is_late = taken > 0 and late_ticks > 0
-        self._in_a_row = self._in_a_row + 1 if is_late else 0
-        self.has_begun = self._in_a_row == LATE_TICKS
-        self._ticks_without_new = self._ticks_without_new + 1 if is_late and taken == self._newest else 0
-        self._newest = taken
-        self.is_cut = self._ticks_without_new * self._dt > CUT_TIME - 0.5 * self._dt
-        if not self.is_cut:
-            self._note(late_ticks * self._dt if is_late else 0.0)
-        return self._judge()
-
-    def _note(self, overdue: float) -> None:
-        """Put a command on record that was `overdue` for so long [s]."""
-        if len(self._overdue) == self._overdue.maxlen:
-            self._late_in_minute -= self._overdue[0] > 0.0
-        self._overdue.append(overdue)
-        self._late_in_minute += overdue > 0.0
-        self.known += 1
-        self.late += overdue > 0.0
-        self.largest = max(self.largest, overdue)
-
-    def _judge(self) -> Alarm | None:
-        """Return what the statistics say that they did not say before."""
-        was_slow, was_ragged = self._is_slow, self._is_ragged
-        share = self._late_in_minute / (self._overdue.maxlen or 1)
-        self._is_ragged = share > (0.5 * LARGEST_SHARE if was_ragged else LARGEST_SHARE)
-        overdue = self.overdue if self._in_a_row or was_slow else 0.0
-        self._is_slow = overdue > 0.0
-        if self._is_slow and not was_slow:
-            return ALARMS.alarm("COMMANDS_LATE", delay=overdue)
-        if self._is_ragged and not (was_ragged or was_slow):
-            largest = max(self._overdue)
-            return ALARMS.alarm("COMMANDS_OFTEN_LATE", percent=100.0 * share, window=SHARE_WINDOW, largest=largest)
-        return None
+        self._link.command(given, taken, delay)
+        return self.news

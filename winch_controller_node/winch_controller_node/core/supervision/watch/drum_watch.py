@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import numpy as np
-from heave_core.servo import DrumPrediction, drum_records, sent_points
-from heave_node.numerics.arrays import Array
-from heave_node.numerics.newest import Newest
+from heave_core.servo import Drum, run_of
+from heave_core.watch import DrumOrders
 
 from winch_controller_node.beliefs.drum import drum_of
 from winch_controller_node.parameters.model import WinchModelParameters
@@ -81,41 +79,62 @@ class Ordered(NamedTuple):
         return abs(self.share - 1.0) < TRUE and self.left < STRAIGHT
 
 
+def watched(drum: Drum, largest: float, position_gain: float, tick_period: float) -> dict[str, Any]:
+    """Return the values of the core's DrumWatchDesign.
+
+    Parameters
+    ----------
+    drum : nominal
+    largest : most by which the assumed delay may be longer [s]
+    position_gain : of the drive's position loop [1/s]; 0: none
+    tick_period : [s]
+    """
+    ahead = math.ceil((drum.delay + largest) / tick_period) + 3
+    return {
+        "kept": round(LONGEST / tick_period) + ahead,
+        "ahead": ahead,
+        "checked": 2 * round(CHECKED_TIME / tick_period),
+        "ordered": round(ORDERED_TIME / tick_period),
+        "least_seen": LEAST_SEEN,
+        "settled": SETTLED,
+        "least_motion": LEAST_MOTION,
+        "run": run_of(position_gain, tick_period)[0],
+        "assumed": drum,
+        "nominal": drum,
+    }
+
+
 class DrumWatch:
-    """Keeps orders and encoder readings of the last seconds.
+    """Keeps orders and encoder readings of the last seconds; they are compared in C++ (`heave_core`, drum_watch.cpp).
 
     Parameters
     ----------
     winch : nominal
     largest : most by which the assumed delay may be longer [s]
     tick_period : [s]
+    orders : of the core; None: its own
     """
 
-    def __init__(self, winch: WinchModelParameters, largest: float, tick_period: float) -> None:
-        self._dt, self._nominal = tick_period, winch
-        self._ahead = math.ceil((winch.command_delay + largest) / tick_period) + 3
-        kept = round(LONGEST / tick_period) + self._ahead
-        self._payouts, self._rates, self._tensions, self._readings, self._limits = (Newest(kept) for _ in range(5))
-        self._checked = 2 * round(CHECKED_TIME / tick_period)
-        self._prediction = DrumPrediction(self._checked - 1, self._ahead + 1, winch.position_gain, tick_period)
-        self.take({})
+    def __init__(
+        self,
+        winch: WinchModelParameters,
+        largest: float,
+        tick_period: float,
+        orders: DrumOrders | None = None,
+    ) -> None:
+        self._nominal = winch
+        values = watched(drum_of(winch), largest, winch.position_gain, tick_period)
+        self._core = DrumOrders(values) if orders is None else orders
+        self.restart, self.error = self._core.restart, self._core.error
         self.reset()
 
     def take(self, assumed: Mapping[str, float]) -> None:
         """Go by the `assumed` winch from now on, by quantity."""
-        self._drum = np.array(drum_of(self._nominal, assumed), dtype=float)
+        self._core.design["assumed"] = drum_of(self._nominal, assumed)
 
     def reset(self, payout: float = 0.0) -> None:
         """Restart with the drum at rest at `payout` [m]."""
-        self.restart()
-        for _ in range(self._ahead):
-            self._payouts.append(payout)
-            self._rates.append(0.0)
-            self._tensions.append(math.nan)
-
-    def restart(self) -> None:
-        """Restart with the drum in motion, after something that no drum does."""
-        self._readings.clear()
+        self._core.reset(payout)
 
     def add(
         self,
@@ -135,61 +154,14 @@ class DrumWatch:
         tension : at its end [N]; NaN: unknown
         is_limited : the winch says that a limit acted in it
         """
-        self._limits.append(float(is_limited))
-        self._payouts.append(payout)
-        self._rates.append(rate)
-        self._tensions.append(tension)
-        self._readings.append(math.nan if encoder is None else encoder)
-
-    def error(self) -> float:
-        """Return how far the drum is off what was predicted a second ago [m]; 0 where unknown.
-
-        Payout and rate of then are those that explain the second before it best: at a limit an error of the rate stays.
-        """
-        readings = self._readings.last(self._checked)
-        if len(readings) < self._checked or not np.isfinite(readings).all():
-            return 0.0
-        needed = self._checked + self._ahead
-        sent = (self._payouts.last(needed), self._rates.last(needed), self._tensions.last(needed))
-        return float(readings[-1] - self._prediction.of(*sent, readings, self._drum))
+        self._core.add(payout, rate, tension, math.nan if encoder is None else encoder, is_limited)
 
     def does_as_nominal(self, scale: float) -> bool:
         """Tell whether the encoder, whose assumed `scale` is left out, reads what a nominal winch was ordered."""
-        found = self.ordered(np.array(drum_of(self._nominal, {}), dtype=float))
+        found = self.ordered(of_nominal=True)
         return found is not None and found._replace(share=found.share * scale).is_true
 
-    def ordered(self, drum: Array | None = None) -> Ordered | None:
-        """Return what the encoder reads of what the winch was ordered, with its assumed scale; None: unknown.
-
-        `drum` : that was ordered; None: the assumed one
-        """
-        drum = self._drum if drum is None else drum
-        count = round(ORDERED_TIME / self._dt)
-        readings = self._readings.last(count + 1)
-        seen = np.isfinite(readings)
-        if len(readings) <= count or not seen[0] or np.count_nonzero(seen) < LEAST_SEEN * count:
-            return None
-        # a slow servo still goes as it was ordered long before: that is known from there on only
-        before = min(math.ceil(SETTLED * drum[0] / self._dt), len(self._readings) - count - 1)
-        begin = self._readings.last(count + 1 + before)[0]
-        begin = begin if math.isfinite(begin) else readings[0]
-        needed = before + count + 1 + self._ahead
-        payouts, rates = self._payouts.last(needed), self._rates.last(needed)
-        start = np.array([[begin, self._rate_before(before + count)]])
-        sent = sent_points(payouts, rates, np.zeros(len(rates)), self._tensions.last(needed))
-        path = drum_records(sent, drum[np.newaxis], start, self._nominal.position_gain, before + count, self._dt)[0]
-        path, travel = path[before:], path[-1] - (path[before - 1] if before > 0 else begin)
-        asked, read = path[seen[1:]], readings[1:][seen[1:]]
-        asked, read = asked - asked.mean(), read - read.mean()
-        asked_squares, read_squares = float(asked @ asked), float(read @ read)
-        if min(asked_squares, read_squares) < LEAST_MOTION**2 * len(read):
-            return None
-        share = float(asked @ read) / asked_squares
-        left = max(read_squares - share**2 * asked_squares, 0.0)
-        is_limited = bool(np.any(self._limits.last(count + 1) > 0.0))
-        return Ordered(share, math.sqrt(left / read_squares), float(readings[0] + travel), is_limited)
-
-    def _rate_before(self, count: int) -> float:
-        """Return the speed that the winch was ordered `count` ticks ago and has reached by now [m/s]."""
-        lag = round((self._drum[0] + self._drum[1]) / self._dt)
-        return float(self._rates.last(count + 1 + lag)[0])
+    def ordered(self, *, of_nominal: bool = False) -> Ordered | None:
+        """Return what the encoder reads of what the assumed winch, or the nominal one, was ordered; None: unknown."""
+        share, left, payout, is_limited = self._core.ordered(of_nominal=of_nominal)
+        return None if math.isnan(share) else Ordered(share, left, payout, bool(is_limited))

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from heave_core.law import put
+from heave_core.watch import WinchRecord
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault, WinchLimit
 
 from winch_controller_node.beliefs.beliefs import CAUTIOUS
-from winch_controller_node.core.supervision.late_commands import CUT_TIME, LateCommands
-from winch_controller_node.core.supervision.watch.drum_watch import DrumWatch
+from winch_controller_node.beliefs.drum import drum_of
+from winch_controller_node.core.supervision.late_commands import CUT_TIME, LateCommands, link_values
+from winch_controller_node.core.supervision.watch.drum_watch import DrumWatch, watched
 from winch_controller_node.core.supervision.watch.timeout_cause import TimeoutCause
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.alarms import ALARMS
@@ -43,6 +47,13 @@ class TransportReport(NamedTuple):
     inhibition: Alarm | None = None
 
 
+ON_TIME = TransportReport()
+"""Commands that get there in time."""
+
+NO_ORDER, NO_REPORT = (math.nan, 0.0, 0.0, False), (False, 0, 0, False)
+"""Rows of WINCH_SEEN for a tick before the first order, and for one in which the winch has not reported."""
+
+
 class WinchWatch:
     """Compares what the winch did with what it was ordered.
 
@@ -60,20 +71,29 @@ class WinchWatch:
 
     def __init__(self, design: ControllerDesign) -> None:
         self.fault = int(WinchFault.NONE)
-        self._dt = design.tick_period
-        winch = design.parameters.winch
-        self.drum = DrumWatch(winch, design.parameters.lag.largest, self._dt)
-        self._stated_delay = winch.command_delay
-        self.late_commands = LateCommands(design.tick_period)
-        self._timeout_cause = TimeoutCause(self._dt)
+        winch, largest, dt = design.parameters.winch, design.parameters.lag.largest, design.tick_period
+        self._core = WinchRecord(
+            {
+                "drum": watched(drum_of(winch), largest, winch.position_gain, dt),
+                "link": link_values(dt),
+                "delay": winch.command_delay,
+                "modelled": winch.command_delay,
+                "alarming": ALARMING,
+                "cautious_time": CAUTIOUS_TIME,
+            }
+        )
+        self.drum = DrumWatch(winch, largest, dt, self._core.drum)
+        self._stated_delay, self._parameters = winch.command_delay, design.parameters
+        self.late_commands = LateCommands(dt, self._core.link)
+        self._timeout_cause = TimeoutCause(dt, self._core.link)
+        self._link, self._cautious = self._core.link.state[0], self._core.state["cautious"]
         self._given: WinchOrder | None = None
-        self._cautious = 0.0
         self.kept = 0
 
     def take(self, assumed: Mapping[str, float]) -> None:
         """Go by the `assumed` winch from now on, by quantity."""
         self.drum.take(assumed)
-        self._cautious = 0.0
+        self._cautious[0] = 0.0
 
     @property
     def given(self) -> WinchOrder | None:
@@ -83,7 +103,7 @@ class WinchWatch:
     @property
     def share(self) -> float:
         """Largest authority with the winch as it is known."""
-        return CAUTIOUS if self._cautious > 0.0 else 1.0
+        return CAUTIOUS if self._cautious[0] > 0.0 else 1.0
 
     def fault_cause(self, lateness: Lateness) -> str:
         """Return why the winch has the fault it has, in words, with the `lateness` of the ticks; empty: unknown."""
@@ -115,40 +135,30 @@ class WinchWatch:
         tension : at the top, measured [N]; NaN: not known
         parameters : with the active model of the winch
         """
-        given = self._given
-        report = TransportReport()
+        if parameters is not self._parameters:
+            self._parameters, delay = parameters, parameters.winch.command_delay
+            # a delay that was learnt to be shorter, what it lacks being taken for lag, makes no command late
+            put(self._core.design, {"delay": delay, "modelled": max(delay, self._stated_delay)})
+        given, reading = self._given, math.nan if payout is None else payout
+        order = NO_ORDER if given is None else (given.sequence, given.payout, given.payout_rate, given.brake)
+        reports = NO_REPORT
         if winch is not None:
-            self.fault = winch.fault
-        untaken = 0 if given is None or winch is None else given.sequence - winch.command_sequence
-        overdue = untaken * self._dt - parameters.winch.command_delay
-        self._timeout_cause.update(has_state=winch is not None, untaken=overdue)
-        if given is not None and winch is not None:
-            report = self._watch_transport(given.sequence, winch.command_sequence, parameters)
-        if given is None or given.brake:
-            self.drum.reset(0.0 if given is None else given.payout)
-        elif winch is not None and winch.limits_hit & PAYOUT:
-            # every other limit, also of torque, pressure and flow, acts as one of speed or acceleration
-            self.drum.add(given.payout, given.payout_rate, None, tension=tension)
-            self.drum.restart()
-        else:
-            is_limited = winch is not None and winch.limits_hit != 0
-            self.drum.add(given.payout, given.payout_rate, payout, tension=tension, is_limited=is_limited)
-            error = abs(self.drum.error())
-            self._cautious = CAUTIOUS_TIME if error > ALARMING else max(self._cautious - self._dt, 0.0)
-        return report
+            self.fault, limits = winch.fault, winch.limits_hit
+            # every limit but that of the payout, also of torque and pressure, acts as one of speed or acceleration
+            reports = (True, winch.command_sequence, limits & PAYOUT, limits != 0)
+        self._core.watch(*reports, *order, reading, tension)
+        return self._transport(parameters)
 
-    def _watch_transport(self, given: int, taken: int, parameters: WinchControllerParameters) -> TransportReport:
-        """Notice late commands; nothing is compensated with more delay than can be identified or tolerated."""
+    def _transport(self, parameters: WinchControllerParameters) -> TransportReport:
+        """Return late commands; nothing is compensated with more delay than can be identified or tolerated."""
+        late, link = self.late_commands, self._link
+        if not (link["news"] or link["is_cut"] or link["overdue"]):
+            return ON_TIME
+        if late.is_cut:
+            return TransportReport(late.news, ALARMS.alarm("COMMANDS_CUT", time=CUT_TIME))
         winch = parameters.winch
-        # a delay that was learnt to be shorter, what it lacks being taken for lag, makes no command late
-        alarm = self.late_commands.update(given, taken, max(winch.command_delay, self._stated_delay))
-        if self.late_commands.has_begun:
-            self.drum.restart()
-        if self.late_commands.is_cut:
-            return TransportReport(alarm, ALARMS.alarm("COMMANDS_CUT", time=CUT_TIME))
         lag = winch.command_delay + winch.time_constant
         tolerated = parameters.lag.largest if parameters.identifies_winch else TOLERATED_SHARE * lag
-        overdue = self.late_commands.overdue
-        if overdue <= tolerated:
-            return TransportReport(alarm)
-        return TransportReport(alarm, ALARMS.alarm("COMMANDS_TOO_LATE", delay=overdue, limit=tolerated))
+        if late.overdue <= tolerated:
+            return TransportReport(late.news)
+        return TransportReport(late.news, ALARMS.alarm("COMMANDS_TOO_LATE", delay=late.overdue, limit=tolerated))

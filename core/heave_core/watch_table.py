@@ -1,0 +1,298 @@
+"""The table of what is watched: landing, the rolling window of the figures of merit, drum, winch and its link."""
+
+from __future__ import annotations
+
+from enum import IntEnum, IntFlag
+
+from heave_core.rows import COUNTER, Row, structure
+from heave_core.servo_table import SERVO, SERVO_RUN
+
+REMEMBERED = 4096
+"""Readings of a trend that are kept."""
+
+WINDOWS = 3
+"""Windows that are looked at, longer ones for noisier sensors."""
+
+
+class Landed(IntEnum):
+    """What has just happened to the unit."""
+
+    NOT = 0
+    TOUCHDOWN = 1
+    LIFTED_OFF = 2
+
+
+class LinkNews(IntFlag):
+    """What has just become wrong with the commands."""
+
+    COMMANDS_SLOW = 1
+    COMMANDS_RAGGED = 2
+
+
+TREND = structure(
+    "Trend",
+    "The newest readings, in the order of their times.",
+    Row("count", "", "readings that are kept", COUNTER),
+    Row("next", "", "place of the next one", COUNTER),
+    Row("changed", "s", "time of the last one that was another than the one before"),
+    Row("times", "s", "of the readings", shape=(REMEMBERED,)),
+    Row("values", "", "read", shape=(REMEMBERED,)),
+)
+
+LANDING_DESIGN = structure(
+    "LandingDesign",
+    "The load on its cable, and what shows that it has landed.",
+    Row("static_tension", "N", "at the top while the unit hangs under water"),
+    Row("weight", "N", "of the unit in water"),
+    Row("stiffness", "N/m", "of the cable"),
+    Row("following_time", "s", "that a hanging unit needs to follow the winch"),
+    Row("swing_time", "s", "of a free swing or a wave, whichever is longer"),
+    Row("touchdown_ratio", "", "share of the weight below which the unit has landed: `tension.touchdown_ratio`"),
+    Row("lowered", "m", "distance that the winch lowers within a window"),
+    Row("shortest", "s", "least length of a window"),
+    Row("longest", "s", "largest length of a window"),
+    Row("windows", "", "that are looked at, over that", shape=(WINDOWS,)),
+    Row("least_readings", "", "that a slope needs"),
+    Row("filled", "", "share of a window that the readings must span"),
+    Row("least_rate", "m/s", "above which the winch lowers"),
+    Row("steady_share", "", "of the speed now that a steady one has had over a window at least"),
+    Row("standing_share", "", "of the speed of lowering at which a unit that stands moves at most"),
+    Row("relief_share", "", "of what the stiffness makes of the lowering that a relieved cable loses at least"),
+    Row("certain", "", "standard errors by which a trend must be more than nothing"),
+    Row("innovation_above", "", "standard deviations by which a landed unit is read above a hanging one"),
+    Row("unconfirmed_time", "", "longest time of an unconfirmed touchdown, in windows"),
+    Row("pause", "", "time after one until the next such, over that time"),
+)
+
+LANDING_STATE = structure(
+    "LandingState",
+    "Where the unit is, and what was read.",
+    Row("unit_stands", "", "1: on the seabed"),
+    Row("may_stand", "", "1: it may just have landed"),
+    Row("is_unloaded", "", "1: the winch is braked over a cable that does not carry the unit, on average"),
+    Row("is_lifting", "", "1: a standing unit is to be lifted off"),
+    Row("share", "", "of the weight that the cable has carried under the brake"),
+    Row("lowering_rate", "m/s", "at which the winch lowers; 0 before that is known"),
+    Row("may_stand_since", "s", "time of the last unconfirmed touchdown"),
+    Row("event", "", "Landed: in this tick"),
+    Row("depth", "m", "read, positive down", TREND),
+    Row("hanging", "m", "depth of a unit that only hangs on its cable", TREND),
+    Row("tension", "N", "at the top", TREND),
+    Row("payout", "m", "mean one of the drum", TREND),
+    Row("innovation", "", "of the depth sensor, over its standard deviation", TREND),
+    Row("hanging_share", "", "of the weight that the cable of a hanging unit carries", TREND),
+)
+
+LANDING_SEEN = structure(
+    "LandingSeen",
+    "What is known at a tick.",
+    Row("time", "s", "of the tick"),
+    Row("tension", "N", "at the top; NaN: none was read"),
+    Row("is_weighed", "", "1: the load cell is not lost"),
+    Row("mean_payout", "m", "of the drum"),
+    Row("hanging_depth", "m", "of a unit that only hangs on its cable, about that at rest"),
+    Row("hanging_stretch", "m", "of its cable"),
+    Row("innovation", "", "of the depth sensor, over its standard deviation; NaN: none"),
+    Row("filtered_tension", "N", "low-passed"),
+    Row("sees_landing", "", "1: there is a depth sensor, and it is neither lost nor excluded"),
+    Row("has_depths", "", "1: a depth has been read in this tick"),
+    Row("compensates", "", "1: the winch follows the mean payout"),
+)
+
+KPI_DESIGN = structure(
+    "KpiDesign",
+    "The window, and when the winch is at its limits.",
+    Row("tick_period", "s", "time of a tick"),
+    Row("rows", "", "ticks that the window holds; whoever calls has the place for them"),
+    Row("speed", "m/s", "from which on the winch is at its limit"),
+    Row("acceleration", "m/s^2", "from which on the winch is at its limit"),
+)
+
+KPI_STATE = structure(
+    "KpiState",
+    "Beside the rows of the window.",
+    Row("count", "", "ticks so far"),
+    Row("last_rate", "m/s", "of the winch at the last tick"),
+)
+
+KPI_ROW = structure(
+    "KpiRow",
+    "A tick of the window; NaN: not known.",
+    Row("unit", "m", "heave of the unit"),
+    Row("uncompensated", "m", "heave of the uncompensated one"),
+    Row("tip", "m", "heave of the boom tip"),
+    Row("payout", "m", "of the winch, about its mean"),
+    Row("rate", "m/s", "of the winch"),
+    Row("acceleration", "m/s^2", "of the winch"),
+    Row("tension", "N", "at the top"),
+    Row("at_limit", "", "1: the winch is at its limit"),
+)
+
+KPI_WINDOW = structure(
+    "KpiWindow",
+    "Statistics over the ticks whose heaves are known, as far as they are known now; NaN: none.",
+    Row("rows", "", "ticks that count"),
+    Row("unit", "m", "standard deviation of the unit"),
+    Row("uncompensated", "m", "standard deviation of the uncompensated one"),
+    Row("tip", "m", "standard deviation of the boom tip"),
+    Row("outlet", "m", "standard deviation of boom tip less payout"),
+    Row("largest", "m", "distance of the unit from its mean"),
+    Row("speed", "m/s", "largest of the winch"),
+    Row("acceleration", "m/s^2", "largest of the winch"),
+    Row("power", "W", "largest of tension times speed"),
+    Row("mean_power", "W", "mean of its absolute value"),
+    Row("least_tension", "N", "at the top"),
+    Row("largest_tension", "N", "at the top"),
+    Row("at_limit", "", "share of the ticks at which the winch is at its limit"),
+)
+
+DRUM_WATCH_DESIGN = structure(
+    "DrumWatchDesign",
+    "How orders and encoder of the last seconds are compared.",
+    Row("kept", "", "ticks that are kept; whoever calls has the place for them", COUNTER),
+    Row("ahead", "", "ticks before a record whose orders still act in it", COUNTER),
+    Row("checked", "", "readings by which the drum is predicted", COUNTER),
+    Row("ordered", "", "ticks over which orders and encoder are compared", COUNTER),
+    Row("least_seen", "", "least share of readings that a comparison needs"),
+    Row("settled", "", "time constants after which the initial state of a servo has decayed"),
+    Row("least_motion", "m", "least motion of orders and encoder for a comparison, 1 sigma"),
+    Row("run", "", "how a record is gone through", SERVO_RUN),
+    Row("assumed", "", "drum that is assumed", SERVO),
+    Row("nominal", "", "drum of the parameters", SERVO),
+)
+
+DRUM_WATCH_STATE = structure(
+    "DrumWatchState",
+    "Places in the rows of the drum watch.",
+    Row("next", "", "place of the next row", COUNTER),
+    Row("count", "", "rows that there are", COUNTER),
+    Row("readings", "", "rows since the comparison began", COUNTER),
+    Row("pad", "", "keeps the numbers aligned", COUNTER),
+)
+
+DRUM_ROW = structure(
+    "DrumRow",
+    "What was sent in a tick, and what was read at its end.",
+    Row("payout", "m", "set-point"),
+    Row("rate", "m/s", "set-point"),
+    Row("tension", "N", "at the top; NaN: unknown"),
+    Row("reading", "m", "of the encoder; NaN: none"),
+    Row("is_limited", "", "1: the winch reports that a limit acted"),
+)
+
+ORDERED = structure(
+    "Ordered",
+    "What the encoder reads of what the winch was ordered.",
+    Row("share", "", "times as much; NaN: not known"),
+    Row("left", "", "standard deviation of the rest over that of the readings"),
+    Row("payout", "m", "where the drum should be by now, did it start where it was read"),
+    Row("is_limited", "", "1: the winch reports that it was at a limit meanwhile"),
+)
+
+LINK_DESIGN = structure(
+    "LinkDesign",
+    "When commands are late.",
+    Row(
+        "minute",
+        "",
+        "commands of which the share is judged; the caller has place for them and a window",
+        COUNTER,
+    ),
+    Row("window", "", "commands that are judged together: one hiccup is no slow transport", COUNTER),
+    Row("late_ticks", "", "commands in a row that are late after which the delay is another one", COUNTER),
+    Row("pad", "", "keeps the numbers aligned", COUNTER),
+    Row("tick_period", "s", "time of a tick"),
+    Row("largest_share", "", "of the commands that may be late; half of it ends the alarm"),
+    Row("cut_time", "s", "without a new command taken after which the link counts as cut"),
+    Row("memory", "s", "for which a silence of the winch is a cause"),
+    Row("rounding", "", "part of a tick that counts as none"),
+)
+
+LINK_STATE = structure(
+    "LinkState",
+    "How late commands were, and who was silent.",
+    Row("in_a_row", "", "late commands", COUNTER),
+    Row("without_new", "", "ticks since a command was taken, where that is late", COUNTER),
+    Row("newest", "", "number of the command that was taken last", COUNTER),
+    Row("next", "", "place of the next command in the minute", COUNTER),
+    Row("count", "", "commands in it", COUNTER),
+    Row("late_in_minute", "", "of them late", COUNTER),
+    Row("known", "", "commands of which it is known how late they were, since the start", COUNTER),
+    Row("late", "", "of them late", COUNTER),
+    Row("is_slow", "", "1: half of the commands of the last seconds were late", COUNTER),
+    Row("is_ragged", "", "1: too many of the last minute were", COUNTER),
+    Row("has_begun", "", "1: with the last one they have just become late", COUNTER),
+    Row("is_cut", "", "1: no new command has been taken for long", COUNTER),
+    Row("news", "", "LinkNews: what has just become wrong", COUNTER),
+    Row("pad", "", "keeps the numbers aligned", COUNTER),
+    Row("largest", "s", "time by which one was later than modelled"),
+    Row("overdue", "s", "time by which more than half of those of the last seconds were, at least"),
+    Row("since_state", "s", "since the winch reported"),
+    Row("silence", "s", "longest time without a report of late"),
+    Row("since_silence", "s", "since then"),
+    Row("untaken", "s", "for which commands should have been in effect and were not"),
+)
+
+WINCH_WATCH_DESIGN = structure(
+    "WinchWatchDesign",
+    "What is watched of the winch.",
+    Row("drum", "", "orders and encoder", DRUM_WATCH_DESIGN),
+    Row("link", "", "commands", LINK_DESIGN),
+    Row("delay", "s", "of the active winch"),
+    Row("modelled", "s", "beyond which a command is late: the active delay, or the stated one"),
+    Row("alarming", "m", "error of the drum after a second that cuts authority"),
+    Row("cautious_time", "s", "that the share stays cut after the drum was last off"),
+)
+
+WINCH_WATCH_STATE = structure(
+    "WinchWatchState",
+    "What is remembered of the winch.",
+    Row("drum", "", "orders and encoder", DRUM_WATCH_STATE),
+    Row("link", "", "commands", LINK_STATE),
+    Row("cautious", "s", "time for which authority is cut still"),
+)
+
+WINCH_SEEN = structure(
+    "WinchSeen",
+    "What is seen of the winch in a tick, and what it was ordered in the last.",
+    Row("has_state", "", "1: it has reported"),
+    Row("taken", "", "number of the command that it has taken"),
+    Row("at_end", "", "1: it is at the end of its payout, where no model of it holds"),
+    Row("is_limited", "", "1: another limit acts"),
+    Row("given", "", "number of the last order; NaN: none was given"),
+    Row("payout", "m", "its set-point"),
+    Row("rate", "m/s", "its set-point"),
+    Row("brake", "", "1: it has the brake on"),
+    Row("reading", "m", "of the encoder, accepted; NaN: none"),
+    Row("tension", "N", "at the top; NaN: unknown"),
+)
+
+STRUCTURES = (
+    TREND,
+    LANDING_DESIGN,
+    LANDING_STATE,
+    LANDING_SEEN,
+    KPI_DESIGN,
+    KPI_STATE,
+    KPI_ROW,
+    KPI_WINDOW,
+    DRUM_WATCH_DESIGN,
+    DRUM_WATCH_STATE,
+    DRUM_ROW,
+    ORDERED,
+    LINK_DESIGN,
+    LINK_STATE,
+    WINCH_WATCH_DESIGN,
+    WINCH_WATCH_STATE,
+    WINCH_SEEN,
+)
+"""In the order in which C++ needs them."""
+
+RECORDS = STRUCTURES
+"""What Python and C++ hold together."""
+
+ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (Landed, LinkNews)
+"""Names of numbers, and of bits."""
+
+SIZES = {"REMEMBERED": REMEMBERED, "WINDOWS": WINDOWS}
+"""Sizes of arrays."""
