@@ -8,6 +8,7 @@ import zipfile
 
 import pytest
 from cable_sim_node.winch.command_line import WinchCommand
+from heave_bringup import ClosedLoop, load_scenario, loop_parameters
 from heave_bringup.errors import CommandError, ExitStatus
 from heave_fmu import archive
 from heave_fmu.archive import unpack_fmu
@@ -261,3 +262,48 @@ def test_an_fmu_of_another_kind_is_refused(tmp_path):
         made.writestr("modelDescription.xml", f"{head}<ModelVariables/><ModelStructure/></fmiModelDescription>")
     with pytest.raises(CommandError, match="must be an FMU for co-simulation"):
         FmuInstance(file, "winch")
+
+
+FOLLOWER = f'''
+import math
+from pythonfmu import Fmi2Causality, Fmi2Slave, Real
+
+
+class Follower(Fmi2Slave):
+    """A drum with a position loop, thesis Eq. 6.1: u' = (u_0 - u)/T."""
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.x_ref = self.x = self.v = 0.0
+        self.register_variable(Real("x_ref", causality=Fmi2Causality.input))
+        self.register_variable(Real("x", causality=Fmi2Causality.output))
+
+    def do_step(self, time, step):
+        self.x = self.x_ref + (self.x - self.x_ref) * math.exp(-step / {LAG})
+        return True
+'''
+
+
+@pytest.mark.slow
+def test_a_drive_with_a_position_loop_compensates_in_the_whole_loop_as_one_that_goes_by_rate(stranger, tmp_path):
+    """The stranger's lag of the speed is the follower's of the position: by linearity both move alike."""
+    (tmp_path / "follower.py").write_text(FOLLOWER)
+    build = [sys.executable, "-m", "pythonfmu", "build", "-f", str(tmp_path / "follower.py"), "-d", str(tmp_path)]
+    subprocess.run(build, check=True, capture_output=True)
+    by_payout = {"winch.command.payout": "x_ref", "winch.state.payout": "x"}
+    settings = [f"winch_controller.winch.time_constant={LAG}", "winch_controller.winch.command_delay=0.0"]
+    settings += ["winch_controller.law=lqg", "all.duration=180"]
+    residuals = []
+    for file, names in ((stranger, NAMES), (tmp_path / "Follower.fmu", by_payout)):
+        closed = ClosedLoop(loop_parameters(load_scenario("b2_calm_300", settings=settings)))
+        drive = FmuWinch(DriveMap(file, names), tick_period=0.05)
+
+        def step(tick, command, tension, winch=closed.winch, drive=drive):
+            winch.state = drive.step(tick, command, tension)
+            return winch.state
+
+        closed.winch.step = step
+        record = closed.run()
+        residuals.append(record.unit_sigma(after=90.0))
+        assert residuals[-1] < 0.05 * record.uncompensated_sigma(after=90.0)
+    assert residuals[1] == pytest.approx(residuals[0], rel=0.1)
