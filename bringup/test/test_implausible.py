@@ -106,6 +106,7 @@ def test_a_file_of_another_kind_is_named_with_its_command(tmp_path, monkeypatch,
         ("campaign", "my_lift.yaml", f"my_lift.yaml: this is a scenario; {OR_VARY.format('my_lift.yaml')}"),
         ("campaign", "b2_calm_300", f"b2_calm_300: this is a scenario; {OR_VARY.format('b2_calm_300')}"),
         ("accept", "my_lift.yaml", "my_lift.yaml: this is a scenario; use heave run my_lift.yaml"),
+        ("run", "my_lift", "my_lift: no such scenario; did you mean my_lift.yaml?"),
         ("run", ".", ".: this is a folder; the scenario of a run is its file scenario.yaml"),
     ):
         capsys.readouterr()
