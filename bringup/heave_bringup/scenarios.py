@@ -96,7 +96,8 @@ def find_scenario(name: str) -> Path:
         raise ParameterError(f"{name}: this is a folder; the scenario of a run is its file {of_run / STORED}")
     if path.suffix in (".yaml", ".yml") or path.parent != Path():
         raise ParameterError(f"{name}: no such file")
-    near = difflib.get_close_matches(name, shipped, n=1)
+    beside = path.with_name(f"{name}.yaml")
+    near = [str(beside)] if beside.is_file() else difflib.get_close_matches(name, shipped, n=1)
     hint = f"did you mean {near[0]}?" if near else f"shipped are: {', '.join(shipped)}"
     raise ParameterError(f"{name}: no such scenario; {hint}")
 

@@ -90,6 +90,9 @@ def test_what_no_controller_serves_is_refused_before_a_run(setting, says, tmp_pa
     assert not (tmp_path / "out").exists()
 
 
+OR_VARY = "use heave run {0}, or heave campaign {0} --vary NODE.PARAM=V,V"
+
+
 def test_a_file_of_another_kind_is_named_with_its_command(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["new", "my_lift"]) == 0
@@ -99,8 +102,11 @@ def test_a_file_of_another_kind_is_named_with_its_command(tmp_path, monkeypatch,
         ("run", "plan.yaml", "plan.yaml: this is a lift plan; use heave lift plan.yaml"),
         ("design", "plan.yaml", "plan.yaml: this is a lift plan; use heave lift plan.yaml"),
         ("lift", "my_lift.yaml", "my_lift.yaml: this is a scenario; use heave run my_lift.yaml"),
-        ("campaign", "my_lift.yaml", "my_lift.yaml: this is a scenario; use heave run my_lift.yaml"),
+        ("campaign", "plan.yaml", "plan.yaml: this is a lift plan; use heave lift plan.yaml"),
+        ("campaign", "my_lift.yaml", f"my_lift.yaml: this is a scenario; {OR_VARY.format('my_lift.yaml')}"),
+        ("campaign", "b2_calm_300", f"b2_calm_300: this is a scenario; {OR_VARY.format('b2_calm_300')}"),
         ("accept", "my_lift.yaml", "my_lift.yaml: this is a scenario; use heave run my_lift.yaml"),
+        ("run", "my_lift", "my_lift: no such scenario; did you mean my_lift.yaml?"),
         ("run", ".", ".: this is a folder; the scenario of a run is its file scenario.yaml"),
     ):
         capsys.readouterr()

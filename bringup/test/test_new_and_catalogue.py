@@ -63,6 +63,18 @@ def test_a_lift_of_ones_own_is_stated_on_the_command_line(here, capsys):
     assert (here / "mine.yaml").read_text().startswith("# mine: made from unit_1500, with mass 6000 kg, volume 1.2 m^3")
 
 
+def test_a_rope_too_weak_for_the_load_at_rest_is_named_with_one_that_carries_it(here, capsys):
+    """A load of 70.7 t in water on 1,010 m: 28 mm wire breaks at 494 kN, 44 mm at 1,220 kN."""
+    heavy = ["new", "heavy", "--mass", "100000", "--density", "3500", "--depth", "1000", "--cable"]
+    assert main([*heavy, "wire_28mm_6x36"]) == 0
+    said = capsys.readouterr().err
+    assert "Safety factor of the rope 0.68 in still water (required at least 2.535): breaking force 494 kN" in said
+    advised = said.split("--cable ")[1].split(")")[0]
+    for rope, words in ((advised, ""), ("wire_44mm_6x36", "Safety factor of the rope 1.6")):
+        assert main([*heavy, rope, "--force"]) == 0
+        assert (words in capsys.readouterr().err) if words else not capsys.readouterr().err
+
+
 def controller_sea(controller) -> tuple[float, float]:
     return controller.sea.significant_wave_height, controller.sea.peak_period
 

@@ -35,4 +35,6 @@ def refuse_other_kind(content: Mapping[str, Any], known: Iterable[str], where: s
     keys = {*content, PARAMETERS_KEY} if holds_parameters else {*content}
     for key, (kind, command) in KINDS.items():
         if key in keys and key not in known:
-            raise ParameterError(f"{where}: this is {kind}; use {command} {where}")
+            may_vary = key == PARAMETERS_KEY and "vary" in known
+            of_many = f", or heave campaign {where} --vary NODE.PARAM=V,V" if may_vary else ""
+            raise ParameterError(f"{where}: this is {kind}; use {command} {where}{of_many}")

@@ -67,7 +67,8 @@ def execute(options: argparse.Namespace) -> None:
     """Write the file that `options` name, and check it."""
     from heave_node.loads.strength import payload_words
 
-    from heave_bringup.output import write_result
+    from heave_bringup.commands.models.loads import short_at_rest
+    from heave_bringup.output import warn, write_result
     from heave_bringup.pages.commented_scenario import commented_scenario
     from heave_bringup.scenarios import description_of, find_scenario, load_scenario, sections_for, write_scenario
 
@@ -84,11 +85,13 @@ def execute(options: argparse.Namespace) -> None:
     text = commented_scenario(sections, title=title, path=str(path))
     write_scenario(path, text, needs_files=False)
     how = f"run it: heave run {shlex.quote(str(path))}"
-    plant = load_scenario(str(path), needs_files=False).parameters["cable_sim"]
+    scenario = load_scenario(str(path), needs_files=False)
+    plant = scenario.parameters["cable_sim"]
     load = payload_words(plant.unit.mass, plant.unit.volume, plant.water_density)
     unit = f"load: {load}, displaces {plant.unit.volume:.3g} m^3; rope: {plant.length:g} m"
     if known.wanted:
         unit += f"\nnote: the criteria (wanted) are those of {model.stem}: check them"
+    warn(short_at_rest(scenario))
     words = f"{path}: {sum(map(len, sections.values()))} values, each with its meaning\n{unit}\n{how}"
     write_result(options, words, {"file": str(path.resolve()), "like": model.stem})
 

@@ -32,8 +32,10 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from heave_bringup.scenarios import shipped_scenarios
 from heave_bringup.settings import make_setting, plain_settings
 from heave_node.files.bounded_yaml import YamlError, parse_yaml
+from heave_node.files.file_kinds import PARAMETERS_KEY, refuse_other_kind
 from heave_node.files.given_files import find_stated, read_stated, refuse_keys
 from heave_node.parameters import ParameterError
 
@@ -48,6 +50,8 @@ _DRAW_KEYS = {"count", "seed", "method", "nominal", "uniform", "log_uniform", "c
 
 def find_campaign(name: str) -> Path:
     """Return the file of the shipped campaign `name`, or the file `name`; raise ParameterError where neither is."""
+    if name in shipped_scenarios():
+        refuse_other_kind({PARAMETERS_KEY: {}}, _KEYS, name)
     return find_stated(name, Path(str(resources.files("heave_studies"))) / "campaigns", "campaign")
 
 
