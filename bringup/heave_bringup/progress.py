@@ -91,7 +91,7 @@ class ProgressLine:
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = sys.stderr if stream is None else stream
         self._console = Console(file=self._stream)
-        shown = (_Bar, _Done, _TimeToGo) if self._console.width >= WIDE else (_Done,)
+        shown = (_Done,) if self.is_narrow else (_Bar, _Done, _TimeToGo)
         self._display = Progress(
             *(kind(table_column=Column(no_wrap=True)) for kind in shown),
             _Words(),  # cut where it does not fit
@@ -103,6 +103,11 @@ class ProgressLine:
         self._task = self._display.add_task("", total=None)
         self._written_at = -QUIET_PERIOD
         self._written = ""
+
+    @property
+    def is_narrow(self) -> bool:
+        """Whether the line is that of a terminal without room for more than words."""
+        return self._console.is_terminal and self._console.width < WIDE
 
     def __enter__(self) -> ProgressLine:
         return self

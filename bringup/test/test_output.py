@@ -5,12 +5,16 @@ import io
 import json
 import math
 import sys
+from types import SimpleNamespace
 
 import pytest
 from heave_bringup.errors import CommandError
 from heave_bringup.output import make_table, write_result
 from heave_bringup.progress import ProgressLine
 from heave_bringup.run import records
+from heave_bringup.run.live_figures import LiveFigures
+from heave_bringup.run.run import _show_progress
+from heave_msgs.msg import TickStatus
 
 
 class Terminal(io.StringIO):
@@ -90,9 +94,25 @@ def test_the_share_that_is_done_is_seen_in_a_narrow_terminal_too(monkeypatch, co
     monkeypatch.setenv("COLUMNS", str(columns))
     stream = Terminal()
     with ProgressLine(stream) as progress:
-        progress.show("150.0 s of 600 s  compensating, true unit heave 0.66 cm std. dev., efficiency 97.7 %" * 2, 0.25)
+        progress.show("150.0 s of 600 s  compensating, load 0.66 cm rms, efficiency 97.7 %" * 2, 0.25)
     assert "25 % done" in stream.getvalue()
     assert "150.0 s of" in stream.getvalue()
+
+
+@pytest.mark.parametrize("columns", [80, 200])
+def test_mode_residual_and_efficiency_of_a_long_run_fit_into_a_narrow_terminal(monkeypatch, columns):
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", str(columns))
+    stream, live = Terminal(), LiveFigures()
+    live.note_mode(1.0, "compensating", "")
+    status = SimpleNamespace(state=TickStatus.RUNNING, simulated_time=1263.5, real_time_factor=112.3)
+    monitor = SimpleNamespace(status=status, kpi=SimpleNamespace(window=60.0, unit_sigma=0.1062, unit_efficiency=0.978))
+    scenario = SimpleNamespace(run=SimpleNamespace(duration=3600.0))
+    with ProgressLine(stream) as progress:
+        _show_progress(scenario, SimpleNamespace(**vars(monitor), live=live), progress)
+    said = stream.getvalue()
+    assert "1263.5 of 3600 s" in said
+    assert "compensating, load 10.62 cm rms, efficiency 97.8" in said
 
 
 def test_progress_in_a_terminal_shows_text_and_share_and_leaves_only_what_was_told(monkeypatch):

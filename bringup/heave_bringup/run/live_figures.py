@@ -108,14 +108,13 @@ class LiveFigures:
         """
         if self.is_landed:
             return "load on the seabed, constant tension" if self.mode == HOLDS_TENSION else "load on the seabed"
-        source, sigma, efficiency = "true", *self._figures()
-        if not self.has_truth:
-            source, sigma, efficiency = "estimated", estimated_sigma, estimated_efficiency
+        sigma, efficiency = self._figures() if self.has_truth else (estimated_sigma, estimated_efficiency)
         words = [self._mode_words()]
         if math.isfinite(sigma):
-            words.append(f"{source} load heave {100.0 * sigma:.2f} cm std. dev.")
+            words.append(f"load {100.0 * sigma:.2f} cm rms")
             if self.mode in COMPENSATES and math.isfinite(efficiency):
                 words.append(f"efficiency {100.0 * efficiency:.1f} %")
+            words[-1] += "" if self.has_truth else " (estimated)"
         return ", ".join(word for word in words if word)
 
     def _mode_words(self) -> str:

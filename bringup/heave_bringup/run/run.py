@@ -399,10 +399,12 @@ def _show_progress(scenario: Scenario, monitor: Monitor, progress: ProgressLine)
         progress.show(f"waiting for {status.reason or 'the nodes to answer'}")
         return
     duration = scenario.run.duration
-    pace = "paused" if status.state == TickStatus.PAUSED else f"{status.real_time_factor:5.1f} x real time"
-    text = f"{status.simulated_time:7.1f} s of {duration:g} s  {pace}"
+    factor = f"{status.real_time_factor:5.1f} x{'' if progress.is_narrow else ' real time'}"
+    pace = "paused" if status.state == TickStatus.PAUSED else factor
+    text = f"{status.simulated_time:7.1f} of {duration:g} s  {pace}"
     # before that the window holds the start-up
     is_known = kpi is not None and status.simulated_time > kpi.window
     estimated = (kpi.unit_sigma, kpi.unit_efficiency) if kpi is not None and is_known else ()
     text += f"  {monitor.live.words(*estimated)}"
-    progress.show(text, min(status.simulated_time / duration, 1.0) if duration else 1.0)
+    share = min(status.simulated_time / duration, 1.0) if duration else 1.0
+    progress.show(text, None if progress.is_narrow else share)
