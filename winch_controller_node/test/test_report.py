@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -61,6 +62,12 @@ def test_the_table_names_every_state_and_output(report):
         "within the limits",
     ):
         assert words in table
+
+
+def test_a_gain_that_may_rise_without_limit_is_said_in_words(report):
+    margins = replace(report.margins_state, gain_up=math.inf, gain_down=0.5)
+    assert "gain margin unlimited (down x0.5)" in replace(report, margins_state=margins).table()
+    assert "inf" not in replace(report, margins_state=margins).table()
 
 
 def test_the_values_are_plain_json_without_nan(report):

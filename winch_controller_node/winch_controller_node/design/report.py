@@ -343,11 +343,16 @@ def _loop(report: DesignReport) -> str:
     lines = [f"slowest closed-loop pole {abs(slowest):.5f} (1 is the edge of stability)"]
     for name, margin in (("all states known", report.margins_state), ("with the Kalman filter", report.margins_output)):
         lines.append(
-            f"{name:22s}: gain margin x{margin.gain_up:.3g} (down x{margin.gain_down:.3g}), phase margin "
+            f"{name:22s}: gain margin {_factor(margin.gain_up)} (down {_factor(margin.gain_down)}), phase margin "
             f"{math.degrees(margin.phase):.0f} deg, delay margin {margin.delay:.3f} s, sensitivity peak "
             f"{margin.sensitivity_peak:.2f}"
         )
     return "\n".join(lines)
+
+
+def _factor(gain: float) -> str:
+    """Return a gain margin in words; 0 and infinity are no limit."""
+    return f"x{gain:.3g}" if 0.0 < gain < math.inf else "unlimited"
 
 
 def _predictions(report: DesignReport) -> str:
