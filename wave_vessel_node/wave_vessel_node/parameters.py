@@ -231,7 +231,7 @@ class ShapingFilterParameters:
 
 @dataclass(frozen=True)
 class PreviewParameters:
-    """The preview of the boom tip, as of waves that are measured up-sea or by radar."""
+    """The preview of the boom tip, as of waves that are measured up-wave or by radar."""
 
     time: float = parameter(0.0, "s", 0.0, 120.0, "How far the preview of the boom tip looks ahead; 0: there is none.")
     noise: float = parameter(0.05, "m", 0.0, 10.0,

@@ -1,4 +1,4 @@
-"""A preview of the boom tip: its heave some time ahead, as waves that were measured up-sea or by radar tell it."""
+"""A preview of the boom tip: its heave some time ahead, as waves that were measured up-wave or by radar tell it."""
 
 from __future__ import annotations
 

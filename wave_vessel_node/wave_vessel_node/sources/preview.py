@@ -1,4 +1,4 @@
-"""A preview of the boom tip, as of waves measured up-sea or by radar: the same sea some time ahead, with an error."""
+"""A preview of the boom tip, as of waves measured up-wave or by radar: the same sea some time ahead, with an error."""
 
 from __future__ import annotations
 
