@@ -35,6 +35,15 @@ OF_DEVELOPERS = {"test", "coverage", "colcon", "docs", "all"}
 LAUNCHING = {"launch", "launch_ros"}
 """Packages of ROS that have no wheel: launch files alone need them, and who launches has them."""
 
+ROSDEP = {
+    **{name: f"python3-{name}" for name in ("argcomplete", "fastapi", "jinja2", "matplotlib", "numba", "numpy")},
+    **{name: f"python3-{name}" for name in ("pandas", "psutil", "pynmea2", "rich", "scipy", "serial", "uvicorn")},
+    **{"control": "python-control-pip", "mcap": "mcap-ros2-support", "mcap_ros2": "mcap-ros2-support"},
+    **{"pymodbus": "python3-pymodbus-pip", "rosbags": "python3-rosbags-pip", "yaml": "python3-yaml"},
+}
+"""Keys of github.com/ros/rosdistro at 8468e88c, rosdep/python.yaml, by the names that are imported."""
+ROSDEP_OF_TESTS = {"python3-pytest", "python3-hypothesis", "python3-filterpy-pip"}
+
 
 def manifest(path: Path) -> ElementTree.Element:
     return ElementTree.parse(path).getroot()
@@ -159,6 +168,15 @@ def test_a_manifest_names_each_package_of_the_suite_that_is_imported_and_no_othe
         by_name = {name for name in suite for text in texts if text.startswith((f"{name}.", f"{name}:"))}
         imported |= names | by_name
     assert named == (imported & suite) - {name_of(path)}
+
+
+@pytest.mark.parametrize("path", MANIFESTS, ids=folder_id)
+def test_a_manifest_names_what_rosdep_knows_of_what_is_imported_and_nothing_that_it_does_not_know(path):
+    modules = [names_in(module)[0] for module in (path.parent / name_of(path)).rglob("*.py")]
+    imported = {ROSDEP[name] for names in modules for name in names & set(ROSDEP)}
+    declared = {element.text for element in manifest(path) if str(element.text).startswith(("python", "mcap"))}
+    assert imported - declared == set()
+    assert declared - set(ROSDEP.values()) - ROSDEP_OF_TESTS == set()
 
 
 @pytest.mark.parametrize("path", PYTHON_MANIFESTS, ids=folder_id)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from wave_vessel_node.vessel.capytaine_files import _between, read_capytaine
+from wave_vessel_node.vessel.capytaine_files import read_capytaine
 from wave_vessel_node.vessel.rao import MIRROR, RaoError, encounter_frequency
 
 xarray = pytest.importorskip("xarray")
@@ -181,15 +181,3 @@ def test_a_database_that_cannot_be_used_is_refused_in_one_line(tmp_path, change,
         read_capytaine(capytaine_database(tmp_path, change=change))
     assert "buoy.nc" in str(refused.value)
     assert "\n" not in str(refused.value)
-
-
-@pytest.mark.parametrize("lever", [0.0, 40.0, -80.0])
-def test_a_force_between_coarse_frequencies_keeps_its_amplitude_whatever_its_phase_does(lever):
-    """F = A(w) exp(i w^2 x / g) of a body at x: known between the frequencies, where A passes through zero too."""
-    omega, fine = np.arange(0.2, 1.81, 0.1), np.arange(0.2, 1.8, 0.01)
-
-    def force(w):
-        return (np.cos(1.5 * w) * np.exp(-0.5 * w**2) * np.exp(1j * w**2 * lever / 9.81))[None, :, None]
-
-    found, known = _between(omega, force(omega), fine), force(fine)
-    assert np.abs(found - known).max() < 0.01 * np.abs(known).max()

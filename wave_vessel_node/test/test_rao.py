@@ -12,7 +12,7 @@ from wave_vessel_node.sources.rao_components import RaoSource
 from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.fit import VesselOnCourse, boom_tip_heave_response, fit_vessel
 from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
-from wave_vessel_node.vessel.rao import RaoError, ResponseTable, encounter_frequency
+from wave_vessel_node.vessel.rao import RaoError, ResponseTable, between, encounter_frequency
 from wave_vessel_node.vessel.rao_files import (
     COLUMNS,
     read_rao,
@@ -248,15 +248,19 @@ def test_a_vessel_on_its_course_is_the_table_at_its_heading_and_reads_its_file_o
     monkeypatch.setattr(
         "wave_vessel_node.vessel.fit.read_rao", lambda *arguments: read.append(arguments) or read_rao(*arguments)
     )
-    vessel = VesselOnCourse(str(path), arm, 2.5, 1.0)
+    vessel = VesselOnCourse(str(path), arm, 2.5, 0.0)
     first, again = vessel.response(omega), vessel.response(omega)
-    expected = boom_tip_heave_response(read_rao(path), omega, 2.5, 1.0, np.array(arm))
-    np.testing.assert_allclose(first, expected, rtol=1e-9, atol=1e-12)  # both orders of two splines, to rounding
+    expected = boom_tip_heave_response(read_rao(path), omega, 2.5, 0.0, np.array(arm))
+    # between frequencies at one heading here, at each heading of the table there
+    np.testing.assert_allclose(first, expected, atol=2e-3)
     np.testing.assert_array_equal(first, again)
     assert len(read) == 1
     os.utime(path, (1, 1))  # another file in its place
     vessel.response(omega)
     assert len(read) == 2
+    knots = shipped_rao().frequency
+    at_knots = boom_tip_heave_response(read_rao(path), knots, 2.5, 1.0, np.array(arm))
+    np.testing.assert_allclose(VesselOnCourse(str(path), arm, 2.5, 1.0).response(knots), at_knots, atol=1e-12)
 
 
 def plausible_rows(heave=1.0, roll=0.02, phase=0.5, omegas=(0.2, 0.5, 1.0, 2.0)):
@@ -310,3 +314,31 @@ def test_responses_that_cannot_be_are_refused_unless_they_are_accepted(tmp_path,
     assert "\n" not in str(refused.value)
     accepted = read_rao(tmp_path / "ship.csv", accept_implausible=True)
     assert any(says.split()[0] in warning for warning in accepted.warnings)
+
+
+@pytest.mark.parametrize("lever", [0.0, 40.0, -80.0])
+def test_between_coarse_frequencies_the_amplitude_is_kept_whatever_the_phase_does(lever):
+    """F = A(w) exp(i w^2 x / g) of a body at x: known between the frequencies, where A passes through zero too."""
+    omega, fine = np.arange(0.2, 1.81, 0.1), np.arange(0.2, 1.8, 0.01)
+
+    def response(w):
+        return np.cos(1.5 * w) * np.exp(-0.5 * w**2) * np.exp(1j * w**2 * lever / STANDARD_GRAVITY)
+
+    found, known = between(omega, response(omega), fine), response(fine)
+    assert np.abs(found - known).max() < 0.01 * np.abs(known).max()
+
+
+@pytest.mark.parametrize("forward", [0.0, 60.0, -60.0])
+def test_a_table_of_a_reference_point_far_from_the_waves_origin_holds_between_its_frequencies(forward):
+    """The shipped hull, seen from `forward` metres along the waves: each phase turns by k x, no amplitude does."""
+    table = shipped_rao()
+    coarse = table.frequency
+    turn = np.exp(1j * coarse**2 / STANDARD_GRAVITY * forward)
+    moved = ResponseTable(table.speed, table.heading, coarse, table.response * turn)
+    plain = ResponseTable(table.speed, table.heading, coarse, table.response)
+    omega = np.linspace(coarse[0], coarse[-1], 300)
+    for heading in (np.pi, 2.0):
+        expected = plain.at(omega, heading) * np.exp(1j * omega**2 / STANDARD_GRAVITY * forward)
+        found = moved.at(omega, heading)
+        largest = np.abs(expected).max(axis=1, keepdims=True)
+        assert (np.abs(found - expected) / np.maximum(largest, 1e-2)).max() < 0.02

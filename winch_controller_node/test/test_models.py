@@ -67,7 +67,8 @@ def test_a_vessel_with_raos_is_designed_for_as_the_ship_moves(course):
     assumed_sea, vessel = SeaModelParameters(**sea), VesselModelParameters(model="rao", **course)
     response = boom_tip_response(assumed_sea, vessel, omega)
     assumed = np.sum(np.abs(response) ** 2 * sea_spectrum(assumed_sea).density(omega)) * (omega[1] - omega[0])
-    assert assumed == pytest.approx(variance, rel=1e-9)
+    # here the ship turns to its course at each frequency of the table, there between the frequencies
+    assert assumed == pytest.approx(variance, rel=1e-4)
     tip = boom_tip_block(assumed_sea, vessel)
     row = tip.row("boom_tip_heave")
     # the second-order fit and the shaping filter are approximations: 5 % of sigma

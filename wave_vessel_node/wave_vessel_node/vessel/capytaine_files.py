@@ -14,7 +14,7 @@ from heave_node.extras import how_to_install
 from heave_node.numerics.arrays import Array, ComplexArray
 
 from wave_vessel_node.vessel.motion import DEGREES_OF_FREEDOM
-from wave_vessel_node.vessel.rao import MIRROR, RaoError, ResponseTable, encounter_frequency, judged
+from wave_vessel_node.vessel.rao import MIRROR, RaoError, ResponseTable, between, encounter_frequency, judged
 
 _STATION_KEEPING_PERIOD = 120.0  # s
 _STATION_KEEPING_DAMPING = 0.3  # of critical
@@ -70,7 +70,7 @@ def read_capytaine(
     fine = np.asarray(frequencies, dtype=float)
     if fine.min() < omega[0] - 1e-9 or fine.max() > omega[-1] + 1e-9:
         raise RaoError(f"{path}: has frequencies {omega[0]:g} to {omega[-1]:g} rad/s: the table must lie within")
-    force = _between(omega, database.excitation, fine)
+    force = between(omega, database.excitation.swapaxes(1, 2), fine).swapaxes(1, 2)
     response = np.array(
         [_motions(fine, omega, database.heading, database.coefficients, force, speed, roll_damping) for speed in speeds]
     )
@@ -83,22 +83,6 @@ def read_capytaine(
     except RaoError as error:
         raise RaoError(f"{path}: {error}") from error
     return judged(path, table, accept=accept_implausible)
-
-
-def _between(omega: Array, force: ComplexArray, fine: Array) -> ComplexArray:
-    """Return a complex `force`, shape (h, f, 6) at `omega`, at the frequencies `fine`, between coarse ones too.
-
-    Its phase turns fast where the body is long or lies far from the origin, so that its parts cannot be interpolated
-    each by itself. The steps of the phase, averaged over three by the force squared, are unwound into psi; what is
-    left, F exp(-i psi), is slow, and passes through zero where the force does.
-    """
-    turns = force[:, 1:] * np.conj(force[:, :-1])
-    padded = np.concatenate((turns[:, :1], turns, turns[:, -1:]), axis=1)
-    step = np.angle(padded[:, :-2] + padded[:, 1:-1] + padded[:, 2:])
-    start = np.zeros_like(step[:, :1])
-    psi = np.concatenate((start, np.cumsum(np.unwrap(step, axis=1), axis=1)), axis=1)
-    slow = scipy.interpolate.CubicSpline(omega, force * np.exp(-1j * psi), axis=1)(fine)
-    return np.asarray(slow * np.exp(1j * scipy.interpolate.CubicSpline(omega, psi, axis=1)(fine)))
 
 
 def _read(path: Path) -> _Database:

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 import scipy
-from heave_node.numerics.arrays import Array
+from heave_node.numerics.arrays import Array, ComplexArray
 from numpy.typing import NDArray
 
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.vessel.motion import lever_arm_matrix
-from wave_vessel_node.vessel.rao import RaoError, ResponseTable, above_the_table
+from wave_vessel_node.vessel.rao import RaoError, ResponseTable, above_the_table, between
 from wave_vessel_node.vessel.rao_files import read_rao
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
@@ -61,9 +61,10 @@ class VesselOnCourse:
         """Return boom-tip heave per wave amplitude at `omega` [rad/s], shape (n,); raise RaoError for a wrong file."""
         path = Path(self.rao_file)
         changed = path.stat().st_mtime_ns if self.rao_file and path.is_file() else 0
-        spline = _heave_on_course(self, changed)
-        first, last = spline.x[0], spline.x[-1]
-        return np.asarray(spline(np.clip(omega, first, last)) * above_the_table(omega, last))
+        frequency, motions = _on_course(self, changed)
+        inside = np.clip(omega, frequency[0], frequency[-1])
+        heave = lever_arm_matrix(np.array(self.boom_tip_arm))[2] @ between(frequency, motions, inside)
+        return np.asarray(heave * above_the_table(omega, frequency[-1]))
 
     def fit(self, spectrum: WaveSpectrum) -> VesselFit:
         """Return the second-order vessel fitted to this one in a sea (`spectrum`); raise RaoError as `response`."""
@@ -72,11 +73,10 @@ class VesselOnCourse:
 
 
 @lru_cache(maxsize=16)
-def _heave_on_course(vessel: VesselOnCourse, changed: int) -> scipy.interpolate.CubicSpline:  # noqa: ARG001
-    """Return boom-tip heave per wave amplitude at the frequencies of the table, with a spline between them.
+def _on_course(vessel: VesselOnCourse, changed: int) -> tuple[Array, ComplexArray]:  # noqa: ARG001
+    """Return the frequencies of the table [rad/s], shape (f,), and the six motions per wave amplitude, shape (6, f).
 
-    A design asks for it again and again, and the whole table takes a second to read and to turn to one heading. Splines
-    in heading and in frequency may be taken in either order, so the values are those of the table.
+    A design asks for it again and again, and the whole table takes a second to read and to turn to one heading.
 
     Parameters
     ----------
@@ -84,8 +84,7 @@ def _heave_on_course(vessel: VesselOnCourse, changed: int) -> scipy.interpolate.
     changed : when the file of RAOs was: a new file is read again
     """
     table = read_rao(vessel.rao_file, sorted({0.0, vessel.speed}), vessel.accept_implausible)
-    heave = boom_tip_heave_response(table, table.frequency, vessel.heading, vessel.speed, np.array(vessel.boom_tip_arm))
-    return scipy.interpolate.CubicSpline(table.frequency, heave)
+    return table.frequency, table.at(table.frequency, vessel.heading, vessel.speed)
 
 
 def fit_vessel(omega: Array, response: NDArray[Any], spectrum: WaveSpectrum) -> VesselFit:

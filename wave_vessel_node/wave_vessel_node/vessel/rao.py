@@ -88,7 +88,7 @@ class ResponseTable:
         ----------
         frequency : of the waves [rad/s], shape (n,)
 
-        Cubic splines in frequency and heading. Above the highest frequency a motion falls as 1/omega^4; below the
+        Splines in frequency (`between`) and heading. Above the highest frequency a motion falls as 1/omega^4; below the
         lowest it is held.
         """
         inside = np.clip(frequency, self.frequency[0], self.frequency[-1])
@@ -96,8 +96,8 @@ class ResponseTable:
         headings = self._headings()
         coefficients = []
         for response in self.response:
-            in_frequency = scipy.interpolate.CubicSpline(self.frequency, self._all_round(response), axis=2)
-            spline = scipy.interpolate.CubicSpline(headings, in_frequency(inside) * tail, axis=0, bc_type="periodic")
+            in_frequency = between(self.frequency, self._all_round(response), inside)
+            spline = scipy.interpolate.CubicSpline(headings, in_frequency * tail, axis=0, bc_type="periodic")
             coefficients.append(np.ascontiguousarray(spline.c.transpose(3, 1, 2, 0)))  # (n, cell, 6, 4)
         return SampledResponse(self.speed, headings, np.array(coefficients))
 
@@ -150,6 +150,24 @@ class SampledResponse:
         powers = (angle - self.knots[cell])[:, None] ** np.arange(3, -1, -1)
         chosen = np.tensordot(self.speed_weights(speed), self.coefficients[:, np.arange(angle.size), cell], axes=1)
         return np.asarray(np.einsum("ndp,np->dn", chosen, powers))
+
+
+def between(omega: Array, response: ComplexArray, fine: Array) -> ComplexArray:
+    """Return a complex `response`, shape (..., f) at `omega`, at the frequencies `fine`, between coarse ones too.
+
+    Its phase turns fast where the body lies at a distance x from the origin, along the waves: by k x, k = omega^2/g.
+    So x is fitted to the steps of the phase, each averaged over three and weighted by the response squared; cubic
+    splines go through what is left, H exp(-i k x), which is slow, and passes through zero where the response does.
+    """
+    turns = response[..., 1:] * np.conj(response[..., :-1])
+    padded = np.concatenate((turns[..., :1], turns, turns[..., -1:]), axis=-1)
+    mean = padded[..., :-2] + padded[..., 1:-1] + padded[..., 2:]
+    step, weight = np.diff(omega**2), np.abs(mean)
+    total = np.sum(weight * step**2, axis=-1, keepdims=True)
+    turned = np.sum(weight * step * np.unwrap(np.angle(mean)), axis=-1, keepdims=True)
+    distance = np.divide(turned, total, out=np.zeros_like(turned), where=total > 0.0)  # x/g
+    slow = scipy.interpolate.CubicSpline(omega, response * np.exp(-1j * distance * omega**2), axis=-1)
+    return np.asarray(slow(fine) * np.exp(1j * distance * fine**2))
 
 
 def above_the_table(frequency: Array, highest: float) -> Array:
