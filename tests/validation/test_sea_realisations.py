@@ -44,7 +44,7 @@ SEAS = {
 def elevation(sea: WaveSpectrum, seed: int = 1, count: int = 800) -> np.ndarray:
     components = draw_components(sea, count, random_stream(seed, "validation"))
     harmonics = HarmonicSum(components.frequency, components.amplitude * np.exp(1j * components.phase), DT)
-    return np.array([harmonics.at(tick)[0, 0] for tick in range(1, round(DURATION / DT) + 1)])
+    return harmonics.at(range(1, round(DURATION / DT) + 1))[:, 0, 0]
 
 
 def through_window(density, omega: np.ndarray) -> np.ndarray:
@@ -114,7 +114,7 @@ def test_the_spectrum_of_filtered_noise_is_that_of_its_filter(gallery):
         return output_spectrum(system, "wave_elevation", omega)
 
     source = FilterSource(system, None, seed=3, tick_period=DT)
-    record = np.array([source.motion(tick).elevation for tick in range(1, round(DURATION / DT) + 1)])
+    record = source.motions(range(1, round(DURATION / DT) + 1)).elevation
     gallery(
         "sea_realisation_filter",
         "White noise through the six-state shaping filter, discretised exactly, three hours.",

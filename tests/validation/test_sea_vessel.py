@@ -16,7 +16,7 @@ from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import Bretschneider, Jonswap
 from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.fit import fit_vessel
-from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix
+from wave_vessel_node.vessel.motion import VesselMotions, lever_arm_matrix
 from wave_vessel_node.vessel.rao_files import shipped_rao
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
@@ -150,7 +150,8 @@ def test_the_mru_answers_as_its_high_pass_says(gallery):
     angles = np.outer(time, omega) + 0.37 * np.arange(omega.size) ** 2
     heave = np.stack((np.cos(angles).sum(1), -np.sin(angles) @ omega, -np.cos(angles) @ omega**2), axis=1)
     unit = MotionReferenceUnit(parameters, seed=1, tick_period=tick)
-    readings = [unit.step(k, heave[k - 1], VesselMotion()) for k in range(1, count + 1)]
+    unit.look(VesselMotions.still(range(1, count + 1), tick), heave)
+    readings = [unit.step(k) for k in range(1, count + 1)]
     late = time > time[-1] - 1500.0 + 1e-6
     basis = np.hstack((np.cos(angles[late]), -np.sin(angles[late])))
     measured = {}

@@ -142,7 +142,7 @@ def test_the_filter_source_has_the_variance_of_the_lyapunov_equation():
 
     wave, vessel = shaping_filter(Bretschneider(2.0, 6.0)), SecondOrderVessel(0.9, 0.4, 1.0)
     source = FilterSource(wave, vessel, seed=5, tick_period=0.5)
-    heave = np.array([source.motion(tick).displacement[2] for tick in range(1, 40001)])
+    heave = source.motions(range(1, 40001)).six[:, 0, 2]
     system = boom_tip_model(wave, vessel)
     # variance of a variance: 2 pi / T integral S^2, T = 20000 s
     omega = np.linspace(0.01, 4.0, 4000)

@@ -6,17 +6,34 @@ from heave_node.interface.codes import MruStatus
 from heave_node.interface.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from wave_vessel_node.mru.mru import HighPass, MotionReferenceUnit, high_pass_response
+from wave_vessel_node.mru.mru import MotionReferenceUnit, high_pass_response
+from wave_vessel_node.mru.oscillator import DrivenOscillator
 from wave_vessel_node.parameters import MruParameters
-from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotion
+from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotions
 
 DT = 0.05
 
 
-def run(parameters, ticks, heave=lambda t: (0.0, 0.0, 0.0), motion=VesselMotion, unit=None, seed=1):
-    """Return the readings of `ticks` ticks, None where there is none."""
-    unit = unit or MotionReferenceUnit(parameters, seed=seed, tick_period=DT)
-    return [unit.step(tick, np.array(heave(tick * DT)), motion()) for tick in range(1, ticks + 1)]
+def run(parameters, ticks, heave=lambda t: (0.0, 0.0, 0.0), unit=None, seed=1, first=1, **motion):
+    """Return the readings of `ticks` ticks, None where there is none; `motion` is what the vessel does in all of them.
+
+    The unit looks at seven ticks at a time.
+    """
+    unit, readings = unit or MotionReferenceUnit(parameters, seed=seed, tick_period=DT), []
+    for start in range(first, first + ticks, 7):
+        block = range(start, min(start + 7, first + ticks))
+        motions = VesselMotions.still(block, DT)
+        for name, value in motion.items():
+            getattr(motions, name)[:] = value
+        unit.look(motions, np.array([heave(tick * DT) for tick in block]))
+        readings += [unit.step(tick) for tick in block]
+    return readings
+
+
+def attitude(roll, pitch):
+    six = np.zeros((3, 6))
+    six[0, [ROLL, PITCH]] = roll, pitch
+    return six
 
 
 def sine(omega, amplitude=1.0):
@@ -67,12 +84,12 @@ def test_noise_is_white_and_has_the_stated_deviation():
 @settings(max_examples=10, deadline=None)
 def test_the_high_pass_answers_as_its_formula_says(omega):
     cut_off, damping = 2 * math.pi / 60.0, 0.7071
-    high_pass = HighPass(cut_off, damping, DT)
-    high_pass.settle(0.0, omega)
+    taken = DrivenOscillator(cut_off, damping, value_gain=cut_off**2, rate_gain=2.0 * damping * cut_off, period=DT)
+    taken.start(0.0, omega)
     count = 24000  # 1200 s: transients e^(-zeta omega_c t) are 1e-38
     time = np.arange(1, count + 1) * DT
-    offsets = [high_pass.step(math.sin(omega * t), omega * math.cos(omega * t)) for t in time]
-    output = np.sin(omega * time) - np.array(offsets)[:, 0]
+    offsets = taken.run(np.sin(omega * time), omega * np.cos(omega * time), np.zeros(count))
+    output = np.sin(omega * time) - offsets[:, 0]
     late = time > 600.0
     basis = np.column_stack((np.sin(omega * time[late]), np.cos(omega * time[late])))
     (in_phase, quadrature), *_ = np.linalg.lstsq(basis, output[late], rcond=None)
@@ -96,13 +113,7 @@ def test_rates_of_the_high_pass_are_derivatives_of_its_heave():
 
 def test_scale_and_lever_arm_errors_enter_the_reading():
     parameters = MruParameters(scale_error=0.05, lever_arm_error=(0.2, -0.3, 0.1), **SILENT)
-
-    def motion():
-        state = VesselMotion()
-        state.displacement[PITCH], state.displacement[ROLL] = 0.02, 0.05
-        return state
-
-    reading = run(parameters, 1, lambda t: (1.0, 0.0, 0.0), motion)[0]
+    reading = run(parameters, 1, lambda t: (1.0, 0.0, 0.0), six=attitude(0.05, 0.02))[0]
     # heave of a point: heave - x pitch + y roll
     assert reading.heave == pytest.approx(1.05 * (1.0 - 0.2 * 0.02 - 0.3 * 0.05))
     assert (reading.roll, reading.pitch) == (0.05, 0.02)
@@ -151,11 +162,9 @@ def test_a_spike_is_one_wrong_reading():
 
 
 def test_a_unit_that_is_turned_over_says_heave_rate_and_acceleration_with_the_wrong_sign_and_no_other():
-    def motion():
-        return VesselMotion(displacement=np.array([0.0, 0.0, 0.0, 0.1, 0.2, 0.0]))
-
-    right = run(MruParameters(), 20, sine(1.0), motion)
-    turned = run(MruParameters(faults=fault("scale", 0.5, magnitude=-1.0)), 20, sine(1.0), motion)
+    six = attitude(0.1, 0.2)
+    right = run(MruParameters(), 20, sine(1.0), six=six)
+    turned = run(MruParameters(faults=fault("scale", 0.5, magnitude=-1.0)), 20, sine(1.0), six=six)
     assert turned[:9] == right[:9]
     for one, other in zip(turned[9:], right[9:], strict=True):
         for name in ("heave", "heave_rate", "heave_acceleration"):
@@ -186,12 +195,12 @@ def test_after_a_restart_the_unit_is_silent_then_settling_then_right():
 def test_a_turn_disturbs_the_unit_and_its_status_says_so():
     parameters = MruParameters(high_pass_period=10.0, turn_sensitivity=0.02, settling_periods=2.0, **SILENT)
     unit = MotionReferenceUnit(parameters, seed=1, tick_period=DT)
-    turning = run(parameters, 200, motion=lambda: VesselMotion(turn_rate=0.05, speed=4.0), unit=unit)
+    turning = run(parameters, 200, unit=unit, turn_rate=0.05, speed=4.0)
     assert turning[-1].status == MruStatus.SETTLING
     # the steady error of the high-pass under a constant acceleration error d is d / omega_c^2; 10 s in, most of it is
     # there
     assert turning[-1].heave == pytest.approx(0.02 * 4.0 * 0.05 / (2 * math.pi / 10.0) ** 2, rel=0.1)
-    after = [unit.step(tick, np.zeros(3), VesselMotion()) for tick in range(201, 201 + 1200)]
+    after = run(parameters, 1200, unit=unit, first=201)
     assert after[300].status == MruStatus.SETTLING
     assert after[-1].status == MruStatus.OK
     assert abs(after[-1].heave) < 1e-4
@@ -232,7 +241,7 @@ def test_what_holds_can_be_cleared():
     unit.faults.inject("gap", start=0.0)
     assert run(None, 3, unit=unit) == [None] * 3
     unit.faults.inject("clear", start=4 * DT)
-    assert unit.step(4, np.zeros(3), VesselMotion()) is not None
+    assert run(None, 1, unit=unit, first=4) != [None]
 
 
 def test_faults_do_not_change_the_noise_of_other_readings():
@@ -285,3 +294,25 @@ def test_noise_that_wanders_has_its_deviation_and_time_and_disturbs_no_other_num
     late = round(time / DT)
     assert np.corrcoef(error[:-late], error[late:])[0, 1] == pytest.approx(math.exp(-1.0), abs=5 / math.sqrt(500))
     assert [one.heave_rate for one in wandering] == [one.heave_rate for one in plain]
+
+
+@pytest.mark.parametrize("period", [0.0, 10.0])
+def test_a_restart_in_the_middle_of_what_was_looked_at_is_that_of_its_tick(period):
+    """A unit that looks at one tick at a time knows nothing of what comes: it reads the same."""
+    parameters = MruParameters(high_pass_period=period, wander=0.1)
+    readings = []
+    for size in (1, 40):
+        unit = MotionReferenceUnit(parameters, seed=3, tick_period=DT)
+        said = []
+        for start in range(1, 121, size):
+            block = range(start, start + size)
+            unit.look(VesselMotions.still(block, DT), np.array([sine(0.8)(tick * DT) for tick in block]))
+            for tick in block:
+                if tick == 50:
+                    unit.faults.inject("restart", start=tick * DT, duration=0.5)
+                said.append(unit.step(tick))
+        readings.append(said)
+    one, other = readings
+    assert one == other
+    assert one[48] is not None
+    assert one[50] is None

@@ -13,7 +13,7 @@ from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import WaveVesselParameters
-from wave_vessel_node.vessel.motion import VesselMotion
+from wave_vessel_node.vessel.motion import VesselMotions
 
 from wave_vessel_node import conversions as messages
 from wave_vessel_node import node
@@ -30,9 +30,10 @@ def test_the_boom_tip_goes_out_in_frame_world_with_its_stamp():
 
 
 def test_odometry_has_unit_quaternions_and_world_axes():
-    motion = VesselMotion(heading=math.pi / 2, turn_rate=0.1)
-    motion.displacement[:] = [1.0, 0.0, 0.5, 0.1, -0.2, 0.05]
-    message = deserialize_message(messages.odometry_message(motion, NOW), Odometry)
+    motions = VesselMotions.still(range(1, 3), 0.05)
+    motions.heading[1], motions.turn_rate[1] = math.pi / 2, 0.1
+    motions.six[1, 0] = [1.0, 0.0, 0.5, 0.1, -0.2, 0.05]
+    message = deserialize_message(messages.odometry_message(motions, 1, NOW), Odometry)
     position, q = message.pose.pose.position, message.pose.pose.orientation
     assert (position.x, position.y, position.z) == pytest.approx((0.0, 1.0, 0.5))
     assert q.x**2 + q.y**2 + q.z**2 + q.w**2 == pytest.approx(1.0)

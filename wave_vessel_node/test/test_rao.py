@@ -11,7 +11,7 @@ from wave_vessel_node.sea.spectra import Bretschneider
 from wave_vessel_node.sources.rao_components import RaoSource
 from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.fit import VesselOnCourse, boom_tip_heave_response, fit_vessel
-from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
+from wave_vessel_node.vessel.motion import VesselMotions, lever_arm_matrix, point_motions
 from wave_vessel_node.vessel.rao import RaoError, ResponseTable, between, encounter_frequency
 from wave_vessel_node.vessel.rao_files import (
     COLUMNS,
@@ -95,25 +95,24 @@ def test_a_ship_under_way_meets_the_waves_at_the_encounter_frequency():
     source = RaoSource(one_wave(0.9, direction=np.pi), flat_table(speeds=(0.0, 8.0)), course, np.zeros(3), 0.05)
     expected = 0.9 + 0.9**2 / STANDARD_GRAVITY * 4.0
     for tick in (1, 100, 5000):
-        motion = source.motion(tick)
-        assert motion.displacement[HEAVE] == pytest.approx(math.cos(expected * tick * 0.05), abs=1e-9)
-        assert motion.velocity[HEAVE] == pytest.approx(-expected * math.sin(expected * tick * 0.05), abs=1e-9)
-        assert motion.elevation == pytest.approx(motion.displacement[HEAVE], abs=1e-9)
+        motions = source.motions(range(tick, tick + 1))
+        heave, rate, _ = motions.six[0, :, HEAVE]
+        assert heave == pytest.approx(math.cos(expected * tick * 0.05), abs=1e-9)
+        assert rate == pytest.approx(-expected * math.sin(expected * tick * 0.05), abs=1e-9)
+        assert motions.elevation[0] == pytest.approx(heave, abs=1e-9)
 
 
 def test_the_elevation_is_taken_below_the_boom_tip():
     arm = np.array([20.0, 0.0, 10.0])
     source = RaoSource(one_wave(0.9), flat_table(), Course(CourseParameters()), arm, 0.05)
     expected = math.cos(0.9 * 0.05 - 0.9**2 / STANDARD_GRAVITY * 20.0)
-    assert source.motion(1).elevation == pytest.approx(expected, abs=1e-12)
+    assert source.motions(range(1, 2)).elevation[0] == pytest.approx(expected, abs=1e-12)
 
 
 def test_phases_are_continuous_through_a_loop_turn():
     parameters = CourseParameters(speed=3.0, turn_start=20.0, turn_angle=2 * math.pi, turn_rate=0.2)
     source = RaoSource(one_wave(0.8, 0.4), flat_table(speeds=(0.0, 4.0)), Course(parameters), np.zeros(3), 0.05)
-    motions = [source.motion(tick) for tick in range(1, 2400)]
-    heave = np.array([m.displacement[HEAVE] for m in motions])
-    rate = np.array([m.velocity[HEAVE] for m in motions])
+    heave, rate, _ = source.motions(range(1, 2400)).six[:, :, HEAVE].T
     # heave is the elevation at the ship's place: no jump beyond the trapezium rule's h^3/12 of the third derivative
     np.testing.assert_allclose(np.diff(heave), 0.025 * (rate[1:] + rate[:-1]), atol=5e-5)
 
@@ -150,10 +149,10 @@ def test_the_boom_tip_moves_as_a_rigid_body():
 
 
 def test_heading_turns_the_horizontal_motion_into_the_world():
-    motion = VesselMotion(heading=math.pi / 2)
-    motion.displacement[0] = 2.0
-    tip = point_motion(motion, lever_arm_matrix(np.zeros(3)), 5.0)
-    np.testing.assert_allclose(tip.position, [0.0, 2.0, 5.0], atol=1e-12)
+    motions = VesselMotions.still(range(1, 2), 0.05)
+    motions.heading[0], motions.six[0, 0, 0] = math.pi / 2, 2.0
+    points = point_motions(motions, lever_arm_matrix(np.zeros(3)), 5.0)
+    np.testing.assert_allclose(points[0, 0], [0.0, 2.0, 5.0], atol=1e-12)
 
 
 def test_a_table_written_is_read_back(tmp_path):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from heave_node.crane.pose import CranePose
@@ -19,30 +20,34 @@ from wave_vessel_node.parameters import WaveVesselParameters
 from wave_vessel_node.sea.sea import SeaState, describe_sea
 from wave_vessel_node.source_registry import SOURCES
 from wave_vessel_node.sources.layers import ChangingSource, CourseSource, DriftingSource, RampedSource
-from wave_vessel_node.sources.motion_source import MotionSource
+from wave_vessel_node.sources.motion_source import MotionSource, block_from
 from wave_vessel_node.sources.preview import PreviewSource
 from wave_vessel_node.sources.scene import Scene, build_scene
 from wave_vessel_node.vessel.crane_motion import CraneMotion, PoseSensor
 from wave_vessel_node.vessel.fit import VesselFit
-from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
+from wave_vessel_node.vessel.motion import VesselMotions, lever_arm_matrix, point_motions
 
 OTHER_WAVES = 1_000_003
 """The waves of a later sea are those of a seed so much higher."""
 
 
-@dataclass(frozen=True)
-class WaveVesselOutputs:
+class WaveVesselOutputs(NamedTuple):
     """What one tick k gives."""
 
     # the reading delivered at t_k, None if there is none (rate, gap, restart, latency at the start)
     mru: MruReading | None
     boom_tip: PointMotion  # true motion of the boom tip at t_{k+1}, frame world
-    vessel: VesselMotion  # true motion of the vessel at t_{k+1}
-    wave_elevation: float  # sea surface below the boom tip at t_{k+1} [m]
+    vessel: VesselMotions  # true motion of the vessel in a block of ticks
+    row: int  # of the block: t_{k+1}
     # a new sea-state estimate from the MRU readings up to t_k, when one is due and the record long enough
     estimate: SeaStateEstimate | None = None
     preview: HeavePreview | None = None  # of the boom tip from t_k on; None: there is none
     crane: tuple[CranePose, ...] = ()  # poses of the crane delivered at t_k
+
+    @property
+    def wave_elevation(self) -> float:
+        """Sea surface below the boom tip at t_{k+1} [m]."""
+        return self.vessel.elevation.item(self.row)
 
 
 class WaveVessel:
@@ -80,8 +85,7 @@ class WaveVessel:
         self._estimator = self._build_estimator()
         self._ticks_between_estimates = max(1, round(parameters.estimate.period / tick_period))
         self._next_tick = 1
-        self._motion = self._source.motion(1)
-        self._boom_tip = self._point(self._motion)
+        self._take_block(1)
         self._preview = self._build_preview() if parameters.preview.time > 0.0 else None
 
     @property
@@ -102,11 +106,15 @@ class WaveVessel:
 
         Call it before the first step.
         """
-        return self._boom_tip
+        return self._tip(0)
 
-    def boom_tip_at(self, tick: int) -> PointMotion:
-        """Return the motion of the boom tip at a `tick`, from 1 in order: instead of `step`, where no MRU is read."""
-        return self._point(self._source.motion(tick))
+    def boom_tips(self, count: int) -> list[PointMotion]:
+        """Return the motion of the boom tip at the first `count` ticks: instead of `step`, where no MRU is read."""
+        tips: list[PointMotion] = []
+        while len(tips) < count:
+            tips += map(self._tip, range(len(self._tips)))
+            self._take_block(len(tips) + 1)
+        return tips[:count]
 
     def step(self, tick: int) -> WaveVesselOutputs:
         """Return the MRU reading of t_k and the motions of t_{k+1}.
@@ -119,20 +127,34 @@ class WaveVessel:
         """
         if tick != self._next_tick:
             raise ValueError(f"ticks must come in order: expected {self._next_tick}, got {tick}")
-        here = self._boom_tip if self._crane is None else self._point_of_mru(self._motion)
-        height = self.parameters.boom_tip_height
-        heave = np.array([here.position[2] - height, here.velocity[2], here.acceleration[2]])
-        reading = self.mru.step(tick, heave, self._motion)
+        reading = self.mru.step(tick)
         poses = () if self.pose_sensor is None else self.pose_sensor.step(tick)
-        self._motion = self._source.motion(tick + 1)
+        row = tick + 1 - self._first
+        if row == len(self._tips):
+            self._take_block(tick + 1)
+            row = 0
         self._next_tick = tick + 1
-        self._boom_tip = self._point(self._motion)
         if reading is not None:
             self._estimator.add(reading)
         estimate = self._estimator.estimate() if tick % self._ticks_between_estimates == 0 else None
         preview = None if self._preview is None else self._preview.step(tick)
-        motion = self._motion
-        return WaveVesselOutputs(reading, self._boom_tip, motion, motion.elevation, estimate, preview, poses)
+        return WaveVesselOutputs(reading, self._tip(row), self._motions, row, estimate, preview, poses)
+
+    def _take_block(self, first: int) -> None:
+        """Compute the motions of a block of ticks from the `first` one on: nothing that happens in a run changes them.
+
+        The readings of the block before have been taken.
+        """
+        self._first, self._motions = first, self._source.motions(block_from(first))
+        self._tips = self._points(self._motions)
+        seen = self._tips if self._crane is None else self._points_of_mru(self._motions)
+        heave = seen[:, :, 2].copy()
+        heave[:, 0] -= self.parameters.boom_tip_height
+        self.mru.look(self._motions, heave)
+
+    def _tip(self, row: int) -> PointMotion:
+        """Return the motion of the boom tip in a `row` of the block."""
+        return PointMotion(self._motions.time.item(row), *self._tips[row])
 
     def _build_crane(self) -> CraneMotion | None:
         crane = self.parameters.crane
@@ -140,22 +162,22 @@ class WaveVessel:
             CraneMotion(crane, self._scene.boom_tip_arm, self.parameters.boom_tip_height) if crane.is_fitted else None
         )
 
-    def _point(self, motion: VesselMotion) -> PointMotion:
-        """Return the motion of the boom tip."""
-        return self._point_of_mru(motion) if self._crane is None else self._crane.point(motion)
+    def _points(self, motions: VesselMotions) -> Array:
+        """Return the motion of the boom tip, see `point_motions`."""
+        return self._points_of_mru(motions) if self._crane is None else self._crane.points(motions)
 
-    def _point_of_mru(self, motion: VesselMotion) -> PointMotion:
+    def _points_of_mru(self, motions: VesselMotions) -> Array:
         """Return the motion of the point that the MRU reads: the boom tip in the crane's reference pose."""
-        return point_motion(motion, self._lever, self.parameters.boom_tip_height)
+        return point_motions(motions, self._lever, self.parameters.boom_tip_height)
 
     def _build_preview(self) -> PreviewSource:
         """Let the same sea run once more, ahead of this one; sources are asked in the order of their ticks."""
         scene = build_scene(self.parameters, self._scene.seed, self._scene.tick_period)
         ahead = _with_change_course_drift_and_ramp(SOURCES[self.parameters.boom_tip_source].load()(scene), scene)
-        ahead.motion(1)
+        ahead.motions(range(1, 2))
 
-        def heave_at(tick: int) -> float:
-            return float(self._point(ahead.motion(tick)).position[2] - self.parameters.boom_tip_height)
+        def heave_at(ticks: range) -> Array:
+            return np.asarray(self._points(ahead.motions(ticks))[:, 0, 2] - self.parameters.boom_tip_height)
 
         return PreviewSource(
             self.parameters.preview, heave_at, seed=self._scene.seed, tick_period=self._scene.tick_period

@@ -17,7 +17,7 @@ from heave_node.numerics import kinematics
 
 from wave_vessel_node.mru import sea_state_estimate
 from wave_vessel_node.sea import sea
-from wave_vessel_node.vessel.motion import VesselMotion
+from wave_vessel_node.vessel.motion import VesselMotions
 
 WORLD, VESSEL = "world", "vessel"
 
@@ -67,14 +67,15 @@ def preview_message(preview: HeavePreview, noise: float) -> bytes:
     return _PREVIEW.pack(preview.stamp, preview.ahead, preview.heave, noise)
 
 
-def odometry_message(motion: VesselMotion, stamp: int) -> bytes:
-    """Return the vessel's motion at `stamp` [ns]: pose about its mean in world axes, twist in vessel axes."""
-    cosine, sine = math.cos(motion.heading), math.sin(motion.heading)
-    surge, sway, heave, roll, pitch, yaw = motion.displacement.tolist()
+def odometry_message(motions: VesselMotions, row: int, stamp: int) -> bytes:
+    """Return the motion in a `row` at `stamp` [ns]: pose about the mean in world axes, twist in vessel axes."""
+    heading = motions.heading.item(row)
+    cosine, sine = math.cos(heading), math.sin(heading)
+    surge, sway, heave, roll, pitch, yaw = motions.six[row, 0].tolist()
     position = (cosine * surge - sine * sway, sine * surge + cosine * sway, heave)
-    twist = motion.velocity.tolist()
-    twist[5] += motion.turn_rate
-    return _ODOMETRY.pack(stamp, (*position, *quaternion(roll, pitch, motion.heading + yaw)), twist)
+    twist = motions.six[row, 1].tolist()
+    twist[5] += motions.turn_rate.item(row)
+    return _ODOMETRY.pack(stamp, (*position, *quaternion(roll, pitch, heading + yaw)), twist)
 
 
 def sea_state_message(state: sea.SeaState, stamp: int) -> bytes:

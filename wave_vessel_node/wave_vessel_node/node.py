@@ -80,7 +80,7 @@ class WaveVesselNode(ParticipantNode):
                 self.crane.publish(pose_message(pose_to_wire(pose)))
         end = tick.end_nanoseconds
         self.boom_tip.publish_deferred(lambda: messages.boom_tip_message(outputs.boom_tip, end))
-        self.odometry.publish_deferred(lambda: messages.odometry_message(outputs.vessel, end))
+        self.odometry.publish_deferred(lambda: messages.odometry_message(outputs.vessel, outputs.row, end))
         self.elevation.publish_deferred(lambda: messages.elevation_message(outputs.wave_elevation, end))
         if outputs.estimate is not None:
             stamp = round(outputs.estimate.time * 1e9)

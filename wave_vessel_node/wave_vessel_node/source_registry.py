@@ -7,47 +7,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any
 
 from heave_node.registry import Entry
 
 
-class _Vessel(Protocol):
-    @property
-    def model(self) -> str: ...
-
-    @property
-    def pitch_gain(self) -> float: ...
-
-
-class SourceParameters(Protocol):
-    """What a source looks at among the parameters of the node."""
-
-    @property
-    def vessel(self) -> _Vessel:
-        """Model of the vessel."""
-
-    @property
-    def recording_file(self) -> str:
-        """See `WaveVesselParameters`."""
-
-    @property
-    def recording_kind(self) -> str:
-        """See `WaveVesselParameters`."""
-
-
-def _check_nothing(_: SourceParameters) -> None:
+def _check_nothing(_: Any) -> None:
     """Take any parameters."""
 
 
-def _check_filter(parameters: SourceParameters) -> None:
+def _check_filter(parameters: Any) -> None:
     if parameters.vessel.model == "rao":
         raise ValueError("boom_tip_source = filter needs vessel.model second_order, fitted or direct, not rao")
     if parameters.vessel.pitch_gain > 0.0:
         raise ValueError("vessel.pitch_gain needs boom_tip_source = spectrum: filtered noise has no wave slope")
 
 
-def _check_recording(parameters: SourceParameters) -> None:
+def _check_recording(parameters: Any) -> None:
     if not parameters.recording_file:
         raise ValueError("boom_tip_source = file needs recording_file: name the CSV file or the bag")
     if parameters.recording_kind == "elevation" and parameters.vessel.model not in ("second_order", "direct"):
@@ -62,8 +38,8 @@ class SourceEntry(Entry):
     """A motion source."""
 
     has_sea: bool  # a sea with a spectrum moves the vessel: it has a course, and a response to waves
-    # raises ValueError where the other parameters contradict this source
-    check: Callable[[SourceParameters], None] = _check_nothing
+    # raises ValueError where the other parameters, those of `WaveVesselParameters`, contradict this source
+    check: Callable[[Any], None] = _check_nothing
 
 
 SOURCES: dict[str, SourceEntry] = {

@@ -41,7 +41,7 @@ class DepthSensorParameters(SensorParameters):
 
     def view(self, truth: SensorTruth) -> View:
         """See the depth, positive down from still water [m]."""
-        return View(-truth.position[2:], self.noise, self.bias, resolution=self.resolution)
+        return View(-truth.position[2:], self.noise, self.bias, resolution=(self.resolution,))
 
 
 @dataclass(frozen=True)

@@ -125,7 +125,7 @@ class Encoder:
         self._position = min(max(self._position, payout - self._play), payout + self._play)
         value = float(self._faulty_values.apply(time, np.array([self._position]))[0])
         self.error = value - self._position if math.isfinite(value) else self.error
-        return value if self._resolution == 0.0 else float(quantised(np.array(value), self._resolution))
+        return quantised(value, self._resolution)
 
 
 class VirtualWinch:

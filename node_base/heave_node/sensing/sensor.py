@@ -99,8 +99,8 @@ class Sensor:
         sigma = view.sigma * self._ones
         right = view.value * self._gain + view.bias + sigma * noise
         read = self._faulty_values.apply(time, right)
-        if np.any(view.resolution):
-            read = quantised(read, np.asarray(view.resolution))
+        if any(view.resolution):
+            read = np.array([*map(quantised, read.tolist(), view.resolution)])
         reading = Reading(time, read, sigma)
         delay = self._parameters.latency + view.extra_latency + self.faults.total("delay", time)
         self._under_way.append((time + delay, reading))

@@ -22,7 +22,7 @@ class View(NamedTuple):
     bias: Array | float = 0.0  # constant error of each value, or of all
     extra_latency: float = 0.0  # of a sample taken now, beyond the sensor's own [s]
     is_available: bool = True  # False: the sensor cannot measure now
-    resolution: Sequence[float] | float = 0.0  # to which each value, or all, is rounded; 0: it is not
+    resolution: Sequence[float] = ()  # to which each value is rounded, 0: it is not; empty: none is
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
+from heave_node.numerics.arrays import Array
 
 
 class DrivenOscillator:
@@ -32,18 +33,24 @@ class DrivenOscillator:
 
     def start(self, value: float, rate: float, state: tuple[float, float] = (0.0, 0.0)) -> None:
         """Begin at u = `value`, u' = `rate`, with (y, y') = `state`."""
-        self._state[:] = state
-        self._last = (value, rate)
+        self._state, self._last = np.array(state), (value, rate)
 
-    def step(self, value: float, rate: float, force: float = 0.0) -> tuple[float, float, float]:
-        """Advance one period to u = `value`, u' = `rate`, with f = `force` held; return y, y', y''."""
+    def run(self, values: Array, rates: Array, forces: Array) -> Array:
+        """Advance by n periods to u = `values`, u' = `rates`, with f = `forces` held; all of shape (n,).
+
+        Returns y, y', y'', u and u' at their ends, shape (n, 5): a row is all that `start` needs to go on from there.
+        """
         h = self._period
-        u, u1 = self._last
-        slope = (value - u) / h
-        u2 = (6.0 * slope - 4.0 * u1 - 2.0 * rate) / h
-        u3 = (6.0 * u1 + 6.0 * rate - 12.0 * slope) / h**2
-        y, y1 = self._transition @ np.array([self._state[0], self._state[1], u, u1, u2, u3, force])
-        self._state[:] = y, y1
-        self._last = (value, rate)
-        drive = self._gains[0] * value + self._gains[1] * rate + force
-        return float(y), float(y1), float(drive - self._stiffness * y - self._damping * y1)
+        u, u1 = np.append(self._last[0], values[:-1]), np.append(self._last[1], rates[:-1])
+        slope = (values - u) / h
+        u2 = (6.0 * slope - 4.0 * u1 - 2.0 * rates) / h
+        u3 = (6.0 * u1 + 6.0 * rates - 12.0 * slope) / h**2
+        inputs = np.column_stack((u, u, u, u1, u2, u3, forces))
+        out = np.column_stack((u, u, u, values, rates))
+        for before, after in zip(inputs, out, strict=True):
+            before[:2] = self._state
+            self._state = after[:2] = self._transition @ before
+        self._last = (float(values[-1]), float(rates[-1]))
+        drive = self._gains[0] * values + self._gains[1] * rates + forces
+        out[:, 2] = drive - self._stiffness * out[:, 0] - self._damping * out[:, 1]
+        return out

@@ -98,28 +98,37 @@ def _draw_spreading(exponent: float, count: int, generator: np.random.Generator)
 
 @kernel
 def _evaluate(
-    frequency: Array, anchor: ComplexArray, turn: ComplexArray, real: Array, imaginary: Array, out: Array
+    frequency: Array,
+    anchor: ComplexArray,
+    table: tuple[Array, Array],
+    first: int,
+    weights: tuple[Array, Array],
+    out: Array,
 ) -> None:
-    """Sum Re(c e^{i omega t}) and its first two derivatives into out (3, outputs)."""
+    """Add Re(c e^{i omega t}) and its two derivatives to out (3, outputs, ticks), for a block's ticks from `first` on.
+
+    Ticks are the innermost loop, so that they run side by side; the sum of each is in the order of the components.
+    """
+    turn_real, turn_imaginary = table
+    real, imaginary = weights
     for row in range(real.shape[0]):
-        value = rate = acceleration = 0.0
+        value, rate, acceleration = out[0, row], out[1, row], out[2, row]
         for n in range(frequency.size):
-            z_real = anchor[n].real * turn[n].real - anchor[n].imag * turn[n].imag
-            z_imag = anchor[n].real * turn[n].imag + anchor[n].imag * turn[n].real
-            part = real[row, n] * z_real - imaginary[row, n] * z_imag
-            value += part
-            rate -= frequency[n] * (real[row, n] * z_imag + imaginary[row, n] * z_real)
-            acceleration -= frequency[n] * frequency[n] * part
-        out[0, row] = value
-        out[1, row] = rate
-        out[2, row] = acceleration
+            omega, a, b = frequency[n], anchor[n].real, anchor[n].imag
+            for t in range(value.size):
+                z_real = a * turn_real[n, first + t] - b * turn_imaginary[n, first + t]
+                z_imag = a * turn_imaginary[n, first + t] + b * turn_real[n, first + t]
+                part = real[row, n] * z_real - imaginary[row, n] * z_imag
+                value[t] += part
+                rate[t] -= omega * (real[row, n] * z_imag + imaginary[row, n] * z_real)
+                acceleration[t] -= omega * omega * part
 
 
 class HarmonicSum:
-    """Re(sum of c_n e^{i omega_n t}) and its two derivatives at ticks, exact at any tick in any order.
+    """Re(sum of c_n e^{i omega_n t}) and its two derivatives at ticks, exact at any ticks in any order.
 
-    Phases are evaluated exactly every 64 ticks and turned by a table in between: a tick costs microseconds, and its
-    values depend on its number only.
+    Phases are evaluated exactly every 64 ticks and turned by a table in between: a tick costs less than a microsecond,
+    and its values depend on its number only.
 
     Parameters
     ----------
@@ -133,19 +142,19 @@ class HarmonicSum:
         coefficients = np.atleast_2d(np.asarray(coefficients, dtype=complex))
         if coefficients.shape[1] != self._frequency.size:
             raise SpectrumError(f"coefficients {coefficients.shape} do not match {self._frequency.size} frequencies")
-        self._real = np.ascontiguousarray(coefficients.real)
-        self._imaginary = np.ascontiguousarray(coefficients.imag)
+        self._weights = np.ascontiguousarray(coefficients.real), np.ascontiguousarray(coefficients.imag)
         self._period = period
-        self._table = np.exp(1j * np.outer(np.arange(_BLOCK) * period, self._frequency))
-        self._anchor_block = -1
-        self._anchor = np.empty(0, dtype=complex)
-        self._out = np.empty((3, coefficients.shape[0]))
+        turns = np.exp(1j * np.outer(np.arange(_BLOCK) * period, self._frequency)).T
+        self._table = np.ascontiguousarray(turns.real), np.ascontiguousarray(turns.imag)
 
-    def at(self, tick: int) -> Array:
-        """Return value, rate and acceleration at time tick * period, shape (3, outputs); valid until the next call."""
-        block, rest = divmod(tick, _BLOCK)
-        if block != self._anchor_block:
-            self._anchor = np.exp(1j * self._frequency * (block * _BLOCK * self._period))
-            self._anchor_block = block
-        _evaluate(self._frequency, self._anchor, self._table[rest], self._real, self._imaginary, self._out)
-        return self._out
+    def at(self, ticks: range) -> Array:
+        """Return value, rate and acceleration at the times of `ticks`, shape (ticks, 3, outputs)."""
+        parts, done = [], 0
+        while done < len(ticks):
+            block, first = divmod(ticks[done], _BLOCK)
+            count = min(_BLOCK - first, len(ticks) - done)
+            anchor = np.exp(1j * self._frequency * (block * _BLOCK * self._period))
+            parts.append(np.zeros((3, len(self._weights[0]), count)))
+            _evaluate(self._frequency, anchor, self._table, first, self._weights, parts[-1])
+            done += count
+        return np.concatenate(parts, axis=2).transpose(2, 0, 1)

@@ -9,7 +9,7 @@ from wave_vessel_node.sea.realisation import HarmonicSum, WaveComponents
 from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.sources.rao_components import RaoSource
 from wave_vessel_node.sources.scene import Scene
-from wave_vessel_node.vessel.motion import HEAVE, PITCH, VesselMotion
+from wave_vessel_node.vessel.motion import HEAVE, PITCH, VesselMotions
 from wave_vessel_node.vessel.second_order import SecondOrderVessel, wave_slope_response
 
 
@@ -48,14 +48,15 @@ class SecondOrderSource(MotionSource):
         self._sum = HarmonicSum(omega, np.vstack(rows), tick_period)
         self._tick_period = tick_period
 
-    def motion(self, tick: int) -> VesselMotion:
+    def motions(self, ticks: range) -> VesselMotions:
         """See MotionSource."""
-        values = self._sum.at(tick)
-        motion = VesselMotion(tick * self._tick_period, elevation=float(values[0, 0]))
-        motion.displacement[HEAVE], motion.velocity[HEAVE], motion.acceleration[HEAVE] = values[:, 1]
+        values = self._sum.at(ticks)
+        motions = VesselMotions.still(ticks, self._tick_period)
+        motions.elevation = values[:, 0, 0]
+        motions.six[:, :, HEAVE] = values[:, :, 1]
         if self._has_pitch:
-            motion.displacement[PITCH], motion.velocity[PITCH], motion.acceleration[PITCH] = values[:, 2]
-        return motion
+            motions.six[:, :, PITCH] = values[:, :, 2]
+        return motions
 
     def waves(self) -> Waves:
         """See MotionSource."""

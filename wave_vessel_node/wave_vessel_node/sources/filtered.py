@@ -10,7 +10,7 @@ from heave_node.numerics.randomness import random_stream
 from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.sources.scene import Scene
-from wave_vessel_node.vessel.motion import HEAVE, VesselMotion
+from wave_vessel_node.vessel.motion import HEAVE, VesselMotions
 from wave_vessel_node.vessel.second_order import SecondOrderVessel, boom_tip_model
 
 
@@ -41,18 +41,21 @@ class FilterSource(MotionSource):
         self._generator = random_stream(seed, "wave_vessel/shaping_filter")
         start = covariance_factor(state_covariance(system))
         self._state = start @ self._generator.standard_normal(system.order)
-        self._tick = 0
+        self._next_tick = 1
         rate = system.row("boom_tip_heave_rate")
         self._outputs = np.array([system.row("wave_elevation"), system.row("boom_tip_heave"), rate, rate @ system.A])
         self._tick_period = tick_period
 
-    def motion(self, tick: int) -> VesselMotion:
+    def motions(self, ticks: range) -> VesselMotions:
         """See MotionSource."""
-        while self._tick < tick:
+        states = []
+        for _ in range(self._next_tick, ticks.stop):
             noise = self._noise_factor @ self._generator.standard_normal(self._state.size)
             self._state = self._transition @ self._state + noise
-            self._tick += 1
-        elevation, heave, rate, acceleration = self._outputs @ self._state
-        motion = VesselMotion(tick * self._tick_period, elevation=float(elevation))
-        motion.displacement[HEAVE], motion.velocity[HEAVE], motion.acceleration[HEAVE] = heave, rate, acceleration
-        return motion
+            states.append(self._outputs @ self._state)
+        self._next_tick = ticks.stop
+        values = np.array(states[-len(ticks) :])
+        motions = VesselMotions.still(ticks, self._tick_period)
+        motions.elevation = values[:, 0]
+        motions.six[:, :, HEAVE] = values[:, 1:]
+        return motions

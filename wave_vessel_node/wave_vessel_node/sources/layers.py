@@ -15,24 +15,21 @@ from wave_vessel_node.sea.realisation import HarmonicSum, draw_components
 from wave_vessel_node.sea.spectra import TabulatedSpectrum
 from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.vessel.course import Course
-from wave_vessel_node.vessel.motion import VesselMotion
+from wave_vessel_node.vessel.motion import VesselMotions
 
 _DRIFT_COMPONENTS = 120
 
 
-def apply_ramp(motion: Array, time: float, duration: float) -> Array:
-    """Return r q, (r q)', (r q)'', where r is the ramp.
+def weighted(six: Array, weights: Array) -> Array:
+    """Return w q, (w q)', (w q)'', shape (n, 3, 6).
 
     Parameters
     ----------
-    motion : q, q', q'', shape (3, ...)
-    time : since the start of the ramp [s]
-    duration : of the ramp [s]
+    six : q, q', q'', shape (n, 3, 6)
+    weights : w, w', w'', shape (n, 3)
     """
-    r, r1, r2 = smooth_ramp(time, duration)
-    return np.stack(
-        (r * motion[0], r * motion[1] + r1 * motion[0], r * motion[2] + 2.0 * r1 * motion[1] + r2 * motion[0])
-    )
+    (w, w1, w2), (q, q1, q2) = weights.T[:, :, None], six.swapaxes(0, 1)
+    return np.stack((w * q, w * q1 + w1 * q, w * q2 + 2.0 * w1 * q1 + w2 * q), axis=1)
 
 
 class RampedSource(MotionSource):
@@ -50,15 +47,15 @@ class RampedSource(MotionSource):
         self._ramp = ramp
         self._tick_period = tick_period
 
-    def motion(self, tick: int) -> VesselMotion:
+    def motions(self, ticks: range) -> VesselMotions:
         """See MotionSource."""
-        motion = self._source.motion(tick)
-        since_start = (tick - 1) * self._tick_period
-        if since_start < self._ramp:
-            six = np.stack((motion.displacement, motion.velocity, motion.acceleration))
-            motion.displacement, motion.velocity, motion.acceleration = apply_ramp(six, since_start, self._ramp)
-            motion.elevation *= float(apply_ramp(np.array([1.0, 0.0, 0.0]), since_start, self._ramp)[0])
-        return motion
+        motions = self._source.motions(ticks)
+        since_start = [(tick - 1) * self._tick_period for tick in ticks[: len(motions.time)]]
+        if since_start[0] < self._ramp:
+            ramp = np.array([smooth_ramp(time, self._ramp) for time in since_start])
+            motions.six = weighted(motions.six, ramp)
+            motions.elevation = motions.elevation * ramp[:, 0]
+        return motions
 
     def waves(self) -> Waves:
         """See MotionSource: with the ramp."""
@@ -84,25 +81,23 @@ class ChangingSource(MotionSource):
         self._start, self._duration = start, duration
         self._tick_period = tick_period
 
-    def motion(self, tick: int) -> VesselMotion:
+    def motions(self, ticks: range) -> VesselMotions:
         """See MotionSource."""
-        motion, later = self._first.motion(tick), self._then.motion(tick)
-        ramp = smooth_ramp(tick * self._tick_period - self._start, self._duration)
+        motions, later = self._first.motions(ticks), self._then.motions(ticks)
+        of_first, of_then = np.array([self._weights(time) for time in motions.time.tolist()]).swapaxes(0, 1)
+        motions.six = weighted(motions.six, of_first) + weighted(later.six, of_then)
+        motions.elevation = of_first[:, 0] * motions.elevation + of_then[:, 0] * later.elevation
+        return motions
+
+    def _weights(self, time: float) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Return the weights of both sources at a `time` [s], each with its first two derivatives."""
+        ramp = smooth_ramp(time - self._start, self._duration)
         angle, rate, acceleration = (0.5 * math.pi * value for value in ramp)
         cosine, sine = math.cos(angle), math.sin(angle)
-        of_first = (cosine, -sine * rate, -cosine * rate**2 - sine * acceleration)
-        of_then = (sine, cosine * rate, -sine * rate**2 + cosine * acceleration)
-        parts = [_weighted(one, weights) for one, weights in ((motion, of_first), (later, of_then))]
-        motion.displacement, motion.velocity, motion.acceleration = parts[0] + parts[1]
-        motion.elevation = cosine * motion.elevation + sine * later.elevation
-        return motion
-
-
-def _weighted(motion: VesselMotion, weight: tuple[float, float, float]) -> Array:
-    """Return w q, (w q)', (w q)'', shape (3, 6), of a motion q and a `weight` w with its first two derivatives."""
-    w, w1, w2 = weight
-    q, q1, q2 = motion.displacement, motion.velocity, motion.acceleration
-    return np.stack((w * q, w * q1 + w1 * q, w * q2 + 2.0 * w1 * q1 + w2 * q))
+        return (
+            (cosine, -sine * rate, -cosine * rate**2 - sine * acceleration),
+            (sine, cosine * rate, -sine * rate**2 + cosine * acceleration),
+        )
 
 
 class CourseSource(MotionSource):
@@ -118,14 +113,14 @@ class CourseSource(MotionSource):
         self._source = source
         self._course = course
 
-    def motion(self, tick: int) -> VesselMotion:
+    def motions(self, ticks: range) -> VesselMotions:
         """See MotionSource."""
-        motion = self._source.motion(tick)
-        motion.heading = self._course.heading(motion.time)
-        motion.turn_rate = self._course.turn_rate(motion.time)
-        motion.turn_acceleration = self._course.turn_acceleration(motion.time)
-        motion.speed = self._course.speed(motion.time)
-        return motion
+        motions, course = self._source.motions(ticks), self._course
+        times = motions.time[:1] if len(course.legs) == 1 else motions.time  # on one leg nothing changes
+        found = [(course.heading(t), course.turn_rate(t), course.turn_acceleration(t), course.speed(t)) for t in times]
+        columns = np.broadcast_to(np.transpose(found), (4, len(motions.time)))
+        motions.heading, motions.turn_rate, motions.turn_acceleration, motions.speed = columns
+        return motions
 
     def waves(self) -> Waves:
         """See MotionSource."""
@@ -156,15 +151,12 @@ class DriftingSource(MotionSource):
             amplitude = sea.amplitude * deviation / math.sqrt(spectrum.moment(0))
             self._sums.append(HarmonicSum(sea.frequency, amplitude * np.exp(1j * sea.phase), tick_period))
 
-    def motion(self, tick: int) -> VesselMotion:
+    def motions(self, ticks: range) -> VesselMotions:
         """See MotionSource."""
-        motion = self._source.motion(tick)
+        motions = self._source.motions(ticks)
         for axis, harmonics in enumerate(self._sums):
-            value, rate, acceleration = harmonics.at(tick)[:, 0]
-            motion.displacement[axis] += value
-            motion.velocity[axis] += rate
-            motion.acceleration[axis] += acceleration
-        return motion
+            motions.six[:, :, axis] += harmonics.at(ticks[: len(motions.time)])[:, :, 0]
+        return motions
 
     def waves(self) -> Waves:
         """See MotionSource."""

@@ -7,15 +7,26 @@ from abc import ABC, abstractmethod
 
 from heave_node.interface.waves import NO_WAVES, Waves
 
-from wave_vessel_node.vessel.motion import VesselMotion
+from wave_vessel_node.vessel.motion import VesselMotions
+
+BLOCK = 64
+"""Ticks that are computed at once: a call costs as much as their numbers."""
+
+
+def block_from(tick: int) -> range:
+    """Return the ticks from `tick` to the last one before a multiple of BLOCK."""
+    return range(tick, (tick // BLOCK + 1) * BLOCK)
 
 
 class MotionSource(ABC):
-    """Gives the vessel's motion tick by tick."""
+    """Gives the vessel's motion in blocks of ticks."""
 
     @abstractmethod
-    def motion(self, tick: int) -> VesselMotion:
-        """Return the motion at tick * tick_period; ticks are asked for in rising order, each once."""
+    def motions(self, ticks: range) -> VesselMotions:
+        """Return the motion at `ticks` times tick_period; they are asked for in rising order, each once.
+
+        A source that ends returns fewer, and raises ValueError where none is left.
+        """
 
     def nominal_sea(self) -> tuple[float, float]:
         """Return height [m] and period [s] that describe the sea of a source without a spectrum; NaN: not known."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import groupby
+
 import numpy as np
 from heave_node.interface.waves import NO_WAVES, Waves
 from heave_node.numerics.arrays import Array, ComplexArray
@@ -11,7 +13,7 @@ from heave_node.numerics.constants import STANDARD_GRAVITY
 from wave_vessel_node.sea.realisation import HarmonicSum, WaveComponents
 from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.vessel.course import Course, Leg
-from wave_vessel_node.vessel.motion import VesselMotion
+from wave_vessel_node.vessel.motion import VesselMotions
 from wave_vessel_node.vessel.rao import ResponseTable
 
 _DIFFERENCE = 0.02  # s, step of the central differences that give rates within manoeuvres
@@ -45,18 +47,22 @@ class RaoSource(MotionSource):
         if len(course.legs) > 1:
             self._sum_at(0.0)  # compiles now what a tick should not wait for
 
-    def motion(self, tick: int) -> VesselMotion:
+    def motions(self, ticks: range) -> VesselMotions:
         """See MotionSource."""
-        time = tick * self._tick_period
-        leg = self._course.leg_at(time)
-        values = self._in_manoeuvre(time) if leg is None else self._legs[leg].at(tick)
-        return VesselMotion(
-            time,
-            displacement=values[0, :6].copy(),
-            velocity=values[1, :6].copy(),
-            acceleration=values[2, :6].copy(),
-            elevation=float(values[0, 6]),
-        )
+        motions = VesselMotions.still(ticks, self._tick_period)
+        values, done = np.empty((len(ticks), 3, 7)), 0
+        legs = [self._course.leg_at(time) for time in motions.time.tolist()]
+        for leg, found in groupby(legs):
+            count = len(list(found))
+            part = slice(done, done + count)
+            values[part] = (
+                [self._in_manoeuvre(time) for time in motions.time[part].tolist()]
+                if leg is None
+                else self._legs[leg].at(ticks[part])
+            )
+            done += count
+        motions.six, motions.elevation = values[:, :, :6], values[:, 0, 6]
+        return motions
 
     def waves(self) -> Waves:
         """See MotionSource: as met at the boom tip, while heading and speed hold for the whole run."""

@@ -11,7 +11,7 @@ from wave_vessel_node.mru.oscillator import DrivenOscillator
 from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.sources.recording import Recording, RecordingError, read_recording
 from wave_vessel_node.sources.scene import Scene
-from wave_vessel_node.vessel.motion import HEAVE, VesselMotion
+from wave_vessel_node.vessel.motion import HEAVE, VesselMotions
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
 
@@ -51,20 +51,22 @@ class RecordedSource(MotionSource):
             )
         self._begun = False
 
-    def motion(self, tick: int) -> VesselMotion:
+    def motions(self, ticks: range) -> VesselMotions:
         """See MotionSource. Raises RecordingError beyond the end of the recording."""
-        time = tick * self._tick_period
-        if time > self._recording.time[-1] + 1e-9:
+        last = self._recording.time[-1] + 1e-9
+        there = range(ticks.start, next((tick for tick in ticks if tick * self._tick_period > last), ticks.stop))
+        if not there:
             end = math.floor(self._recording.time[-1] / self._tick_period) * self._tick_period
             raise RecordingError(f"{self._recording.path}: ends after {end:g} s: give a shorter duration")
-        position, velocity, acceleration = (np.asarray(self._spline(time, order)) for order in range(3))
-        motion = VesselMotion(time, elevation=float(position[2]))
+        motions = VesselMotions.still(there, self._tick_period)
+        values = np.stack([self._spline(motions.time, order) for order in range(3)], axis=1)
+        motions.elevation = values[:, 0, HEAVE]
         if self._oscillator is None:
-            motion.displacement[:3], motion.velocity[:3], motion.acceleration[:3] = position, velocity, acceleration
-            return motion
+            motions.six[:, :, :3] = values
+            return motions
+        position, velocity = values[:, 0, HEAVE], values[:, 1, HEAVE]
         if not self._begun:
-            self._oscillator.start(position[2], velocity[2])
+            self._oscillator.start(position[0], velocity[0])
             self._begun = True
-        values = self._oscillator.step(position[2], velocity[2])
-        motion.displacement[HEAVE], motion.velocity[HEAVE], motion.acceleration[HEAVE] = values
-        return motion
+        motions.six[:, :, HEAVE] = self._oscillator.run(position, velocity, np.zeros(len(there)))[:, :3]
+        return motions

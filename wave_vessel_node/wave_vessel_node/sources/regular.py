@@ -9,7 +9,7 @@ from heave_node.interface.waves import Waves
 
 from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.sources.scene import Scene
-from wave_vessel_node.vessel.motion import HEAVE, VesselMotion
+from wave_vessel_node.vessel.motion import HEAVE, VesselMotions
 
 
 def build(scene: Scene) -> MotionSource:
@@ -37,16 +37,17 @@ class RegularSource(MotionSource):
         self._omega = 2.0 * math.pi / period
         self._tick_period = tick_period
 
-    def motion(self, tick: int) -> VesselMotion:
+    def motions(self, ticks: range) -> VesselMotions:
         """See MotionSource."""
-        time = tick * self._tick_period
-        sine, cosine = math.sin(self._omega * time), math.cos(self._omega * time)
-        motion = VesselMotion(time)
-        motion.displacement[:3] = self._amplitude * sine
-        motion.velocity[:3] = self._amplitude * (self._omega * cosine)
-        motion.acceleration[:3] = self._amplitude * (-self._omega * self._omega * sine)
-        motion.elevation = float(motion.displacement[HEAVE])
-        return motion
+        motions, omega = VesselMotions.still(ticks, self._tick_period), self._omega
+        angles = [omega * time for time in motions.time.tolist()]
+        sine = np.array([math.sin(angle) for angle in angles])[:, None]
+        cosine = np.array([math.cos(angle) for angle in angles])[:, None]
+        motions.six[:, 0, :3] = self._amplitude * sine
+        motions.six[:, 1, :3] = self._amplitude * (omega * cosine)
+        motions.six[:, 2, :3] = self._amplitude * (-omega * omega * sine)
+        motions.elevation = motions.six[:, 0, HEAVE].copy()
+        return motions
 
     def nominal_sea(self) -> tuple[float, float]:
         """See MotionSource: the height of a sea with the variance of the sine, and its period."""

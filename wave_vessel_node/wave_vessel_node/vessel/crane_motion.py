@@ -9,11 +9,11 @@ import numpy as np
 from heave_node.crane.kinematics import JOINTS, Crane, TipPlace
 from heave_node.crane.pose import POSE_FIELDS, CranePose, pose_of_numbers
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.kinematics import PEAK_OF_RAMP, PointMotion, smooth_ramp
+from heave_node.numerics.kinematics import PEAK_OF_RAMP, smooth_ramp
 from heave_node.sensing.sensor import Sensor
 
 from wave_vessel_node.parameters import CraneMotionParameters, PoseSensorParameters
-from wave_vessel_node.vessel.motion import VesselMotion, lever_arm_matrix, point_motion
+from wave_vessel_node.vessel.motion import VesselMotions, lever_arm_matrix, point_motions
 
 _OF_JOINTS = np.array([1.0] * len(JOINTS) + [0.0] * len(JOINTS))
 """A spike or jump is an error of the joints, not of their rates."""
@@ -58,21 +58,20 @@ class CraneMotion:
         """Return where the boom tip is in the ship's frame at a `time` [s]."""
         return self._crane.tip(*self.joints(time).tolist())
 
-    def point(self, motion: VesselMotion) -> PointMotion:
-        """Return the boom tip's motion in frame world at the time of the vessel's `motion`.
+    def points(self, motions: VesselMotions) -> Array:
+        """Return the boom tip's motion in frame world at the times of the vessel's `motions`, see `point_motions`.
 
         x = s + r + theta x r,  v = s' + r' + theta' x r + theta x r',
         a = s'' + r'' + theta'' x r + 2 theta' x r' + theta x r'', to the first order in the vessel's motion (s, theta),
-        as in `point_motion`. The frame's origin stays below the boom tip of the reference pose.
+        as in `point_motions`. The frame's origin stays below the boom tip of the reference pose.
         """
-        place = self.place(motion.time)
-        own = np.array((place.arm, place.velocity, place.acceleration))
-        turn, turn_rate = motion.displacement[3:], motion.velocity[3:]
-        acceleration = own[2] + 2.0 * np.cross(turn_rate, own[1]) + np.cross(turn, own[2])
-        own[1] += np.cross(turn, own[1])
-        own[2] = acceleration
-        lever = lever_arm_matrix(self._arm + np.array(place.arm))
-        return point_motion(motion, lever, self._mean_height, own)
+        own = np.array([(one.arm, one.velocity, one.acceleration) for one in map(self.place, motions.time.tolist())])
+        lever = np.array([lever_arm_matrix(self._arm + arm) for arm in own[:, 0]])
+        turn, turn_rate = motions.six[:, 0, 3:], motions.six[:, 1, 3:]
+        acceleration = own[:, 2] + 2.0 * np.cross(turn_rate, own[:, 1]) + np.cross(turn, own[:, 2])
+        own[:, 1] += np.cross(turn, own[:, 1])
+        own[:, 2] = acceleration
+        return point_motions(motions, lever, self._mean_height, own)
 
 
 class PoseSensor:

@@ -6,32 +6,32 @@ are small: rigid-body kinematics to first order.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.kinematics import PointMotion
 
 SURGE, SWAY, HEAVE, ROLL, PITCH, YAW = range(6)
 DEGREES_OF_FREEDOM = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 
 @dataclass
-class VesselMotion:
-    """Motion of the vessel's reference point about its mean, vessel axes, at one time."""
+class VesselMotions:
+    """Motion of the vessel's reference point about its mean, vessel axes, at n ticks in order."""
 
-    time: float = 0.0  # simulated time [s]
-    # surge, sway, heave [m], roll, pitch, yaw [rad] and derivatives, shape (6,)
-    displacement: Array = field(default_factory=lambda: np.zeros(6))
-    # surge, sway, heave [m], roll, pitch, yaw [rad] and derivatives, shape (6,)
-    velocity: Array = field(default_factory=lambda: np.zeros(6))
-    # surge, sway, heave [m], roll, pitch, yaw [rad] and derivatives, shape (6,)
-    acceleration: Array = field(default_factory=lambda: np.zeros(6))
-    elevation: float = 0.0  # sea surface above still water below the boom tip [m]
-    heading: float = 0.0  # mean heading from world x [rad] and derivatives
-    turn_rate: float = 0.0  # mean heading from world x [rad] and derivatives
-    turn_acceleration: float = 0.0  # mean heading from world x [rad] and derivatives
-    speed: float = 0.0  # mean forward speed [m/s]
+    time: Array  # simulated time [s], shape (n,), as are all but `six`
+    six: Array  # surge, sway, heave [m], roll, pitch, yaw [rad], and two derivatives, shape (n, 3, 6)
+    elevation: Array  # sea surface above still water below the boom tip [m]
+    heading: Array  # mean heading from world x [rad]
+    turn_rate: Array  # its rate [rad/s]
+    turn_acceleration: Array  # the rate of that [rad/s^2]
+    speed: Array  # mean forward speed [m/s]
+
+    @classmethod
+    def still(cls, ticks: range, tick_period: float) -> VesselMotions:
+        """Return the motion of a vessel that does not move, at `ticks` of a `tick_period` [s]."""
+        rows = np.zeros((5, len(ticks)))
+        return cls(np.asarray(ticks, dtype=float) * tick_period, np.zeros((len(ticks), 3, 6)), *rows)
 
 
 def lever_arm_matrix(arm: Array) -> Array:
@@ -44,36 +44,36 @@ def lever_arm_matrix(arm: Array) -> Array:
     return np.hstack((np.eye(3), cross))
 
 
-def point_motion(motion: VesselMotion, lever: Array, mean_height: float, own: Array | None = None) -> PointMotion:
-    """Return the motion of a point in frame world, whose origin is below the mean point.
+def point_motions(motions: VesselMotions, lever: Array, mean_height: float, own: Array | None = None) -> Array:
+    """Return position, velocity and acceleration of a point in frame world at n ticks, shape (n, 3, 3).
+
+    The frame's origin is below the mean point, and travels with the mean position of the vessel: forward speed is not
+    in it.
 
     Parameters
     ----------
-    motion : of the vessel's reference point
-    lever : `lever_arm_matrix` of the point
+    motions : of the vessel's reference point
+    lever : `lever_arm_matrix` of the point, shape (3, 6), or that of each tick, shape (n, 3, 6)
     mean_height : mean z of the point [m]
     own : what the point moves by itself, vessel axes: position from the mean point, velocity, acceleration, shape
-        (3, 3); None: it does not
-
-    The frame travels with the mean position of the vessel: forward speed is not in it.
+        (n, 3, 3); None: it does not
     """
-    six = np.array((motion.displacement, motion.velocity, motion.acceleration))
-    vessel = six @ lever.T
+    points: Array = motions.six @ lever.swapaxes(-1, -2)
     if own is not None:
-        vessel += own
-    if motion.turn_rate != 0.0:
-        _add_turning(vessel, motion.turn_rate, motion.turn_acceleration)
-    if motion.heading != 0.0:
-        cosine, sine = np.cos(motion.heading), np.sin(motion.heading)
-        x, y = vessel[:, 0].copy(), vessel[:, 1].copy()
-        vessel[:, 0], vessel[:, 1] = cosine * x - sine * y, sine * x + cosine * y
-    vessel[0, 2] += mean_height
-    return PointMotion(motion.time, vessel[0], vessel[1], vessel[2])
+        points += own
+    if motions.turn_rate.any():
+        _add_turning(points, motions.turn_rate[:, None], motions.turn_acceleration[:, None])
+    if motions.heading.any():
+        cosine, sine = np.cos(motions.heading)[:, None], np.sin(motions.heading)[:, None]
+        x, y = points[:, :, 0].copy(), points[:, :, 1].copy()
+        points[:, :, 0], points[:, :, 1] = cosine * x - sine * y, sine * x + cosine * y
+    points[:, 0, 2] += mean_height
+    return points
 
 
-def _add_turning(vessel: Array, rate: float, acceleration: float) -> None:
-    """Add to velocity and acceleration (rows 1, 2) what turning axes give a point that is off the mean."""
-    position, velocity = vessel[0, :2].copy(), vessel[1, :2].copy()
-    across, across_velocity = np.array([-position[1], position[0]]), np.array([-velocity[1], velocity[0]])
-    vessel[1, :2] += rate * across
-    vessel[2, :2] += 2.0 * rate * across_velocity - rate**2 * position + acceleration * across
+def _add_turning(points: Array, rate: Array, acceleration: Array) -> None:
+    """Add to velocity and acceleration (rows 1, 2 of each point) what turning axes give a point off the mean."""
+    position, velocity = points[:, 0, :2].copy(), points[:, 1, :2].copy()
+    across, across_velocity = (np.stack((-part[:, 1], part[:, 0]), axis=1) for part in (position, velocity))
+    points[:, 1, :2] += rate * across
+    points[:, 2, :2] += 2.0 * rate * across_velocity - rate**2 * position + acceleration * across

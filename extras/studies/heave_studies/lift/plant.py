@@ -88,7 +88,7 @@ def _ways(
     found = []
     for seed in seeds:
         sea = WaveVessel(vessel, seed=seed, tick_period=step)
-        tips = [sea.boom_tip_at(tick) for tick in range(1, round(time / step) + 2)]
+        tips = sea.boom_tips(round(time / step) + 1)
         waves = sea.waves() if plant.wave.source == "sea" else NO_WAVES
         found.append(Way(plant, scene.strengths, scene.phase.rate, step, tips, waves))
     return found
