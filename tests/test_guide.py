@@ -49,7 +49,7 @@ def site(tmp_path_factory):
 
 def test_the_site_builds_without_a_broken_link(site):
     assert (site / "index.html").is_file()
-    assert (site / "reference" / "commands.html").read_text().count("heave operability") > 3
+    assert (site / "reference" / "commands.html").read_text().count("heave study") > 3
     assert "MruSample" in (site / "reference" / "messages.html").read_text()
 
 
@@ -149,7 +149,7 @@ def test_what_a_page_says_to_type_runs_to_its_end(path, tmp_path):
 
 
 def test_a_shorter_page_differs_in_simulated_times_alone():
-    text = "heave run a --duration 300 --seed 3\nheave design a --length 800\nheave campaign run b --duration 300\n"
+    text = "heave run a --duration 300 --seed 3\nheave design a --length 800\nheave study run b --duration 300\n"
     assert shortened(text) == text.replace("a --duration 300", "a --duration 18 --set all.transient=7.2")
     assert shortened("scenario: a\nduration: 240.0\n") == "scenario: a\nduration: 14.4\nset: {all.transient: 7.2}\n"
     assert shortened('["all.duration=240"]\nsigma(after=120.0)') == (

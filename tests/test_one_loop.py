@@ -12,13 +12,14 @@ from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import load_scenario
 from heave_studies.baseline import add_baseline
-from heave_studies.campaign.campaign_file import read_campaign
-from heave_studies.campaign.study import run_study
+from heave_studies.study.cases import Cases
+from heave_studies.study.engine import run_study
+from heave_studies.study.study_file import read_study
 
 from tests.loop_runs import recorded_messages, run_scenario
 
 NOT_OF_ONE_PROCESS = {"nis_in_band_percent", "real_time_factor", "missed_deadlines", "compensation_losses"}
-"""The last counts what nobody had requested, which the reason of a mode shows: a campaign says it in words."""
+"""The last counts what nobody had requested, which the reason of a mode shows: a study says it in words."""
 OTHER_WATER = {
     "cable_sim.water_density": "1030",
     "cable_sim.gravity": "9.83",
@@ -113,12 +114,12 @@ def test_so_it_is_with_a_preview_of_the_boom_tip_which_is_in_the_bag(tmp_path):
 @pytest.mark.long
 def test_a_case_of_a_table_has_the_figures_of_its_row_over_ros_in_a_bag(tmp_path):
     settings = ", ".join(f"{name}: {value}" for name, value in OTHER_WATER.items())
-    file, table = tmp_path / "own.yaml", tmp_path / "own.parquet"
+    file, table = tmp_path / "own.yaml", tmp_path / "own" / "table.parquet"
     file.write_text(
         "scenario: b2_calm_300\nduration: 25\nseeds: [3]\n"
         f"set: {{all.transient: 12, {settings}}}\nvary: {{winch_controller.law: [off, mpc]}}\n"
     )
-    frame = run_study(read_campaign(file), output=table, processes=1).set_index("case")
+    frame = run_study(Cases(read_study(file)), table.parent, processes=1)[0].set_index("case")
     assert frame.loc[2, "compensating_percent"] > 0.0
     for number, law in ((1, "off"), (2, "mpc")):
         record = read_run(run_scenario(tmp_path / law, f"{table}:{number}", duration=25.0))

@@ -90,7 +90,7 @@ def find_scenario(name: str) -> Path:
     if path.is_file():
         return path
     if _CASE.fullmatch(name):
-        raise ParameterError(f"{name}: is a case of a table; `heave campaign --case {name}` writes its scenario")
+        raise ParameterError(f"{name}: is a case of a table; `heave study --case {name}` writes its scenario")
     if path.is_dir():
         of_run = next((place for place in (path, path.parent) if (place / STORED).is_file()), path)
         raise ParameterError(f"{name}: this is a folder; the scenario of a run is its file {of_run / STORED}")

@@ -42,7 +42,7 @@ from heave_bringup.cli import main
         (["adapt", "--show", "no_map"], "heave: --show no_map: is no shipped map"),
         (["adapt", "no_map"], "heave: no_map: there is no such file"),
         (["adapt", "--check", __file__], f"heave: {__file__}: "),
-        (["accept", "--show", "no_such"], "heave: --show no_such: is no shipped procedure"),
+        (["study", "--show", "no_such"], "heave: no_such: no such study or file"),
         (["export", __file__, "--csv", "x.csv"], f"heave: {__file__}: not an MCAP file"),
         (["run", "b2_calm_300", "--bag", str(Path(__file__).parent)], f"heave: {Path(__file__).parent}: is not empty"),
         (["run", "no_such_scenario"], "heave: no_such_scenario"),
@@ -78,7 +78,10 @@ from heave_bringup.cli import main
         (["check", "--external=virtual_winch"], "heave check: --external is no option any more: write --replace"),
         (["run", "b2_calm_300", "--without", "winch_adviser"], "heave run: --without is no option any more: write"),
         (["check", "--replace", "wave_vessel=lockstep"], "heave: --replace wave_vessel=lockstep: must be NODE=WHAT"),
-        (["accept", "sea_trial", "--replace", "mrv=external"], "heave: --replace mrv=external: no such node or sensor"),
+        (
+            ["study", "sea_trial", "--ask", "replace=mrv=external"],
+            "heave: ask: replace mrv=external: no such node or sensor",
+        ),
         (["design", "b2_calm_300", "--length", "-5"], "heave: --length: length = -5.0 is not allowed: it must be"),
         (["identify", "b2_calm_300", "--lengths", "300", "nan"], "heave: --lengths: length = nan is not allowed"),
         (["operate", "sail"], "heave operate: argument VERB: invalid choice: 'sail'"),
@@ -95,7 +98,12 @@ from heave_bringup.cli import main
         (["panel", "--port", "0"], "heave panel: argument --port: 0: must be a whole number from 1 to 65535"),
         (["view", "--port", "high"], "heave view: argument --port: high: must be a whole number from 1 to 65535"),
         (["operate", "--json", "-"], "heave operate: the following arguments are required: VERB"),
-        (["campaign", "b9_model_error", "--processes", "0"], "heave: --processes 0: must be at least 1"),
+        (["study", "model_error", "--processes", "0"], "heave: --processes 0: must be at least 1"),
+        (
+            ["operability", "unit_1500"],
+            "heave: argument COMMAND: is a study now: heave study operability",
+        ),
+        (["falsify"], "heave: argument COMMAND: is a study now: heave study worst_case"),
         (["static", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg"),
         (["identify", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg or"),
         (["kpi", "no_bag", "--table", "x.foo"], "heave: --table x.foo: must end in .csv or .parquet or .xlsx"),
@@ -160,14 +168,14 @@ def test_a_wrong_value_is_told_with_where_it_stands(tmp_path, capsys):
     assert said.startswith("heave: --set wave_vessel.peak_period=abc: peak_period = 'abc' is not allowed: it must be")
 
 
-def test_a_wrong_value_of_a_campaign_is_told_of_its_file(tmp_path, capsys):
-    campaign = tmp_path / "own_campaign.yaml"
-    campaign.write_text("scenario: b2_calm_300\nset: {wave_vessel.peak_period: abc}\n")
-    assert main(["campaign", str(campaign)]) == 2
+def test_a_wrong_value_of_a_study_is_told_of_its_file(tmp_path, capsys):
+    study = tmp_path / "own_study.yaml"
+    study.write_text("scenario: b2_calm_300\nset: {wave_vessel.peak_period: abc}\n")
+    assert main(["study", str(study)]) == 2
     said = capsys.readouterr().err.splitlines()[-1]
-    assert said.startswith(f"heave: {campaign}: wave_vessel.peak_period: peak_period = 'abc' is not allowed")
-    campaign.write_text("scenario: b2_calm_300\n")
-    assert main(["campaign", str(campaign), "--duration", "5"]) == 2
+    assert said.startswith(f"heave: {study}: wave_vessel.peak_period: peak_period = 'abc' is not allowed")
+    study.write_text("scenario: b2_calm_300\n")
+    assert main(["study", str(study), "--duration", "5"]) == 2
     assert "heave: --duration 5: duration = 5 s leaves nothing after the transient" in capsys.readouterr().err
 
 

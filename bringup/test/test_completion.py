@@ -26,7 +26,7 @@ def completions(line):
     ("line", "word"),
     [
         ("heave operat", "operate"),
-        ("heave operab", "operability"),
+        ("heave stu", "study"),
         ("heave operate emer", "emergency-stop"),
         ("heave run b3_", "b3_deep_900"),
         ("heave run b3_deep_900 --qui", "--quiet"),

@@ -90,7 +90,7 @@ def test_what_no_controller_serves_is_refused_before_a_run(setting, says, tmp_pa
     assert not (tmp_path / "out").exists()
 
 
-OR_VARY = "use heave run {0}, or heave campaign {0} --vary NODE.PARAM=V,V"
+OR_VARY = "use heave run {0}, or heave study {0} --vary NODE.PARAM=V,V"
 
 
 def test_a_file_of_another_kind_is_named_with_its_command(tmp_path, monkeypatch, capsys):
@@ -99,13 +99,10 @@ def test_a_file_of_another_kind_is_named_with_its_command(tmp_path, monkeypatch,
     (tmp_path / "plan.yaml").write_text("scenario: b2_calm_300\nphases: [{name: deck}]\n")
     (tmp_path / "scenario.yaml").write_text("")
     for command, file, says in (
-        ("run", "plan.yaml", "plan.yaml: this is a lift plan; use heave lift plan.yaml"),
-        ("design", "plan.yaml", "plan.yaml: this is a lift plan; use heave lift plan.yaml"),
-        ("lift", "my_lift.yaml", "my_lift.yaml: this is a scenario; use heave run my_lift.yaml"),
-        ("campaign", "plan.yaml", "plan.yaml: this is a lift plan; use heave lift plan.yaml"),
-        ("campaign", "my_lift.yaml", f"my_lift.yaml: this is a scenario; {OR_VARY.format('my_lift.yaml')}"),
-        ("campaign", "b2_calm_300", f"b2_calm_300: this is a scenario; {OR_VARY.format('b2_calm_300')}"),
-        ("accept", "my_lift.yaml", "my_lift.yaml: this is a scenario; use heave run my_lift.yaml"),
+        ("run", "plan.yaml", "plan.yaml: this is a lift plan; use heave study plan.yaml"),
+        ("design", "plan.yaml", "plan.yaml: this is a lift plan; use heave study plan.yaml"),
+        ("study", "my_lift.yaml", f"my_lift.yaml: this is a scenario; {OR_VARY.format('my_lift.yaml')}"),
+        ("study", "b2_calm_300", f"b2_calm_300: this is a scenario; {OR_VARY.format('b2_calm_300')}"),
         ("run", "my_lift", "my_lift: no such scenario; did you mean my_lift.yaml?"),
         ("run", ".", ".: this is a folder; the scenario of a run is its file scenario.yaml"),
     ):

@@ -8,7 +8,7 @@ from contextlib import suppress
 
 import pytest
 from heave_bringup.interrupts import forget_interrupts, raise_if_interrupted, raise_interrupts
-from heave_studies.workers.pool import worker_pool
+from heave_studies.study.workers import workers
 
 
 @pytest.fixture
@@ -29,7 +29,7 @@ def test_an_interrupt_that_an_import_has_swallowed_ends_the_command_before_its_w
         os.kill(os.getpid(), number)
     with pytest.raises(KeyboardInterrupt):
         raise_if_interrupted()
-    with pytest.raises(KeyboardInterrupt), worker_pool(1):
+    with pytest.raises(KeyboardInterrupt), workers(1):
         pass
     forget_interrupts()
     raise_if_interrupted()

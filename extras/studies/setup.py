@@ -9,14 +9,8 @@ from colcon_package import set_up
 set_up(
     parts={
         "heave.commands": [
-            "accept = heave_studies.commands.accept",
-            "campaign = heave_studies.commands.campaign",
-            "extremes = heave_studies.commands.extremes",
-            "falsify = heave_studies.commands.falsify",
             "identify = heave_studies.commands.identify",
-            "lift = heave_studies.commands.lift",
-            "operability = heave_studies.commands.operability",
-            "sizing = heave_studies.commands.sizing",
+            "study = heave_studies.commands.study",
             "whatif = heave_studies.commands.whatif",
         ],
         "heave.record_extras": [

@@ -10,8 +10,7 @@ from typing import Any
 PARTS: Mapping[str, Mapping[str, str]] = {
     "heave.commands": {
         **dict.fromkeys(("adapt", "import"), "devices"),
-        **dict.fromkeys(("accept", "campaign", "extremes", "falsify", "identify", "lift", "operability"), "studies"),
-        **dict.fromkeys(("sizing", "whatif"), "studies"),
+        **dict.fromkeys(("study", "identify", "whatif"), "studies"),
         "static": "statics",
         **dict.fromkeys(("panel", "view"), "panel"),
         "fmu": "fmu",
@@ -31,8 +30,8 @@ class MissingExtraError(Exception):
 def how_to_install(extra: str) -> str:
     """Return the command, given in the folder of the suite, that installs the packages of an `extra`.
 
-    >>> how_to_install("dask")
-    'in the folder of the suite: make extras (most), or .venv/bin/uv pip install -r pyproject.toml --extra dask'
+    >>> how_to_install("studies")
+    'in the folder of the suite: make extras (most), or .venv/bin/uv pip install -r pyproject.toml --extra studies'
     """
     of_one = f".venv/bin/uv pip install -r pyproject.toml --extra {extra}"
     return f"in the folder of the suite: make extras (most), or {of_one}"

@@ -17,7 +17,7 @@ from heave_bringup.nodes import NODE_BY_NAME
 from heave_bringup.scenarios import shipped_scenarios
 from heave_node.parameters import ParameterInfo, describe
 from heave_node.scenario import read_sections, sections_text
-from heave_studies.tables.kept_files import MARK
+from heave_studies.study.kept_files import MARK
 
 BOMBS: tuple[bytes, ...] = (
     b"a: &a [x, x, x]\n" + b"".join(b"k%d: &k%d [*a, *a, *a]\n" % (n, n) for n in range(30)),

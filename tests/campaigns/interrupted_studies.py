@@ -50,10 +50,9 @@ set: {all.transient: 1.0, wave_vessel.ramp: 0.5, cable_sim.segments: 2}
 seeds: 500
 """
 COMMANDS: dict[str, list[str]] = {
-    "campaign": ["campaign", "own.yaml", "--output", "own.parquet", "--no-baseline", "--processes", "2"],
-    "operability": ["operability", "unit_1500", "--output", "own.parquet", "--processes", "2"],
-    "sizing": ["sizing", "unit_1500", "--output", "own.parquet", "--processes", "2"],
-    "benchmark": ["benchmark", "run", "industrial", "--processes", "2"],
+    "study": ["study", "own.yaml", "--processes", "2"],
+    "operability": ["study", "operability", "--processes", "2"],
+    "sizing": ["study", "sizing", "--processes", "2"],
     "run": ["run", "b2_calm_300", "--duration", "100000", "--bag", "run", "--no-report"],
     "short run": ["run", "b2_calm_300", "--duration", "300", "--bag", "run"],
     "record": ["record", "bag"],
@@ -157,7 +156,7 @@ def started_for(folder: Path) -> list[psutil.Process]:
 
 def _lines(folder: Path) -> int:
     """Return how many whole results the journal beside the table has."""
-    journal = folder / "own.parquet.partial"
+    journal = folder / "studies" / "own" / "journal.jsonl"
     return max(journal.read_text().count("\n") - 1, 0) if journal.exists() else 0
 
 

@@ -29,6 +29,7 @@ from heave_studies.lift.plan import WATER, Phase, Plan, read_plan
 from heave_studies.lift.plant import Way, cross, crossings
 from heave_studies.lift.response import HEIGHT, PhaseScene, phase_scene
 from heave_studies.operability.limits import CALM
+from heave_studies.study.study_file import find_study
 
 ABOUT, BELOW = 1.0, 0.55
 """Height of the runs over the predicted limit; that of a limit of the winch, beyond which its figure stays."""
@@ -152,7 +153,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=8)
     parser.add_argument("--way", choices=("locked", "compensated", "both"), default="both")
     options = parser.parse_args()
-    plan = read_plan(options.plan)
+    plan = read_plan(find_study(options.plan))
     phases = [phase for phase in plan.phases if not options.phases or phase.name in options.phases]
     for phase in phases:
         for period in options.periods or plan.whole.periods:

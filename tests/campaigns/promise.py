@@ -1,13 +1,13 @@
 """Never worse than off: winches, sensors and seas that differ from what the controller assumes (benchmark B9).
 
-    python -m tests.campaigns.promise --draws 256 --tornado promise.svg
+    python -m tests.campaigns.promise --draws 256
 
 The controller assumes scenario b3_deep_900 as it is. Of the truth are drawn: limits of speed and acceleration, of
 hauling in apart, of power, the servo, its gain, delay, dead zone, the encoder's play, the radius of the drum, the
 noise of MRU and depth sensor, stamps of the MRU and its high-pass, the sea. A draw is kept whose unit is never worse
 than 1.05 times the uncompensated one over any minute that begins 30 s after compensation does. Components run in this
 process. --plant draws mass, damping and drag of the unit besides, as campaign b9_model_error does: each draw then has
-errors of plant, winch and sensors together. --tornado ranks what matters among what was drawn, by the efficiency.
+errors of plant, winch and sensors together. What matters among what was drawn is ranked by the efficiency.
 
 Without --draws the plain table is run: one thing wrong at a time; where that is a sensor, beside a run with an informed
 controller: from 60 s after the beginning of compensation on, to the end of 400 s, the unit moves at most twice as
@@ -24,7 +24,6 @@ import re
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 import numpy as np
 import pandas
@@ -34,8 +33,9 @@ from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Alarm, alarms_in
 from heave_node.kpi import WORSE_RATIO, WORSE_WINDOW, window_ratios
 from heave_node.numerics.arrays import Array
-from heave_studies.campaign.sensitivity import FEWEST_CASES, influence_table, influences, save_tornado
-from heave_studies.campaign.table import FAILURE, NOMINAL
+from heave_studies.study.sensitivity import FEWEST_CASES, influence_table, influences
+from heave_studies.study.table import NOMINAL
+from heave_studies.study.workers import FAILURE
 
 from tests.campaigns.commit import commit_line
 from tests.campaigns.draws.findings import blamed_by, changes_in
@@ -432,10 +432,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--first", type=int, default=0, metavar="N", help="number of the first one (default 0)")
     parser.add_argument("--seeds", type=int, default=1, metavar="N", help="seeds of the plain table (default 1)")
     parser.add_argument("--alarms", action="store_true", help="print all findings of each run")
-    parser.add_argument("--tornado", type=Path, metavar="FILE", help="a picture (.png, .svg, .pdf) of what matters")
     options = parser.parse_args(arguments)
-    if options.tornado is not None and options.draws < FEWEST_CASES:
-        parser.error(f"--tornado: what matters needs --draws {FEWEST_CASES} or more")
     drawn = draw_with_plant if options.plant else draw
     draws = [drawn(number) for number in range(options.first, options.first + options.draws)]
     seeds = range(1, options.seeds + 1)
@@ -448,9 +445,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.write("\n".join(lines) + "\n")
         sys.stdout.flush()
     sys.stdout.write(summary(found) + "\n")
-    if options.tornado is not None:
+    if options.draws >= FEWEST_CASES:
         ranked = influences(frame_of(draws, found), EFFICIENCY)
-        save_tornado(ranked, EFFICIENCY, options.tornado)
         print_parts([influence_table(ranked, EFFICIENCY)])
     return 0 if all(one.is_kept for one in found) else 1
 

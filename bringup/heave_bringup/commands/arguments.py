@@ -94,13 +94,3 @@ def _namespace(text: str) -> str:
             f"{text!r} is not a ROS namespace: letters, digits and _, parts separated by /"
         )
     return text
-
-
-def add_workers(parser: argparse.ArgumentParser) -> None:
-    """Let the user of `parser` say where many cases run."""
-    parser.add_argument("--processes", type=int, metavar="N", help="default: one per processor")
-    parser.add_argument(
-        "--dask",
-        metavar="ADDRESS",
-        help="run on the workers of this Dask scheduler (tcp://HOST:PORT); needs the extra dask",
-    )

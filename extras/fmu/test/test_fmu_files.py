@@ -12,8 +12,8 @@ from heave_bags.analyse import kpi_set
 from heave_bringup.closed_loop import LoopRecord, loop_parameters
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import load_scenario
-from heave_studies.campaign.plan import Case
-from heave_studies.campaign.runs import Task, run_task
+from heave_studies.study.plan import Case
+from heave_studies.study.runs import Task, run_task
 
 pytest.importorskip("pythonfmu", reason="pythonfmu is not installed: the extra fmu")
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed: the extra fmu")

@@ -16,10 +16,11 @@ from heave_devices.adapt.device import LiveDevice
 from heave_devices.maps.device_map import device_map_of
 from heave_node.files.bounded_yaml import parse_yaml
 from heave_studies.accept import figures
+from heave_studies.accept.measured import Nominal
 from heave_studies.accept.parts.real_winch import RealPart
 from heave_studies.accept.parts.winch import run_winch
-from heave_studies.accept.procedure_file import Limits, find_procedure, read_head, read_procedure
-from heave_studies.accept.session import Nominal
+from heave_studies.accept.procedure_file import Limits, read_head, read_procedure
+from heave_studies.study.study_file import find_study
 from scipy.interpolate import CubicSpline
 from scipy.signal import lsim
 
@@ -36,7 +37,7 @@ NOMINAL = Nominal(2.0, 1.5, 0.35)
 
 def winch_steps(*names):
     """Return steps of the shipped factory test, all of them without names."""
-    steps = read_procedure(read_head(find_procedure("winch_factory_test")), Limits(2.0, 1.5)).steps
+    steps = read_procedure(read_head(find_study("winch_factory_test")), Limits(2.0, 1.5)).steps
     return [step for step in steps if not names or step.name in names]
 
 
@@ -127,10 +128,10 @@ def test_records_of_published_controllers_pass_and_fail_where_they_should(
 ):
     foreign_log(tmp_path, sea, law)
     (tmp_path / "trial.yaml").write_text(TRIAL.replace("BOUND", f"{bound:g}"))
-    record = ["--record", str(tmp_path / "log.csv"), "--map", str(tmp_path / "map.yaml")]
+    record = ["--ask", f"record={tmp_path / 'log.csv'}", "--ask", f"map={tmp_path / 'map.yaml'}"]
     result = tmp_path / "result.json"
     where = ["--output", str(tmp_path / "out"), "--json", str(result)]
-    assert main(["accept", str(tmp_path / "trial.yaml"), *record, *where]) == status
+    assert main(["study", str(tmp_path / "trial.yaml"), *record, *where]) == status
     (criterion,) = json.loads(result.read_text())["steps"][0]["criteria"]
     assert 100.0 * criterion["got"] == pytest.approx(published, rel=0.01), "computed anew from the papers, 1 ms steps"
     capsys.readouterr()
@@ -140,6 +141,6 @@ def test_records_of_published_controllers_pass_and_fail_where_they_should(
 @pytest.mark.parametrize("procedure", ["sensor_check", "harbour_test", "sea_trial"])
 def test_the_virtual_parts_pass_the_shipped_trials(procedure, tmp_path):
     with domain_id() as domain:
-        done = give(domain, "accept", procedure, "--output", str(tmp_path / "out"), timeout=900.0)
+        done = give(domain, "study", procedure, "--output", str(tmp_path / "out"), timeout=900.0)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert (tmp_path / "out" / "report.html").is_file()
+    assert (tmp_path / "out" / "page.html").is_file()

@@ -3,6 +3,7 @@
 import json
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,13 +17,14 @@ from heave_node.parameters import ParameterError
 from heave_studies.accept import figures, set_signal
 from heave_studies.accept.limits import Limits
 from heave_studies.accept.measured import Measured, Nominal
-from heave_studies.accept.page import render
 from heave_studies.accept.parts.real_winch import RealPart
 from heave_studies.accept.parts.run import scenario_of
 from heave_studies.accept.parts.winch import VirtualPart, run_winch
 from heave_studies.accept.procedure import Event, WinchTest
-from heave_studies.accept.procedure_file import amount, find_procedure, read_head, read_procedure
-from heave_studies.accept.session import Parts, Session
+from heave_studies.accept.procedure_file import amount, read_head, read_procedure
+from heave_studies.accept.study import Acceptance, Parts
+from heave_studies.study.engine import run_study
+from heave_studies.study.study_file import find_study
 from sensor_msgs.msg import JointState
 
 from tests.adapt_fakes import Node
@@ -123,7 +125,7 @@ def test_a_sweep_goes_from_its_first_period_to_its_last():
 
 @pytest.fixture(scope="module")
 def steps():
-    head = read_head(find_procedure("winch_factory_test"))
+    head = read_head(find_study("winch_factory_test"))
     return read_procedure(head, Limits(NOMINAL.speed, NOMINAL.acceleration)).steps
 
 
@@ -188,15 +190,16 @@ def test_a_winch_that_falls_silent_meets_nothing_and_the_time_is_said(monkeypatc
 
 def test_the_command_judges_writes_its_report_and_judges_its_own_records_again(tmp_path, capsys):
     json_file, folder = tmp_path / "result.json", tmp_path / "out"
-    arguments = ["--step", "Full speed", "--step", "Ramp"]
-    assert main(["accept", "winch_factory_test", *arguments, "--output", str(folder), "--json", str(json_file)]) == 0
+    arguments = ["--ask", "step=[Full speed, Ramp]"]
+    assert main(["study", "winch_factory_test", *arguments, "--output", str(folder), "--json", str(json_file)]) == 0
     result = json.loads(json_file.read_text())
     assert [step["state"] for step in result["steps"]] == ["passed", "passed"]
-    page = (folder / "report.html").read_text(encoding="utf-8")
+    page = (folder / "page.html").read_text(encoding="utf-8")
     for words in ("Signatures", "SHA-256", result["steps"][0]["sha256"], "surveyor", "passed: 2"):
         assert words in page.replace("<strong>", "").replace("</strong>", "")
-    again = ["accept", "winch_factory_test", *arguments, "--output", str(tmp_path / "again")]
-    records = ["--record", f"Full speed={folder / 'full_speed.csv'}", "--record", f"Ramp={folder / 'ramp.csv'}"]
+    again = ["study", "winch_factory_test", *arguments, "--output", str(tmp_path / "again")]
+    files = f"{{Full speed: {folder / 'full_speed.csv'}, Ramp: {folder / 'ramp.csv'}}}"
+    records = ["--ask", f"record={files}"]
     assert main([*again, *records, "--json", str(json_file)]) == 0
     seen = json.loads(json_file.read_text())["steps"]
     for one, other in zip(seen, result["steps"], strict=True):
@@ -207,7 +210,7 @@ def test_the_command_judges_writes_its_report_and_judges_its_own_records_again(t
 
 def test_a_slow_winch_gives_exit_status_3_and_names_the_step(tmp_path, capsys):
     slow = ["--set", "virtual_winch.speed_limit=1.6", "--output", str(tmp_path / "out")]
-    assert main(["accept", "winch_factory_test", "--step", "Full speed", *slow]) == 3
+    assert main(["study", "winch_factory_test", "--ask", "step=Full speed", *slow]) == 3
     assert "Full speed: Speed reached" in capsys.readouterr().err
 
 
@@ -223,9 +226,9 @@ def test_a_map_that_does_not_fit_the_record_is_refused_in_one_line_without_a_rep
     (tmp_path / "log.csv").write_text("t,ship\n" + "\n".join(f"{0.1 * k:.1f},{k % 7}" for k in range(900)))
     (tmp_path / "map.yaml").write_text(f"time_column: t\n{mapping}\n")
     (tmp_path / "own.yaml").write_text(HEAD + RECORD)
-    mapped = ["--map", str(tmp_path / "map.yaml")] if mapping else []
-    arguments = ["--record", str(tmp_path / "log.csv"), *mapped, "--output", str(tmp_path / "out")]
-    assert main(["accept", str(tmp_path / "own.yaml"), *arguments]) == 2
+    mapped = ["--ask", f"map={tmp_path / 'map.yaml'}"] if mapping else []
+    arguments = ["--ask", f"record={tmp_path / 'log.csv'}", *mapped, "--output", str(tmp_path / "out")]
+    assert main(["study", str(tmp_path / "own.yaml"), *arguments]) == 2
     error = capsys.readouterr().err
     assert words in error
     assert error.count("\n") == 1
@@ -253,8 +256,8 @@ def test_nothing_is_met_over_a_time_that_a_record_lacks(kept, words, tmp_path, c
     (tmp_path / "log.csv").write_text("t,ship,rope\n" + "\n".join(lines))
     (tmp_path / "map.yaml").write_text("time_column: t\nheave: {column: ship}\npayout: {column: rope}\n")
     (tmp_path / "own.yaml").write_text(HEAD + RECORD)
-    arguments = ["--record", str(tmp_path / "log.csv"), "--map", str(tmp_path / "map.yaml")]
-    status = main(["accept", str(tmp_path / "own.yaml"), *arguments, "--output", str(tmp_path / "out")])
+    arguments = ["--ask", f"record={tmp_path / 'log.csv'}", "--ask", f"map={tmp_path / 'map.yaml'}"]
+    status = main(["study", str(tmp_path / "own.yaml"), *arguments, "--output", str(tmp_path / "out")])
     told = capsys.readouterr()
     assert status == (3 if words else 0), told
     assert words in told.out.replace("\N{NO-BREAK SPACE}", " ")
@@ -294,11 +297,11 @@ HEAD = "title: t\nscenario: b2_calm_300\nsteps:\n"
 def test_what_is_wrong_with_a_procedure_is_one_line_before_anything_runs(step, words, tmp_path, capsys):
     path = tmp_path / "own.yaml"
     path.write_text(HEAD + step)
-    assert main(["accept", str(path)]) == 2
+    assert main(["study", str(path), "--output", str(tmp_path / "out")]) == 2
     error = capsys.readouterr().err
     assert words in error
     assert error.count("\n") == 1
-    assert not (tmp_path / "runs").exists()
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(
@@ -319,12 +322,12 @@ def test_what_is_wrong_with_a_procedure_is_one_line_before_anything_runs(step, w
 def test_what_the_nominal_winch_cannot_do_is_refused(winch, words, tmp_path, capsys):
     path = tmp_path / "own.yaml"
     path.write_text(HEAD + f"- {{name: a, winch: {winch}, wanted: {{overshoot: '< 1 %'}}}}")
-    assert main(["accept", str(path), "--check"]) == 2
+    assert main(["study", str(path), "--check"]) == 2
     assert words in capsys.readouterr().err
 
 
 def test_the_list_of_steps_shows_the_load(capsys):
-    assert main(["accept", "winch_factory_test", "--check"]) == 0
+    assert main(["study", "winch_factory_test", "--check"]) == 0
     assert "held by the brake for 10 s, load 30 kN" in capsys.readouterr().out
 
 
@@ -338,22 +341,25 @@ def test_amounts_have_units_and_percent_is_of_the_nominal_limit():
 
 @pytest.mark.parametrize("name", ["winch_factory_test", "sensor_check", "harbour_test", "sea_trial"])
 def test_each_shipped_procedure_is_right(name):
-    session = Session(read_head(find_procedure(name)), Parts())
-    assert session.procedure.signatures
-    assert all(step.what and step.wanted for step in session.procedure.steps)
+    kind = Acceptance(read_head(find_study(name)), Parts(), (), "", (), Path())
+    assert kind.procedure.signatures
+    assert all(step.what and step.wanted for step in kind.procedure.steps)
 
 
 @pytest.mark.parametrize(("external", "faults"), [((), ("gap",)), (("mru=own",), ()), (("winch/load_cell",), ("gap",))])
 def test_a_fault_is_simulated_unless_the_sensor_that_has_it_is_real(external, faults):
-    procedure = read_procedure(read_head(find_procedure("sea_trial")), Limits(2.0, 1.5))
+    procedure = read_procedure(read_head(find_study("sea_trial")), Limits(2.0, 1.5))
     step = next(step for step in procedure.steps if step.event and step.event.device == "mru")
     scenario = scenario_of(procedure, step.test, step.event, external)
     assert scenario.parameters["wave_vessel"].mru.faults.kind == faults
     assert scenario.run.external == tuple(text.partition("=")[0] for text in external)
 
 
-def test_a_page_of_steps_that_were_not_done_says_so(tmp_path):
-    session = Session(read_head(find_procedure("sea_trial")), Parts(records={"Irregular sea": tmp_path / "none"}))
-    found = session.run(tmp_path, ["Regular sea"])
-    assert not found.is_passed
-    assert "there is no record of it" in render(found)
+def test_a_step_that_was_not_done_says_so(tmp_path):
+    parts = Parts(records={"Irregular sea": tmp_path / "none"})
+    rows = "".join(f"{number},0,0,0\n" for number in range(20))
+    (tmp_path / "none").write_text("time_s,ordered_rate_mps,payout_m,payout_rate_mps\n" + rows)
+    kind = Acceptance(read_head(find_study("sea_trial")), parts, (), "", ["Regular sea"], tmp_path)
+    frame, _ = run_study(kind, tmp_path / "out")
+    (row,) = frame.to_dict("records")
+    assert (row["state"], row["reached"]) == ("not done", "there is no record of it")

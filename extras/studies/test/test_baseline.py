@@ -161,7 +161,7 @@ def test_how_far_it_is_is_told():
     assert shares == pytest.approx([0.25, 0.5, 0.75, 1.0])
 
 
-@pytest.mark.parametrize("line", [["run", "b2_calm_300"], ["kpi", "bag"], ["report", "bag"], ["campaign", "b3_seeds"]])
+@pytest.mark.parametrize("line", [["run", "b2_calm_300"], ["kpi", "bag"], ["report", "bag"]])
 def test_it_is_there_unless_it_is_left_out(line):
     parser = make_parser()
     assert parser.parse_args(line).baseline is not False

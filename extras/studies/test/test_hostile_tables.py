@@ -19,9 +19,8 @@ from heave_bringup.scenarios import shipped_scenarios
 from heave_node.parameters import ParameterError
 from heave_node.scenario import read_sections, sections_text
 from heave_studies.baseline import KEPT, read_kept
-from heave_studies.campaign.extremes import FIGURES, extremes_of_table
-from heave_studies.tables.case_table import files_of, read_cases, scenario_of, split_reference, write_case
-from heave_studies.tables.kept_files import MARK
+from heave_studies.study.case_file import files_of, read_cases, scenario_of, split_reference, write_case
+from heave_studies.study.kept_files import MARK
 
 CONTENT = b"content of a file"
 DIGEST = hashlib.sha256(CONTENT).hexdigest()
@@ -70,20 +69,6 @@ def test_a_table_whose_texts_are_no_texts_is_refused_in_a_line(tmp_path):
     pyarrow.parquet.write_table(arrow, tmp_path / "own.parquet")
     with pytest.raises(ParameterError, match="cannot be read as a table of cases"):
         scenario_of(tmp_path / "own.parquet", 1)
-
-
-@pytest.mark.parametrize("name", ["seed", "nominal", "failure", *FIGURES])
-@pytest.mark.parametrize("change", ["is missing", "is a list"])
-def test_a_table_without_what_extremes_need_is_refused_in_words(tmp_path, name, change):
-    rows = {"case": [1, 2, 3], "scenario": [""] * 3, "seed": [1, 2, 3], "nominal": [False] * 3, "failure": [""] * 3}
-    frame = pandas.DataFrame(rows | {figure: [1.0, 2.0, 3.0] for figure in FIGURES})
-    if change == "is missing":
-        frame = frame.drop(columns=name)
-    else:
-        frame[name] = [[1.0], [2.0], [3.0]]
-    frame.to_parquet(tmp_path / "own.parquet")
-    with pytest.raises(ParameterError):
-        extremes_of_table(tmp_path / "own.parquet", 3600.0)
 
 
 @pytest.mark.parametrize(
@@ -152,7 +137,7 @@ def test_the_files_of_a_case_are_digests_by_path(tmp_path, files):
 
 
 def test_a_file_that_the_table_names_is_read_only_where_its_size_is_right(tmp_path, monkeypatch):
-    import heave_studies.tables.kept_files as module  # noqa: PLC0415
+    import heave_studies.study.kept_files as module  # noqa: PLC0415
 
     other = tmp_path / "large.csv"
     other.write_bytes(bytes(1000))
@@ -179,7 +164,7 @@ def test_a_table_of_other_types_is_refused(tmp_path):
     path = tmp_path / "own.parquet"
     for row in ({"case": ["a"], "scenario": ["b"]}, {"case": [1], "scenario": [[1]]}, {"case": [1], "scenario": [7]}):
         pyarrow.parquet.write_table(pyarrow.table(row), path)
-        with pytest.raises(ParameterError, match="not a table of heave campaign"):
+        with pytest.raises(ParameterError, match="not a table of heave study"):
             write_case(f"{path}:1", tmp_path / "run.yaml")
 
 

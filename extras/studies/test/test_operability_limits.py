@@ -11,16 +11,14 @@ import pandas
 import pytest
 from heave_bags.analyse import kpi_set
 from heave_bringup.cli import main
-from heave_bringup.run.criteria import LAW
-from heave_bringup.scenarios import load_scenario
 from heave_node.criteria import Criterion
-from heave_studies.campaign import executors
-from heave_studies.campaign.runs import CaseResult, Task
-from heave_studies.commands.operability import _left_out
-from heave_studies.commands.sea_options import with_strengths
-from heave_studies.operability.figures import SCALE, contrast, limit_figure, map_figure
+from heave_studies.answers.criteria import with_strengths
+from heave_studies.operability.exposure import study_situations
+from heave_studies.operability.figures import limit_figure
 from heave_studies.operability.limits import (
+    HEIGHT,
     LOST_LIMIT,
+    PERIOD,
     crossing,
     interval,
     limit_curve,
@@ -28,19 +26,14 @@ from heave_studies.operability.limits import (
     seed_limit,
     situations,
     too_few_seeds,
-    utilisation,
 )
-from heave_studies.operability.seas import HEADING, HEIGHT, PERIOD, SeaGrid
-from heave_studies.operability.study import study_situations
+from heave_studies.study import cases as engine
+from heave_studies.study.runs import CaseResult, Task
 from scipy import stats
 
 RESIDUAL = Criterion("significant_residual_m", "<=", 0.5)
 AMPLIFICATION = Criterion("dynamic_amplification", "<=", 1.3)
 SPEED = Criterion("winch_speed_max_mps", "<=", 2.0)
-
-
-STOPS = [(at, [int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5)]) for at, colour in SCALE]
-"""Colours of the maps, red, green and blue."""
 
 
 def cases(heights=(1.0, 2.0, 3.0), periods=(8.0,), seeds=(1,), residual=0.2, lost_from=math.inf) -> pandas.DataFrame:
@@ -83,9 +76,6 @@ def test_a_rope_limits_where_its_load_reaches_its_breaking_force():
     found = seed_limit(frame, [rope])
     assert (found.height, found.governs) == (pytest.approx(2.5), "rope_safety_factor")
     assert seed_limit(frame, [rope], locked=True).height == pytest.approx(1.0)
-    use = utilisation(frame, rope)
-    assert use is not None
-    assert use == pytest.approx(0.08 * frame[HEIGHT].to_numpy() / 0.2)
 
 
 def test_a_rope_whose_strength_is_not_stated_and_one_with_a_criterion_of_its_own_add_none():
@@ -107,13 +97,13 @@ def test_a_limit_outside_the_heights_that_were_run_is_reported_as_below_or_above
     (low,) = limit_curve(cases(), [RESIDUAL], locked=True).to_dict("records")
     assert low["is_below"]
     assert low["limit"] == pytest.approx(0.5), "by which workable seas are counted"
-    assert limit_words(low) == "below 1.00"
+    assert limit_words(low) == "below 1.0"
     (high,) = limit_curve(cases(residual=0.01), [RESIDUAL]).to_dict("records")
-    assert limit_words(high) == "above 3.00"
+    assert limit_words(high) == "above 3.0"
     (within,) = limit_curve(cases(), [RESIDUAL]).to_dict("records")
-    assert limit_words(within) == "2.50"
+    assert limit_words(within) == "2.5"
     (mixed,) = limit_curve(cases(seeds=(1, 2, 5)), [RESIDUAL]).to_dict("records")  # 2.5, 1.25 and 0.5 m
-    assert limit_words(mixed) == "below 1.58"
+    assert limit_words(mixed) == "below 1.6"
     assert interval(mixed) == "-"
     frame = cases(periods=(8.0, 9.0))
     (found,) = study_situations(frame, [RESIDUAL], None)
@@ -121,20 +111,6 @@ def test_a_limit_outside_the_heights_that_were_run_is_reported_as_below_or_above
     assert drawn["compensated"]["marker"]["symbol"] == ["circle", "circle"]
     assert drawn["uncompensated"]["marker"]["symbol"] == ["triangle-down-open"] * 2
     assert drawn["uncompensated"]["y"] == [1.0, 1.0], "nothing is drawn where no sea was run"
-
-
-def test_the_digits_of_a_map_can_be_read_on_every_colour_of_it():
-    """WCAG 2 asks for a contrast of 4.5; black on white has 21."""
-    assert contrast(np.zeros(3), np.ones(3)) == pytest.approx(21.0)
-    (found,) = study_situations(cases(heights=(0.1, 1.0, 2.0, 2.5, 3.0, 6.0), periods=(8.0, 9.0)), [RESIDUAL], None)
-    drawn = map_figure(found, RESIDUAL, locked=False)
-    assert drawn is not None
-    assert "Green is within the bound, orange beyond it." in drawn.caption
-    cells, digits = drawn.traces
-    assert len(digits["textfont"]["color"]) == 12
-    for value, colour in zip(np.ravel(cells["z"]), digits["textfont"]["color"], strict=True):
-        behind = [np.interp(0.5 * value, *zip(*((at, c[k]) for at, c in STOPS), strict=True)) for k in range(3)]
-        assert contrast(np.array(behind), np.full(3, 1.0 if colour == "#ffffff" else 0.0)) >= 4.5
 
 
 def test_a_lost_case_ends_the_limit_at_the_height_before():
@@ -177,30 +153,13 @@ def test_fewer_than_three_seeds_show_no_confidence_and_say_how_many_would(seeds)
     assert too_few_seeds([limit_curve(cases(seeds=(1, 2, 3)), [RESIDUAL])]) == ""
 
 
-def test_how_much_of_a_bound_is_used_counts_from_a_calm_sea():
-    np.testing.assert_allclose(utilisation(cases(), RESIDUAL), [0.4, 0.8, 1.2])
-    np.testing.assert_allclose(utilisation(cases(), AMPLIFICATION), [0.05 / 0.3, 0.1 / 0.3, 0.15 / 0.3])
-    assert utilisation(cases(), SPEED, locked=True) is None
-
-
 def test_each_heading_is_a_situation_of_its_own():
     frame = cases()
-    both = pandas.concat([frame.assign(**{HEADING: 0.0}), frame.assign(**{HEADING: math.pi / 2})])
+    both = pandas.concat(
+        [frame.assign(**{"system.course.heading": 0.0}), frame.assign(**{"system.course.heading": math.pi / 2})]
+    )
     assert [name for name, _ in situations(both)] == ["heading 0 deg", "heading 90 deg"]
     assert [name for name, _ in situations(frame)] == [""]
-
-
-def test_a_grid_of_seas_is_every_combination_in_each_situation():
-    grid = SeaGrid((1.0, 2.0), (8.0, 9.0), (0.0, 90.0), (1, 2, 3), {"system.length": [500, 900]})
-    made = list(grid.campaign("b2_calm_300", settings={}, wanted={}, duration=None).cases())
-    assert len(made) == 2 * 2 * 2 * 3 * 2
-    assert made[-1].settings == {"system.length": 900, HEADING: pytest.approx(math.pi / 2), PERIOD: 9.0, HEIGHT: 2.0}
-
-
-@pytest.mark.parametrize(("name", "values"), [("heights", (1.0,)), ("periods", (9.0, 8.0)), ("heights", (0.0, 1.0))])
-def test_a_grid_that_is_none_is_refused(name, values):
-    with pytest.raises(ValueError, match=f"--{name}: needs at least two values"):
-        SeaGrid(**{name: values})
 
 
 def pretended(task: Task) -> CaseResult:
@@ -212,83 +171,56 @@ def pretended(task: Task) -> CaseResult:
     return CaseResult(task.case, {key: row[key] for key in kpi_set.DEFINITION_OF}, "", 1.0)
 
 
-def test_the_command_writes_page_and_tables_and_makes_them_again_without_running(tmp_path: Path, monkeypatch, capsys):
+def seas(*more: str) -> list[str]:
+    vary = ["--vary", f"{HEIGHT}=1,5", "--vary", f"{PERIOD}=6,9", "--seeds", "2", "--processes", "1"]
+    return ["study", "operability", "b2_calm_300", *vary, *more]
+
+
+def test_the_study_answers_and_answers_another_record_without_running_again(tmp_path: Path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(executors, "run_task", pretended)
+    monkeypatch.setattr(engine, "run_task", pretended)
     (tmp_path / "seas.csv").write_text(
         "time,hs,tp\n" + "".join(f"2001-0{1 + d // 28}-{1 + d % 28:02d},{1 + d % 3},8\n" for d in range(56))
     )
-    command = [
-        *("operability", "b2_calm_300", "--heights", "1", "5", "--periods", "6", "9", "--processes", "1"),
-        *("--require", "significant_residual_m<=0.4", "--record", "seas.csv", "--windows", "24", "--csv", "own.csv"),
-    ]
-    assert main(command) == 0
+    required = ("--require", "significant_residual_m<=0.4")
+    assert main(seas(*required, "--ask", "record=seas.csv", "--ask", "windows=[24]")) == 0
     said = capsys.readouterr().out
-    # seeds 1 and 2: 4 m and 2 m; b2's own criterion on the outlet is never met where its efficiency is 0
-    page = (tmp_path / "b2_calm_300_operability.html").read_text()
+    page = (tmp_path / "studies" / "operability-b2_calm_300" / "page.html").read_text()
     assert "workable seas of seas.csv" in said
-    assert re.search(r"\d to \d", said) is None, "of two seeds no confidence is printed"
-    assert said.count("Confidence is not stated with 2 seeds") == 1
-    assert page.count("Confidence is not stated with 2 seeds") == 1
-    assert "heave campaign --case b2_calm_300_operability.parquet:CASE" in page
-    assert page.count('class="figure"') > 5
-    assert len(pandas.read_csv("own.csv")) == 4
-    monkeypatch.setattr(executors, "run_task", None)
-    again = ["operability", "b2_calm_300", "--cases", "b2_calm_300_operability.parquet", "--report", "again.html"]
-    assert main(again) == 0
-    assert (tmp_path / "again.html").is_file()
-
-
-def test_a_scatter_diagram_gives_a_share_and_says_why_there_are_no_windows(tmp_path: Path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(executors, "run_task", pretended)
-    (tmp_path / "scatter.csv").write_text("hs,6,9\n1,60,20\n3,15,5\n")
-    command = ["operability", "b2_calm_300", "--heights", "1", "5", "--periods", "6", "9", "--processes", "1"]
-    assert main([*command, "--require", "significant_residual_m<=0.4", "--record", "scatter.csv"]) == 0
-    said = capsys.readouterr().out
-    page = (tmp_path / "b2_calm_300_operability.html").read_text()
-    assert "workable seas of scatter.csv" in said
+    assert "wait for 24 h" in said
+    assert re.search(r"\d\.\d to \d", said) is None, "of two seeds no confidence is printed"
     for text in (said, page):
-        assert text.count("no waiting times: scatter.csv is a scatter diagram") == 1
-    assert "windows with a forecast" not in page
+        assert text.count("Confidence is not stated with 2 seeds") == 1
+    assert page.count('class="figure"') >= 2
+    monkeypatch.setattr(engine, "run_task", None)
+    (tmp_path / "scatter.csv").write_text("hs,6,9\n1,60,20\n3,15,5\n")
+    assert main(seas(*required, "--ask", "record=scatter.csv")) == 0
+    said = capsys.readouterr().out
+    assert "workable seas of scatter.csv" in said
+    assert said.count("no waiting times: scatter.csv is a scatter diagram") == 1
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--heights", "2"], "--heights: needs at least two values above 0 that rise"),
-        (["--windows", "6"], "--windows and --alpha need --record"),
-        (["--seeds", "0"], "--seeds 0: must be at least 1"),
-        (["--vary", "system.length"], "--vary system.length: must be PLACE=[V, ...]"),
-        (["--record", "none.csv"], "none.csv: no such file"),
-        (["--report", "own.pdf"], "--report own.pdf: must end in .html"),
-        (["--cases", "none.parquet"], "none.parquet: no such file"),
-        (["--require", "sgima<3"], "sgima is not a figure of merit"),
+        (["--vary", f"{HEIGHT}=2"], f"{HEIGHT}: needs at least two values above 0 that rise"),
+        (["--ask", "alpha=none.csv"], "ask: alpha needs record"),
+        (["--ask", "windows=0"], "ask: windows = 0: must be numbers above 0"),
+        (["--ask", "record=none.csv"], "none.csv: no such file"),
     ],
 )
-def test_a_wrong_command_line_is_one_line(arguments, words, capsys, tmp_path, monkeypatch):
+def test_what_is_wrong_is_one_line_before_the_first_case(arguments, words, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert main(["operability", "b2_calm_300", *arguments]) == 2
+    assert main(["study", "operability", "b2_calm_300", *arguments]) == 2
     said = capsys.readouterr().err
     assert words in said
     assert said.count("\n") == 1
 
 
-@pytest.mark.parametrize("command", ["operability", "sizing"])
-def test_a_study_without_criteria_is_refused_before_its_first_case(command, capsys, tmp_path, monkeypatch):
+@pytest.mark.parametrize("study", ["operability", "sizing"])
+def test_a_study_without_criteria_is_refused_before_its_first_case(study, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(executors, "run_task", None)
-    assert main([command, "b9_model_error"]) == 2
-    assert "no criteria: give the scenario some (wanted), or --require" in capsys.readouterr().err
+    monkeypatch.setattr(engine, "run_task", None)
+    assert main(["study", study, "b9_model_error"]) == 2
+    assert "no criteria: give the study some (wanted), or --require" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
-
-
-def test_limits_under_the_baseline_law_are_left_out_with_a_word_on_how_to_have_them():
-    own = load_scenario("b2_calm_300")
-    (line,) = _left_out(own, pandas.DataFrame({"case": [1]}))
-    assert "law industrial" in line
-    assert "--vary 'winch_controller.law=[mpc, industrial]'" in line
-    assert _left_out(own, pandas.DataFrame({LAW: ["mpc", "industrial"]})) == []
-    assert (
-        _left_out(load_scenario("b2_calm_300", settings=["winch_controller.law=industrial"]), pandas.DataFrame()) == []
-    )

@@ -11,16 +11,14 @@ import pytest
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_bags.analyse import kpi_set
 from heave_bringup.cli import main
-from heave_bringup.scenarios import load_scenario
 from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
-from heave_studies.campaign import executors
-from heave_studies.campaign.runs import CaseResult, Task
-from heave_studies.commands.sizing import _left_out
-from heave_studies.operability.seas import HEIGHT, PERIOD
+from heave_studies.operability.limits import HEIGHT, PERIOD
 from heave_studies.sizing.candidates import PLACES, STOP, Candidate, as_link, candidates, own_winch
 from heave_studies.sizing.sheets import DUTY
 from heave_studies.sizing.study import Prices, even_seas, knees, size_winches
+from heave_studies.study import cases as engine
+from heave_studies.study.runs import CaseResult, Task
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -162,56 +160,43 @@ def pretended(task: Task) -> CaseResult:
     return CaseResult(task.case, kpis, "", 1.0)
 
 
-def test_the_command_writes_page_and_tables_and_makes_them_again_without_running(tmp_path: Path, monkeypatch, capsys):
+def test_the_study_answers_for_each_winch(tmp_path: Path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(executors, "run_task", pretended)
+    monkeypatch.setattr(engine, "run_task", pretended)
     command = [
-        *("sizing", "unit_1500", "--heights", "1", "2", "4", "--speed", "0.5", "1", "--delay", "--processes", "1"),
-        *("--require", "significant_residual_m<=0.3", "--csv", "own.csv", "--json", "answer.json"),
+        *("study", "sizing", "--vary", f"{HEIGHT}=1,2,4", "--ask", "speed=[0.5, 1]", "--ask", "delay=[]"),
+        *("--require", "significant_residual_m<=0.3", "--json", "answer.json", "--processes", "1"),
     ]
     assert main(command) == 0
     said = capsys.readouterr().out
     assert "all seas up to Hs 4 m" in said
-    assert len(pandas.read_csv("own.csv")) == 1 + 2 + 3 + 3
     answer = json.loads((tmp_path / "answer.json").read_text())
+    assert len(answer["winches"]) == 1 + 2 + 3 + 3
     assert set(answer["knees"]) == {"speed", "acceleration", "power"}
-    page = (tmp_path / "unit_1500_sizing.html").read_text()
-    assert "heave campaign --case unit_1500_sizing.parquet:CASE" in page
-    assert page.count('class="figure"') == 6
+    page = (tmp_path / "studies" / "sizing" / "page.html").read_text()
+    assert page.count('class="figure"') == 3
     for heading in ("above half rating", "tension cycles", "equivalent tension range"):
         assert heading in said
         assert heading in page
     assert "Fewer than 3 seeds show no confidence" in page
-    assert "ranges of at least 1 % of its mean" in " ".join(page.split())
     assert "m = 4 (stranded steel wire rope" in " ".join(page.split())
-    monkeypatch.setattr(executors, "run_task", None)
-    again = ["sizing", "unit_1500", "--cases", "unit_1500_sizing.parquet", "--report", "again.html"]
-    assert main(again) == 0
-    assert (tmp_path / "again.html").is_file()
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--speed", "-1"], "--speed -1: must be a number above 0 [m/s]"),
-        (["--delay", "nan"], "--delay nan: must be a number above 0 [s]"),
-        (["--efficiency", "0"], "--efficiency 0: must be a share, from 0.001 to 1"),
-        (["--regeneration", "1.1"], "--regeneration 1.1: must be a share"),
-        (["--energy-price", "-1"], "--energy-price -1: must be a number of at least 0"),
+        (["--ask", "speed=-1"], "ask: speed = -1: must be a number above 0 [m/s]"),
+        (["--ask", "delay=.nan"], "ask: delay = nan: must be a number above 0 [s]"),
+        (["--ask", "efficiency=0"], "ask: efficiency = 0: must be a share, from 0.001 to 1"),
+        (["--ask", "regeneration=1.1"], "ask: regeneration = 1.1: must be a share"),
+        (["--ask", "energy=-1"], "ask: energy = -1: must be a number of at least 0"),
         (["--set", "virtual_winch.drive=electric"], "its limits follow from its physics"),
-        (["--record", "none.csv"], "none.csv: no such file"),
+        (["--ask", "record=none.csv"], "none.csv: no such file"),
     ],
 )
-def test_a_wrong_command_line_is_one_line(arguments, words, capsys, tmp_path, monkeypatch):
+def test_what_is_wrong_is_one_line(arguments, words, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert main(["sizing", "unit_1500", *arguments]) == 2
+    assert main(["study", "sizing", *arguments]) == 2
     said = capsys.readouterr().err
     assert words in said
     assert said.count("\n") == 1
-
-
-def test_the_winch_that_the_baseline_law_needs_is_left_out_with_a_word_on_how_to_have_it():
-    (line,) = _left_out(load_scenario("unit_1500"))
-    assert "law industrial" in line
-    assert "--set winch_controller.law=industrial" in line
-    assert _left_out(load_scenario("unit_1500", settings=["winch_controller.law=industrial"])) == []

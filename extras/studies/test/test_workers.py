@@ -12,22 +12,19 @@ from pathlib import Path
 
 import pytest
 from heave_bringup.errors import ExitStatus
-from heave_studies.workers.pool import worker_pool
 
 PARENT = """
-import os, signal, sys
+import sys
+from functools import partial
 sys.path.insert(0, {folder!r})
 from busy import busy
-from heave_studies.workers.pool import worker_pool
+from heave_bringup.interrupts import raise_interrupts
+from heave_studies.study.workers import Job, workers
 
 if __name__ == "__main__":
-    # as in a terminal, whatever the process of the tests ignores or blocks
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT, signal.SIGTERM])
-    with worker_pool(2) as pool:
-        for number in range(4):
-            pool.submit(busy, number)
-        pool.submit(busy, 4).result()
+    raise_interrupts()
+    with workers(2) as run:
+        list(run([Job(number, "", partial(busy, number)) for number in range(5)]))
 """
 BUSY = """
 import os
@@ -82,13 +79,8 @@ def test_no_worker_outlives_its_parent(parent, number):
     wait_for(lambda: not any(map(is_running, workers)))
 
 
-def test_work_that_ends_by_itself_is_waited_for():
-    with worker_pool(2) as pool:
-        assert [future.result() for future in [pool.submit(pow, 2, n) for n in range(4)]] == [1, 2, 4, 8]
-
-
-def campaign_of_a_minute(folder: Path) -> subprocess.Popen[str]:
-    """Start a campaign whose first cases take moments and whose others take minutes."""
+def study_of_a_minute(folder: Path) -> subprocess.Popen[str]:
+    """Start a study whose first cases take moments and whose others take minutes."""
     (folder / "own.yaml").write_text(
         """
 scenario: unit_1500
@@ -96,9 +88,9 @@ set: {all.transient: 1.0, wave_vessel.ramp: 0.5, cable_sim.segments: 2}
 vary: {all.duration: [2, 2, 100000, 100000, 100000]}
 """
     )
-    command = [sys.executable, "-m", "heave_bringup.cli", "campaign", "own.yaml", "--processes", "2"]
+    command = [sys.executable, "-m", "heave_bringup.cli", "study", "own.yaml", "--processes", "2"]
     return subprocess.Popen(
-        [*command, "--output", "own.parquet", "--no-baseline"],
+        command,
         cwd=folder,
         text=True,
         stderr=subprocess.PIPE,
@@ -108,19 +100,19 @@ vary: {all.duration: [2, 2, 100000, 100000, 100000]}
 
 
 def finished(folder: Path) -> int:
-    journal = folder / "own.parquet.partial"
-    return journal.read_text().count('"number"') if journal.exists() else 0
+    journal = folder / "studies" / "own" / "journal.jsonl"
+    return journal.read_text().count('"failure"') if journal.exists() else 0
 
 
 def children_of(process: int) -> list[int]:
-    found = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    found = [one for of in Path(f"/proc/{process}/task").glob("*/children") for one in of.read_text().split()]
     return [int(child) for child in found]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_campaign_that_is_interrupted_ends_with_status_130_and_keeps_what_was_finished(tmp_path, number):
-    process = campaign_of_a_minute(tmp_path)
+def test_a_study_that_is_interrupted_ends_with_status_130_and_keeps_what_was_finished(tmp_path, number):
+    process = study_of_a_minute(tmp_path)
     try:
         wait_for(lambda: finished(tmp_path) == 2 or process.poll() is not None, 300)
         workers = children_of(process.pid)

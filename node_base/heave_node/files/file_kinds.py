@@ -11,10 +11,10 @@ PARAMETERS_KEY = "ros__parameters"
 
 KINDS: Mapping[str, tuple[str, str]] = {
     PARAMETERS_KEY: ("a scenario", "heave run"),
-    "phases": ("a lift plan", "heave lift"),
-    "steps": ("a test procedure", "heave accept"),
-    "vary": ("a campaign", "heave campaign"),
-    "draw": ("a campaign", "heave campaign"),
+    "phases": ("a lift plan", "heave study"),
+    "steps": ("a test procedure", "heave study"),
+    "vary": ("a study", "heave study"),
+    "draw": ("a study", "heave study"),
     "source": ("the map of a device", "heave adapt"),
 }
 """By a key that files of one kind alone have: the kind, and the command for it."""
@@ -36,5 +36,5 @@ def refuse_other_kind(content: Mapping[str, Any], known: Iterable[str], where: s
     for key, (kind, command) in KINDS.items():
         if key in keys and key not in known:
             may_vary = key == PARAMETERS_KEY and "vary" in known
-            of_many = f", or heave campaign {where} --vary NODE.PARAM=V,V" if may_vary else ""
+            of_many = f", or heave study {where} --vary NODE.PARAM=V,V" if may_vary else ""
             raise ParameterError(f"{where}: this is {kind}; use {command} {where}{of_many}")

@@ -200,7 +200,7 @@ def refuse_unknown(criterion: Criterion, where: str) -> None:
         return
     ratio = criterion.kpi.removesuffix(end_of(criterion.kpi))
     near = difflib.get_close_matches(criterion.kpi, known)
-    helps = f"did you mean {' or '.join(near)}?" if near else "heave accept --figures lists all"
+    helps = f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(known)}"
     if ratio in known:
         helps = f"{ratio} is a ratio or a count, its bound takes no unit but %"
     raise ParameterError(f"{where}: {criterion.kpi} is not a figure; {helps}")

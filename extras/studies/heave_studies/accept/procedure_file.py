@@ -32,13 +32,12 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from heave_bringup.pages.alarms import TABLES
 from heave_node.criteria import Criterion, parse_criterion
-from heave_node.files.given_files import as_list, as_mapping, find_stated, read_stated, refuse_keys, scenario_of
+from heave_node.files.given_files import as_list, as_mapping, read_stated, refuse_keys, scenario_of
 from heave_node.files.units import UNITS
 from heave_node.interface.fault_kinds import FAULTS
 from heave_node.parameters import Given, ParameterError
@@ -48,18 +47,11 @@ from heave_studies.accept.limits import Limits
 from heave_studies.accept.procedure import BRAKE, COMMAND_LOSS, FAULTS_OF, Event, Procedure, RunTest, Step, WinchTest
 from heave_studies.accept.set_signal import KINDS
 
-FOLDER = Path(str(resources.files("heave_studies"))) / "procedures"
-"""Of the procedures that come with the suite."""
 _AMOUNT = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 _KEYS = {"title", "scenario", "set", "signatures", "steps", "description"}
 _STEP_KEYS = {"name", "what", "winch", "run", "record", "event", "alarms", "wanted"}
 _RUN_KEYS = {"scenario", "set", "duration", "transient", "seed"}
 _EVENT_KEYS = {"device", "fault", "at", "duration", "magnitude", "ask"}
-
-
-def find_procedure(name: str) -> Path:
-    """Return the file of the shipped procedure `name`, or the file `name`; raise ParameterError where neither is."""
-    return find_stated(name, FOLDER, "procedure")
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import hashlib
 import math
 import platform
 import time
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ from heave_bags.record.provenance import git_commit, versions
 from heave_bags.signals import Signal
 from heave_devices.records.stretches import DEFAULT_BRIDGE
 
+from heave_studies.accept.drawn import cells, figures_of
 from heave_studies.accept.figures import RESIDUALS
 from heave_studies.accept.measured import Measured
 from heave_studies.accept.procedure import Procedure, Step
@@ -53,60 +54,36 @@ class StepResult:
             return [f"{NOT_DONE}: {self.failure or 'interrupted'}"]
         return [*self.breaches, *(str(one) for one in self.judged if not one.is_met)]
 
-    def to_json(self) -> dict[str, object]:
-        """Return it as plain data."""
+    def to_plain(self) -> dict[str, object]:
+        """Return it as plain data: what the table, the page and a machine have of it."""
+        signal = getattr(self.step.test, "signal", None)
+        done = [signal.words if signal else "", f"event: {self.step.event.words}" if self.step.event else ""]
         return {
             "step": self.step.name,
+            "what": self.step.what,
+            "done": [*(words for words in done if words), *self.breaches],
             "state": self.state,
             "part": self.part,
+            "failure": self.failure,
             "criteria": [one.to_json() for one in self.judged],
+            "cells": [[*cells(one), "met" if one.is_met else FAILED] for one in self.judged],
             "failures": self.failures if self.state != PASSED else [],
-            "residuals": {key: self.values.get(key) for key in RESIDUALS},
-            "file": str(self.file) if self.file else None,
+            "residuals": {key: self.values.get(key, math.nan) for key in RESIDUALS},
+            "notes": list(self.measured.notes) if self.measured else [],
+            "figures": [asdict(one) for one in figures_of(self.measured)] if self.measured else [],
+            "file": self.file.name if self.file else None,
             "sha256": self.digest or None,
+            "began": time.time(),
         }
 
 
-@dataclass(frozen=True)
-class Acceptance:
-    """A procedure and its results."""
-
-    procedure: Procedure  # that was run
-    results: Sequence[StepResult]  # of its steps
-    parts: Mapping[str, str]  # what was tested, by name: a winch by its map, a record
-    began: float  # Unix time [s]
-    facts: Mapping[str, str]  # what identifies it: digests, versions, host
-
-    @property
-    def is_passed(self) -> bool:
-        """Whether every step was done, and passed."""
-        return all(one.state == PASSED for one in self.results)
-
-    @property
-    def failures(self) -> list[str]:
-        """What is missed, in words, by step."""
-        return [f"{one.step.name}: {words}" for one in self.results if one.state != PASSED for words in one.failures]
-
-    def to_json(self) -> dict[str, object]:
-        """Return it as plain data."""
-        return {
-            "title": self.procedure.title,
-            "procedure": str(self.procedure.path),
-            "passed": self.is_passed,
-            "steps": [one.to_json() for one in self.results],
-            "parts": dict(self.parts),
-            "facts": dict(self.facts),
-        }
-
-
-def facts_of(procedure: Procedure, scenario: str, began: float) -> dict[str, str]:
+def facts_of(procedure: Procedure, scenario: str) -> dict[str, str]:
     """Return what identifies an acceptance test.
 
     Parameters
     ----------
     procedure : that was run
     scenario : text of its scenario with all values
-    began : Unix time [s]
     """
     known = versions()
     return {
@@ -115,7 +92,6 @@ def facts_of(procedure: Procedure, scenario: str, began: float) -> dict[str, str
         "software": ", ".join(f"{name} {version}" for name, version in known.items()),
         "commit": git_commit() or "unknown",
         "host": f"{platform.node()}, {platform.system()} {platform.machine()}",
-        "begun": time.strftime("%Y-%m-%d %H:%M:%S UTC", time.gmtime(began)),
     }
 
 

@@ -73,6 +73,7 @@ def curve_of(limits: Mapping[float, Limit]) -> pandas.DataFrame:
             "is_below": False,
             "at_most": heights,
             "governs": [one.governs for one in limits.values()],
+            "digits": 2,
         }
     )
 

@@ -18,23 +18,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from importlib import resources
 from pathlib import Path
 from typing import Any, TypeVar
 
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting, make_setting
 from heave_node.criteria import Criterion, parse_criterion
-from heave_node.files.given_files import as_list, as_mapping, find_stated, read_stated, refuse_keys, scenario_of
+from heave_node.files.given_files import as_list, as_mapping, read_stated, refuse_keys, scenario_of
 from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL
 from heave_node.parameters import Given, ParameterError, build_parameters, check_ranges, parameter
 
 from heave_studies.lift.figures import PLANNED
 
 P = TypeVar("P")
-
-FOLDER = Path(str(resources.files("heave_studies"))) / "lifts"
-"""Of the plans that come with the suite."""
 
 AIR, SURFACE, WATER = "air", "surface", "water"
 """Where a phase takes place."""
@@ -43,7 +39,7 @@ LOADS = ("dynamic_amplification", "tension_ratio_min", "tension_max_n", "slack_p
 """Figures that are known in air and at the surface."""
 
 _OF_PHASE = {"name", "set", "wanted"}
-_OF_PLAN = {"scenario", "set", "wanted", "phases", "title"}
+_OF_PLAN = {"scenario", "set", "wanted", "phases", "title", "ask"}
 
 
 @dataclass(frozen=True)
@@ -120,6 +116,7 @@ class Plan:
     settings: tuple[Setting, ...]  # changes of the scenario in every phase
     whole: PlanParameters  # what holds for the whole lift
     phases: tuple[Phase, ...] = field(default_factory=tuple)  # in their order
+    ask: Mapping[str, object] = field(default_factory=dict)  # what its answer is to use, as of a study
 
     def with_settings(self, settings: Sequence[Setting] = ()) -> Scenario:
         """Return the scenario of the lift, with further `settings`."""
@@ -132,9 +129,8 @@ class Plan:
         return self.whole.height or sea.significant_wave_height, self.whole.period or sea.peak_period
 
 
-def read_plan(name: str) -> Plan:
-    """Return the shipped plan `name`, or that of the file; raise ParameterError, in one line, for what is wrong."""
-    path = find_stated(name, FOLDER, "plan")
+def read_plan(path: Path) -> Plan:
+    """Return the plan in the file at `path`; raise ParameterError, in one line, for what is wrong with it."""
     _, content = read_stated(path, {*_OF_PLAN, *_names(PlanParameters)}, ("scenario", "phases"))
     entries = as_list(content["phases"], f"{path}: phases")
     common = _criteria(content.get("wanted") or {}, str(path))
@@ -149,6 +145,7 @@ def read_plan(name: str) -> Plan:
         _settings(content.get("set") or {}, f"{path}: set"),
         _own(content, PlanParameters, str(path)),
         phases,
+        as_mapping(content.get("ask") or {}, f"{path}: ask"),
     )
 
 

@@ -1,22 +1,26 @@
-"""All limits of a lift: every phase in seas of every peak period, on all processors."""
+"""All limits of a lift: every phase in seas of every peak period, as a study."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import partial
+from typing import Any
 
-from heave_bags.analyse.run_record import RunRecord
-from heave_bringup.progress import ProgressLine
+import pandas
+from heave_bringup.errors import CommandError
+from heave_bringup.stored_scenario import stored_sections
+from heave_node.scenario import sections_text
 
-from heave_studies.lift.as_built import AsBuilt, as_built
-from heave_studies.lift.forecast import Window, windows
+from heave_studies.lift.as_built import AsBuilt
+from heave_studies.lift.figures import PLANNED
+from heave_studies.lift.forecast import Window
 from heave_studies.lift.limits import Limit, PeriodLimits, period_limits
 from heave_studies.lift.plan import SURFACE, Phase, Plan
 from heave_studies.operability.record import SeaRecord
-from heave_studies.workers.pool import worker_pool
+from heave_studies.study.case_file import CASE, FILES, SCENARIO
+from heave_studies.study.kept_files import KeptFile
+from heave_studies.study.workers import FAILURE, Job, Plain
 
 
 @dataclass(frozen=True)
@@ -55,49 +59,85 @@ class LiftStudy:
         }
 
 
-def study_lift(
-    plan: Plan, *, processes: int | None = None, forecast: SeaRecord | None = None, record: RunRecord | None = None
-) -> LiftStudy:
-    """Return the limits of a lift, and what a forecast and a bag say of them.
+COLUMNS = ("phase", "period_s", "winch", "limit_m", "governs")
+"""Columns of the table of a lift, after the number of the row and before the figures of `PLANNED` at its height."""
+LOCKED, COMPENSATED = "locked", "compensated"
 
-    Parameters
-    ----------
-    plan : of the lift
-    processes : number of worker processes; None takes one per processor, 1 works in this one
-    forecast : the seas to come; None: none
-    record : of the bag of the lift; None: none
 
-    Raises ParameterError for what is wrong with the plan.
+@dataclass(frozen=True)
+class Lift:
+    """The limits of a lift, as the engine takes them (`heave_studies.study.engine.Kind`): a job for a phase and period.
+
+    Phases that hang share the runs of a period.
     """
-    built = as_built(plan, record) if record is not None else []
-    height, period = plan.sea
-    through = [[phase] for phase in plan.phases if phase.kind == SURFACE]  # the longest first
-    groups = [*through, [phase for phase in plan.phases if phase.kind != SURFACE]]
-    jobs = [(group, one) for group in groups if group for one in sorted({*plan.whole.periods, period})]
-    found = _all_limits(plan, jobs, height, processes or os.cpu_count() or 1)
-    limits = {
-        phase.name: sorted((one for one in found if one.phase == phase.name), key=lambda one: one.period)
-        for phase in plan.phases
-    }
-    due = windows(plan, limits, forecast) if forecast is not None else []
-    return LiftStudy(plan, height, period, limits, forecast, due, built)
+
+    plan: Plan  # of the lift
+    is_local: bool = False  # jobs run anywhere
+    files: Mapping[str, KeptFile] = field(default_factory=dict)  # none is read
+
+    @property
+    def name(self) -> str:
+        """What its table and page are called."""
+        return self.plan.title
+
+    @property
+    def identity(self) -> str:
+        """What identifies its limits: the plan, and its scenario with all values."""
+        scenario = self.plan.with_settings()
+        text = sections_text(stored_sections(scenario), title="")
+        return f"{self.plan.whole}{self.plan.phases}{text}"
+
+    @property
+    def size(self) -> int:
+        """Number of jobs."""
+        return len(self._jobs())
+
+    def _jobs(self) -> list[Job]:
+        plan = self.plan
+        height, period = plan.sea
+        through = [[phase] for phase in plan.phases if phase.kind == SURFACE]  # the longest first
+        groups = [*through, [phase for phase in plan.phases if phase.kind != SURFACE]]
+        work = [(group, one) for group in groups if group for one in sorted({*plan.whole.periods, period})]
+        return [
+            Job(number, f"{group[0].name}, Tp {one:g} s", partial(_rows, plan, group, one, height))
+            for number, (group, one) in enumerate(work, 1)
+        ]
+
+    def rounds(self, _: Mapping[int, Plain]) -> Iterator[list[Job]]:
+        """Yield the jobs."""
+        yield self._jobs()
+
+    def frame(self, results: Mapping[int, Plain]) -> pandas.DataFrame:
+        """Return a row for each phase, period and way of the winch; raise CommandError where `results` lack one."""
+        for result in results.values():
+            if result.get(FAILURE):
+                raise CommandError(str(result[FAILURE]))
+        rows = [row for number in sorted(results) for row in results[number]["rows"]]
+        frame = pandas.DataFrame(rows, columns=[*COLUMNS, *PLANNED])
+        frame.insert(0, CASE, range(1, len(frame) + 1))
+        return frame.astype(dict.fromkeys(PLANNED, float)).assign(**{SCENARIO: "", FILES: ""})
 
 
-def _all_limits(
-    plan: Plan, jobs: Sequence[tuple[Sequence[Phase], float]], height: float, processes: int
-) -> list[PeriodLimits]:
-    found: list[PeriodLimits] = []
-    work = partial(_job, plan, height)
-    with (
-        ProgressLine() as progress,
-        nullcontext() if processes == 1 else worker_pool(min(processes, len(jobs))) as pool,
-    ):
-        progress.show("limits", 0.0)
-        for number, limits in enumerate(map(work, jobs) if pool is None else pool.map(work, jobs), 1):
-            found += limits
-            progress.show("limits", number / len(jobs))
-    return found
+def _rows(plan: Plan, phases: Sequence[Phase], period: float, height: float) -> Plain:
+    found = []
+    for one in period_limits(plan, phases, period, height):
+        for winch, limit in ((LOCKED, one.locked), (COMPENSATED, one.compensated)):
+            if limit is not None:
+                head = dict(zip(COLUMNS, (one.phase, period, winch, limit.height, limit.governs), strict=True))
+                found.append({**head, **limit.values})
+    return {"rows": found}
 
 
-def _job(plan: Plan, height: float, job: tuple[Sequence[Phase], float]) -> list[PeriodLimits]:
-    return period_limits(plan, *job, height)
+def limits_in(frame: pandas.DataFrame) -> dict[str, list[PeriodLimits]]:
+    """Return the limits in the table of a lift, its `frame`, of each phase by period."""
+    found: dict[str, list[PeriodLimits]] = {}
+    for (phase, period), part in frame.groupby(["phase", "period_s"], sort=False):
+        limits = {row["winch"]: _limit(row) for row in part.to_dict("records")}
+        one = PeriodLimits(str(phase), float(period), limits[LOCKED], limits.get(COMPENSATED))
+        found.setdefault(str(phase), []).append(one)
+    return {name: sorted(of, key=lambda one: one.period) for name, of in found.items()}
+
+
+def _limit(row: Mapping[Hashable, Any]) -> Limit:
+    values = {key: float(row[key]) for key in PLANNED}
+    return Limit(float(row["limit_m"]), str(row["governs"]), values)

@@ -20,8 +20,11 @@ from heave_node.loads.strength import FACTORS, ROPE
 from heave_node.numerics.arrays import Array
 from scipy import stats
 
-from heave_studies.campaign.table import FAILURE, LOST, SEED, settings_of
-from heave_studies.operability.seas import HEIGHT, PERIOD
+from heave_studies.study.table import LOST, SEED, settings_of
+from heave_studies.study.workers import FAILURE
+
+HEIGHT, PERIOD = "system.sea.significant_wave_height", "system.sea.peak_period"
+"""Places of what a sea is given by."""
 
 CONFIDENCE = 0.9
 """Two-sided, of the interval about a mean limit."""
@@ -30,6 +33,9 @@ FEWEST_SEEDS, USEFUL_SEEDS = 3, 5
 """Seeds from which on a spread is stated, and from which on half its interval is at most the standard deviation of
 one seed's limit. Of two seeds Student's t has one degree of freedom: 4.5 standard deviations, which say nothing.
 """
+
+NARROW = 0.1
+"""Width of a confidence interval [m] below which a limit is stated to the centimetre."""
 
 LOST_LIMIT = "compensation lost"
 """Name of the limit where compensation is lost, or a case cannot be run."""
@@ -122,16 +128,26 @@ def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locke
 
 
 def limit_words(row: Mapping[Hashable, Any]) -> str:
-    """Return the limit of a `row` of a limit curve [m], as far as it lies within the heights that were run."""
+    """Return the limit of a `row` of a limit curve [m], as far as it lies within the heights that were run.
+
+    It has the digits that its confidence allows: with too few seeds to state one, a single decimal.
+    """
     if row["is_below"]:
-        return f"below {row['at_most']:.2f}"
-    return f"{'above ' if row['is_open'] else ''}{row['limit']:.2f}"
+        return f"below {row['at_most']:.{_digits(row)}f}"
+    return f"{'above ' if row['is_open'] else ''}{row['limit']:.{_digits(row)}f}"
+
+
+def _digits(row: Mapping[Hashable, Any]) -> int:
+    if "digits" in row:
+        return int(row["digits"])
+    return 2 if float(row["upper"]) - float(row["lower"]) < NARROW else 1
 
 
 def interval(row: Mapping[Hashable, Any]) -> str:
     """Return the confidence interval of a `row` of a limit curve; a dash where it is not known."""
     lower, upper = float(row["lower"]), float(row["upper"])
-    return f"{lower:.2f} to {upper:.2f}" if upper > lower and not row["is_below"] else "-"
+    digits = _digits(row)
+    return f"{lower:.{digits}f} to {upper:.{digits}f}" if upper > lower and not row["is_below"] else "-"
 
 
 def _half_width(heights: Array) -> float:
@@ -182,7 +198,7 @@ def figure(cases: pandas.DataFrame, kpi: str, *, locked: bool) -> Array | None:
 
     Parameters
     ----------
-    cases : rows of a campaign's table
+    cases : rows of a study's table
     kpi : key of the figure
     locked : of the uncompensated unit
     """
@@ -211,7 +227,7 @@ def course_of(cases: pandas.DataFrame, criterion: Criterion, *, locked: bool = F
 
     Parameters
     ----------
-    cases : rows of a campaign's table
+    cases : rows of a study's table
     criterion : on a figure of merit
     locked : of the uncompensated unit
     """
@@ -255,26 +271,6 @@ def _last_before(heights: Array, gone: Array) -> float:
     if not first.size:
         return math.inf
     return float(heights[first[0] - 1]) if first[0] else 0.0
-
-
-def utilisation(cases: pandas.DataFrame, criterion: Criterion, *, locked: bool = False) -> Array | None:
-    """Return how much of a bound each case uses: 1 at the bound, above 1 beyond; None where there is no figure.
-
-    Parameters
-    ----------
-    cases : rows of a campaign's table
-    criterion : on a figure of merit
-    locked : of the uncompensated unit
-    """
-    course = course_of(cases, criterion, locked=locked)
-    if course is None:
-        return None
-    values, calm, criterion = course.values, course.calm, course.criterion
-    room = criterion.bound - calm
-    if room == 0.0:  # nothing is allowed: any of it is beyond
-        met = np.array([criterion.is_met(float(value)) for value in values])
-        return np.where(met, 0.0, 2.0)
-    return np.asarray((values - calm) / room)
 
 
 def title_of(name: str) -> str:

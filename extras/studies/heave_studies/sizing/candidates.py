@@ -101,7 +101,9 @@ def candidates(own: Candidate, static_tension: float, given: Mapping[str, Sequen
         least = 0.0 if particular.name == DELAY else math.ulp(0.0)
         for value in values:
             if not least <= value < math.inf:
-                raise ParameterError(f"--{particular.name} {value:g}: must be a number above 0 [{particular.unit}]")
+                raise ParameterError(
+                    f"ask: {particular.name} = {value:g}: must be a number above 0 [{particular.unit}]"
+                )
         others = sorted(set(values) - {own.value(particular)})
         found += [replace(own, **{particular.name: value}, sweep=particular.name) for value in others]
     return found
@@ -135,7 +137,7 @@ def of_frame(frame: pandas.DataFrame) -> list[tuple[Candidate, pandas.DataFrame]
     """
     missing = [place for place in PLACES if place not in frame.columns]
     if missing:
-        raise ParameterError(f"its cases do not vary {missing[0]}: it is no table of heave sizing")
+        raise ParameterError(f"its cases do not vary {missing[0]}: it is no table of a sizing study")
     own: Candidate | None = None
     found = []
     for values, cases in frame.groupby(list(PLACES[:-1]), sort=False):

@@ -1,4 +1,4 @@
-"""The figures of a sizing study, as plain data for the report's script."""
+"""The figure of a sizing study, as plain data for the report's script."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from heave_bags.report.figure import LIMIT, OTHER, RUN_COLOURS, UNIT, Figure
+from heave_bags.report.figure import LIMIT, OTHER, UNIT, Figure
 
-from heave_studies.operability.figures import HEIGHT_AXIS, PERIOD_AXIS, curve_traces
 from heave_studies.sizing.candidates import Particular
 from heave_studies.sizing.study import Knee, Sized, sweep_of
 
@@ -67,25 +66,3 @@ def _upright(name: str, x: float, colour: str, dash: str) -> dict[str, Any]:
     line = {"color": colour, "width": 1.5, "dash": dash}
     hover = f"{name}: {x:.3g}<extra></extra>"
     return {"name": name, "x": [x, x], "y": [0, 105], "mode": "lines", "line": line, "hovertemplate": hover}
-
-
-def limits_figure(found: Sequence[Sized], particular: Particular) -> Figure:
-    """Return the limit curve of each winch of a sweep.
-
-    Parameters
-    ----------
-    found : winches of a study, the scenario's own first
-    particular : that was swept
-    """
-    traces = []
-    for number, one in enumerate(sweep_of(found, particular)):
-        name = f"{particular.text(one.winch.value(particular))} {particular.unit}"
-        traces += curve_traces(name, one.limit, RUN_COLOURS[number % len(RUN_COLOURS)])
-    return Figure(
-        f"Largest workable sea by {particular.name}",
-        "Mean over the seeds.",
-        traces,
-        {"xaxis": PERIOD_AXIS, "yaxis": HEIGHT_AXIS, "hovermode": "closest"},
-        is_over_time=False,
-        height=340,
-    )

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 from heave_node.sheet import Column, Sheet
 
-from heave_studies.operability.page import number
 from heave_studies.sizing.candidates import PARTICULARS
 from heave_studies.sizing.study import Sized
+
+
+def number(value: float) -> str:
+    """Return a `value` with one decimal, none where it is whole; a dash for one that is not known."""
+    return f"{value:.1f}".removesuffix(".0") if math.isfinite(value) else "-"
+
 
 KNEES = Sheet(
     Column("particular", "particular.heading"),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from pathlib import Path
 
 import numpy as np
 import pandas
@@ -14,11 +13,9 @@ from heave_node.loads.cycles import DAMAGE_EXPONENT
 from heave_node.numerics.arrays import Array
 from scipy.interpolate import RegularGridInterpolator
 
-from heave_studies.campaign.plan import Campaign
-from heave_studies.operability.limits import limit_curve
+from heave_studies.operability.limits import HEIGHT, PERIOD, limit_curve
 from heave_studies.operability.record import HS, TP, SeaRecord, workable, workable_share
-from heave_studies.operability.seas import HEIGHT, PERIOD
-from heave_studies.sizing.candidates import PARTICULARS, Candidate, Particular, as_link, of_frame
+from heave_studies.sizing.candidates import PARTICULARS, Candidate, Particular, of_frame
 
 OF_THE_WINCH = (
     "time_at_speed_limit_percent",
@@ -71,7 +68,7 @@ class Sized:
     """What a study found of one winch."""
 
     winch: Candidate  # the candidate
-    cases: pandas.DataFrame  # its rows of the campaign's table
+    cases: pandas.DataFrame  # its rows of the study's table
     limit: pandas.DataFrame  # by period, as `limit_curve` gives it
     share: float  # of the place's seas that are workable [-]
     lower: float  # lower end of its confidence [-]
@@ -97,26 +94,6 @@ class Knee:
             return "above all tried"
         beyond = "at least" if self.particular.costs_when_small else "at most"
         return f"{beyond} {self.particular.text(self.value)}" if self.is_open else self.particular.text(self.value)
-
-
-def sizing_campaign(seas: Campaign, winches: Sequence[Candidate], stop_deceleration: float) -> Campaign:
-    """Return the campaign that runs the `seas` with each of the `winches`.
-
-    Parameters
-    ----------
-    seas : as `SeaGrid.campaign` gives them
-    winches : the scenario's own first
-    stop_deceleration : of the scenario's winch [m/s^2]
-    """
-    return Campaign(
-        path=Path("heave sizing"),
-        scenario=seas.scenario,
-        duration=seas.duration,
-        seeds=seas.seeds,
-        common=seas.common,
-        wanted=seas.wanted,
-        vary=(as_link(winches, stop_deceleration), *seas.vary),
-    )
 
 
 def even_seas(frame: pandas.DataFrame) -> SeaRecord:

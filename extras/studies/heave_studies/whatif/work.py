@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from heave_bringup.errors import CommandError
 
-from heave_studies.workers.pool import worker_pool
+from heave_studies.study.workers import FAILURE, Job, Run, run_here, workers
 
 Show = Callable[[str, float], None]
 
@@ -24,21 +23,22 @@ def quiet(words: str, share: float) -> None:
 class Work:
     """What does independent parts of some work."""
 
-    pool: ProcessPoolExecutor | None = None  # of other processes; None: this one does it
+    run: Run = run_here  # does them
     show: Show = quiet  # called with what is done, and the share of it
 
     def done(self, words: str, function: Callable[..., Any], tasks: Sequence[Sequence[Any]]) -> list[Any]:
-        """Return what a `function` returns for the arguments in each of some `tasks`; `words` are shown."""
-        found = []
-        if self.pool is None:
-            for number, task in enumerate(tasks):
-                self.show(words, number / len(tasks))
-                found.append(function(*task))
-            return found
-        coming = [self.pool.submit(function, *task) for task in tasks]
-        for number, _ in enumerate(as_completed(coming)):
-            self.show(words, number / len(tasks))
-        return [future.result() for future in coming]
+        """Return what a `function` returns for the arguments in each of some `tasks`; `words` are shown.
+
+        Raises CommandError where a process ends without a result.
+        """
+        found: dict[int, Any] = {}
+        self.show(words, 0.0)
+        for job, result in self.run([Job(n, words, partial(function, *task)) for n, task in enumerate(tasks)]):
+            if isinstance(result, dict) and result.get(FAILURE):
+                raise CommandError(str(result[FAILURE]))
+            found[job.number] = result
+            self.show(words, len(found) / len(tasks))
+        return [found[number] for number in range(len(tasks))]
 
 
 HERE = Work()
@@ -47,9 +47,6 @@ HERE = Work()
 
 @contextmanager
 def work_in(processes: int, show: Show = quiet) -> Iterator[Work]:
-    """Give work to so many `processes`, which start with the first part; `show` as for `Work`."""
-    try:
-        with worker_pool(processes) as pool:
-            yield Work(pool, show)
-    except BrokenProcessPool as error:
-        raise CommandError("a process ended without a result: it was killed, or out of memory") from error
+    """Give work to so many `processes`; `show` as for `Work`."""
+    with workers(processes) as run:
+        yield Work(run, show)

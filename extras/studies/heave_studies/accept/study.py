@@ -1,0 +1,249 @@
+"""An acceptance test as a study: each step is run, or judged on a record, and leaves its files in the folder."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from types import MappingProxyType
+
+import pandas
+from heave_bags.errors import BagError
+from heave_bringup.errors import CommandError
+from heave_bringup.network import set_up_transport
+from heave_bringup.progress import ProgressLine
+from heave_bringup.run.run import ANOTHER_RUN
+from heave_bringup.scenarios import Scenario, load_scenario
+from heave_bringup.settings import make_setting, parse_setting
+from heave_bringup.stored_scenario import stored_sections, stored_title
+from heave_devices.maps.device_map import DeviceMap
+from heave_node.loads.strength import LEAST, Strength, strengths
+from heave_node.numerics.constants import LARGEST_STRAIN
+from heave_node.parameters import ParameterError
+from heave_node.scenario import sections_text
+
+from heave_studies.accept import figures
+from heave_studies.accept.limits import Limits
+from heave_studies.accept.measured import Measured, Nominal
+from heave_studies.accept.parts.record import ForeignRecord
+from heave_studies.accept.parts.run import run_loop, scenario_of
+from heave_studies.accept.parts.winch import VirtualPart, WinchPart, run_winch
+from heave_studies.accept.procedure import RunTest, Step, WinchTest
+from heave_studies.accept.procedure_file import Head, read_procedure, refuse_late
+from heave_studies.accept.results import NOT_DONE, StepResult, digest_of, facts_of
+from heave_studies.study.case_file import CASE, FILES, SCENARIO
+from heave_studies.study.kept_files import KeptFile
+from heave_studies.study.workers import FAILURE, Job, Plain
+
+WHOLE = ""
+"""Name of the record that is judged by every step that has none of its own."""
+DETAIL = "detail"
+"""Column with all that a step gave, as JSON, in its first row."""
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What is tested in the place of virtual parts."""
+
+    winch: DeviceMap | None = None  # map of a real winch; None: the virtual one of the scenario
+    external: tuple[str, ...] = ()  # real parts in runs, as `external_settings` takes them
+    # by name of the step, or WHOLE; where there is one nothing is run
+    records: Mapping[str, Path] = field(default_factory=dict)
+    mapping: Path | None = None  # of the records; None: they are the suite's own
+    is_on_network: bool = False  # nodes on other hosts may join
+
+    @property
+    def are_real(self) -> bool:
+        """Whether a real part takes part: it does not do the same twice."""
+        return bool(self.winch or self.external)
+
+    @property
+    def words(self) -> dict[str, str]:
+        """What is tested, by name."""
+        winch = f"real, by map {self.winch.name}" if self.winch else "virtual"
+        replaced = {"real in runs": ", ".join(self.external)} if self.external else {}
+        if self.records:
+            return {
+                f"record {name}".strip(): f"{path}, SHA-256 {digest_of(path)}" for name, path in self.records.items()
+            }
+        return {"winch": winch, **replaced}
+
+
+class Acceptance:
+    """An acceptance test, as the engine takes it (`heave_studies.study.engine.Kind`): a job for each step.
+
+    Parameters
+    ----------
+    head : of the file of the procedure
+    parts : what is tested
+    settings : changes of the scenario on the command line, PLACE=VALUE each
+    scenario : that takes the place of the procedure's; "": none does
+    only : names of the steps to be run; empty: all
+    folder : that takes what the steps leave
+
+    Attributes
+    ----------
+    procedure : read and checked, with the steps to be run
+    nominal : the winch as it should be
+    facts : what identifies the test, by name
+
+    Raises ParameterError, in one line, for what is wrong with the procedure, its scenarios or the records and their
+    map, before anything is run.
+    """
+
+    is_local = True
+    files: Mapping[str, KeptFile] = MappingProxyType({})
+
+    def __init__(
+        self, head: Head, parts: Parts, settings: Sequence[str], scenario: str, only: Sequence[str], folder: Path
+    ) -> None:
+        where = str(head.path)
+        changes = [*(make_setting(place, value, where) for place, value in head.settings.items()),
+                   *map(parse_setting, settings)]  # fmt: skip
+        self._scenario = load_scenario(scenario or head.scenario, settings=changes)
+        winch = self._scenario.parameters["winch_controller"].winch
+        self.nominal = Nominal(winch.speed_limit, winch.acceleration_limit, winch.command_delay + winch.time_constant)
+        procedure = read_procedure(head, _limits_of(self._scenario))
+        given = {text.partition("=")[0]: parse_setting(text).value for text in settings}
+        names = [step.name for step in procedure.steps]
+        for what, named in (("step", only), ("record", [name for name in parts.records if name != WHOLE])):
+            if wrong := next((name for name in named if name not in names), ""):
+                raise ParameterError(f"{where}: ask: {what}: no such step: {wrong}; steps: {', '.join(names)}")
+        self.procedure = replace(
+            procedure,
+            scenario=scenario or procedure.scenario,
+            settings={**procedure.settings, **given},
+            steps=tuple(step for step in procedure.steps if not only or step.name in only),
+        )
+        self._parts, self._folder = parts, folder
+        try:
+            self._records = {name: ForeignRecord(path, parts.mapping) for name, path in parts.records.items()}
+        except BagError as error:
+            raise ParameterError(str(error)) from error
+        for step in procedure.steps:
+            if isinstance(step.test, RunTest) and not parts.records:
+                refuse_late(step.event, self._loop(step, step.test).run.duration, f"{where}: {step.name}: event")
+        self._text = sections_text(stored_sections(self._scenario), title=stored_title(self._scenario))
+        self.facts = {**parts.words, **facts_of(self.procedure, self._text)}
+
+    @property
+    def name(self) -> str:
+        """What its table and page are called."""
+        return self.procedure.title
+
+    @property
+    def identity(self) -> str:
+        """What identifies its results: procedure, scenario, and what was tested."""
+        return repr((self.procedure.text, [one.name for one in self.procedure.steps], self._text, self._parts.words))
+
+    @property
+    def size(self) -> int:
+        """Number of steps."""
+        return len(self.procedure.steps)
+
+    def rounds(self, results: Mapping[int, Plain]) -> Iterator[list[Job]]:
+        """Yield the steps without `results`, and those with; a real winch is open as long as they run."""
+        left = [step for number, step in enumerate(self.procedure.steps, 1) if number not in results]
+        with ExitStack() as stack:
+            winch = self._real_winch(stack, left)
+            yield [
+                Job(number, _label(step), partial(self._done, step, winch))
+                for number, step in enumerate(self.procedure.steps, 1)
+            ]
+
+    def frame(self, results: Mapping[int, Plain]) -> pandas.DataFrame:
+        """Return a row for each criterion of each step, from their `results`."""
+        rows = []
+        for number in sorted(results):
+            one = results[number]
+            detail = json.dumps(one)
+            for title, required, got, verdict in one["cells"] or [["", "", one[FAILURE], NOT_DONE]]:
+                rows.append([one["step"], one["state"], title, required, got, verdict, one["part"], detail])
+                detail = ""
+        columns = ["step", "state", "figure", "required", "reached", "verdict", "against", DETAIL]
+        frame = pandas.DataFrame(rows, columns=columns)
+        frame.insert(0, CASE, range(1, len(frame) + 1))
+        return frame.assign(**{SCENARIO: "", FILES: ""})
+
+    def _real_winch(self, stack: ExitStack, steps: Sequence[Step]) -> WinchPart | None:
+        """Open the real winch, where there is one and a step that moves it."""
+        needed = any(isinstance(step.test, WinchTest) for step in steps)
+        if self._parts.winch is None or not needed or self._parts.records:
+            return None
+        from heave_studies.accept.parts.real_winch import real_winch  # noqa: PLC0415 - starts ROS
+
+        return stack.enter_context(real_winch(self._parts.winch))
+
+    def _done(self, step: Step, winch: WinchPart | None) -> Plain:
+        set_up_transport(network=self._parts.is_on_network)
+        return self._result(step, self._folder, winch).to_plain()
+
+    def _result(self, step: Step, folder: Path, winch: WinchPart | None) -> StepResult:
+        try:
+            if self._parts.records:
+                return self._on_record(step)
+            if isinstance(step.test, WinchTest):
+                return self._on_winch(step, step.test, folder, winch)
+            if isinstance(step.test, RunTest):
+                return self._in_a_run(step, step.test, folder)
+            return StepResult(step, failure="it can be judged on a record alone: --ask record=FILE")
+        except (CommandError, BagError) as error:
+            if str(error).startswith("interrupted"):
+                raise KeyboardInterrupt from None
+            if str(error) == ANOTHER_RUN:
+                raise
+            return StepResult(step, failure=str(error))
+
+    def _on_record(self, step: Step) -> StepResult:
+        name = step.name if step.name in self._records else WHOLE
+        if name not in self._records:
+            return StepResult(step, failure="there is no record of it")
+        return _judged(step, self._records[name].measured(step, self.nominal), self._parts.records[name], "record")
+
+    def _on_winch(self, step: Step, test: WinchTest, folder: Path, real: WinchPart | None) -> StepResult:
+        part = real or VirtualPart(self._scenario.parameters["virtual_winch"], test.load)
+        with ProgressLine() as progress:
+            trace = run_winch(part, test, step.event, step.name, progress.show)
+        path = folder / f"{step.slug}.csv"
+        trace.save(path)
+        return _judged(step, trace.measured(test, self.nominal), path, "real winch" if real else "virtual winch")
+
+    def _in_a_run(self, step: Step, test: RunTest, folder: Path) -> StepResult:
+        run = folder / step.slug
+        done = run_loop(self._loop(step, test), step.event, run, self._parts.external)
+        done.measured.nominal = self.nominal
+        real = ", ".join(self._parts.external)
+        return _judged(
+            step, done.measured, run / "bag", f"run, real: {real}" if real else "run, all virtual", done.breaches
+        )
+
+    def _loop(self, step: Step, test: RunTest) -> Scenario:
+        return scenario_of(self.procedure, test, step.event, self._parts.external)
+
+
+def _label(step: Step) -> str:
+    """Return what a step does, in a line."""
+    signal = getattr(step.test, "signal", None)
+    does = signal.words if signal else "a run" if step.test else "a record"
+    return f"{step.name}: {does}{f'; {step.event.words}' if step.event else ''}"
+
+
+def _limits_of(scenario: Scenario) -> Limits:
+    """Return what the nominal winch of a scenario, and its rope, can do."""
+    winch, cable = scenario.parameters["winch_controller"].winch, scenario.parameters["cable_sim"].cable
+    stated = strengths(
+        {"cable.breaking_force": cable.breaking_force}, {"rated_pull": scenario.parameters["virtual_winch"].rated_pull}
+    )
+    parting = Strength("", "rope", "tension at which the rope parts", LARGEST_STRAIN * cable.axial_stiffness, LEAST)
+    payout = (winch.payout_minimum, winch.payout_maximum)
+    return Limits(winch.speed_limit, winch.acceleration_limit, payout, (*stated, parting))
+
+
+def _judged(step: Step, measured: Measured, path: Path, part: str, breaches: Sequence[str] = ()) -> StepResult:
+    """Return the verdict on a step that left what was `measured` in the file or folder `path`."""
+    values = {} if measured.lacks else figures.evaluate(measured, step.alarms)
+    found = tuple(figures.judged(criterion, values, measured) for criterion in step.wanted)
+    return StepResult(step, found, tuple(breaches), "", values, measured, path, digest_of(path), part)

@@ -1,0 +1,83 @@
+"""What every case came to, with a summary and its confidence, what matters among what was drawn, and the worst case."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from types import MappingProxyType
+
+import pandas
+from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_bags.report.parts import table
+from heave_bringup.output import Part, make_table
+from heave_node.parameters import ParameterError
+
+from heave_studies.answers.answer import Ask, Found
+from heave_studies.study.case_file import CASE
+from heave_studies.study.plan import Study
+from heave_studies.study.sampling import SALTELLI
+from heave_studies.study.sensitivity import FEWEST_CASES, influence_rows, influences, sobol_indices
+from heave_studies.study.summary import case_table, left_out, remarks, summary_rows, summary_table, to_json
+from heave_studies.study.table import SILENT, SILENT_START
+from heave_studies.study.workers import FAILURE
+
+MOTION = "unit_sigma_m"
+"""Figure by which a case is the worst of a study that is no search."""
+KEYS: Mapping[str, object] = MappingProxyType({"figure": MOTION})
+"""Figure of merit that what matters is ranked by."""
+FIGURES = (SILENT, *DEFINITION_OF)
+
+
+def prepare(study: Study, ask: Ask, /) -> Study:
+    """See `heave_studies.answers.answer.Answer`."""
+    named = [ask["figure"], *([study.search.figure] if study.search else [])]
+    for name in named:
+        if name not in FIGURES:
+            raise ParameterError(f"{study.path}: {name} is not a figure; known: {', '.join(FIGURES)}")
+    return study
+
+
+def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
+    """See `heave_studies.answers.answer.Answer`."""
+    figure = study.search.figure if study.search else str(ask["figure"])
+    good = frame[frame[FAILURE] == ""]
+    judged = int(good[figure].notna().sum()) if study.search else len(good)
+    parts: list[Part] = [case_table(frame), *(["\n".join(lines)] if (lines := remarks(frame)) else [])]
+    head, rows = summary_rows(frame)
+    body = ["<h2>Summary</h2>", table(head, rows, texts=1, last_is_text=True)]
+    data = to_json(frame)
+    if study.draws is not None and not study.search and len(good) >= FEWEST_CASES and figure in DEFINITION_OF:
+        what = influences(frame, figure)
+        parts.append(make_table(*influence_rows(what, figure), texts=["influence"]))
+        body += ["<h2>What matters</h2>", table(*influence_rows(what, figure), texts=1, last_is_text=True)]
+        data["influences"] = {"kpi": figure, "parameters": [asdict(one) for one in what]}
+        if study.draws.method == SALTELLI:
+            found = sobol_indices(study.draws, frame, figure)
+            cells = [[name, f"{first:.2f}", f"{total:.2f}"] for name, (first, total) in found.items()]
+            parts.append(make_table(["share of the variance", "by itself", "with all others"], cells))
+            body.append(table(["share of the variance", "by itself", "with all others"], cells, texts=1))
+            data["sobol"] = found
+    worst, failures = _worst(study, good, figure if study.search else MOTION)
+    parts += [summary_table(frame), *left_out(frame), *worst]
+    return Found(parts, data, body, failures=failures, judged=judged)
+
+
+def _worst(study: Study, good: pandas.DataFrame, figure: str) -> tuple[list[str], list[str]]:
+    """Return the lines on the worst case, and why the verdict of a search is FAILED."""
+    known = good[good[figure].notna()]
+    if known.empty:
+        return [], []
+    row = known.loc[known[figure].idxmax()]
+    value = float(row[figure])
+    when = f" from {row[SILENT_START]:.0f} s on" if figure == SILENT and math.isfinite(row[SILENT_START]) else ""
+    title = DEFINITION_OF[figure].title if figure in DEFINITION_OF else "worst minute without an alarm, over locked"
+    line = (
+        f"worst case: {row[CASE]}, {title} {value:.4g}{when}; heave study --case TABLE:{row[CASE]} writes its scenario"
+    )
+    if study.search is None:
+        return [line], []
+    bound = study.search.at_most
+    verdict = "FAILED" if value > bound else "passed"
+    lines = [line, f"verdict: {verdict}; {len(known)} of {len(good)} cases that ran were judged (at most {bound:g})"]
+    return ["\n".join(lines)], [f"{title} {value:.3f} (at most {bound:g}): case {row[CASE]}"] if value > bound else []

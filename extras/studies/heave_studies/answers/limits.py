@@ -1,0 +1,205 @@
+"""The largest sea in which the criteria hold, compensated and with the winch locked, and the waiting time for it."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Hashable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
+
+import pandas
+from heave_bags.report.figure import Figure
+from heave_bags.report.parts import notice, table
+from heave_bags.report.report import place_figure
+from heave_bringup.output import Part, make_table
+from heave_bringup.run.criteria import BASELINE_LAW, LAW
+from heave_node.parameters import ParameterError
+
+from heave_studies.answers.answer import Ask, Found
+from heave_studies.answers.criteria import as_path, check_seas, criteria_of, criteria_table, with_strengths
+from heave_studies.operability.exposure import Exposure, Place, Situation, exposure_json, study_situations
+from heave_studies.operability.figures import limit_figure, month_figure
+from heave_studies.operability.limits import interval, limit_words, title_of, too_few_seeds
+from heave_studies.operability.record import SeaRecord, read_record
+from heave_studies.operability.windows import ALL, read_alpha
+from heave_studies.sizing.sheets import number
+from heave_studies.study.plan import Study
+from heave_studies.study.workers import FAILURE
+
+KEYS: Mapping[str, object] = MappingProxyType({"record": None, "windows": [6.0, 12.0, 24.0], "alpha": None})
+"""Seas of the site (a file), lengths of weather windows [h], alpha factors (a file)."""
+
+FOOTER = """The limit of each seed is where a figure of merit, linear between the heights that were run, reaches its
+bound. Workable seas below the smallest height are counted with a figure that is linear from a calm sea on. Waiting
+times count from every moment of the record to the next start of a window."""
+
+
+def prepare(study: Study, ask: Ask, /) -> Study:
+    """See `heave_studies.answers.answer.Answer`."""
+    check_seas(study)
+    _place(ask)
+    return study
+
+
+def _place(ask: Ask) -> Place | None:
+    hours = ask["windows"]
+    windows = tuple(float(str(one)) for one in (hours if isinstance(hours, list) else [hours]))
+    if not windows or min(windows) <= 0.0:
+        raise ParameterError(f"ask: windows = {hours}: must be numbers above 0 [h]")
+    record, alpha = as_path(ask["record"]), as_path(ask["alpha"])
+    if record is None:
+        if alpha is not None:
+            raise ParameterError("ask: alpha needs record: the seas in which windows are looked for")
+        return None
+    return Place(read_record(record), windows, None if alpha is None else read_alpha(alpha))
+
+
+def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
+    """See `heave_studies.answers.answer.Answer`."""
+    place = _place(ask)
+    criteria = with_strengths(frame, criteria_of(study))
+    found = study_situations(frame, criteria, place)
+    few = too_few_seeds([one.limit for one in found])
+    drawn: list[Figure] = []
+    body = [*_notices(found, place, few), _overview(found, place), criteria_table(criteria)]
+    for one in found:
+        body += _section(one, place, drawn)
+    remarks = [] if place is None or place.record.has_order else [no_windows(place.record)]
+    remarks += [few] if few else []
+    if LAW not in frame:
+        remarks.append(f"left out: the limits under law {BASELINE_LAW} (--vary {LAW}=mpc,{BASELINE_LAW})")
+    data = {
+        "criteria": {criterion.kpi: criterion.text for criterion in criteria},
+        "situations": [
+            {
+                "name": one.name,
+                "limit": one.limit.to_dict("records"),
+                "uncompensated_limit": one.locked_limit.to_dict("records"),
+                "exposure": exposure_json(one.exposure),
+                "uncompensated_exposure": exposure_json(one.locked_exposure),
+            }
+            for one in found
+        ],
+    }
+    judged = int((frame[FAILURE] == "").sum())
+    return Found([*_tables(found, place), *remarks], data, body, drawn, FOOTER, judged=judged)
+
+
+def _tables(found: Sequence[Situation], place: Place | None) -> list[Part]:
+    parts: list[Part] = []
+    for one in found:
+        parts += [*([one.name] if one.name else []), make_table(*limit_rows(one), texts=["ended by"])]
+        if place is not None and one.exposure is not None and one.locked_exposure is not None:
+            parts.append(
+                f"workable seas of {place.record.name}: {100 * one.exposure.share:.1f} % compensated, "
+                f"{100 * one.locked_exposure.share:.1f} % uncompensated"
+            )
+            both = (waits(one.exposure, place), waits(one.locked_exposure, place))
+            parts += [
+                f"wait for {hours:g} h, P50 / P90: {compensated} h compensated, {alone} h uncompensated"
+                for hours, compensated, alone in zip(place.windows, *both, strict=False)
+            ]
+    return parts
+
+
+def limit_rows(situation: Situation) -> tuple[list[str], list[list[str]]]:
+    """Return head and rows of the table of limits by period of a `situation`, for page and terminal."""
+    head = ["Tp s", "ended by", "Hs m, compensated", "Hs m, winch locked"]
+    pairs = zip(situation.limit.to_dict("records"), situation.locked_limit.to_dict("records"), strict=True)
+    rows = [
+        [f"{row['period']:g}", title_of(row["governs"] or "nothing"), _limit(row), _limit(other)]
+        for row, other in pairs
+    ]
+    return head, rows
+
+
+def _limit(row: Mapping[Hashable, Any]) -> str:
+    """Return a limit, with its confidence interval in brackets where there is one."""
+    spread = interval(row)
+    return limit_words(row) + (f" ({spread})" if spread != "-" else "")
+
+
+def waits(exposure: Exposure, place: Place) -> list[str]:
+    """Return the waiting times of an `exposure`, P50 / P90 [h], for each window of a `place`; none without an order."""
+    if exposure.windows.empty:
+        return []
+    whole = exposure.windows[exposure.windows["month"] == ALL].set_index("window_h")
+    return [f"{number(whole['p50'][hours])} / {number(whole['p90'][hours])}" for hours in place.windows]
+
+
+def no_windows(record: SeaRecord) -> str:
+    """Return why nobody can wait for a window in the seas of a `record` without an order."""
+    return (
+        f"no waiting times: {record.name} is a scatter diagram, whose seas have no order in time; "
+        "a record with the columns time, hs, tp gives them"
+    )
+
+
+def _notices(found: Sequence[Situation], place: Place | None, few: str) -> list[str]:
+    words = [few] if few else []
+    if place is not None:
+        name = place.record.name
+        words += [f"{name}: {warning}" for warning in place.record.warnings]
+        if place.record.has_order and place.record.missing > 0.0:
+            words.append(
+                f"{name}: nothing was measured in {100 * place.record.missing:.1f} % of the time; that counts as not "
+                "workable in windows, and is left out of shares."
+            )
+        outside = max((one.exposure.outside for one in found if one.exposure), default=0.0)
+        if outside > 0.0:
+            words.append(
+                f"{100 * outside:.1f} % of the seas have a period outside those of the study; the limit of the nearest "
+                "one is held there."
+            )
+    return [notice(one) for one in words]
+
+
+def _overview(found: Sequence[Situation], place: Place | None) -> str:
+    """Return the answer in one table: how much of the place's seas are workable, and how long one waits."""
+    if place is None:
+        return ""
+    rows = []
+    for situation in found:
+        for name, exposure in (("compensated", situation.exposure), ("uncompensated", situation.locked_exposure)):
+            if exposure is not None:
+                cautious = f"{100 * exposure.cautious:.1f}" if math.isfinite(exposure.cautious) else "-"
+                shares = [f"{100 * exposure.share:.1f}", cautious]
+                rows.append([situation.name or "all", name, *shares, *waits(exposure, place)])
+    head = ["situation", "winch", "workable seas [%]", "at the lower confidence [%]"]
+    head += [f"wait for {hours:g} h, P50 / P90 [h]" for hours in place.windows if place.record.has_order]
+    trust = "with the alpha factors given" if place.alpha is not None else "with a forecast that is trusted"
+    windows = f"windows {trust}" if place.record.has_order else html.escape(no_windows(place.record))
+    caption = f"Seas of {html.escape(place.record.name)}; {windows}."
+    return f'<h2>Answer</h2><p class="caption">{caption}</p>{table(head, rows, texts=2)}'
+
+
+def _section(situation: Situation, place: Place | None, drawn: list[Figure]) -> list[str]:
+    figures = [limit_figure(situation, place.record if place else None), month_figure(situation)]
+    return [
+        f"<h2>{html.escape(situation.name or 'Limits')}</h2>",
+        table(*limit_rows(situation), texts=2),
+        *(place_figure(figure, drawn) for figure in figures if figure is not None),
+        _spells(situation.exposure),
+    ]
+
+
+def _spells(exposure: Exposure | None) -> str:
+    if exposure is None or exposure.spells.empty:
+        return ""
+    columns = ("mean", "p10", "p50", "p90")
+    head = ["spells", "number", "mean [h]", "P10 [h]", "P50 [h]", "P90 [h]", "longest [h]"]
+    rows = [[str(name), *(number(value) for value in row)] for name, row in exposure.spells.iterrows()]
+    months = [
+        [
+            f"{row['window_h']:g}",
+            str(row["month"]),
+            *(number(row[one]) for one in columns),
+            f"{100 * row['at_once']:.1f}",
+        ]
+        for row in exposure.windows.to_dict("records")
+    ]
+    heads = ["window [h]", "month", "mean [h]", "P10 [h]", "P50 [h]", "P90 [h]", "window at once [%]"]
+    by_month = f"<summary>Waiting times by month, compensated</summary>{table(heads, months, texts=2)}"
+    spells = table(head, rows, texts=1)
+    return f"<h3>Persistence, compensated</h3>{spells}<details>{by_month}</details>"

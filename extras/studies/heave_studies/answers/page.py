@@ -1,0 +1,65 @@
+"""The page of a study: one HTML file that opens offline and prints, whatever was asked."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping
+from pathlib import Path
+
+import pandas
+from heave_bags.report.parts import notice, table
+from heave_bags.report.report import render_page, unbroken
+
+from heave_studies.answers.answer import Found
+from heave_studies.study.case_file import CASE
+from heave_studies.study.table import LOST, MISSED, REASON, SEED, settings_of
+from heave_studies.study.workers import FAILURE
+
+FOOTER = "SI units. For a PDF, print this page."
+MOST_CASES = 2000
+"""Cases that the page lists; the table has all."""
+
+
+def render(title: str, found: Found, frame: pandas.DataFrame, table_file: Path, about: Mapping[str, str]) -> str:
+    """Return the page of a study as HTML.
+
+    Parameters
+    ----------
+    title : of the study
+    found : its answer
+    frame, table_file : its table, and where that is
+    about : where the numbers come from, by name
+    """
+    head = [f"<h1>{html.escape(title)}</h1>", *_verdict(found)]
+    facts = table(["", ""], ([name, value] for name, value in about.items()), texts=2)
+    whence = f"<details><summary>Where these numbers come from</summary>{facts}</details>"
+    body = [*head, *found.body, _cases(frame, table_file), whence]
+    return render_page(title, "\n".join(body), list(found.figures), footer=f"{found.footer} {FOOTER}".strip())
+
+
+def _verdict(found: Found) -> list[str]:
+    if not found.judged:
+        return [notice("Nothing was judged.")]
+    if not found.failures:
+        return []
+    items = "".join(f"<li>{html.escape(unbroken(words))}</li>" for words in found.failures)
+    return [f'<div class="verdict bad"><strong>FAILED</strong><ul>{items}</ul></div>']
+
+
+def _cases(frame: pandas.DataFrame, file: Path) -> str:
+    """Return all cases, folded up, with the command that writes the scenario of one."""
+    if FAILURE not in frame:
+        return ""
+    places = settings_of(frame)
+    head = ["case", "seed", *(place.rsplit(".", 1)[-1] for place in places), "unit [cm]", "off [cm]", "remark"]
+    rows = []
+    for row in frame.head(MOST_CASES).to_dict("records"):
+        lost = f"lost: {row[REASON]}" if row[LOST] else row[MISSED]
+        remark = f"failed: {row[FAILURE]}" if row[FAILURE] else lost
+        values = [f"{row[one]:.4g}" if isinstance(row[one], float) else str(row[one]) for one in places]
+        figures = [f"{100 * row[key]:.2f}" for key in ("unit_sigma_m", "uncompensated_sigma_m")]
+        rows.append([str(row[CASE]), str(row[SEED]), *values, *figures, str(remark or "-")])
+    line = f"heave study --case {html.escape(str(file))}:CASE"
+    how = f"<p>The scenario of a case, for a run over ROS: <code>{line}</code></p>"
+    cells = table(head, rows, texts=1, last_is_text=True)
+    return f"<details><summary>{len(rows)} of {len(frame)} cases</summary>{how}{cells}</details>"

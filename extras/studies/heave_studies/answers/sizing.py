@@ -1,0 +1,147 @@
+"""Which winch: what a larger one gains in workable seas, where more gains little, and what an hour of each costs."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from types import MappingProxyType
+
+import pandas
+from cable_sim_node.vertical.axial_line import axial_line
+from heave_bags.report.figure import Figure
+from heave_bags.report.parts import notice, table
+from heave_bags.report.report import place_figure
+from heave_bringup.output import Part, sheet_table
+from heave_node.kpi import RATED_SHARE
+from heave_node.loads.cycles import DAMAGE_EXPONENT, LEAST_RANGE
+from heave_node.parameters import ParameterError
+from heave_node.sheet import Sheet
+
+from heave_studies.answers.answer import Ask, Found
+from heave_studies.answers.criteria import (
+    as_path,
+    check_seas,
+    criteria_of,
+    criteria_table,
+    first_scenario,
+    with_strengths,
+)
+from heave_studies.operability.limits import FEWEST_SEEDS
+from heave_studies.operability.record import SeaRecord, read_record
+from heave_studies.sizing.candidates import PARTICULARS, as_link, candidates, own_winch
+from heave_studies.sizing.figures import sweep_figure
+from heave_studies.sizing.sheets import ABILITY, BUYERS, DUTY, KNEES
+from heave_studies.sizing.study import ENOUGH, OF_THE_WINCH, Prices, Sized, even_seas, knees, size_winches
+from heave_studies.study.plan import Study
+from heave_studies.study.workers import FAILURE
+
+KEYS: Mapping[str, object] = MappingProxyType(
+    {**dict.fromkeys((one.name for one in PARTICULARS), None), "record": None, **asdict(Prices())}
+)
+"""Values to be tried of each particular (SI; none: shares of the scenario's), seas of the site, prices."""
+
+FOOTER = f"""Workable: within the largest sea in which the criteria hold, a mean over the seeds, linear between the seas
+that were run. An hour's figures are means over the workable seas of each winch, so that a winch which works in higher
+seas is charged with them. Bending cycles: of the piece of rope that is bent most, on one sheave whose arc of contact is
+longer than the stroke; count each further sheave. Tension cycles: rainflow count of the top tension (ASTM E1049-85),
+ranges of at least {100 * LEAST_RANGE:g} % of its mean. Equivalent tension range: the one that once a second does the
+damage of all cycles, by Miner's sum with m = {DAMAGE_EXPONENT:g} (stranded steel wire rope in tension, DNV-OS-E301 Ch.2
+Sec.2). Above half rating: more than {100 * RATED_SHARE:g} % of the winch's speed or power."""
+
+
+def prepare(study: Study, ask: Ask, /) -> Study:
+    """See `heave_studies.answers.answer.Answer`: adds the winches that are tried."""
+    check_seas(study, OF_THE_WINCH)
+    _prices(ask)
+    _record(ask)
+    parameters = first_scenario(study).parameters
+    winch, plant = parameters["virtual_winch"], parameters["cable_sim"]
+    static_tension = axial_line(plant, plant.boom_tip_height).static_top_tension(plant.length)
+    tried = candidates(own_winch(winch), static_tension, {one.name: _values(ask[one.name]) for one in PARTICULARS})
+    return replace(study, vary=(as_link(tried, winch.stop_deceleration), *study.vary))
+
+
+def _values(given: object) -> list[float] | None:
+    return None if given is None else [float(str(one)) for one in (given if isinstance(given, list) else [given])]
+
+
+def _record(ask: Ask) -> SeaRecord | None:
+    path = as_path(ask["record"])
+    return None if path is None else read_record(path)
+
+
+def _prices(ask: Ask) -> Prices:
+    prices = Prices(**{name: float(str(ask[name])) for name in asdict(Prices())})
+    for name, least in (("efficiency", 1e-3), ("regeneration", 0.0)):
+        if not least <= getattr(prices, name) <= 1.0:
+            raise ParameterError(f"ask: {name} = {getattr(prices, name):g}: must be a share, from {least:g} to 1")
+    if not 0.0 <= prices.energy < float("inf"):
+        raise ParameterError(f"ask: energy = {prices.energy:g}: must be a number of at least 0")
+    return prices
+
+
+def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
+    """See `heave_studies.answers.answer.Answer`."""
+    prices = _prices(ask)
+    criteria = with_strengths(frame, criteria_of(study, OF_THE_WINCH))
+    seas = _record(ask) or even_seas(frame)
+    found = size_winches(frame, criteria, seas, prices)
+    answers = knees(found)
+    drawn: list[Figure] = []
+    charged = (
+        f"Drive efficiency {prices.efficiency:g}, {100 * prices.regeneration:g} % of the regenerated energy used, "
+        f"{prices.energy:g} for a kWh."
+    )
+    body = [
+        *_notices(found),
+        f'<h2>Answer</h2><p class="caption">Seas: {html.escape(seas.name)}. The knee gives {100 * ENOUGH:g} % of what '
+        f"the best of its sweep gives, all else as the scenario has it.</p>{_table(KNEES, answers)}",
+        criteria_table(criteria),
+        f"<h2>Winches</h2>{_table(ABILITY, found)}",
+        f'<h2>An hour of compensation</h2><p class="caption">{charged}</p>{_table(DUTY, found)}',
+        "<h2>What each particular is worth</h2>",
+        *(place_figure(sweep_figure(found, knee), drawn) for knee in answers),
+    ]
+    parts: list[Part] = [
+        f"seas: {seas.name}",
+        *([sheet_table(KNEES, answers)] if answers else []),
+        sheet_table(ABILITY, found),
+        "an hour of compensation, mean over the workable seas",
+        sheet_table(DUTY, found),
+    ]
+    data = {
+        "seas": seas.name,
+        "prices": asdict(prices),
+        "knees": {one.particular.name: {"value": one.value, "is_open": one.is_open} for one in answers},
+        "winches": BUYERS.records(found),
+    }
+    return Found(parts, data, body, drawn, FOOTER, judged=int((frame[FAILURE] == "").sum()))
+
+
+def _table(sheet: Sheet, rows: Sequence[object]) -> str:
+    return table(sheet.headings, sheet.cells(rows), texts=1)
+
+
+def _notices(found: Sequence[Sized]) -> list[str]:
+    words = []
+    if any(one.limit["seeds"].min() < FEWEST_SEEDS for one in found):
+        words.append(
+            f"Fewer than {FEWEST_SEEDS} seeds show no confidence: differences of a few percent between winches may be "
+            "chance."
+        )
+    if any(one.limit["is_open"].any() for one in found):
+        words.append(
+            "Some winches work in every sea of the study at some period: their limit lies above its largest height."
+        )
+    if any(one.limit["is_below"].any() for one in found):
+        words.append(
+            "Some winches are limited below the smallest height of the study at some period: no sea was run there, and "
+            "their limit is estimated, linear from a calm sea on."
+        )
+    left_out = ", ".join(OF_THE_WINCH)
+    words.append(
+        "The scenario's criteria on the winch's own limits and power are left out: a winch counts by what it does for "
+        f"the unit ({left_out})."
+    )
+    return [notice(one) for one in words]

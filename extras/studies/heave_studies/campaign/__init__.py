@@ -1,1 +1,0 @@
-"""Campaigns: many cases of a scenario in worker processes, without ROS."""

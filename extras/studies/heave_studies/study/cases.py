@@ -1,0 +1,107 @@
+"""A study of cases: one loop each, in this process or another, and the table of them."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+
+import numpy as np
+import pandas
+from heave_bringup.scenarios import named_files
+from heave_node.numerics.arrays import Array
+from heave_node.parameters import ParameterError
+
+from heave_studies.study import search
+from heave_studies.study.kept_files import KeptFile, keep_files
+from heave_studies.study.plan import Case, Study, unlinked
+from heave_studies.study.runs import Task, make_tasks, result_of, run_task
+from heave_studies.study.table import SILENT, case_frame
+from heave_studies.study.workers import FAILURE, Job, Plain
+
+
+@dataclass
+class Cases:
+    """The cases of a study, as the engine takes them (`heave_studies.study.engine.Kind`)."""
+
+    study: Study  # what is run
+    is_local: bool = False  # cases run anywhere
+    _tasks: list[Task] = field(default_factory=list)  # so far, in the order of their numbers
+
+    def __post_init__(self) -> None:
+        if self.study.search is not None:
+            search.load_cma()
+            if self.study.draws is None or self.study.draws.count < search.LEAST_POPULATION:
+                raise ParameterError(f"{self.study.path}: draw.count must be at least {search.LEAST_POPULATION}")
+        self._first = make_tasks(self.study, list(self.study.cases()))
+
+    @property
+    def name(self) -> str:
+        """What its table and page are called."""
+        return self.study.title or self.study.path.stem
+
+    @property
+    def size(self) -> int:
+        """Number of cases, at most."""
+        return len(self._first) if self.study.search is None else self.study.search.runs
+
+    @cached_property
+    def files(self) -> Mapping[str, KeptFile]:
+        """Files that the cases read, by path."""
+        return keep_files({path for task in self._first for path in named_files(task.scenario)})
+
+    @property
+    def identity(self) -> str:
+        """What identifies the results: every value of every case, and the files that they read."""
+        digest = hashlib.sha256(repr((self.study.search, self.study.draws, self.study.has_baseline)).encode())
+        for task in self._first:
+            digest.update(task.text.encode())
+        for file in self.files.values():
+            digest.update(file.digest.encode())
+        return digest.hexdigest()
+
+    def rounds(self, results: Mapping[int, Plain]) -> Iterator[list[Job]]:
+        """Yield the jobs, those of a search generation after generation, each when the last one is in `results`."""
+        self._tasks = list(self._first)
+        if self.study.search is None:
+            yield [_job(task) for task in self._tasks]
+            return
+        draws, wanted = self.study.draws, self.study.search
+        assert draws is not None
+        last: list[Task] = []
+
+        def values() -> Array:
+            return np.array([_figure(results[task.case.number], wanted.figure) for task in last])
+
+        for points in search.generations(draws, wanted.runs, values):
+            if last:
+                made = [unlinked(draws.at(point)) for point in points]
+                cases = [Case(len(self._tasks) + n, self.study.seeds[0], one) for n, one in enumerate(made, 1)]
+                last = make_tasks(self.study, cases)
+                self._tasks += last
+            else:
+                last = self._tasks
+            yield [_job(task) for task in last]
+
+    def frame(self, results: Mapping[int, Plain]) -> pandas.DataFrame:
+        """Return a row for each case, from their `results`."""
+        found = [result_of(task.case, results[task.case.number]) for task in self._tasks]
+        return case_frame(self._tasks, found, self.files)
+
+
+def _job(task: Task) -> Job:
+    return Job(task.case.number, task.case.label, partial(_run, task))
+
+
+def _run(task: Task) -> Plain:
+    return run_task(task).to_plain()
+
+
+def _figure(result: Plain, name: str) -> float:
+    """Return the figure of a `result` that a search makes large; one that is not known is the least of all."""
+    if result.get(FAILURE):
+        return -1.0
+    value = float(result["minute"][0]) if name == SILENT else float(result["kpis"][name])
+    return value if math.isfinite(value) else -1.0

@@ -1,0 +1,220 @@
+"""One case of a study: pure components in this process, no ROS; its figures, its verdict, why it was lost."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+import numpy as np
+from heave_bags.analyse import kpi_set
+from heave_bags.analyse.events import COMPENSATES
+from heave_bags.analyse.verdict import Judged, Verdict
+from heave_bags.signals import RunSignals, Signal
+from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
+from heave_bringup.run.criteria import BASELINE_LAW, LAW, refuse_unknown
+from heave_bringup.run.loop_signals import run_signals
+from heave_bringup.scenarios import Scenario, load_scenario
+from heave_bringup.stored_scenario import stored_sections, stored_title
+from heave_node.parameters import ParameterError
+from heave_node.scenario import sections_text
+
+from heave_studies.study.plan import Case, Study
+from heave_studies.study.silent import NO_MINUTE, Minute, silent_minute
+
+BOUND = "kappa"
+"""Figure that needs bounds, seconds of work: computed only where a criterion asks for it."""
+
+WITH_THE_END = 0.2
+"""Time after compensation ended within which an alarm still counts as its reason [s]."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A case that is ready to run, here or in another process."""
+
+    case: Case  # of the study
+    scenario: Scenario  # checked
+    has_baseline: bool = False  # the same case is run under the baseline law as well
+
+    @property
+    def text(self) -> str:
+        """All active values as a scenario file has them: what repeats the case."""
+        return sections_text(stored_sections(self.scenario), title=stored_title(self.scenario))
+
+    @property
+    def is_baseline(self) -> bool:
+        """Return whether the case is one under the baseline law."""
+        return bool(self.scenario.parameters["winch_controller"].law == BASELINE_LAW)
+
+    @property
+    def but_for_law(self) -> tuple[object, ...]:
+        """What the case is, but for its law: cases of which this is the same have one baseline."""
+        settings = sorted((place, str(value)) for place, value in self.case.settings.items() if place != LAW)
+        return (self.case.seed, self.case.is_nominal, *settings)
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """What a case came to: its KPIs, or why it failed."""
+
+    case: Case  # what was run
+    kpis: Mapping[str, float] = field(default_factory=dict)  # figures of merit by key
+    failure: str = ""  # why it could not be run; "" where it could
+    # share of the time after the transient in which the winch compensated or held a tension [-]; NaN under law off
+    compensating: float = math.nan
+    reason: str = ""  # why it was lost; "" where it was not
+    missed: tuple[str, ...] = ()  # breaches and criteria that it does not meet, one line each
+    baseline_unknown: str = ""  # why there is no baseline, where one was asked for; "" elsewhere
+    # those of `missed` that fail any run, see `heave_bags.analyse.verdict.Verdict.breaches`
+    breaches: tuple[str, ...] = ()
+    minute: Minute = NO_MINUTE  # the worst minute that no alarm announced
+
+    @property
+    def is_lost(self) -> bool:
+        """Return whether compensation was given up, or the unit moves more than uncompensated."""
+        return bool(self.reason)
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return it as plain data, without its case."""
+        names = (one.name for one in fields(self) if one.name != "case")
+        return {name: getattr(self, name) for name in names} | {"kpis": dict(self.kpis)}
+
+
+def result_of(case: Case, plain: Mapping[str, Any]) -> CaseResult:
+    """Return the result of a `case` from the `plain` data of it."""
+    given: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in plain.items()}
+    given["minute"] = Minute(*given.get("minute", NO_MINUTE))
+    return CaseResult(case, **given)
+
+
+def make_tasks(study: Study, cases: Sequence[Case]) -> list[Task]:
+    """Return the `cases` of a `study` with their parameters; raise ParameterError for the first that is wrong.
+
+    A case whose twin under the baseline law is a case itself is not run under that law again.
+    """
+    tasks = [Task(case, _scenario(study, case), study.has_baseline) for case in cases]
+    baselines = {task.but_for_law for task in tasks if task.is_baseline}
+    return [
+        replace(task, has_baseline=False) if task.but_for_law in baselines and not task.is_baseline else task
+        for task in tasks
+    ]
+
+
+def _scenario(study: Study, case: Case) -> Scenario:
+    settings = study.settings_of(case)
+    scenario = load_scenario(study.scenario_of(case), settings=settings)
+    run = scenario.run
+    if run.duration <= run.transient:
+        source = next((setting.source for setting in settings if setting.name == "duration"), str(scenario.path))
+        raise ParameterError(
+            f"{source}: duration = {run.duration:g} s leaves nothing after the transient of {run.transient:g} s; "
+            "make it longer, or all.transient shorter"
+        )
+    for criterion in scenario.wanted:
+        refuse_unknown(criterion, f"{study.path}: wanted")
+    return scenario
+
+
+def run_task(task: Task) -> CaseResult:
+    """Run the case of a `task`; one that cannot be run says why, and harms no other."""
+    case, scenario = task.case, task.scenario
+    parameters = loop_parameters(scenario)
+    try:
+        loop = ClosedLoop(parameters)
+        record = loop.run()
+        signals = run_signals(record, parameters)
+        _add_bounds(signals, record, scenario)
+        unknown = _add_baseline(signals, task) if task.has_baseline else ""
+        kpis = kpi_set.evaluate_run(signals, scenario.run.transient, scenario.run.duration)
+    except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
+        return CaseResult(case, failure=_in_a_line(error))
+    share = _compensating(record, scenario)
+    judged = tuple(Judged(criterion, kpis[criterion.kpi]) for criterion in scenario.wanted)
+    modes, strain = _time_in_modes(record, scenario), loop.plant.largest_strain
+    verdict = Verdict(judged, (), modes, share, strain=strain, loads=signals.load_checks())
+    reason, minute = lost_because(record, scenario, kpis), silent_minute(record, signals, scenario.run.transient)
+    return CaseResult(case, kpis, "", share, reason, tuple(verdict.failures), unknown, tuple(verdict.breaches), minute)
+
+
+def _in_a_line(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+def _add_bounds(signals: RunSignals, record: LoopRecord, scenario: Scenario) -> None:
+    """Put in what kappa is counted from, where it is wanted."""
+    if not scenario.moves_winch or BOUND not in {criterion.kpi for criterion in scenario.wanted}:
+        return
+    from winch_controller_node.design.bounds import BOUND_STEP  # noqa: PLC0415 - seconds to load, seldom needed
+    from winch_controller_node.model.lqr import DesignError  # noqa: PLC0415
+
+    from heave_studies.kappa import bounds_of  # noqa: PLC0415
+
+    tip = Signal(record.column("time"), record.column("boom_tip")).window(scenario.run.transient, scenario.run.duration)
+    time = np.arange(tip.time[0], tip.time[-1], BOUND_STEP)
+    try:
+        bounds = bounds_of(scenario, np.interp(time, tip.time, tip.value), BOUND_STEP)
+    except (DesignError, ArithmeticError, ValueError):  # no bound, and kappa stays unknown, as for a bag
+        return
+    signals.sensor_bound, signals.actuator_bound = bounds
+
+
+def _add_baseline(signals: RunSignals, task: Task) -> str:
+    """Put in what the baseline law makes of the same case, or say why it cannot; one under that law is its own."""
+    from heave_studies.baseline import baseline_signals  # noqa: PLC0415 - seconds to load, not always needed
+
+    try:
+        signals.baseline = signals if task.is_baseline else baseline_signals(task.scenario)
+    except Exception as error:  # a baseline that cannot be run must not end its case
+        return _in_a_line(error)
+    return ""
+
+
+def _judged(record: LoopRecord, scenario: Scenario) -> list[str]:
+    """Return the modes in the time that is judged."""
+    after = record.column("time") >= scenario.run.transient
+    return [mode for mode, counts in zip(record.modes, after, strict=True) if counts]
+
+
+def _compensating(record: LoopRecord, scenario: Scenario) -> float:
+    if not scenario.moves_winch:
+        return math.nan
+    return float(np.mean([mode in COMPENSATES for mode in _judged(record, scenario)]))
+
+
+def _time_in_modes(record: LoopRecord, scenario: Scenario) -> dict[str, float]:
+    modes = _judged(record, scenario)
+    shares = {mode: modes.count(mode) / len(modes) for mode in dict.fromkeys(modes)}
+    return dict(sorted(shares.items(), key=lambda item: -item[1]))
+
+
+def lost_because(record: LoopRecord, scenario: Scenario, kpis: Mapping[str, float]) -> str:
+    """Return why a case was lost: when compensation ended, and the last alarm before; "" where it was not.
+
+    Parameters
+    ----------
+    record, scenario : of the run
+    kpis : its figures
+    """
+    if not scenario.moves_winch:
+        return ""
+    time, ahead = record.column("time"), scenario.run.transient
+    works = np.isin(record.modes, COMPENSATES)
+    out = np.flatnonzero(~works & (time >= ahead))
+    if not out.size:
+        is_worse = kpis["unit_sigma_m"] > kpis["uncompensated_sigma_m"]
+        return "the unit moves more than uncompensated" if is_worse else ""
+    begun = np.flatnonzero(works)
+    share = f"active {100.0 * float(np.mean(works[time >= ahead])):.1f} % of the time"
+    if not begun.size:
+        when, words = float(time[-1]), f"compensation never began (mode {record.modes[-1]})"
+    elif begun[0] > out[0]:
+        when = float(time[begun[0]])
+        words = f"compensation began only at {when:.2f} s, {share}"
+    else:
+        end = int(begun[begun < out[0]][-1]) + 1
+        when = float(time[end])
+        words = f"compensation ended at {when:.2f} s (mode {record.modes[end]}), {share}"
+    alarms = [alarm for at, alarm in record.alarms if at <= when + WITH_THE_END]
+    return f"{words}: {alarms[-1]}" if alarms else words

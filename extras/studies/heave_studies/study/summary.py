@@ -1,0 +1,275 @@
+"""What the cases of a study came to: their table and summary for people, and both for a machine.
+
+Shares have Wilson's interval (Journal of the American Statistical Association 22, 1927), other figures that of the
+bootstrap (Efron, Annals of Statistics 7, 1979): so many cases, and not more, were run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pandas
+from heave_bags.analyse import kpi_set
+from heave_bringup.output import FittedTable, make_table
+from heave_bringup.run.criteria import BASELINE_LAW, LAW
+from heave_node import kpi
+from heave_node.numerics.arrays import Array
+from heave_node.numerics.randomness import random_stream
+from rich.table import Table
+from scipy import stats
+
+from heave_studies.study.case_file import CASE
+from heave_studies.study.plan import Case
+from heave_studies.study.table import (
+    BASELINE_EFFICIENCY,
+    BASELINE_UNKNOWN,
+    LOST,
+    MET,
+    MISSED,
+    NOMINAL,
+    OUTCOME,
+    REASON,
+    SEED,
+    SILENT,
+    SILENT_START,
+    settings_of,
+)
+from heave_studies.study.workers import FAILURE
+
+SHOWN = {
+    "unit_sigma_m": "unit",
+    "uncompensated_sigma_m": "off",
+    "unit_efficiency": "effic.",
+    BASELINE_EFFICIENCY: "baseline",
+    "rope_safety_factor": "rope",
+    "time_at_limit_percent": "at limit",
+    "winch_speed_max_mps": "speed",
+    "max_abs_heave_m": "max",
+    "uncompensated_max_abs_heave_m": "off max",
+    "tension_max_n": "Tmax",
+    "tension_min_n": "Tmin",
+    "dynamic_amplification": "DAF",
+    "uncompensated_dynamic_amplification": "DAF off",
+}
+"""Figures of merit in the table for people, with their headings, the weightiest first; all of them are in files."""
+ALWAYS = 3
+"""Least number of columns of figures, however narrow the terminal."""
+
+SUMMARY = {
+    "cases": "cases",
+    "failed": "cases that could not be run",
+    "judged": "cases that were judged",
+    "lost": "cases in which compensation was lost",
+    "met": "cases that met all criteria",
+    "snaps": "snaps",
+    "snaps_uncompensated": "snaps, uncompensated",
+    "unit_sigma_m_median": "load heave, standard deviation: median of the cases",
+    "unit_sigma_m_p90": "90th percentile",
+    "unit_sigma_m_max": "largest",
+    "unit_sigma_m_nominal": "nominal",
+    "p90_over_nominal": "90th percentile over nominal",
+    "worse": "largest over uncompensated",
+}
+"""Rows of the summary, by their key in JSON: counts, then motion, then ratios."""
+MOST_REMARKS = 20
+"""Cases of which the lines below the table say what went wrong."""
+MOST_GROUPS = 8
+"""Values of a parameter that the summary has a column for."""
+
+SELDOM_KNOWN = (BASELINE_EFFICIENCY, "rope_safety_factor")
+"""Columns that are omitted where no case has a value."""
+
+
+def to_json(frame: pandas.DataFrame) -> dict[str, object]:
+    """Return everything that the cases of a `frame` gave, for a machine."""
+    return {
+        "cases": [_case_content(row, settings_of(frame)) for row in frame.to_dict("records")],
+        "summary": summarise(frame),
+        "summary_by_law": summaries_by_law(frame),
+    }
+
+
+def _case_content(row: dict[object, object], settings: list[str]) -> dict[str, object]:
+    kpis = {key: float(row[key]) for key in kpi_set.DEFINITION_OF}  # type: ignore[arg-type]
+    head: dict[str, object] = {name: row[name] for name in (CASE, SEED, NOMINAL)}
+    given = {name: _plain(row[name]) for name in settings if row[name] is not None}
+    if row[FAILURE]:
+        return {**head, **given, FAILURE: row[FAILURE]}
+    outcome = {name: row[name] for name in (*OUTCOME, SILENT, SILENT_START)}
+    return {**head, **given, **outcome, **kpi_set.to_json(kpis)}
+
+
+def _plain(value: object) -> object:
+    """Return a `value` of a table as JSON holds it: lists come from files as arrays."""
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def summarise(frame: pandas.DataFrame) -> dict[str, float]:
+    """Return what the cases of a `frame` come to together, nominal ones apart."""
+    drawn = frame[~frame[NOMINAL]]
+    good = drawn[drawn[FAILURE] == ""]
+    counts = {"cases": float(len(drawn)), "failed": float(len(drawn) - len(good)), "judged": float(len(good))}
+    if good.empty:
+        return counts
+    unit = good["unit_sigma_m"]
+    p90 = float(np.percentile(unit, 90))
+    return {
+        **counts,
+        "lost": float(good[LOST].sum()),
+        "met": float(good[MET].sum()),
+        "unit_sigma_m_median": float(unit.median()),
+        "unit_sigma_m_p90": p90,
+        "unit_sigma_m_max": float(unit.max()),
+        **_against_nominal(frame, p90),
+        "worse": kpi.worse(unit, good["uncompensated_sigma_m"]),
+        "snaps": float(good["snaps"].sum()),
+        "snaps_uncompensated": float(good["uncompensated_snaps"].sum()),
+    }
+
+
+def _against_nominal(frame: pandas.DataFrame, p90: float) -> dict[str, float]:
+    """Return the nominal cases' unit sigma (root mean square) and the others' 90th percentile over it."""
+    sigmas = frame.loc[frame[NOMINAL] & (frame[FAILURE] == ""), "unit_sigma_m"]
+    if sigmas.empty:
+        return {}
+    nominal = float(np.sqrt(np.mean(np.square(sigmas))))
+    return {"unit_sigma_m_nominal": nominal, "p90_over_nominal": p90 / nominal}
+
+
+def case_table(frame: pandas.DataFrame) -> FittedTable:
+    """Return a row for each case of a `frame`: unit and uncompensated motion, tension, use of the winch."""
+    keys = [key for key in SHOWN if key not in SELDOM_KNOWN or frame[key].notna().any()]
+    headings = [f"{SHOWN[key]} {kpi_set.DEFINITION_OF[key].unit}".strip() for key in keys]
+    columns = ["no.", "case", *headings, "remark"]
+    settings = settings_of(frame)
+    rows = [_cells(row, settings, keys) for row in frame.to_dict("records")]
+    where = "a wider terminal has room for them, table.csv has all figures"
+    return FittedTable(columns, rows, ["case", "remark"], headings[ALWAYS:], where)
+
+
+def _cells(row: dict[object, object], settings: list[str], keys: list[str]) -> list[str]:
+    label = Case(
+        int(row[CASE]),  # type: ignore[call-overload]
+        int(row[SEED]),  # type: ignore[call-overload]
+        {place: row[place] for place in settings},
+        bool(row[NOMINAL]),
+    ).label
+    head = [str(row[CASE]), label]
+    if row[FAILURE]:
+        return [*head, *[""] * len(keys), "failed"]
+    values = {key: float(row[key]) for key in keys}  # type: ignore[arg-type]
+    remark = "lost" if row[LOST] else "missed" if row[MISSED] else ""
+    cells = [kpi_set.DEFINITION_OF[key].text(value) for key, value in values.items()]
+    return [*head, *cells, remark]
+
+
+def remarks(frame: pandas.DataFrame) -> list[str]:
+    """Return the lines below the table of a `frame` that say why cases failed, were lost or missed a criterion."""
+    found = []
+    for row in frame.to_dict("records"):
+        lost = f"lost: {row[REASON]}" if row[LOST] else row[MISSED]
+        text = f"failed: {row[FAILURE]}" if row[FAILURE] else lost
+        found += [f"case {row[CASE]}: {text}"] if text else []
+    more = f"and {len(found) - MOST_REMARKS} cases more, see table.csv"
+    return [*found[:MOST_REMARKS], *([more] if len(found) > MOST_REMARKS else [])]
+
+
+def left_out(frame: pandas.DataFrame) -> list[str]:
+    """Return the line below the table of a `frame` that says where, and why, the baseline is not in it; or none."""
+    unknown = frame[frame[BASELINE_UNKNOWN] != ""]
+    if len(unknown):
+        some = f"of {len(unknown)} of {len(frame)} cases is unknown; case {unknown[CASE].iloc[0]}"
+        which = "is unknown" if len(unknown) == len(frame) else some
+        return [f"the baseline {which}: {unknown[BASELINE_UNKNOWN].iloc[0]}"]
+    if frame[BASELINE_EFFICIENCY].notna().any() or (frame[FAILURE] != "").all():
+        return []
+    return [f"left out: the efficiency of law {BASELINE_LAW} beside each case (--baseline)"]
+
+
+def summary_table(frame: pandas.DataFrame) -> Table:
+    """Return what the cases of a `frame` come to together, in the units of the table of cases; by law, where it varies.
+
+    A law is not a case of another: figures over several of them together would mean nothing.
+    """
+    return make_table(*summary_rows(frame), texts=["unit"])
+
+
+def summary_rows(frame: pandas.DataFrame) -> tuple[list[str], list[list[str]]]:
+    """Return head and rows of the summary of a `frame`."""
+    names = list(summaries_by_law(frame))
+    parts = {name: frame[frame[LAW].astype(str) == name] for name in names} or {"value": frame}
+    groups = {name: summarise(part) for name, part in parts.items()}
+    rows = []
+    for key, words in SUMMARY.items():
+        if any(key in found for found in groups.values()):
+            cells = [_summary_text(key, found[key]) if key in found else "-" for found in groups.values()]
+            rows.append([words, *cells, _SIGMA.unit if key.startswith(_SIGMA.key) else ""])
+    rows += [[words, *(of(part) for part in parts.values()), unit] for words, of, unit in WIDTHS]
+    return ["all cases", *groups, "unit"], rows
+
+
+CONFIDENCE = 0.9
+"""Two-sided."""
+RESAMPLES = 400
+STREAM = "study/bootstrap"
+"""Name of the random stream of the resamples."""
+
+
+def wilson(count: int, of: int) -> tuple[float, float]:
+    """Return the confidence interval of a share: `count` of so many cases (`of`), Wilson's [-]."""
+    if not of:
+        return 0.0, 1.0
+    z = float(stats.norm.ppf(0.5 + 0.5 * CONFIDENCE))
+    middle = (count + 0.5 * z**2) / (of + z**2)
+    half = z / (of + z**2) * math.sqrt(count * (of - count) / of + 0.25 * z**2)
+    return max(middle - half, 0.0), min(middle + half, 1.0)
+
+
+def bootstrap(values: Array, figure: Callable[[Array], float]) -> tuple[float, float]:
+    """Return the confidence interval of a `figure` of a sample, `values` of shape (n,), by resampling it."""
+    random = random_stream(1, STREAM)
+    found = [figure(random.choice(values, values.size)) for _ in range(RESAMPLES)]
+    low, high = np.quantile(found, (0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE))
+    return float(low), float(high)
+
+
+def _judged(frame: pandas.DataFrame) -> pandas.DataFrame:
+    return frame[~frame[NOMINAL] & (frame[FAILURE] == "")]
+
+
+def _met_width(frame: pandas.DataFrame) -> str:
+    good = _judged(frame)
+    return "{:.0f} to {:.0f}".format(*(100.0 * end for end in wilson(int(good[MET].sum()), len(good))))
+
+
+def _p90_width(frame: pandas.DataFrame) -> str:
+    values = _judged(frame)[_SIGMA.key].dropna().to_numpy(dtype=float)
+    if values.size < FEWEST:
+        return "-"
+    ends = bootstrap(values, lambda sample: float(np.percentile(sample, 90)))
+    return " to ".join(map(_SIGMA.text, ends))
+
+
+_SIGMA = kpi_set.DEFINITION_OF["unit_sigma_m"]
+FEWEST = 5
+"""Fewest cases of which a width is stated."""
+WIDTHS: tuple[tuple[str, Callable[[pandas.DataFrame], str], str], ...] = (
+    ("share that meets all criteria, 90 % sure", _met_width, "%"),
+    ("90th percentile, 90 % sure", _p90_width, _SIGMA.unit),
+)
+"""Rows of the summary that say how sure it is."""
+
+
+def _summary_text(key: str, value: float) -> str:
+    return _SIGMA.text(value) if key.startswith(_SIGMA.key) else f"{value:.3f}".rstrip("0").rstrip(".")
+
+
+def summaries_by_law(frame: pandas.DataFrame) -> dict[str, dict[str, float]]:
+    """Return what the cases of a `frame` under each law come to, by law; empty where the law does not vary."""
+    if LAW not in settings_of(frame):
+        return {}
+    laws = frame[LAW].astype(str)
+    names = list(dict.fromkeys(laws[~frame[NOMINAL]]))
+    return {name: summarise(frame[laws == name]) for name in names} if 1 < len(names) <= MOST_GROUPS else {}

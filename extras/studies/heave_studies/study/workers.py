@@ -1,0 +1,166 @@
+"""Where the jobs of a study run: in this process, or on Dask: in processes of this machine or on a cluster."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+from heave_bringup.errors import CommandError
+from heave_bringup.interrupts import raise_if_interrupted
+from heave_node.extras import how_to_install
+from heave_node.parameters import ParameterError
+from heave_node.ros.transport.parents_death import end_with
+
+Plain = Mapping[str, Any]
+"""What a job gives: plain data, as JSON holds it."""
+FAILURE = "failure"
+"""Key of a result that says why there is none; empty or absent where there is one."""
+DIED = "its process ended without a result, twice: it was killed, or out of memory"
+"""Reason given for a job that ends its process."""
+KILLED = "KilledWorker"
+"""Name of Dask's exception for it."""
+IN_HAND = 2
+"""Jobs that a worker has in hand: one runs, one waits."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A piece of a study that runs by itself."""
+
+    number: int  # counted from 1
+    label: str  # for people
+    work: Callable[[], Plain]  # does it, here or in another process
+
+
+Run = Callable[[Sequence[Job]], Iterator[tuple[Job, Plain]]]
+"""Runs jobs, and yields each with its result as they come."""
+
+
+@contextmanager
+def workers(processes: int | None = None, address: str | None = None) -> Iterator[Run]:
+    """Give what runs jobs. Left by an exception, it ends those that are running.
+
+    Parameters
+    ----------
+    processes : number of worker processes of this machine; None takes one per processor, 1 runs all in this process
+    address : of a Dask scheduler, whose workers take the place of processes of this machine
+
+    Raises ParameterError where Dask is not installed, CommandError where no scheduler answers.
+    """
+    raise_if_interrupted()
+    processes = processes or os.cpu_count() or 1
+    if processes == 1 and not address:
+        yield run_here
+        return
+    dask = _load_dask(f"--dask {address}" if address else f"--processes {processes}")
+    with _patience(), _client(dask, processes, address) as client:
+        yield lambda jobs: _run_on(dask, client, jobs)
+
+
+def run_here(jobs: Sequence[Job]) -> Iterator[tuple[Job, Plain]]:
+    """Run the `jobs` in this process, and yield each with its result."""
+    return ((job, job.work()) for job in jobs)
+
+
+def _patience() -> Any:
+    """Return what gives up a job with the first process that it ends: it is then run once more, alone."""
+    import dask  # noqa: PLC0415 - slow
+
+    return dask.config.set({"distributed.scheduler.allowed-failures": 0})  # type: ignore[attr-defined]
+
+
+def _load_dask(what: str) -> Any:
+    try:
+        import distributed  # noqa: PLC0415 - half a second
+    except ImportError as error:
+        raise ParameterError(f"{what}: needs the package distributed; {how_to_install('studies')}") from error
+    return distributed
+
+
+@contextmanager
+def _client(dask: Any, processes: int, address: str | None) -> Iterator[Any]:
+    """Give a client of the scheduler at an `address`, or of one of its own with so many `processes`."""
+    if address:
+        try:
+            client = dask.Client(address, timeout="10s", set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise CommandError(f"--dask {address}: no scheduler answers: {' '.join(str(error).split())}") from error
+        with client:
+            yield client
+        return
+    cluster = dask.LocalCluster(
+        n_workers=processes,
+        threads_per_worker=1,
+        memory_limit=0,
+        dashboard_address=None,
+        silence_logs=logging.CRITICAL,
+    )
+    try:
+        with dask.Client(cluster, set_as_default=False) as client:
+            client.run(_belong_to, os.getpid())
+            yield client
+    except BaseException:
+        _kill(cluster)
+        raise
+    finally:
+        cluster.close()
+
+
+def _belong_to(command: int) -> None:
+    """Let a worker end with the process of the `command`, which alone hears the Ctrl-C of a terminal: it ends it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with(command)
+
+
+def _kill(cluster: Any) -> None:
+    """End the worker processes of a `cluster` in the midst of their work."""
+    for nanny in cluster.workers.values():
+        nanny.auto_restart = False
+        if nanny.pid:
+            os.kill(nanny.pid, signal.SIGKILL)
+
+
+def _run_on(dask: Any, client: Any, jobs: Sequence[Job]) -> Iterator[tuple[Job, Plain]]:
+    """Run the jobs on the workers of a scheduler. What a worker had in hand that died is run once more, one by one."""
+    waiting = iter(jobs)
+    job_of: dict[Any, Job] = {}
+    suspects: list[Job] = []
+    alone = 0
+    coming = dask.as_completed(loop=client.loop)
+
+    def submit(jobs: Iterable[Job]) -> None:
+        for job in jobs:
+            future = client.submit(job.work, pure=False)
+            job_of[future] = job
+            coming.add(future)
+
+    submit(islice(waiting, IN_HAND * max(sum(client.nthreads().values()), 1)))
+    try:
+        for future in coming:
+            trouble, job = future.exception(), job_of.pop(future)
+            if isinstance(trouble, ParameterError | CommandError):
+                raise trouble
+            submit(islice(waiting, 1))
+            if type(trouble).__name__ == KILLED and job not in suspects:
+                suspects.append(job)
+            else:
+                yield job, future.result() if trouble is None else {FAILURE: _reason(trouble)}
+            if not job_of and alone < len(suspects):
+                submit(suspects[alone : alone + 1])
+                alone += 1
+    except BaseException:
+        client.cancel(list(job_of), force=True)  # else the workers would go on with jobs that nobody waits for
+        raise
+
+
+def _reason(trouble: BaseException) -> str:
+    if type(trouble).__name__ == KILLED:
+        return DIED
+    words = " ".join(str(trouble).split()) or type(trouble).__name__
+    return f"its worker was lost, or could not run it: {words}"

@@ -1,0 +1,277 @@
+"""The engine of studies: ended and begun again, failed cases, workers, table, page, a row that repeats a case."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+from heave_bags.analyse import kpi_set
+from heave_bringup.cli import main
+from heave_bringup.errors import CommandError
+from heave_bringup.progress import time_to_go
+from heave_bringup.scenarios import load_scenario
+from heave_node.parameters import ParameterError
+from heave_studies.study import cases
+from heave_studies.study.case_file import CASE, FILES, SCENARIO, read_cases, write_case
+from heave_studies.study.cases import Cases
+from heave_studies.study.engine import JOURNAL, TABLE, run_study
+from heave_studies.study.runs import CaseResult, Task, run_task
+from heave_studies.study.study_file import read_study
+from heave_studies.study.summary import bootstrap, case_table, remarks, summarise, summary_rows, wilson
+from heave_studies.study.workers import DIED, Job, Plain, workers
+from rich.console import Console
+from scipy import stats
+
+TEXT = """
+scenario: b2_calm_300
+duration: 3
+seeds: 2
+set: {all.transient: 1.0, wave_vessel.ramp: 0.5, cable_sim.segments: 2}
+wanted: {unit_sigma_m: "<= 0.5"}
+vary: {winch_controller.law: [off, mpc], system.sea.peak_period: [6.0, 7.0]}
+"""
+
+
+@pytest.fixture
+def kind(tmp_path: Path, monkeypatch) -> Cases:
+    monkeypatch.chdir(tmp_path)
+    Path("own.yaml").write_text(TEXT)
+    return Cases(read_study(Path("own.yaml")))
+
+
+def pretended(task: Task) -> CaseResult:
+    """Stand for a run: figures that depend on the case alone; case 3 cannot be run, case 5 is lost."""
+    if task.case.number == 3:
+        return CaseResult(task.case, failure="the cable parted")
+    kpis = dict.fromkeys(kpi_set.DEFINITION_OF, 0.1 * task.case.number) | {"snaps": 0.0, "uncompensated_snaps": 0.0}
+    return CaseResult(task.case, kpis, "", 0.5, "compensation ended at 2.00 s" if task.case.number == 5 else "")
+
+
+class KilledError(Exception):
+    """What ends a study in the middle."""
+
+
+def test_a_study_that_was_ended_goes_on_where_it_was_and_gives_the_same_file(kind, monkeypatch, capsys):
+    monkeypatch.setattr(cases, "run_task", pretended)
+    whole, resumed = Path("whole"), Path("resumed")
+    run_study(kind, whole, processes=1)
+    run: list[int] = []
+
+    def ends_after_four(task: Task) -> CaseResult:
+        run.append(task.case.number)
+        if task.case.number == 5 and len(run) == 5:
+            raise KilledError
+        return pretended(task)
+
+    monkeypatch.setattr(cases, "run_task", ends_after_four)
+    with pytest.raises(KilledError):
+        run_study(kind, resumed, processes=1)
+    assert "4 cases are kept in resumed/journal.jsonl: the same command goes on there" in capsys.readouterr().err
+    assert not (resumed / TABLE).exists()
+    journal = resumed / JOURNAL
+    journal.write_text(journal.read_text() + '[5, {"kp')  # killed within a line
+    run_study(kind, resumed, processes=1)
+    assert run == [1, 2, 3, 4, 5, 5, 6, 7, 8]
+    assert (resumed / TABLE).read_bytes() == (whole / TABLE).read_bytes()
+    assert not journal.exists()
+    assert len(run_study(kind, resumed, processes=1)[0]) == 8
+    assert len(run) == 9  # nothing was left to be run
+
+
+def test_the_results_of_another_study_are_not_taken(kind, monkeypatch):
+    monkeypatch.setattr(cases, "run_task", pretended)
+    Path("out").mkdir()
+    Path("out", JOURNAL).write_text('{"digest": "other"}\n')
+    with pytest.raises(ParameterError, match=r"out/journal\.jsonl: holds results of another study"):
+        run_study(kind, Path("out"), processes=1)
+    run_study(kind, Path("whole"), processes=1)
+    Path("own.yaml").write_text(TEXT + "baseline: true\n")
+    with pytest.raises(ParameterError, match=r"whole/table\.parquet: holds results of another study"):
+        run_study(Cases(read_study(Path("own.yaml"))), Path("whole"), processes=1)
+
+
+def test_a_failed_case_is_a_row_and_stops_no_other(kind, monkeypatch):
+    monkeypatch.setattr(cases, "run_task", pretended)
+    frame, _ = run_study(kind, processes=1)
+    assert len(frame) == 8
+    assert frame.set_index("case")["failure"].to_dict()[3] == "the cable parted"
+    assert np.isnan(frame.set_index("case")["unit_sigma_m"].to_dict()[3])
+    assert not frame.set_index("case")["met"].to_dict()[3]
+    summary = summarise(frame)
+    assert (summary["cases"], summary["failed"], summary["judged"], summary["lost"]) == (8, 1, 7, 1)
+    head, rows = summary_rows(frame)
+    assert head == ["all cases", "off", "mpc", "unit"], "figures over several laws together would mean nothing"
+    assert ["share that meets all criteria, 90 % sure", "53 to 100", "60 to 100", "%"] in rows
+    assert remarks(frame) == ["case 3: failed: the cable parted", "case 5: lost: compensation ended at 2.00 s"]
+    many = pandas.concat([frame] * 30, ignore_index=True)
+    assert remarks(many)[-1] == "and 40 cases more, see table.csv"
+
+
+def test_widths_are_wilson_s_and_of_the_bootstrap():
+    """Wilson's interval as scipy has it; of a mean the bootstrap gives about that of Student's t."""
+    expected = stats.binomtest(7, 10).proportion_ci(0.9, "wilson")
+    assert wilson(7, 10) == pytest.approx((expected.low, expected.high))
+    values = np.random.default_rng(1).normal(size=200)
+    ends = stats.t.interval(0.9, 199, values.mean(), stats.sem(values))
+    assert bootstrap(values, lambda sample: float(sample.mean())) == pytest.approx(ends, abs=0.03)
+
+
+@pytest.mark.parametrize("columns", [60, 80, 100])
+def test_the_table_of_cases_fits_the_terminal_and_its_laws_stay_whole(kind, monkeypatch, columns):
+    monkeypatch.setattr(cases, "run_task", pretended)
+    table = case_table(run_study(kind, processes=1)[0])
+    console = Console(width=columns, file=io.StringIO())
+    shown, line = table.fitted(console)
+    console.print(shown)
+    lines = console.file.getvalue().splitlines()
+    assert max(map(len, lines)) <= columns
+    assert sum("law=mpc" in text for text in lines) == 4
+    assert line.startswith("not shown for want of room: ")
+
+
+def test_the_command_varies_a_scenario_and_writes_table_csv_and_page(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(cases, "run_task", pretended)
+    vary = ["--vary", "winch_controller.law=off,lqg,mpc", "--vary", "system.unit.added_mass=[1.0, 1.0, 1.0],[2, 2, 2]"]
+    files = ["--output", "out", "--json", "own.json", "--processes", "1"]
+    assert main(["study", "b2_calm_300", *vary, "--seeds", "2", "--duration", "200", *files]) == 0
+    said = capsys.readouterr().out
+    assert "lost: compensation ended at 2.00 s" in said
+    assert "worst case: 12, " in said
+    frame, figures = read_cases(Path("out", TABLE))[0], pandas.read_csv("out/table.csv")
+    assert set(frame["winch_controller.law"]) == {"off", "lqg", "mpc"}, "off is a law, not False"
+    np.testing.assert_allclose(figures["unit_sigma_m"], frame["unit_sigma_m"])
+    page = Path("out", "page.html").read_text()
+    assert "heave study --case out/table.parquet:CASE" in page
+    assert "failed: the cable parted" in page
+    result = json.loads(Path("own.json").read_text())
+    assert (len(result["cases"]), result["judged"]) == (12, 11)
+    assert main(["study", "b2_calm_300", *vary, "--seeds", "2", "--duration", "200", "--check"]) == 0
+    assert "12 cases, nothing is wrong with them" in capsys.readouterr().out
+
+
+def test_scenarios_themselves_can_be_varied(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("own.yaml").write_text("scenario: b2_calm_300\nvary: {base: [b2_calm_300, b3_deep_900]}\n")
+    lengths = [task.scenario.parameters["cable_sim"].length for task in Cases(read_study(Path("own.yaml")))._first]
+    assert lengths == [300.0, 900.0]
+
+
+@pytest.mark.parametrize(
+    ("failure", "words"),
+    [
+        ("its worker was lost: Error during deserialization of the task graph", "the workers need this suite"),
+        ("the cable parted", "nothing was judged in 8 cases; the first: the cable parted"),
+    ],
+)
+def test_a_study_of_which_no_case_ran_ends_with_status_1(kind, monkeypatch, capsys, failure, words):
+    monkeypatch.setattr(cases, "run_task", lambda task: CaseResult(task.case, failure=failure))
+    assert main(["study", "own.yaml", "--processes", "1"]) == 1
+    assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["b2_calm_300", "--vary", "winch_controller.law"], "must be NODE.PARAM=VALUE,VALUE,..."),
+        (["b2_calm_300", "--vary", "law=off"], "--vary law=off: law is not a parameter"),
+        (["b2_calm_300", "--vary", "winch_controller.lw=off"], "--vary: winch_controller.lw: there is no parameter lw"),
+        (["b2_calm_300", "--vary", "winch_controller.law=sail"], "law = 'sail' is not allowed"),
+        (["b2", "--vary", "winch_controller.law=off"], "b2: no such scenario"),
+        (["b2_calm_300", "--vary", "all.seed=1", "--vary", "all.seed=2"], "--vary all.seed: stands twice"),
+        (["seeds", "--seeds", "0"], "--seeds 0: must be at least 1"),
+        (["seeds", "--set", "winch_controller.law"], "--set winch_controller.law: must be NODE.PARAM=VALUE"),
+        (["seeds", "--ask", "record"], "--ask record: must be KEY=VALUE"),
+        (["seeds", "--ask", "recrod=x"], "ask: there is no recrod; known: figure"),
+        (["seeds", "--ask", "answer=limts"], "ask: answer = limts: must be one of cases, limits"),
+        (["seeds", "--require", "sgima<3"], "sgima is not a figure of merit"),
+        (["lift", "--seeds", "3"], "--seeds: is not for lift: write it into its file"),
+        (["no_such_study"], "no_such_study: no such study or file; shipped are: extremes"),
+        ([], "name a study file"),
+    ],
+)
+def test_what_is_wrong_with_a_command_line_is_one_line_and_status_2(arguments, words, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["study", *arguments]) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_row_alone_repeats_its_case_and_gives_its_figures(kind):
+    run_study(kind, Path("out"), processes=1)
+    frame, about = read_cases(Path("out", TABLE))
+    Path("own.yaml").unlink()
+    for number in (1, 8):
+        scenario = load_scenario(str(write_case(f"out/{TABLE}:{number}", Path(f"case_{number}.yaml"))[0]))
+        again = run_task(Task(kind._first[number - 1].case, scenario))
+        row = frame.set_index("case").loc[number]
+        assert {key: value for key, value in again.kpis.items() if np.isfinite(value)} == {
+            key: row[key] for key in again.kpis if np.isfinite(row[key])
+        }
+        assert (again.is_lost, not again.missed) == (row["lost"], row["met"])
+    assert about["study"] == "own"
+    with pytest.raises(ParameterError, match="has no case 9: it has 1 to 8"):
+        write_case(f"out/{TABLE}:9")
+
+
+@dataclass
+class Numbers:
+    """A kind of study whose jobs square numbers; the job of 3 ends its process."""
+
+    name: str = "numbers"
+    identity: str = "numbers"
+    size: int = 8
+    is_local: bool = False
+    files: Mapping[str, object] = field(default_factory=dict)
+
+    def rounds(self, _: Mapping[int, Plain]) -> Iterator[list[Job]]:
+        yield [Job(number, str(number), partial(square, number)) for number in range(1, 9)]
+
+    def frame(self, results: Mapping[int, Plain]) -> pandas.DataFrame:
+        rows = [{CASE: n, SCENARIO: "", FILES: "", **result} for n, result in sorted(results.items())]
+        return pandas.DataFrame(rows)
+
+
+def square(number: int) -> Plain:
+    if number == 3:
+        os.kill(os.getpid(), 9)
+    return {"square": number**2, "process": os.getpid()}
+
+
+def test_a_process_that_dies_costs_its_own_job_only():
+    frame, _ = run_study(Numbers(), processes=2)  # type: ignore[arg-type]
+    failures = frame.set_index(CASE)["failure"].dropna().to_dict()
+    assert failures == {3: DIED}
+    assert frame["square"].dropna().tolist() == [1, 4, 16, 25, 36, 49, 64]
+    assert os.getpid() not in set(frame["process"])
+
+
+def test_a_scheduler_that_does_not_answer_is_one_line():
+    with pytest.raises(CommandError, match="--dask nonsense: no scheduler answers"), workers(address="nonsense"):
+        pass
+
+
+@pytest.mark.long
+def test_workers_of_a_dask_scheduler_give_the_same_numbers(kind):
+    import distributed  # noqa: PLC0415 - slow
+
+    run_study(kind, Path("here"), processes=1)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        run_study(kind, Path("there"), dask=cluster.scheduler_address)
+    assert Path("there", TABLE).read_bytes() == Path("here", TABLE).read_bytes()
+
+
+def test_the_time_to_go_is_told_in_the_unit_of_a_person():
+    assert time_to_go(10.0, 0.5) == "10 s to go"
+    assert time_to_go(600.0, 0.5) == "10 min to go"
+    assert time_to_go(7200.0, 0.25) == "6.0 h to go"
