@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from heave_core.library import library
+from heave_core.sense_table import News, Reason
 from winch_controller_node.core.estimation.observation import Observer
-from winch_controller_node.core.estimation.sensor_health import ABSENT, BAD_IN_A_ROW, LOST_STATES, REJECTED_WORDS
+from winch_controller_node.core.estimation.sense_design import BAD_IN_A_ROW, SENSOR
+from winch_controller_node.core.estimation.sensor_health import ABSENT, LOST_STATES, REJECTED_WORDS
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -34,8 +37,9 @@ def test_every_reason_to_reject_a_reading_has_words():
 
 def test_a_sensor_that_jumps_so_often_that_it_is_lost_is_not_reported_as_one_whose_jump_was_subtracted():
     design = design_controller(WinchControllerParameters(), tick_period=0.05)
-    observer = Observer(design, design.parameters.health)
-    observer.new_faults()
+    observer = Observer(design, design.make_estimator())
+    at, place = (observer.design.ctypes.data, observer.state.ctypes.data), SENSOR["depth"]
     for _ in range(BAD_IN_A_ROW):
-        observer.gates["depth"].take_back_jump()
-    assert [alarm.code for alarm in observer.new_faults()] == ["DEPTH_JUMPS"]
+        library().heave_core_gate_take_back(*at, place, Reason.JUMP, True)
+    observer.state[0]["gates"][place]["news"] = News.SENSOR_WORSE
+    assert [alarm.code for alarm in observer.alarms(News.SENSOR_WORSE)] == ["DEPTH_JUMPS"]

@@ -7,12 +7,14 @@ import pytest
 from heave_core.law import LoopNow, put
 from heave_core.law_table import COMMAND_STATE, Way
 from heave_core.library import new
-from winch_controller_node.core.estimation.tension import FILTER_SHARE, MEMORY, MeanTension, TensionFilter
+from winch_controller_node.core.estimation.tension import FILTER_SHARE, MEMORY
 from winch_controller_node.core.loop_command import commander
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.constant_tension import ConstantTension
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import TensionLawParameters
+
+from tests.gates import MeanTension, TensionFilter
 
 DT = 0.05
 

@@ -7,15 +7,16 @@ import pytest
 from heave_node.interface.sensors import MruReading
 from hypothesis import given
 from hypothesis import strategies as st
-from winch_controller_node.core.estimation.mru_steps import (
+from winch_controller_node.core.estimation.sense_design import (
     LARGEST_STEP,
     LEAST_NEAR,
     LONGEST_GAP,
-    MEMORY,
+    MEAN_TIME,
     NEAR_MEAN,
     SIGMAS,
-    MruSteps,
 )
+
+from tests.gates import MruSteps
 
 DT = 0.05
 BEFORE = 120.0
@@ -99,11 +100,11 @@ def test_a_jump_that_ends_is_good_at_once(lasting):
 
 def test_a_signal_that_is_turned_over_is_good_by_its_mean_only_and_then_unproved():
     """It stays off by twice the heave at which it turned; its mean is right, as that of any other scale."""
-    found = read(well_read(), BEFORE, BEFORE + MEMORY + 9.0, turned_over)
+    found = read(well_read(), BEFORE, BEFORE + MEAN_TIME + 9.0, turned_over)
     off = [is_off for is_off, _ in found]
     first = off.index(False)
     # its mean is that of the ship to a tenth of a metre or a quarter of 0.7 m throughout
-    assert MEMORY - 2 * DT < first * DT < MEMORY + 9.0
+    assert MEAN_TIME - 2 * DT < first * DT < MEAN_TIME + 9.0
     assert found[first] == (False, True)
     # it is reported once, and what comes next goes on from there
     assert set(found[first + 1 :]) == {(False, False)}
@@ -113,7 +114,9 @@ def test_a_signal_that_is_turned_over_is_good_by_its_mean_only_and_then_unproved
 def test_a_mean_that_is_another_is_no_proof(scale, size):
     """Near is a quarter of what is read now, 1 sigma, or a tenth of a metre: 0.18 m of a swell of 1 m."""
     assert max(NEAR_MEAN * abs(scale) * math.sqrt(0.5), LEAST_NEAR) < abs(size)
-    found = read(well_read(), BEFORE, BEFORE + 2.0 * MEMORY, lambda heave, rate: (scale * heave + size, scale * rate))
+    found = read(
+        well_read(), BEFORE, BEFORE + 2.0 * MEAN_TIME, lambda heave, rate: (scale * heave + size, scale * rate)
+    )
     assert set(found) == {(True, False)}
 
 

@@ -3,12 +3,14 @@
 from types import SimpleNamespace
 
 import pytest
-from winch_controller_node.core.estimation.tension import MEMORY, MeanTension
+from winch_controller_node.core.estimation.tension import MEMORY
 from winch_controller_node.core.supervision.landing import HangingLoad, Landing
 from winch_controller_node.core.supervision.watch.standing_load import StandingLoad
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import TensionLawParameters
+
+from tests.gates import MeanTension
 
 DT = 0.05
 LOAD = HangingLoad(static_tension=60e3, weight=50e3, stiffness=1e6, swing_time=8.0)

@@ -63,8 +63,11 @@ REFLEXES = {
             _gives(import_module(f"{PACKAGE}.core.supervision.watch.encoder_reflex").Act.NOTHING),
         )
     ],
-    "exclusion after jumps": lambda: [Switch("core.estimation.observation:Observer._exclude_first", _gives(None))],
-    "sensor noise": lambda: [Switch("core.estimation.sensor_noise:SensorNoise.add", _gives(None))],
+    "exclusion after jumps": lambda: [Switch("core.estimation.sense_design:EXCLUDES_JUMPED", False)],
+    "sensor noise": lambda: [
+        Switch("core.estimation.sense_design:FEWEST", NEVER),
+        Switch("core.estimation.sense_design:UNKNOWN", 1.0),
+    ],
     "share by the drum": lambda: [Switch("core.supervision.watch.winch_watch:CAUTIOUS", 1.0)],
     "share by the sea": lambda: [Switch("core.supervision.supervisor:CAUTIOUS", 1.0)],
     "share by the limits": lambda: [Switch("core.supervision.guard:HarmGuard.authority_limit", _gives(1.0))],

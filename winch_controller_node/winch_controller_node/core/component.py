@@ -247,7 +247,7 @@ class WinchController:
 
         Raises ModeError where the depth is not known, the winch does not compensate, or its range does not reach.
         """
-        if self.observer.terms.depth_zero is None:
+        if self.observer.depth_zero is None:
             raise ModeError("a move needs the depth sensor: no reading received yet")
         if self.mode is not Mode.COMPENSATING:
             raise ModeError(f"a move needs mode compensating; the mode is {self.mode.value}")
@@ -394,7 +394,7 @@ class WinchController:
         """
         if self.mode is Mode.CONSTANT_TENSION:
             return self._estimation.filtered_tension
-        mean = self._estimation.mean_tension.mean
+        mean = self._estimation.mean_tension
         wait = LEAST_MEAN_TIME - mean.time
         if wait > 0.0:
             raise ModeError(
@@ -557,7 +557,12 @@ class WinchController:
 
     def _decide(self, loop: LoopTick, measurements: Measurements, proven: Proven) -> Decision:
         """Have winch and loop supervised."""
-        transport = self._winch.watch(measurements.winch, loop.sensed.payout, loop.sensed.tension, self.parameters)
+        transport = self._winch.watch(
+            measurements.winch,
+            None if math.isnan(loop.encoder_payout) else loop.encoder_payout,
+            loop.tension,
+            self.parameters,
+        )
         decision = self._supervisor.decide(
             loop,
             WinchSituation(
@@ -629,7 +634,7 @@ class WinchController:
             self._estimation.find_drum(loop.number)
         if Mode.CONSTANT_TENSION in (before, mode.mode):
             # the winch made the tension until now, or does so from now on
-            self._estimation.mean_tension.restart()
+            self._estimation.restart_tension()
         if self.mean.has_target and mode.mode not in OPERATED:
             cause = f": {mode.reason}" if mode.reason else ""
             code = "MOVE_ENDED" if mode.reason.endswith(REQUESTED) else "MOVE_LOST"

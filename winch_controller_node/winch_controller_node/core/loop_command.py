@@ -202,7 +202,7 @@ class LoopCommand:
 
     def speed(self, tick: LoopTick) -> float:
         """Return the speed of the winch as last commanded at `tick` [m/s], absolute."""
-        return abs(
+        return math.fabs(
             tick.motions.total_payout_rate if self._is_first_order else self.last.governed.value - self.last.standing
         )
 

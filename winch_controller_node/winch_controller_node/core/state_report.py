@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from heave_node.numerics.arrays import Array
@@ -12,10 +11,6 @@ from winch_controller_node.core.loop_command import TickCommand
 from winch_controller_node.core.supervision.supervisor import Decision
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.readings import Report, SensorState, WinchOrder
-from winch_controller_node.model.estimator import Innovation
-
-NOT_READ = Innovation(math.nan, math.nan, math.nan, accepted=False)
-"""Innovation of a measurement in a tick without a reading of it."""
 
 
 class ControllerTick(NamedTuple):
@@ -51,7 +46,7 @@ class ControllerTick(NamedTuple):
 def state_report(tick: ControllerTick) -> Report:
     """Return the report of a `tick`."""
     loop, mode, command, order = tick.loop, tick.decision.mode, tick.command, tick.order
-    innovations = [loop.sensed.innovations.get(name, NOT_READ) for name in tick.measurements]
+    innovation, innovation_sigma, nis, _ = loop.said.T.tolist()
     return Report(
         mode=mode.mode.value,
         law=tick.law,
@@ -60,13 +55,13 @@ def state_report(tick: ControllerTick) -> Report:
         estimate=tuple(loop.estimate.tolist()),
         covariance_diagonal=tuple(tick.covariance.diagonal().tolist()),
         measurement_names=tick.measurements,
-        innovation=tuple([row.value for row in innovations]),
-        innovation_sigma=tuple([row.sigma for row in innovations]),
-        nis=tuple([row.nis for row in innovations]),
+        innovation=tuple(innovation),
+        innovation_sigma=tuple(innovation_sigma),
+        nis=tuple(nis),
         gain=tuple(tick.gain.tolist()),
-        predicted_unit_heave=loop.motions.unit,
-        predicted_boom_tip_heave=loop.motions.tip,
-        predicted_uncompensated_heave=loop.motions.free,
+        predicted_unit_heave=loop.unit,
+        predicted_boom_tip_heave=loop.tip,
+        predicted_uncompensated_heave=loop.free,
         payout_set_point=order.payout,
         payout_rate_set_point=order.payout_rate,
         depth_set_point=tick.depth_set_point,

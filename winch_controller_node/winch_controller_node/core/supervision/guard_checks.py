@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 
 from heave_core.look_table import KNOTS
 
-from winch_controller_node.core.estimation.gates.depth_jumps import LARGEST_SPEED, LARGEST_STEP
-from winch_controller_node.core.estimation.mru_steps import SIGMAS
+from winch_controller_node.core.estimation.sense_design import LARGEST_DEPTH_STEP, LARGEST_SPEED, SIGMAS
 from winch_controller_node.laws.parts.effort import Effort
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
@@ -164,7 +163,7 @@ def guard_design(parameters: GuardParameters, loop: GuardedLoop, tick_period: fl
         "swing_work": SWING_WORK,
         "least_authority": LEAST_AUTHORITY,
         "detrend_time": DETREND_TIME,
-        "largest_step": LARGEST_STEP,
+        "largest_step": LARGEST_DEPTH_STEP,
         "step_sigmas": SIGMAS,
         "step_speed": LARGEST_SPEED,
         "full_share": FULL_SHARE,

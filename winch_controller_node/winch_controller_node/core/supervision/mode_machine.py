@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from heave_node.interface.codes import WinchFault, fault_words
 
-from winch_controller_node.core.estimation.loop_estimation import BACK_TIME
+from winch_controller_node.core.estimation.sense_design import BACK_TIME
 from winch_controller_node.core.supervision.command_timeouts import WAIT
 from winch_controller_node.core.supervision.modes import (
     BRAKED,

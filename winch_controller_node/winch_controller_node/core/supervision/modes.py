@@ -23,7 +23,7 @@ from typing import NamedTuple
 from heave_node.interface.codes import REQUESTED, WinchFault, fault_words
 from heave_node.winch.fault_latch import is_automatic
 
-from winch_controller_node.core.estimation.loop_estimation import BACK_TIME
+from winch_controller_node.core.estimation.sense_design import BACK_TIME
 from winch_controller_node.parameters.laws import ModeParameters
 
 

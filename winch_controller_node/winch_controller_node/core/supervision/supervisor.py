@@ -293,11 +293,11 @@ class Supervisor:
         """
         unit, past, sensed = tick.motions.unit - tick.motions.mean_heave, self._unit_past, tick.sensed
         past.appendleft(unit)
-        if sensed.depth_heave is None:
+        if math.isnan(sensed.depth_heave):
             return math.nan
         age = tick.number * self._dt - sensed.depths[-1][0] if sensed.depths else 0.0
         then = past[min(max(round(age / self._dt), 0), len(past) - 1)]
-        return sensed.depth_heave + tick.motions.mean_heave + unit - then
+        return float(sensed.depth_heave + tick.motions.mean_heave + unit - then)
 
     def _report_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
         """Return what limits authority, where it lasts, or that it is over."""
@@ -333,7 +333,7 @@ class Supervisor:
         if not tick.knows_sea and wait > 0.0:
             return f"measuring the sea, at most {wait:.0f} s more"
         if tick.inconsistency:
-            return tick.inconsistency
+            return str(tick.inconsistency)
         if self.highest_tension.alarm:
             return self.highest_tension.alarm.brief
         most = self._parameters.guard.demand_ratio
