@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from heave_core import law_table as table
 from heave_core.filter_table import STATES
 from heave_core.library import library, new
+from heave_core.look_table import MOTIONS
 
 WANTED_NUMBERS, GOVERNED_NUMBERS = len(table.WANTED.rows), len(table.GOVERNED.rows)
 PROBLEM_NUMBERS, LOOP_NUMBERS = len(table.PROBLEM.rows) - 1, len(table.LOOP.rows) - 2
@@ -161,13 +163,15 @@ class Commander:
     ----------
     design, state : arrays of one structure; the `state` outlives a design
     estimate, mean_state : of the loop, shape (states,); to be set before each step
+    records : arrays of one structure each, by the names of `Acting` in act.h
 
     Raises ValueError where the states do not fit.
     """
 
-    def __init__(self, winch: Any, states: int, law: Law | None, state: Any) -> None:
+    def __init__(self, winch: Any, states: int, law: Law | None, state: Any, command: Any = None) -> None:
         check_states(states)
-        self.design, self.state, self._command = new(table.COMMAND_DESIGN), state, new(table.COMMAND)
+        self.design, self.state = new(table.COMMAND_DESIGN), state
+        self._command = new(table.COMMAND) if command is None else command
         loop = new(table.LOOP)
         self._law = Law(winch, states) if law is None else law
         self.estimate, self.mean_state = loop["estimate"][0, :states], loop["mean_state"][0, :states]
@@ -180,7 +184,9 @@ class Commander:
         called = library()
         self._act, self._pose = called.heave_core_act, called.heave_core_pose
         self._answer, self._make = called.heave_core_answer, called.heave_core_make
-        self._kept = winch, loop
+        self.records = {"winch": winch, "design": self.design, "loop": loop, "law": self._law.law}
+        self.records |= {"problem": self._law.problem, "law_state": self._law.state}
+        self.records |= {"state": state, "command": self._command}
         put(self.design, {"states": states})
 
     @property
@@ -218,3 +224,61 @@ class Commander:
     def made(self) -> MadeCommand:
         """The command that was made last."""
         return MadeCommand._make(self._numbers.tolist())
+
+
+class Acting:
+    """The acting half of a tick: addresses of all that it works on.
+
+    Attributes
+    ----------
+    seen, motions, done : numbers of `ActSeen`, `Motions` and `ActDone`, on the memory that C++ reads and writes
+    """
+
+    NAMES = (
+        *("seen", "motions", "winch", "design", "loop", "law", "problem", "law_state", "state", "command", "A", "B"),
+        *("motion", "envelope", "envelope_state", "readings", "order", "place"),
+        *("load", "load_state", "kpi", "kpi_state", "kpi_rows", "done"),
+    )
+    """Rows of `Acting` in act.h, in their order."""
+
+    def __init__(self) -> None:
+        self.seen, self.done = np.zeros(len(table.ACT_SEEN.rows)), np.zeros(len(table.ACT_DONE.rows))
+        self.motions = np.zeros(len(MOTIONS.rows))
+        self._at, self._kept = np.zeros(len(self.NAMES), np.uintp), dict[str, Any]()
+        self.take(seen=self.seen, motions=self.motions, done=self.done)
+        core, at = library(), self._at.ctypes.data
+        self.act, self.pose, self.answer, self.make, self.leave = (
+            partial(one, at)
+            for one in (
+                core.heave_core_act_tick,
+                core.heave_core_act_pose,
+                core.heave_core_act_answer,
+                core.heave_core_act_make,
+                core.heave_core_act_leave,
+            )
+        )
+
+    def take(self, **records: Any) -> None:
+        """Work on these arrays from now on, by name; None: there is none."""
+        self._kept |= records
+        for name, record in records.items():
+            self._at[self.NAMES.index(name)] = 0 if record is None else record.ctypes.data
+
+
+class Place:
+    """The place that belongs to a commanded speed, see act.cpp.
+
+    Parameters
+    ----------
+    leak : time constant with which it is drawn to the drum [s]
+    reach : furthest that it leads the drum [m]
+    """
+
+    def __init__(self, leak: float, reach: float) -> None:
+        self.record, self._call = new(table.PLACE), library().heave_core_place
+        put(self.record, {"leak": leak, "reach": reach, "payout": math.nan})
+
+    def at_end(self, tick_period: float, rate: float, payout: float, *, is_braked: bool) -> float:
+        """Return the place [m] at the end of a tick: of a `rate` [m/s] that is sent, the drum being at a `payout`."""
+        found: float = self._call(self.record.ctypes.data, tick_period, rate, payout, is_braked)
+        return found

@@ -370,6 +370,55 @@ COMMAND = structure(
     Row("rate", "m/s", "of the drum then"),
 )
 
+PLACE = structure(
+    "Place",
+    "The place that belongs to a commanded speed: what a drive with a position loop of its own is to follow.",
+    Row("leak", "s", "time constant with which the place is drawn to the drum: far slower than the waves"),
+    Row("reach", "m", "furthest that it leads the drum"),
+    Row("payout", "m", "the place; NaN: the brake has not opened yet"),
+)
+
+ACT_SEEN = structure(
+    "ActSeen",
+    "What is to be done in a tick, and what was read in it.",
+    Row("way", "", "Way: by what the command is made"),
+    Row("authority", "", "of compensation"),
+    Row("compensates", "", "1: the mode is that of compensation"),
+    Row("fades", "", "1: it is fade_out"),
+    Row("holds_tension", "", "1: it is constant tension"),
+    Row("brake", "", "1: the brake is to be on"),
+    Row("is_damped", "", "1: the unit is damped in a fade-out"),
+    Row("bounds_tension", "", "1: the highest tension is one that compensation can keep"),
+    Row("unit_stands", "", "1: the unit stands on the bottom"),
+    Row("knows_tip", "", "1: the boom tip is measured"),
+    Row("has_depth", "", "1: there is a depth sensor, and it is not lost"),
+    Row("sees_landing", "", "1: and it does not contradict all others"),
+    Row("follows_tip", "", "1: the motion reference unit is not lost"),
+    Row("mru_rate", "m/s", "heave rate that was read; NaN: none"),
+    Row("tension", "N", "newest reading at the top; NaN: none yet"),
+    Row("filtered_tension", "N", "the same low-passed"),
+    Row("static_tension", "N", "under the hanging unit at rest"),
+    Row("at_limit", "", "1: a limit of the winch that a sea takes it to acts"),
+    Row("stated_payout", "m", "payout that was read before it is known to be the mean one; NaN: it is known"),
+    Row("scale", "", "of the encoder"),
+    Row("offset", "m", "of its count by jumps"),
+)
+
+ACT_DONE = structure(
+    "ActDone",
+    "What a tick has done.",
+    Row("payout", "m", "set-point that is sent"),
+    Row("rate", "m/s", "set-point that is sent"),
+    Row("brake", "", "1: it is ordered"),
+    Row("mean_payout", "m", "that the winch works about, in the encoder's count"),
+    Row("own_payout", "m", "set-point in the controller's own count, without the place of the rate"),
+    Row("own_rate", "m/s", "set-point likewise"),
+    Row("set_point", "m", "payout about which the winch works"),
+    Row("moved", "", "Moved: which payout has moved"),
+    Row("load_news", "", "LoadNews: what has just begun"),
+    Row("is_replaced", "", "1: the envelope has sent another order"),
+)
+
 STRUCTURES = (
     MEAN_PAYOUT,
     MEAN_MOTION,
@@ -388,6 +437,9 @@ STRUCTURES = (
     COMMAND_STATE,
     LOOP,
     COMMAND,
+    PLACE,
+    ACT_SEEN,
+    ACT_DONE,
 )
 """In the order in which C++ needs them."""
 

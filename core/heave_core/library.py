@@ -73,6 +73,14 @@ ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
     "heave_core_make": (_POINTER,) * 6,
     "heave_core_answer": (_POINTER,) * 8,
     "heave_core_act": (_POINTER,) * 8,
+    "heave_core_act_tick": (_POINTER,),
+    "heave_core_act_pose": (_POINTER,),
+    "heave_core_act_answer": (_POINTER,),
+    "heave_core_act_make": (_POINTER,),
+    "heave_core_act_leave": (_POINTER,),
+    "heave_core_place": (_POINTER, _NUMBER, _NUMBER, _NUMBER, _COUNT),
+    "heave_core_load_begin": (_POINTER,) * 2,
+    "heave_core_load": (_POINTER, _POINTER, _NUMBER, _NUMBER, _COUNT),
     "heave_core_advance_mean": (_POINTER,),
     "heave_core_is_moving": (_POINTER,),
     "heave_core_ticks_to_go": (_POINTER, _COUNT),
@@ -113,12 +121,13 @@ RESULTS: Mapping[str, Any] = {
     **dict.fromkeys(("heave_core_approach_speed", "heave_core_read_tip", "heave_core_follow_tip"), _NUMBER),
     **dict.fromkeys(("heave_core_ask_law", "heave_core_answer", "heave_core_act"), _COUNT),
     **dict.fromkeys(("heave_core_advance_mean", "heave_core_is_moving", "heave_core_ticks_to_go"), _COUNT),
-    "heave_core_drum_error": _NUMBER,
     **dict.fromkeys(("heave_core_sea_height", "heave_core_sea_waves", "heave_core_depth"), _NUMBER),
     **dict.fromkeys(("heave_core_encoder", "heave_core_noise"), _NUMBER),
     **dict.fromkeys(("heave_core_advance_motion", "heave_core_sea", "heave_core_gate", "heave_core_mru"), _COUNT),
     **dict.fromkeys(("heave_core_gate_is_slow", "heave_core_mru_is_off", "heave_core_noise_is_worse"), _COUNT),
     "heave_core_consistency": _COUNT,
+    **dict.fromkeys(("heave_core_drum_error", "heave_core_place"), _NUMBER),
+    **dict.fromkeys(("heave_core_act_tick", "heave_core_act_answer", "heave_core_load"), _COUNT),
 }
 """Types of what those functions return that return anything."""
 
@@ -243,6 +252,8 @@ class Envelope:
     Attributes
     ----------
     design, state : structured arrays of one element, on the memory that C++ reads and writes
+    readings, order : what comes in and what leaves, in the order of READINGS and ORDER, on that memory too
+    records : the arrays by the names of `Acting` in act.h
 
     Raises LibraryError, and ValueError for a delay of the winch that is longer than what is kept.
     """
@@ -251,11 +262,13 @@ class Envelope:
         self._library = library()
         self.design = new(DESIGN)
         self.state = new(STATE)
-        self._readings = np.zeros(len(READING_NAMES))
-        self._order = np.zeros(len(EnvelopeOrder._fields))
+        self.readings = np.zeros(len(READING_NAMES))
+        self.order = np.zeros(len(EnvelopeOrder._fields))
         self._call = self._library.heave_core_envelope
         self.take_design(design)
-        self._addresses = [array.ctypes.data for array in (self.design, self.state, self._readings, self._order)]
+        self._addresses = [array.ctypes.data for array in (self.design, self.state, self.readings, self.order)]
+        self.records = {"envelope": self.design, "envelope_state": self.state}
+        self.records |= {"readings": self.readings, "order": self.order}
         self.begin()
 
     def take_design(self, design: Mapping[str, Any]) -> None:
@@ -274,6 +287,15 @@ class Envelope:
 
     def step(self, readings: tuple[float, ...]) -> EnvelopeOrder:
         """Do a tick with `readings`, in the order of READING_NAMES; return what leaves."""
-        self._readings[:] = readings
+        self.readings[:] = readings
+        return self.go()
+
+    def go(self) -> EnvelopeOrder:
+        """Do a tick with the readings that are there; return what leaves."""
         self._call(*self._addresses)
-        return EnvelopeOrder._make(self._order.tolist())
+        return self.last
+
+    @property
+    def last(self) -> EnvelopeOrder:
+        """What has left in the last tick."""
+        return EnvelopeOrder._make(self.order.tolist())

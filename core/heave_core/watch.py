@@ -103,6 +103,10 @@ class KpiRing:
     Parameters
     ----------
     design : values by the names of KPI_DESIGN
+
+    Attributes
+    ----------
+    records : its arrays by the names of `Acting` in act.h
     """
 
     def __init__(self, design: Mapping[str, Any]) -> None:
@@ -112,6 +116,7 @@ class KpiRing:
         self._rows = np.zeros((int(design["rows"]), len(KPI_ROW.rows)))
         self._row, self._window = np.zeros(len(KPI_ROW.rows)), np.zeros(len(KpiStatistics._fields))
         self._at = self._design.ctypes.data, self._state.ctypes.data, self._rows.ctypes.data
+        self.records = {"kpi": self._design, "kpi_state": self._state, "kpi_rows": self._rows}
         self._row_at, self._window_at = self._row.ctypes.data, self._window.ctypes.data
         self._add, self._summarise = core.heave_core_kpi_add, core.heave_core_kpi
 
@@ -244,3 +249,29 @@ class WinchRecord:
         """Take a tick in, by the rows of WINCH_SEEN."""
         self._seen[:] = seen
         self._watch(*self._at)
+
+
+class LoadRecord:
+    """Tension, rope, and the time at the winch's limits.
+
+    Parameters
+    ----------
+    values : by the names of LOAD_WATCH_DESIGN
+
+    Attributes
+    ----------
+    records : its arrays by the names of `Acting` in act.h
+    state : structured array of one element
+    """
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        design, self.state = new(table.LOAD_WATCH_DESIGN), new(table.LOAD_WATCH_STATE)
+        fill(design[0], values)
+        self.records = {"load": design, "load_state": self.state}
+        self._at, self._watch = (design.ctypes.data, self.state.ctypes.data), library().heave_core_load
+        library().heave_core_load_begin(*self._at)
+
+    def watch(self, tension: float, static_tension: float, *, is_at_limit: bool) -> int:
+        """Take a tick in, with tensions [N], and whether the winch is at a limit; return the bits of LoadNews."""
+        found: int = self._watch(*self._at, tension, static_tension, is_at_limit)
+        return found

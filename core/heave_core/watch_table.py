@@ -22,6 +22,22 @@ class Landed(IntEnum):
     LIFTED_OFF = 2
 
 
+class LoadNews(IntFlag):
+    """What has just begun with load, rope and winch."""
+
+    SLACK = 1
+    TENSION_HIGH = 2
+    SATURATED = 4
+    ROPE_SHORT = 8
+    ROPE_OVERLOADED = 16
+    TRAVEL_HALF = 32
+    TRAVEL_END = 64
+
+
+CAUSES = len(LoadNews)
+"""Causes that are watched."""
+
+
 class LinkNews(IntFlag):
     """What has just become wrong with the commands."""
 
@@ -267,6 +283,27 @@ WINCH_SEEN = structure(
     Row("tension", "N", "at the top; NaN: unknown"),
 )
 
+LOAD_WATCH_DESIGN = structure(
+    "LoadWatchDesign",
+    "When tension, rope and winch are to be reported.",
+    Row("tick_period", "s", "time of a tick"),
+    Row("quiet_time", "s", "for which a cause must be away before it is reported again: groups of a swell are one"),
+    Row("slack_ratio", "", "share of the static tension below which the cable goes slack"),
+    Row("tension_ratio", "", "share of it above which the tension is high; 0: none is"),
+    Row("saturation_time", "s", "over which the share of the time at a limit is averaged"),
+    Row("saturation_share", "", "of the time at a limit above which the winch is saturated"),
+    Row("capacity", "N", "that the rope can bear; NaN: not stated"),
+    Row("required", "", "its safety factor"),
+    Row("least", "", "safety factor below which it carries more than it can"),
+)
+
+LOAD_WATCH_STATE = structure(
+    "LoadWatchState",
+    "What is remembered of what was reported.",
+    Row("at_limit", "", "share of the time at a limit, averaged"),
+    Row("quiet", "s", "time for which each cause has been away, by the bits of LoadNews", shape=(CAUSES,)),
+)
+
 STRUCTURES = (
     TREND,
     LANDING_DESIGN,
@@ -285,14 +322,16 @@ STRUCTURES = (
     WINCH_WATCH_DESIGN,
     WINCH_WATCH_STATE,
     WINCH_SEEN,
+    LOAD_WATCH_DESIGN,
+    LOAD_WATCH_STATE,
 )
 """In the order in which C++ needs them."""
 
 RECORDS = STRUCTURES
 """What Python and C++ hold together."""
 
-ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (Landed, LinkNews)
+ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (Landed, LinkNews, LoadNews)
 """Names of numbers, and of bits."""
 
-SIZES = {"REMEMBERED": REMEMBERED, "WINDOWS": WINDOWS}
+SIZES = {"REMEMBERED": REMEMBERED, "WINDOWS": WINDOWS, "CAUSES": CAUSES}
 """Sizes of arrays."""

@@ -22,6 +22,7 @@ import numpy as np
 from heave_bringup.closed_loop import COLUMNS, ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_core.envelope_table import Cause, Phase
+from heave_core.library import READING_NAMES
 from winch_controller_node.beliefs.beliefs import Belief, Beliefs, EncoderScale, parameters_under
 from winch_controller_node.design.design import design_controller
 
@@ -114,8 +115,13 @@ def order_times(factor: float) -> Change:
 
     def change(loop: ClosedLoop) -> None:
         command: Any = loop.controller._command
-        made = command.order
-        command.order = lambda *given: (order := made(*given))._replace(payout_rate=factor * order.payout_rate)
+        leave, ordered = command.leave, loop.controller.envelope.records["readings"]
+
+        def leave_times() -> Any:
+            ordered[READING_NAMES.index("rate")] *= factor
+            return leave()
+
+        command.leave = leave_times
 
     return change
 

@@ -368,8 +368,8 @@ def test_whatever_limits_become_active_nobody_goes_by_others(law, seed):
 def test_a_window_of_figures_counts_the_limits_of_each_tick():
     """At 0.9 m/s of a winch of 1 m/s no limit is reached; the same rate is above 97 % of one of 0.9 m/s."""
     window = KpiWindow(60.0, tick_period=DT)
-    rows = dict.fromkeys(("unit", "uncompensated", "tip", "payout"), 0.0)
     for tick in range(400):
         winch = dataclasses.replace(NOMINAL.winch, speed_limit=1.0 if tick < 300 else 0.9, acceleration_limit=100.0)
-        window.add(**rows, rate=0.9, tension=1e4, winch=winch)
+        window.take_winch(winch)
+        window.add(0.0, 0.0, 0.0, 0.0, 0.9, 0.0, 1e4, 0.0)
     assert window.figures().time_at_limit == pytest.approx(0.25)

@@ -9,6 +9,7 @@ import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_core.envelope_table import Cause, Phase
+from heave_core.library import READING_NAMES
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.core.envelope import Asked, OrderEnvelope, _alarm, nominal_design
@@ -101,9 +102,14 @@ def loop():
 
 def test_what_was_sent_is_what_estimate_adviser_and_the_next_stop_go_by_and_an_operator_releases_it(loop):
     controller, command = loop.controller, loop.controller._command
-    made = command.order
     assert controller.mode is Mode.COMPENSATING
-    command.order = lambda *asked: made(*asked)._replace(payout_rate=math.nan)
+    leave, ordered = command.leave, controller.envelope.records["readings"]
+
+    def leave_wild():
+        ordered[READING_NAMES.index("rate")] = math.nan
+        return leave()
+
+    command.leave = leave_wild
     outputs, _ = loop.step()
     assert [alarm.code for alarm in outputs.alarms] == ["ORDER_NOT_FINITE"]
     assert math.isfinite(outputs.order.payout_rate)
@@ -121,7 +127,7 @@ def test_what_was_sent_is_what_estimate_adviser_and_the_next_stop_go_by_and_an_o
     assert (controller.mode, outputs.order.brake) == (Mode.STOPPED, True)
     assert controller.envelope.last.phase == Phase.HELD
 
-    command.order = made
+    command.leave = leave
     controller.set_mode("compensating")
     seen = [loop.step()[0].mode for _ in range(round(40.0 / TICK))]
     assert seen[-1] == "compensating"

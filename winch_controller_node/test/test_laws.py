@@ -53,7 +53,7 @@ def test_a_law_is_refused_without_the_sensor_that_it_needs():
 def test_a_law_that_does_not_move_the_winch_keeps_the_brake_on():
     controller = WinchController(parameters(law="off"), tick_period=DT)
     outputs = [controller.step(tick, Measurements()) for tick in range(1, 10)]
-    assert all(output.order.brake and output.report.mode == "off" for output in outputs)
+    assert all(output.order.brake and output.mode == "off" for output in outputs)
 
 
 def test_a_law_of_anybody_joins_by_a_class_and_an_entry(monkeypatch):

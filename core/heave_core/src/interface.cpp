@@ -1,11 +1,7 @@
 // The C interface. Sizes and the number of the layout are asked for by whoever loads the library, before anything else.
-#include "filter.h"
-#include "laws.h"
-#include "look.h"
+#include "act.h"
 #include "pass.h"
 #include "sense.h"
-#include "servo.h"
-#include "watch.h"
 
 extern "C" {
 
@@ -218,6 +214,28 @@ int heave_core_answer(const heave::ActiveWinch *winch, const heave::CommandDesig
 int heave_core_act(const heave::ActiveWinch *winch, const heave::CommandDesign *design, const heave::Loop *loop, const heave::Law *law, heave::Problem *problem, heave::LawState *law_state, heave::CommandState *state, heave::Command *command) {
     heave_core_pose(winch, design, loop, problem, command);
     return heave_core_answer(winch, design, loop, law, problem, law_state, state, command);
+}
+
+// The acting half of a tick, on addresses that Python fills once: the command, for which Python may be asked first, as above,
+// and the order that leaves. The place of a speed; what is watched of the load.
+int heave_core_act_tick(const heave::Acting *on) { return heave::act(*on); }
+
+void heave_core_act_pose(const heave::Acting *on) { heave::pose(*on); }
+
+int heave_core_act_answer(const heave::Acting *on) { return heave::answer(*on); }
+
+void heave_core_act_make(const heave::Acting *on) { heave::make(*on); }
+
+void heave_core_act_leave(const heave::Acting *on) { heave::leave(*on); }
+
+double heave_core_place(heave::Place *place, double tick_period, double rate, double payout, int is_braked) {
+    return heave::place_at_end(*place, tick_period, rate, payout, is_braked);
+}
+
+void heave_core_load_begin(const heave::LoadWatchDesign *design, heave::LoadWatchState *state) { heave::begin_load_watch(*design, *state); }
+
+int heave_core_load(const heave::LoadWatchDesign *design, heave::LoadWatchState *state, double tension, double static_tension, int is_at_limit) {
+    return heave::watch_load(*design, *state, tension, static_tension, is_at_limit);
 }
 
 // The mean payout in motion: a tick of it, whether it moves, the ticks of its move that are left, and a tick of the loop's own

@@ -44,4 +44,9 @@ void note_silence(const LinkDesign &design, LinkState &state, bool has_state, do
 void watch_winch(const WinchWatchDesign &design, WinchWatchState &state, const DrumRecord &record, double *minute,
                  const WinchSeen &seen);
 
+// load_watch.cpp: tension, rope and winch; they return bits of LoadNews
+void begin_load_watch(const LoadWatchDesign &design, LoadWatchState &state);
+int watch_load(const LoadWatchDesign &design, LoadWatchState &state, double tension, double static_tension, bool is_at_limit);
+int watch_travel(const LoadWatchDesign &design, LoadWatchState &state, bool is_half, bool is_at_end);
+
 }  // namespace heave

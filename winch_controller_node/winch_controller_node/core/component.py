@@ -23,9 +23,8 @@ from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.core.estimation.loop_tick import LoopTick
 from winch_controller_node.core.estimation.observation import Observer
 from winch_controller_node.core.estimation.preview_watch import PreviewWatch
-from winch_controller_node.core.loop_command import LoopCommand, TickCommand
-from winch_controller_node.core.place_of_orders import PlaceOfOrders
-from winch_controller_node.core.state_report import ControllerTick, state_report
+from winch_controller_node.core.loop_command import Beside, LoopCommand, Tick
+from winch_controller_node.core.state_report import Known, state_report
 from winch_controller_node.core.supervision.after_stop import AfterStop
 from winch_controller_node.core.supervision.landing import LandingEvent
 from winch_controller_node.core.supervision.late_commands import LateCommands
@@ -35,19 +34,18 @@ from winch_controller_node.core.supervision.proofs import Driven, Proofs, Proven
 from winch_controller_node.core.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.core.supervision.supervisor import Decision, Supervisor, WinchSituation
 from winch_controller_node.core.supervision.watch.encoder_reflex import Act, EncoderReflex
-from winch_controller_node.core.supervision.watch.load_watch import Episode, LoadWatch, rope_strength
+from winch_controller_node.core.supervision.watch.load_watch import LoadWatch, rope_strength
 from winch_controller_node.core.supervision.watch.winch_watch import WinchWatch
 from winch_controller_node.design.design import ControllerDesign, assumed_cable
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.observations import Observations
-from winch_controller_node.interface.readings import Measurements, Outputs, RollingKpi, WinchOrder, WinchReading
+from winch_controller_node.interface.readings import Measurements, Outputs, Report, RollingKpi, WinchOrder, WinchReading
 from winch_controller_node.interface.requests import DEPTH, DESIGN, FACTOR, HOLD, MODE, Request, stated
-from winch_controller_node.laws.constant_tension import TRAVEL
 from winch_controller_node.model.estimator import KalmanEstimator
 from winch_controller_node.motion.operator_speed import OperatorRange, OperatorSpeed
 from winch_controller_node.motion.programme import Programme, ProgrammeStep
-from winch_controller_node.motion.trajectory import MeanPayout, MoveRequest
+from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
@@ -94,15 +92,19 @@ class WinchController:
         design, law = self._in_force.design, self._in_force.law
         self._estimation = LoopEstimation(design)
         self._supervisor = Supervisor(design, law)
-        self._command = LoopCommand(design, law)
         self._winch = WinchWatch(design)
         self.envelope = OrderEnvelope(parameters, design.cable, tick_period)
-        self._place = PlaceOfOrders(tick_period)
-        self._load = LoadWatch(parameters.alarms, tick_period=tick_period, rope=rope_strength(parameters))
-        self._travel_episodes = Episode(tick_period), Episode(tick_period)
+        self._load = LoadWatch(
+            parameters.alarms,
+            tick_period=tick_period,
+            rope=rope_strength(parameters),
+            travel=parameters.tension.travel,
+        )
         self._programme = Programme(parameters.programme)
         self._operator = OperatorSpeed(parameters.operator, tick_period=tick_period)
         self._kpi = KpiWindow(parameters.kpi_window, tick_period=tick_period)
+        self._command = LoopCommand(design, law, Beside(self._estimation.motion, self.envelope, self._kpi, self._load))
+        self._sequence, self._weighed = 0, ((design, math.nan), math.nan)
         self._beliefs = BeliefsInForce(self._in_force, self._estimation, self._winch)
         self._encoder = EncoderReflex(tick_period)
         self._after_stop = AfterStop(tick_period)
@@ -428,7 +430,7 @@ class WinchController:
         self._follow_beliefs(tick)
         self._watch_encoder(tick)
         loop = self._estimation.step(
-            tick, measurements, self._command.last.shares, unit_stands=not self._supervisor.landing.hangs
+            tick, measurements, self._command.shares, unit_stands=not self._supervisor.landing.hangs
         )
         self._alarms += loop.sensed.faults
         decision = self._decide(loop, measurements, self._prove(measurements))
@@ -440,80 +442,74 @@ class WinchController:
         self._alarms += self._after_stop.step(loop, decision.mode, self.design.cable, hangs=hangs)
         observations = self._observe(loop, measurements.winch, decision.mode)
         preview = self._watch_preview(loop, measurements.preview)
-        command = self._command.command(loop, decision, preview)
-        move = self.mean.request
-        self._estimation.advance_mean(command.shares.mean, is_braked=self.modes.brake)
-        self._watch_load(loop, measurements.winch, command)
-        order = self._command.order(command, decision.mode, self._estimation.set_point)
-        order = self._leave(order, move, measurements)
-        self.proofs.note(order)
-        order = self._with_places(order, loop.motions.payout)
-        command = self._command.last
-        self._note_kpi(loop)
-        does = loop_words(decision.mode.mode, is_damped_blind=decision.is_damped and not loop.knows_tip)
-        reported = ControllerTick(
-            loop=loop,
-            decision=decision,
-            command=command,
-            order=order,
-            design=self.design,
-            measurements=tuple(self.estimator.measurements),
-            law=self._in_force.law.name,
-            gain=self._in_force.law.gain,
-            covariance=self.estimator.covariance,
-            depth_set_point=self._estimation.depth_set_point,
-            sensors=tuple(state.reported(does) for state in self.observer.states(tick)),
-        )
+        order = self._act(loop, decision, measurements, preview)
+        alarms = self._alarms
+        if alarms:
+            does = loop_words(decision.mode.mode, is_damped_blind=decision.is_damped and not loop.knows_tip)
+            alarms = [alarm.reported(does) for alarm in alarms]
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
-        mode, make_report = decision.mode, partial(state_report, reported)
-        alarms, authority = tuple(alarm.reported(does) for alarm in self._alarms), mode.authority
         return Outputs(
             order,
-            mode.mode.value,
-            authority,
-            reported.depth_set_point,
-            make_report,
+            decision.mode.mode.value,
+            decision.mode.authority,
+            self._estimation.depth_set_point,
+            partial(self._report, loop, decision, order),
             kpi,
-            alarms,
+            tuple(alarms),
             self._take_requests(),
             observations,
         )
 
-    def _leave(self, order: WinchOrder, move: MoveRequest, measurements: Measurements) -> WinchOrder:
+    def _report(self, loop: LoopTick, decision: Decision, order: WinchOrder) -> Report:
+        """Return the report of the last tick, made before the next one.
+
+        Raises RuntimeError where that has been done.
+        """
+        if loop.number != self._next_tick - 1:
+            raise RuntimeError(f"the report of tick {loop.number} is to be read before the next tick")
+        does = loop_words(decision.mode.mode, is_damped_blind=decision.is_damped and not loop.knows_tip)
+        sensors = tuple(state.reported(does) for state in self.observer.states(loop.number))
+        known = Known(self.design, self._in_force.law, self.estimator, self._estimation.depth_set_point, sensors)
+        return state_report(loop, decision, self._command.last, order, known)
+
+    def _act(
+        self, loop: LoopTick, decision: Decision, measurements: Measurements, preview: HeavePreview | None
+    ) -> WinchOrder:
         """Return the order that leaves, in the encoder's count, within the envelope; all go by what is sent.
 
         Parameters
         ----------
-        order : of the controller
-        move : last request for the mean payout before the tick
+        loop, decision : of the tick
         measurements : of the tick
+        preview : to be used; None: none is
         """
-        leaving = order._replace(payout=self.observer.encoder.count_at(order.payout))
-        tension, is_blind = self._command.tension_asked, self.modes.is_damped_blind
-        lift_rate = self._estimation.motion.carried.point.rate
-        asked = Asked(self.mode, move, tension, lift_rate, is_damped_blind=is_blind)
-        sent, news = self.envelope.step(measurements, asked, leaving)
-        self._alarms += news
-        if sent is not leaving:
-            self._command.take_sent(leaving, sent)
-            more, faster = sent.payout - leaving.payout, sent.payout_rate - leaving.payout_rate
-            changed = WinchOrder(order.sequence, order.payout + more, order.payout_rate + faster, sent.brake)
-            order = changed if math.isfinite(more + faster) else sent
-        self._winch.give(order)
-        return sent
-
-    def _with_places(self, order: WinchOrder, payout: float) -> WinchOrder:
-        """Return an `order` with the payout of its rate and the mean one; the drum is at `payout` [m].
-
-        Both are in the encoder's count. A first-order winch goes by the payout that it was ordered to.
-        """
-        count_at = self.observer.encoder.count_at
-        order = order._replace(mean_payout=count_at(self._estimation.set_point))
-        speed = self._command.speed_of(order, count_at)
-        if not math.isfinite(speed):
-            return order
-        place = self._place.at_end(speed, payout, is_braked=order.brake)
-        return self._command.with_payout(order, count_at(place))
+        motion, winch, command = self._estimation.motion, measurements.winch, self._command
+        self.envelope.read(
+            measurements, Asked(self.mode, self.mean.request, is_damped_blind=self.modes.is_damped_blind)
+        )
+        static_tension = self._static_tension(self.mean.point.payout)
+        command.act(
+            Tick(
+                loop,
+                decision,
+                holds_tension=self.mode is Mode.CONSTANT_TENSION,
+                static_tension=static_tension,
+                is_at_limit=winch is not None and bool(winch.limits_hit & DYNAMIC_LIMITS),
+                stated_payout=self._estimation.stated_payout,
+                encoder=self.observer.encoder,
+            ),
+            preview,
+        )
+        left = command.leave()
+        motion.advanced(int(left.moved))
+        self._alarms += self._load.alarms(int(left.load_news), loop.sensed.tension, static_tension)
+        self._alarms += self.envelope.news()
+        self._sequence += 1
+        brake = bool(left.brake)
+        self._winch.give(WinchOrder(self._sequence, left.own_payout, left.own_rate, brake))
+        order = WinchOrder(self._sequence, left.payout, left.rate, brake, left.mean_payout)
+        self.proofs.note(order)
+        return order
 
     def leave_out(self, tick: int) -> tuple[str, ...]:
         """Let tick k pass, predicted: no readings were taken and no order was given, so the winch has kept the last.
@@ -521,7 +517,7 @@ class WinchController:
         What was measured meanwhile is given to the next `step`, which reports how many ticks were left out. Returns
         what an operator has requested since the tick before, in words.
         """
-        shares, stands = self._command.last.shares, not self._supervisor.landing.hangs
+        shares, stands = self._command.shares, not self._supervisor.landing.hangs
         self._estimation.step(tick, Measurements(), shares, unit_stands=stands)
         self._estimation.advance_mean(shares.mean, is_braked=self.modes.brake)
         self._winch.keep()
@@ -599,28 +595,12 @@ class WinchController:
         self._previews = is_used
         return preview
 
-    def _watch_load(self, loop: LoopTick, winch: WinchReading | None, command: TickCommand) -> None:
-        """Give the alarms of tension and winch."""
-        is_at_limit = winch is not None and bool(winch.limits_hit & DYNAMIC_LIMITS)
-        static_tension = self.design.static_tension_at(self.parameters.length + self.mean.point.payout)
-        self._alarms += self._load.update(loop.sensed.tension, static_tension, is_at_limit=is_at_limit)
-        half, end = self._travel_episodes
-        if half.begins(self.mode is Mode.CONSTANT_TENSION and self._command.is_half_travelled):
-            self._alarms.append(ALARMS.alarm("TENSION_TRAVEL_HALF", travel=0.5 * self.parameters.tension.travel))
-        if end.begins(TRAVEL in command.asked.active):
-            self._alarms.append(ALARMS.alarm("TENSION_TRAVEL_END", travel=self.parameters.tension.travel))
-
-    def _note_kpi(self, loop: LoopTick) -> None:
-        knows_unit = loop.knows_tip or loop.sensed.sees_landing
-        self._kpi.add(
-            unit=loop.motions.unit if knows_unit else math.nan,
-            uncompensated=loop.motions.free if loop.knows_tip else math.nan,
-            tip=loop.motions.tip if loop.knows_tip else math.nan,
-            payout=loop.motions.payout,
-            rate=loop.motions.total_payout_rate,
-            tension=loop.sensed.tension,
-            winch=self.parameters.winch,
-        )
+    def _static_tension(self, payout: float) -> float:
+        """Return the tension at rest about a mean `payout` [m], found again where that has moved [N]."""
+        known = self.design, payout
+        if known != self._weighed[0]:
+            self._weighed = known, self.design.static_tension_at(self.parameters.length + payout)
+        return self._weighed[1]
 
     # changes of mode, without a step in the motion
 

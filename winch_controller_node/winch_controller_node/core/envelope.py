@@ -12,7 +12,7 @@ from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
 from heave_core.envelope_table import Bit, Cause, DriveState, Duty, MoveKind, Phase
-from heave_core.library import Envelope, EnvelopeOrder
+from heave_core.library import READING_NAMES, Envelope, EnvelopeOrder
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import MruStatus, WinchFault
 
@@ -47,8 +47,15 @@ MOVES = {
 BOUND = Bit.AT_RATE | Bit.AT_TRAVEL | Bit.AT_STOP
 """Bits of an order that was bounded."""
 
-_NOTHING_READ = (math.nan, math.nan, math.nan, 0.0, math.nan)
+NOTHING_READ = (math.nan, math.nan, math.nan, 0.0, math.nan)
 """Readings of a tick in which nothing came."""
+
+READ = len(NOTHING_READ)
+LIFT_RATE, DUTY, HELD_TENSION, REQUEST, ACKNOWLEDGED = (
+    READING_NAMES.index(name) for name in ("lift_rate", "duty", "held_tension", "request", "acknowledged")
+)
+CAUSE, PHASE = (EnvelopeOrder._fields.index(name) for name in ("cause", "phase"))
+"""Places of what was read and of what leaves in the core's rows."""
 
 
 class Asked(NamedTuple):
@@ -136,7 +143,7 @@ class OrderEnvelope:
 
     Attributes
     ----------
-    last : what left in the last tick, and why
+    records : of the core, by name
     reason : why it has taken over, until an operator acknowledges; None: it has not
     """
 
@@ -145,10 +152,10 @@ class OrderEnvelope:
         self._cable, self._length = cable, parameters.length
         self._core = Envelope(nominal_design(parameters, cable, tick_period))
         self._is_active = parameters.envelope.active
-        self._is_acknowledged = False
-        self._depth = math.nan
-        self._given: tuple[float, ...] | None = None
-        self.last = EnvelopeOrder._make([0.0] * len(EnvelopeOrder._fields))
+        self._has_begun = self._is_acknowledged = False
+        self._depth, self._cause = math.nan, 0.0
+        self._move: MoveRequest | None = None
+        self.records = self._core.records if self._is_active else {**self._core.records, "envelope": None}
         self.reason: Alarm | None = None
 
     def take_nominal(self, parameters: WinchControllerParameters) -> None:
@@ -158,13 +165,18 @@ class OrderEnvelope:
         self._core.take_design(nominal_design(parameters, cable, self._dt))
 
     @property
+    def last(self) -> EnvelopeOrder:
+        """What left in the last tick, and why."""
+        return self._core.last
+
+    @property
     def moves_winch(self) -> bool:
         """Tell whether the envelope makes the order itself, and the drum is not at rest yet."""
-        return self.last.phase in (Phase.TAKEN, Phase.RAMP)
+        return self._core.order[PHASE] in (Phase.TAKEN, Phase.RAMP)
 
     def acknowledge(self) -> None:
         """Release what is latched, once drum and order are at rest; an operator has asked for a mode."""
-        if self.last.phase == Phase.HELD:
+        if self._core.order[PHASE] == Phase.HELD:
             self._is_acknowledged, self.reason = True, None
 
     def distance_to(self, depth: float) -> float:
@@ -173,9 +185,32 @@ class OrderEnvelope:
 
     def leave_out(self) -> None:
         """Let a tick pass in which nothing is read and the winch keeps the last order."""
-        if self._is_active and self._given is not None:
-            *_, payout, rate, brake = self._given
-            self._core.step((*_NOTHING_READ, *self._given[len(_NOTHING_READ) : -4], 0.0, payout, rate, brake))
+        if self._is_active and self._has_begun:
+            readings = self._core.readings
+            readings[:READ], readings[ACKNOWLEDGED:] = NOTHING_READ, (0.0, *self._core.order[:3])
+            self._core.go()
+
+    def read(self, raw: Measurements, asked: Asked) -> None:
+        """Take in what comes at a tick: `raw` readings, and what was `asked` by an operator."""
+        if depths := raw.of("depth"):
+            self._depth = depths[-1].value
+        readings = self._core.readings
+        readings[:READ] = _readings(raw)
+        readings[DUTY] = Duty.DAMP if asked.is_damped_blind else DUTIES.get(asked.mode, Duty.OPERATE)
+        if asked.move is not self._move:
+            self._move = move = asked.move
+            to_go = move.distance, move.target, move.reference
+            readings[REQUEST:ACKNOWLEDGED] = (move.number, MOVES[move.kind], *to_go, move.speed, move.acceleration)
+        readings[ACKNOWLEDGED] = self._is_acknowledged
+        self._has_begun, self._is_acknowledged = True, False
+
+    def news(self) -> list[Alarm]:
+        """Return what is new since the order of the last tick has left."""
+        before, self._cause = self._cause, self._core.order[CAUSE]
+        if not self._cause or self._cause == before:
+            return []
+        self.reason = _alarm(self.last)
+        return [self.reason]
 
     def step(self, raw: Measurements, asked: Asked, order: WinchOrder) -> tuple[WinchOrder, list[Alarm]]:
         """Return the order that leaves in place of `order`, the same one inside the bounds, and what is new.
@@ -186,26 +221,20 @@ class OrderEnvelope:
         asked : by an operator
         order : of the controller
         """
-        if depths := raw.of("depth"):
-            self._depth = depths[-1].value
+        self.read(raw, asked)
         if not self._is_active:
             return order, []
-        before = self.last.cause
-        given = _readings(raw, asked, order, self._is_acknowledged)
-        self.last = sent = self._core.step(given)
-        self._given = (*given[:-3], sent.payout, sent.rate, sent.brake)
-        self._is_acknowledged = False
-        alarms = []
-        if sent.cause and sent.cause != before:
-            self.reason = _alarm(sent)
-            alarms.append(self.reason)
+        readings = self._core.readings
+        readings[LIFT_RATE], readings[HELD_TENSION] = asked.lift_rate, asked.tension
+        readings[ACKNOWLEDGED + 1 :] = order.payout, order.payout_rate, order.brake
+        sent = self._core.go()
         if sent.payout == order.payout and sent.rate == order.payout_rate and bool(sent.brake) == order.brake:
-            return order, alarms
-        return order._replace(payout=sent.payout, payout_rate=sent.rate, brake=bool(sent.brake)), alarms
+            return order, self.news()
+        return order._replace(payout=sent.payout, payout_rate=sent.rate, brake=bool(sent.brake)), self.news()
 
 
-def _readings(raw: Measurements, asked: Asked, order: WinchOrder, is_acknowledged: bool) -> tuple[float, ...]:
-    """Return what comes in at a tick, in the order of READING_NAMES."""
+def _readings(raw: Measurements) -> tuple[float, ...]:
+    """Return what was read at a tick, the first rows of READINGS."""
     heave = rate = count = load = math.nan
     for reading in raw.mru:
         if reading.status == MruStatus.OK:
@@ -219,15 +248,7 @@ def _readings(raw: Measurements, asked: Asked, order: WinchOrder, is_acknowledge
             drive = DriveState.DRIVE_LIMITED
     for cell in raw.of("load_cell"):
         load = cell.value
-    move = asked.move
-    duty = Duty.DAMP if asked.is_damped_blind else DUTIES.get(asked.mode, Duty.OPERATE)
-    return (
-        *(heave, rate, count, float(drive), load, asked.lift_rate),
-        *(float(duty), asked.tension),
-        *(float(move.number), float(MOVES[move.kind]), move.distance, move.target, move.reference),
-        *(move.speed, move.acceleration, float(is_acknowledged)),
-        *(order.payout, order.payout_rate, float(order.brake)),
-    )
+    return heave, rate, count, drive, load
 
 
 def _alarm(sent: EnvelopeOrder) -> Alarm:

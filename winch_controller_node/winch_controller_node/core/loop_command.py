@@ -1,26 +1,29 @@
 """From mode and loop to the order: which law is asked, the mean payout's share, the governor, the set-points.
 
-The command itself is made in the core, one call a tick; a law of somebody else and a plan at the limits are asked here.
+All of it is made in the core (act.cpp); a law of somebody else and a plan at the limits are asked here.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from heave_core.law import Commander, LoopNow, put
-from heave_core.law_table import COMMAND_STATE, Asks, Shaped, Way
+from heave_core.law import Acting, Commander, put
+from heave_core.law_table import COMMAND, COMMAND_STATE, Asks, Shaped, Way
 from heave_core.library import new
 from heave_node.interface.preview import HeavePreview
 
+from winch_controller_node.core.envelope import OrderEnvelope
+from winch_controller_node.core.estimation.observation import EncoderGate
 from winch_controller_node.core.estimation.loop_tick import CommandShares, LoopTick
-from winch_controller_node.core.supervision.modes import SETTLING_LIMIT, Mode, ModeOutput
+from winch_controller_node.core.place_of_orders import PlaceOfOrders
+from winch_controller_node.core.supervision.modes import SETTLING_LIMIT, Mode
+from winch_controller_node.core.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.core.supervision.supervisor import Decision
+from winch_controller_node.core.supervision.watch.load_watch import LoadWatch
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.interface.readings import WinchOrder
 from winch_controller_node.laws.constant_tension import TRAVEL, ConstantTension
 from winch_controller_node.laws.core_law import CoreLaw
 from winch_controller_node.laws.law import ControlLaw, LawCommand
@@ -29,8 +32,7 @@ from winch_controller_node.laws.parts.governor import TENSION, CommandGovernor, 
 from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.laws.parts.winch_limits import ActiveWinch
 from winch_controller_node.model.loop_rows import loop_rows
-
-IDLE = LawCommand(0.0)
+from winch_controller_node.motion.mean_motion import MeanMotion
 
 GIVING_TIME = 1.0
 """A winch gives way to a tension above the highest one within this time [s], and no quicker than twice its lag."""
@@ -52,9 +54,6 @@ EASING, QUICKER, MORE_ACCELERATION = 2.0, 1.5, 0.3
 """Time after a change of what is assumed in which the order makes no larger step [s]: so many times the largest of the
 last minute, and so much more [m/s^2]."""
 
-BY_LAW = (Mode.COMPENSATING, Mode.FADE_OUT)
-"""Modes in which a winch that gives way to more than compensation can keep would be too late for the next wave."""
-
 WAYS = {
     Mode.COMPENSATING: Way.BY_LAW,
     Mode.CONSTANT_TENSION: Way.BY_TENSION,
@@ -67,10 +66,15 @@ ENVELOPE = "envelope"
 """Name of the bound on what leaves."""
 
 
-def commander(design: ControllerDesign, winch: ActiveWinch, law: ControlLaw, state: Any) -> Commander:
-    """Return the command of the core for a `design`, its active `winch` and its `law`; `state` is what it remembers."""
+def commander(
+    design: ControllerDesign, winch: ActiveWinch, law: ControlLaw, state: Any, command: Any = None
+) -> Commander:
+    """Return the command of the core for a `design`, its active `winch` and its `law`.
+
+    `state` is what it remembers, `command` an array of one `Command` that it makes; None: its own.
+    """
     model, modes, rows, assumed = design.model, design.parameters.modes, loop_rows(design.model), winch.winch
-    core = Commander(winch.record, model.order, law.core if isinstance(law, CoreLaw) else None, state)
+    core = Commander(winch.record, model.order, law.core if isinstance(law, CoreLaw) else None, state, command)
     payout_ahead, rate_ahead = drum_ahead(model, assumed)
     values = {
         "payout": model.state("payout"),
@@ -106,39 +110,82 @@ class TickCommand(NamedTuple):
     Attributes
     ----------
     asked : by the law, without the mean payout's share
-    governed : what the governor lets through, the mean payout's share included
+    governed : what left in the end, the mean payout's share included
     standing : command under which the winch would stay where it is
-    shares : of the governed command
     """
 
     asked: LawCommand
     governed: GovernedCommand
     standing: float
-    shares: CommandShares
 
 
-NO_COMMAND = TickCommand(IDLE, GovernedCommand(0.0, (), 0.0), 0.0, CommandShares())
-"""Command before the first tick."""
+class Beside(NamedTuple):
+    """What else the acting half of a tick works on: mean payout, envelope, figures of merit, alarms of the load."""
+
+    motion: MeanMotion
+    envelope: OrderEnvelope
+    kpi: KpiWindow
+    load: LoadWatch
+
+
+class Tick(NamedTuple):
+    """What a tick goes by.
+
+    Attributes
+    ----------
+    loop : what is known of it
+    decision : what is to be done
+    holds_tension : the mode is now constant tension
+    static_tension : under the hanging unit at rest [N]
+    is_at_limit : a limit of the winch that a sea takes it to acts
+    stated_payout : payout that was read before it is known to be the mean one [m]; NaN: it is known
+    encoder : that counts
+    """
+
+    loop: LoopTick
+    decision: Decision
+    holds_tension: bool
+    static_tension: float
+    is_at_limit: bool
+    stated_payout: float
+    encoder: EncoderGate
+
+
+class Left(NamedTuple):
+    """What a tick has done: the rows of `ActDone`, with their meanings and units."""
+
+    payout: float
+    rate: float
+    brake: float
+    mean_payout: float
+    own_payout: float
+    own_rate: float
+    set_point: float
+    moved: float
+    load_news: float
+    is_replaced: float
 
 
 class LoopCommand:
-    """The command of a tick.
+    """The acting half of a tick, in the core: from what is to be done to the order that leaves.
 
     Parameters
     ----------
     design : the active one; law : of it, for compensation
+    beside : what else it works on
 
     Attributes
     ----------
     governor : of all commands
-    last : command of the last tick
     """
 
-    def __init__(self, design: ControllerDesign, law: ControlLaw) -> None:
-        self._sequence = 0
-        self.last = NO_COMMAND
-        self._ahead = 0.0
-        self._state = new(COMMAND_STATE)
+    def __init__(self, design: ControllerDesign, law: ControlLaw, beside: Beside) -> None:
+        self._state, self._command = new(COMMAND_STATE), new(COMMAND)
+        self._made, self._elsewhere = self._command[0], None
+        self._beside, self._acting = beside, Acting()
+        place = PlaceOfOrders(design.tick_period).record
+        others = {**beside.envelope.records, **beside.kpi.records, **beside.load.records}
+        self._acting.take(motion=beside.motion.record, place=place, **others)
         self._tension = ConstantTension(self._state["tension"])
         self.take_design(design, law)
 
@@ -154,7 +201,9 @@ class LoopCommand:
         self.governor = CommandGovernor(model, active)
         damping = None if self._is_first_order else OutletHold(model, self._winch, design.cable.a)
         self._settled_swing = math.inf if damping is None else damping.settled_swing
-        self._core = commander(design, active, law, self._state)
+        self._core = commander(design, active, law, self._state, self._command)
+        self._acting.take(**self._core.records, A=np.ascontiguousarray(model.A), B=model.B[:, 0].copy())
+        self._beside.kpi.take_winch(self._winch)
         tension = self._tension.take_design(
             model, design.cable, self._winch, parameters.tension, round_trip=design.wave_round_trip
         )
@@ -191,19 +240,16 @@ class LoopCommand:
         self._tension.hold(tension)
 
     @property
-    def tension_asked(self) -> float:
-        """Tension that was last asked for [N]; NaN before the first."""
-        return self._tension.target
-
-    @property
-    def is_half_travelled(self) -> bool:
-        """Tell whether constant tension has used half of the travel that it may."""
-        return self._tension.is_half_travelled
+    def shares(self) -> CommandShares:
+        """What was commanded last: what compensates, and what moves the mean payout."""
+        made = self._made
+        return CommandShares(float(made["compensating"]), float(made["mean"]))
 
     def speed(self, tick: LoopTick) -> float:
         """Return the speed of the winch as last commanded at `tick` [m/s], absolute."""
-        return math.fabs(
-            tick.motions.total_payout_rate if self._is_first_order else self.last.governed.value - self.last.standing
+        made = self._made
+        return abs(
+            tick.motions.total_payout_rate if self._is_first_order else float(made["value"]) - float(made["standing"])
         )
 
     def payout_range(self) -> tuple[float, float]:
@@ -211,66 +257,46 @@ class LoopCommand:
         limits = self.governor.limits
         return limits.payout_minimum, limits.payout_maximum
 
-    def command(self, tick: LoopTick, decision: Decision, preview: HeavePreview | None = None) -> TickCommand:
-        """Return the command of a tick: the law's and the mean payout's share, governed.
+    def act(self, tick: Tick, preview: HeavePreview | None = None) -> None:
+        """Make command and set-points of a `tick`: the law's and the mean payout's share, governed.
 
-        Parameters
-        ----------
-        tick : what is known of the loop
-        decision : what is to be done
-        preview : of the boom tip, seen from this tick; None: there is none
+        `preview` : of the boom tip, seen from this tick; None: there is none
         """
-        core, law = self._core, self._core_law
-        core.estimate[:], core.mean_state[:] = tick.estimate, tick.mean_state
-        loop = self._loop(tick, decision)
+        core, law, acting, loop = self._core, self._core_law, self._acting, tick.loop
+        core.estimate[:], core.mean_state[:], acting.motions[:] = loop.estimate, loop.mean_state, loop.motions
+        acting.seen[:] = self._seen(tick)
         if preview is not None:
-            preview = replace(preview, heave=decision.mode.authority * preview.heave)
+            preview = replace(preview, heave=tick.decision.mode.authority * preview.heave)
         if law is not None and law.preview is None:
-            asks = core.act(loop)
+            asks = acting.act()
         else:
-            core.pose(loop)
+            acting.pose()
             if law is not None and law.planner is not None:
                 law.planner.see(preview, core.x)
-            asks = core.answer()
+            asks = acting.answer()
         if asks == Asks.NEEDS_TENSION:
             self._tension.begin_alone(self._payout())
-            asks = core.answer()
-        elsewhere = self._asked_elsewhere(asks, preview) if asks else None
-        if elsewhere is not None:
-            core.make(elsewhere.value)
-        self.last = self._made(elsewhere)
-        return self.last
+            asks = acting.answer()
+        self._elsewhere = self._asked_elsewhere(asks, preview) if asks else None
+        if self._elsewhere is not None:
+            self._made["asked"] = self._elsewhere.value
+            acting.make()
 
-    def _loop(self, tick: LoopTick, decision: Decision) -> LoopNow:
-        """Return what the core must know of the loop."""
-        mode, sensed = decision.mode, tick.sensed
-        is_held = tick.knows_tip and mode.mode is Mode.COMPENSATING
-        heave, rate = 0.0, 0.0  # where the boom tip is not known the unit is to come to rest
-        if tick.knows_tip:
-            motions = tick.motions
-            heave = motions.taut if is_held else motions.released
-            rate = motions.taut_rate if is_held else motions.released_rate
-        tip_rate = tick.motions.tip_rate if math.isnan(sensed.mru_rate) else sensed.mru_rate
-        return LoopNow(
-            way=self._way(decision),
-            share=mode.authority if tick.knows_tip else 0.0,
-            heave=heave,
-            rate=rate,
-            swing=tick.motions.mean_heave,
-            swing_rate=tick.motions.mean_rate,
-            is_unseen=is_held and not sensed.has_depth,
-            left_over=tick.left_over,
-            mean_command=tick.mean_command,
-            mru_rate=mode.authority * tip_rate,
-            tension=sensed.tension,
-            filtered_tension=sensed.filtered_tension,
-            gives_way=decision.bounds_tension or mode.mode not in BY_LAW,
-            bounds_tension=decision.bounds_tension,
-            fades=mode.mode is Mode.FADE_OUT,
-            # while the unit is damped because the boom tip is not known a fade-out goes on for longer
-            is_held=decision.is_damped and not tick.knows_tip,
-            follows_tip="mru" not in sensed.lost,
-            unit_stands=decision.unit_stands,
+    def leave(self) -> Left:
+        """Send the order through the envelope; all go by what is sent. Return what has been done."""
+        self._acting.leave()
+        return Left._make(self._acting.done.tolist())
+
+    def _seen(self, tick: Tick) -> tuple[float, ...]:
+        """Return what is to be done in a tick and what was read in it, in the order of `ActSeen`."""
+        loop, decision, encoder = tick.loop, tick.decision, tick.encoder
+        sensed, mode = loop.sensed, decision.mode
+        return (
+            *(self._way(decision), mode.authority, mode.mode is Mode.COMPENSATING, mode.mode is Mode.FADE_OUT),
+            *(tick.holds_tension, mode.brake, decision.is_damped, decision.bounds_tension, decision.unit_stands),
+            *(loop.knows_tip, sensed.has_depth, sensed.sees_landing, "mru" not in sensed.lost, sensed.mru_rate),
+            *(sensed.tension, sensed.filtered_tension, tick.static_tension, tick.is_at_limit, tick.stated_payout),
+            *(encoder.scale, encoder.offset),
         )
 
     def _way(self, decision: Decision) -> Way:
@@ -308,12 +334,12 @@ class LoopCommand:
         x = np.array(self._core.x)
         return LoopState(x, reference, static, measured, mru_rate, preview, bounds_tension=bool(bounds_tension))
 
-    def _made(self, elsewhere: LawCommand | None) -> TickCommand:
-        """Return the command that the core has made, of what was asked for `elsewhere` where it was."""
+    @property
+    def last(self) -> TickCommand:
+        """The command of the last tick."""
         made = self._core.made
-        self._ahead = made.payout
-        if elsewhere is not None:
-            law = elsewhere._replace(value=made.asked)
+        if self._elsewhere is not None:
+            law = self._elsewhere._replace(value=made.asked)
         elif self._core_law is None:
             law = LawCommand(made.asked)
         else:
@@ -322,56 +348,7 @@ class LoopCommand:
             law = law._replace(active=(TRAVEL,))
         if made.gives_way:
             law = law._replace(active=(*law.active, TENSION))
-        active = shaped_by(int(made.shaped), is_first_order=self._is_first_order)
-        governed = GovernedCommand(made.value, active, made.sent)
-        return TickCommand(law, governed, made.standing, CommandShares(made.compensating, made.mean))
-
-    def speed_of(self, order: WinchOrder, count_at: Callable[[float], float]) -> float:
-        """Return the rate at which a speed servo is to turn under an `order` [m/s]; NaN for a first-order winch.
-
-        `count_at` gives the count of the drive's position loop at a payout.
-        """
-        if self._is_first_order:
-            return math.nan
-        held = order.payout - count_at(self._ahead)
-        return order.payout_rate if order.brake else order.payout_rate + self._winch.position_gain * held
-
-    def with_payout(self, order: WinchOrder, payout: float) -> WinchOrder:
-        """Return an `order` that asks for the same speed, by another `payout` [m]."""
-        held = 0.0 if order.brake else self._winch.position_gain * (order.payout - payout)
-        return order._replace(payout=payout, payout_rate=order.payout_rate + held)
-
-    def order(self, command: TickCommand, mode: ModeOutput, mean_payout: float) -> WinchOrder:
-        """Return the set-points of a command.
-
-        Parameters
-        ----------
-        command : of the tick
-        mode : of the tick
-        mean_payout : about which the winch works at the end of the tick [m]
-        """
-        self._sequence += 1
-        sent, gain = command.governed.sent, self._winch.position_gain
-        if self._is_first_order:
-            return WinchOrder(self._sequence, sent, 0.0, mode.brake)
-        if mode.brake:  # a servo on its brake is asked for no speed
-            return WinchOrder(self._sequence, sent / gain if gain > 0.0 else mean_payout, 0.0, True)
-        # the model's command counts what the winch's position loop makes of the payout set-point as well
-        return WinchOrder(self._sequence, mean_payout, sent - gain * mean_payout, False)
-
-    def take_sent(self, asked: WinchOrder, sent: WinchOrder) -> None:
-        """Take what was `sent` in place of what this tick `asked`: estimate, adviser and the next stop go by it."""
-        last, mean = self.last, self.last.shares.mean
-        shaped = 0
-        if sent.brake:
-            governed = GovernedCommand(last.standing, (), last.standing)
-        else:
-            is_whole = math.isfinite(asked.payout) and math.isfinite(asked.payout_rate)
-            more = sent.payout - asked.payout if self._is_first_order else sent.payout_rate - asked.payout_rate
-            before = last.governed.value if is_whole else last.standing
-            value = before + (more * self._winch.gain_at(more) if is_whole else sent.payout_rate)
-            governed = last.governed._replace(value=value, active=(*last.governed.active, ENVELOPE))
-            shaped = int(self._state["shaped"][0]) | Shaped.BY_ENVELOPE
-        shares = CommandShares(governed.value - mean, mean)
-        self.last = last._replace(governed=governed, shares=shares)
-        put(self._state, {"value": governed.value, "sent": governed.sent, "shaped": float(shaped)})
+        shaped = int(made.shaped)
+        active = shaped_by(shaped & ~Shaped.BY_ENVELOPE, is_first_order=self._is_first_order)
+        active += (ENVELOPE,) if shaped & Shaped.BY_ENVELOPE else ()
+        return TickCommand(law, GovernedCommand(made.value, active, made.sent), made.standing)

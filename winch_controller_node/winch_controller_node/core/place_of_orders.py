@@ -1,11 +1,8 @@
-"""The place that belongs to a commanded speed: what a drive with a position loop of its own is to follow.
-
-p' = v + (u - p)/LEAK: the integral of the speed v that is sent, from where the drum u is when its brake opens. A drum
-that follows p through a lag T moves as one that follows v through the same lag. The leak takes out what adds up where a
-drive goes by v alone, with another gain; p never leads the drum by more than REACH.
-"""
+"""The place that belongs to a commanded speed: what a drive with a position loop is to follow, see act.cpp."""
 
 from __future__ import annotations
+
+from heave_core.law import Place
 
 LEAK = 60.0
 """Time constant with which the place is drawn to the drum [s]: far slower than the waves."""
@@ -22,8 +19,8 @@ class PlaceOfOrders:
     """
 
     def __init__(self, tick_period: float) -> None:
-        self._dt = tick_period
-        self._place: float | None = None
+        self._dt, self._core = tick_period, Place(LEAK, REACH)
+        self.record = self._core.record
 
     def at_end(self, rate: float, payout: float, *, is_braked: bool) -> float:
         """Return the payout at which the drum is to be at the end of the tick [m].
@@ -34,10 +31,4 @@ class PlaceOfOrders:
         payout : of the drum at its start [m]
         is_braked : the brake is ordered: the drum stays where it is
         """
-        if is_braked or self._place is None:
-            self._place = payout
-        if is_braked:
-            return payout
-        self._place += self._dt * (rate + (payout - self._place) / LEAK)
-        self._place = min(max(self._place, payout - REACH), payout + REACH)
-        return self._place
+        return self._core.at_end(self._dt, rate, payout, is_braked=is_braked)

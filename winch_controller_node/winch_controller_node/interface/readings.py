@@ -190,7 +190,7 @@ class Outputs(NamedTuple):
     ----------
     order : to the winch
     mode, authority, depth_set_point : see `Report`
-    make_report : returns the report of the tick
+    make_report : returns the report of the tick; it is to be asked before the next one
     kpi : once a second; None else
     alarms : raised in this tick
     requests : what an operator has asked for since the last tick, one line each; mode changes are reported apart

@@ -35,15 +35,16 @@ class MeanMotion:
     Attributes
     ----------
     mean, left_over, carried : payouts in motion
+    record : array of one `MeanMotion` of the core
     """
 
     def __init__(self, parameters: MoveParameters, order: int, *, tick_period: float) -> None:
-        self._record = new(MEAN_MOTION)
-        self.mean = MeanPayout(parameters, tick_period=tick_period, record=self._record["mean"])
-        self.left_over = MeanPayout(parameters, tick_period=tick_period, record=self._record["left_over"])
-        at_once, carried = replace(parameters, jerk_time=0.0), self._record["carried"]
+        self.record = new(MEAN_MOTION)
+        self.mean = MeanPayout(parameters, tick_period=tick_period, record=self.record["mean"])
+        self.left_over = MeanPayout(parameters, tick_period=tick_period, record=self.record["left_over"])
+        at_once, carried = replace(parameters, jerk_time=0.0), self.record["carried"]
         self.carried = MeanPayout(at_once, tick_period=tick_period, record=carried)
-        self._address, self._advance = self._record.ctypes.data, library().heave_core_advance_motion
+        self._address, self._advance = self.record.ctypes.data, library().heave_core_advance_motion
         self._model: LinearModel | None = None
         self.state = np.zeros(order)
 
@@ -56,7 +57,7 @@ class MeanMotion:
     def state(self, state: Array) -> None:
         self._state = state.copy()
         self._state.setflags(write=False)
-        self._states = self._record["state"][0, : len(state)]
+        self._states = self.record["state"][0, : len(state)]
         self._states[:] = state
 
     @property
@@ -120,7 +121,10 @@ class MeanMotion:
         if model is not self._model:
             self._model, self._matrices = model, (np.ascontiguousarray(model.A), model.B[:, 0].copy())
             self._of_model = [matrix.ctypes.data for matrix in self._matrices]
-        moved = self._advance(*self._of_model, self._address, len(self._state), command, is_braked)
+        self.advanced(self._advance(*self._of_model, self._address, len(self._state), command, is_braked))
+
+    def advanced(self, moved: int) -> None:
+        """Take in that the core has advanced it by a tick, and which payouts have `moved`, bits of Moved."""
         self._state = self._states.copy()
         self._state.setflags(write=False)
         if not moved:

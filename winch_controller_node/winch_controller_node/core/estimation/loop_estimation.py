@@ -485,8 +485,13 @@ class LoopEstimation:
         """The part of it that takes the unit to another depth [m]."""
         return self._known(self.motion.depth_set_point)
 
+    @property
+    def stated_payout(self) -> float:
+        """Payout that was read before it is known to be the mean one [m]; NaN: it is known, or none was read."""
+        return math.nan if self._has_begun else self._first_payout
+
     def _known(self, payout: float) -> float:
-        return payout if self._has_begun or math.isnan(self._first_payout) else self._first_payout
+        return payout if math.isnan(self.stated_payout) else self.stated_payout
 
     @property
     def filtered_tension(self) -> float:

@@ -17,39 +17,22 @@ class KpiWindow:
     Parameters
     ----------
     window : [s]; tick_period : [s]
+
+    Attributes
+    ----------
+    records : of the core, by name
+    add : takes a tick in, by the rows of KPI_ROW
     """
 
     def __init__(self, window: float, *, tick_period: float) -> None:
-        self._dt = tick_period
-        self._winch: WinchModelParameters | None = None
-        rows = max(2, round(window / tick_period))
-        self._ring = KpiRing({"tick_period": tick_period, "rows": rows, "speed": math.inf, "acceleration": math.inf})
+        self._dt, rows = tick_period, max(2, round(window / tick_period))
+        limits = {"speed": math.inf, "acceleration": math.inf}
+        self._ring = KpiRing({"tick_period": tick_period, "rows": rows, **limits})
+        self.records, self.add = self._ring.records, self._ring.add
 
-    def add(
-        self,
-        *,
-        unit: float,
-        uncompensated: float,
-        tip: float,
-        payout: float,
-        rate: float,
-        tension: float,
-        winch: WinchModelParameters,
-    ) -> None:
-        """Take one tick in.
-
-        Parameters
-        ----------
-        unit, uncompensated, tip : heave of the unit, of the uncompensated one, of the boom tip [m]; NaN: no sensor
-            reports it
-        payout, rate : of the winch, about its mean [m], [m/s]
-        tension : at the top [N]; NaN: unknown
-        winch : whose limits count in this tick
-        """
-        if winch is not self._winch:
-            self._winch = winch
-            self._ring.take_limits(kpi.AT_LIMIT * winch.speed_limit, kpi.AT_LIMIT * winch.acceleration_limit)
-        self._ring.add(unit, uncompensated, tip, payout, rate, 0.0, tension, 0.0)
+    def take_winch(self, winch: WinchModelParameters) -> None:
+        """Count by the limits of another `winch` from now on."""
+        self._ring.take_limits(kpi.AT_LIMIT * winch.speed_limit, kpi.AT_LIMIT * winch.acceleration_limit)
 
     def figures(self) -> RollingKpi:
         """Return the figures over what the window holds; those of a heave that no sensor reports now are NaN."""

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 
+from heave_core.watch import LoadRecord
+from heave_core.watch_table import LoadNews
 from heave_node.interface.alarm import Alarm
-from heave_node.loads.strength import ROPE, Strength, strengths
+from heave_node.loads.strength import LEAST, ROPE, Strength, safety_factor, strengths
 from heave_node.parameters import flatten
 
 from winch_controller_node.interface.alarms import ALARMS
@@ -43,22 +45,47 @@ class Episode:
         return is_there and was_quiet
 
 
+def watched(parameters: AlarmParameters, rope: Strength | None, tick_period: float) -> dict[str, float]:
+    """Return the values of the core's LoadWatchDesign: thresholds, what the `rope` can bear, `tick_period` [s]."""
+    return {
+        "tick_period": tick_period,
+        "quiet_time": QUIET_TIME,
+        "slack_ratio": parameters.slack_ratio,
+        "tension_ratio": parameters.tension_ratio,
+        "saturation_time": parameters.saturation_time,
+        "saturation_share": parameters.saturation_share,
+        "capacity": math.nan if rope is None else rope.capacity,
+        "required": math.nan if rope is None else rope.required,
+        "least": LEAST,
+    }
+
+
 class LoadWatch:
-    """Watches the tension at the top, and how much of the time the winch is at its limits.
+    """Watches the tension at the top, and how much of the time the winch is at its limits, in C++ (load_watch.cpp).
 
     Parameters
     ----------
     parameters : thresholds
     tick_period : [s]
     rope : breaking force and required safety factor; None: not stated
+    travel : bound on that of constant tension [m]
+
+    Attributes
+    ----------
+    records : of the core, by name
     """
 
-    def __init__(self, parameters: AlarmParameters, *, tick_period: float, rope: Strength | None = None) -> None:
-        self._parameters, self._rope = parameters, rope
-        self._weight = tick_period / parameters.saturation_time
-        self._slack, self._over, self._saturated = (Episode(tick_period) for _ in range(3))
-        self._short, self._overloaded = Episode(tick_period), Episode(tick_period)
-        self._share_at_limit = 0.0
+    def __init__(
+        self,
+        parameters: AlarmParameters,
+        *,
+        tick_period: float,
+        rope: Strength | None = None,
+        travel: float = math.inf,
+    ) -> None:
+        self._parameters, self._rope, self._travel = parameters, rope, travel
+        self._core = LoadRecord(watched(parameters, rope, tick_period))
+        self.records = self._core.records
 
     def update(self, tension: float, static_tension: float, *, is_at_limit: bool) -> tuple[Alarm, ...]:
         """Return what has just become wrong.
@@ -69,34 +96,33 @@ class LoadWatch:
         static_tension : under the hanging unit at rest [N]
         is_at_limit : a limit of the winch's speed, acceleration or power acts
         """
-        parameters = self._parameters
-        self._share_at_limit += self._weight * (float(is_at_limit) - self._share_at_limit)
-        share = tension / static_tension if math.isfinite(tension) and static_tension > 0.0 else 1.0
-        found = []
-        if self._slack.begins(share < parameters.slack_ratio):
-            is_pushed = share < PUSH
-            found.append(
-                ALARMS.alarm("LOAD_CELL_NEGATIVE", tension=1e-3 * tension)
-                if is_pushed
-                else ALARMS.alarm("CABLE_SLACK", tension=1e-3 * tension, percent=100.0 * share)
-            )
-        if self._over.begins(0.0 < parameters.tension_ratio < share):
-            limit = parameters.tension_ratio
-            found.append(ALARMS.alarm("TENSION_HIGH", tension=1e-3 * tension, ratio=share, limit=limit))
-        if self._saturated.begins(self._share_at_limit > parameters.saturation_share):
-            percent, time = 100.0 * self._share_at_limit, parameters.saturation_time
-            found.append(ALARMS.alarm("WINCH_SATURATED", percent=percent, time=time))
-        return (*found, *self._check_rope(tension))
+        found = self._core.watch(tension, static_tension, is_at_limit=is_at_limit)
+        return self.alarms(found, tension, static_tension)
 
-    def _check_rope(self, tension: float) -> list[Alarm]:
-        """Return that a `tension` [N] is more than the rope can bear, or leaves it too small a safety factor."""
-        if self._rope is None:
-            return []
-        check = self._rope.under(tension)
-        given = {"tension": 1e-3 * tension, "factor": check.factor, "capacity": 1e-3 * self._rope.capacity}
-        found = []
-        if self._short.begins(check.is_short):
-            found.append(ALARMS.alarm("ROPE_SAFETY_LOW", **given, required=self._rope.required))
-        if self._overloaded.begins(check.is_overloaded):
-            found.append(ALARMS.alarm("ROPE_OVERLOADED", **given))
-        return found
+    def alarms(self, found: int, tension: float, static_tension: float) -> tuple[Alarm, ...]:
+        """Return the alarms of what was `found`, bits of LoadNews, with the tensions of the tick [N]."""
+        if not found:
+            return ()
+        kilo, parameters = 1e-3 * tension, self._parameters
+        share = tension / static_tension if static_tension > 0.0 else 1.0
+        percent = 100.0 * float(self._core.state["at_limit"][0])
+        slack = (
+            ("LOAD_CELL_NEGATIVE", {"tension": kilo})
+            if share < PUSH
+            else ("CABLE_SLACK", {"tension": kilo, "percent": 100.0 * share})
+        )
+        capacity, required = (0.0, 0.0) if self._rope is None else (self._rope.capacity, self._rope.required)
+        rope = {"tension": kilo, "factor": safety_factor(capacity, tension), "capacity": 1e-3 * capacity}
+        news: dict[LoadNews, tuple[str, dict[str, float]]] = {
+            LoadNews.SLACK: slack,
+            LoadNews.TENSION_HIGH: (
+                "TENSION_HIGH",
+                {"tension": kilo, "ratio": share, "limit": parameters.tension_ratio},
+            ),
+            LoadNews.SATURATED: ("WINCH_SATURATED", {"percent": percent, "time": parameters.saturation_time}),
+            LoadNews.ROPE_SHORT: ("ROPE_SAFETY_LOW", {**rope, "required": required}),
+            LoadNews.ROPE_OVERLOADED: ("ROPE_OVERLOADED", rope),
+            LoadNews.TRAVEL_HALF: ("TENSION_TRAVEL_HALF", {"travel": 0.5 * self._travel}),
+            LoadNews.TRAVEL_END: ("TENSION_TRAVEL_END", {"travel": self._travel}),
+        }
+        return tuple(ALARMS.alarm(code, **values) for bit, (code, values) in news.items() if found & bit)
