@@ -181,7 +181,8 @@ class LoopCommand:
 
     def __init__(self, design: ControllerDesign, law: ControlLaw, beside: Beside) -> None:
         self._state, self._command = new(COMMAND_STATE), new(COMMAND)
-        self._made, self._elsewhere = self._command[0], None
+        self._made = self._command[0]
+        self._elsewhere: LawCommand | None = None
         self._beside, self._acting = beside, Acting()
         place = PlaceOfOrders(design.tick_period).record
         others = {**beside.envelope.records, **beside.kpi.records, **beside.load.records}
