@@ -333,6 +333,9 @@ def test_a_move_lowers_the_unit_while_it_is_compensated():
     start, end = rows[0, 2], np.mean(rows[-100:, 2])
     # the stretch of 3 m more cable adds its share: below 1 %
     assert start - end == pytest.approx(3.0, abs=0.05)
+    # a drive that follows the payout alone would be where this one is, a lag and a delay of 0.35 s behind
+    (outputs, _), drum = loop.step(), loop.winch.state
+    assert outputs.order.payout == pytest.approx(drum.payout, abs=0.35 * 0.5 + 0.1)
     assert np.std(rows[-200:, 2]) < 0.01
 
 

@@ -95,7 +95,8 @@ void send_place(const Acting &on) {
     const double gain = on.winch->position_gain;
     const double held = is_braked ? 0.0 : gain * (done.payout - count_at(seen, on.command->payout)), speed = done.rate + held;
     if (!std::isfinite(speed)) return;
-    const double place = place_at_end(*on.place, on.winch->tick_period, speed, on.motions->payout, is_braked);
+    const double drum = on.motions->payout + on.motions->mean_payout;
+    const double place = place_at_end(*on.place, on.winch->tick_period, speed, drum, is_braked);
     const double payout = count_at(seen, place);
     done.rate += is_braked ? 0.0 : gain * (done.payout - payout);
     done.payout = payout;
