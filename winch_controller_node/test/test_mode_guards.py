@@ -121,9 +121,9 @@ RESUMES = {"well_time": PARAMETERS.resume_time + 0.05}
         (SENSORS_WELL, {}, True),
         (SENSORS_WELL, {"lost_time": 0.05}, False),
         (GATES_OPEN, {}, True),
-        (GATES_OPEN, {"closed_gates": "peaks"}, False),
+        (GATES_OPEN, {"gates": lambda: "peaks"}, False),
         (MAY_HOLD_TENSION, {}, True),
-        (MAY_HOLD_TENSION, {"tension_refusal": "the unit is suspended"}, False),
+        (MAY_HOLD_TENSION, {"tension": lambda: "the unit is suspended"}, False),
         (BRAKE_HELD, {"time": RELEASE_TIME}, True),
         (BRAKE_HELD, {"time": RELEASE_TIME - 0.05}, False),
         (HAS_ENCODER, {"lost": "mru frozen"}, True),
@@ -150,8 +150,8 @@ def test_a_guard_holds_where_its_words_do(guard, given, holds):
     [
         (NO_HARM, {"harm": "peaks of 2 m/s"}, " (peaks of 2 m/s)"),
         (SENSORS_WELL, {"lost": "mru frozen", "lost_time": 1.0}, " (mru frozen)"),
-        (GATES_OPEN, {"closed_gates": "peaks"}, " (peaks)"),
-        (MAY_HOLD_TENSION, {"tension_refusal": "suspended"}, " (suspended)"),
+        (GATES_OPEN, {"gates": lambda: "peaks"}, " (peaks)"),
+        (MAY_HOLD_TENSION, {"tension": lambda: "suspended"}, " (suspended)"),
         (HAS_ENCODER, {"lost": "encoder frozen"}, ""),
     ],
 )

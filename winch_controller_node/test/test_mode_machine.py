@@ -358,7 +358,7 @@ def test_compensation_may_resume_after_all_sensors_were_good_for_the_time_of_the
 def test_constant_tension_is_refused_with_its_reason_and_taken_without_one():
     modes = machine()
     run(modes, 5.0)
-    run(modes, 0.1, situation(tension_refusal="the unit is suspended"))
+    run(modes, 0.1, situation(tension=lambda: "the unit is suspended"))
     with pytest.raises(ModeError, match=r"mode constant_tension needs: .*\(the unit is suspended\)"):
         modes.request("constant_tension")
     assert modes.mode is Mode.COMPENSATING
@@ -429,7 +429,7 @@ def test_what_keeps_compensation_from_beginning_is_said():
     assert modes.obstacle == "mru stale; request it again once the sensor is good"
     run(modes, 0.2, situation(harm="drum speed off"))
     assert modes.obstacle == "drum speed off"
-    run(modes, 0.2, situation(harm="drum speed off", awaits_operator=True, closed_gates="peaks of 2.0 m/s^2"))
+    run(modes, 0.2, situation(harm="drum speed off", awaits_operator=True, gates=lambda: "peaks of 2.0 m/s^2"))
     assert modes.obstacle == "peaks of 2.0 m/s^2", "who asks has looked at the cause"
     run(modes, 0.2)
     assert modes.obstacle == ""

@@ -118,8 +118,8 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
             harm=harm,
             speed=speed,
             is_settled=settled,
-            closed_gates=gate,
-            tension_refusal=tension,
+            gates=lambda: gate,
+            tension=lambda: tension,
         )
 
     @rule(ticks=st.integers(1, 120))

@@ -57,6 +57,14 @@ LIFT_RATE, DUTY, HELD_TENSION, REQUEST, ACKNOWLEDGED = (
 CAUSE, PHASE = (EnvelopeOrder._fields.index(name) for name in ("cause", "phase"))
 """Places of what was read and of what leaves in the core's rows."""
 
+OWN_ORDER = (float(Phase.TAKEN), float(Phase.RAMP))
+"""Phases in which the envelope makes the order itself."""
+
+FREE, RESTS, LIMITED = (
+    float(state) for state in (DriveState.DRIVE_FREE, DriveState.DRIVE_RESTS, DriveState.DRIVE_LIMITED)
+)
+"""What the drive reports of itself, as the core has it."""
+
 
 class Asked(NamedTuple):
     """What an operator has asked for, by a mode and its requests.
@@ -172,11 +180,11 @@ class OrderEnvelope:
     @property
     def moves_winch(self) -> bool:
         """Tell whether the envelope makes the order itself, and the drum is not at rest yet."""
-        return self._core.order[PHASE] in (Phase.TAKEN, Phase.RAMP)
+        return self._core.order.item(PHASE) in OWN_ORDER
 
     def acknowledge(self) -> None:
         """Release what is latched, once drum and order are at rest; an operator has asked for a mode."""
-        if self._core.order[PHASE] == Phase.HELD:
+        if self._core.order.item(PHASE) == Phase.HELD:
             self._is_acknowledged, self.reason = True, None
 
     def distance_to(self, depth: float) -> float:
@@ -206,7 +214,7 @@ class OrderEnvelope:
 
     def news(self) -> list[Alarm]:
         """Return what is new since the order of the last tick has left."""
-        before, self._cause = self._cause, self._core.order[CAUSE]
+        before, self._cause = self._cause, self._core.order.item(CAUSE)
         if not self._cause or self._cause == before:
             return []
         self.reason = _alarm(self.last)
@@ -239,13 +247,13 @@ def _readings(raw: Measurements) -> tuple[float, ...]:
     for reading in raw.mru:
         if reading.status == MruStatus.OK:
             heave, rate = reading.heave, reading.heave_rate
-    winch, drive = raw.winch, DriveState.DRIVE_FREE
+    winch, drive = raw.winch, FREE
     if winch is not None:
         count = winch.encoder_payout
         if winch.brake or winch.fault != WinchFault.NONE:
-            drive = DriveState.DRIVE_RESTS
+            drive = RESTS
         elif winch.limits_hit != 0:
-            drive = DriveState.DRIVE_LIMITED
+            drive = LIMITED
     for cell in raw.of("load_cell"):
         load = cell.value
     return heave, rate, count, drive, load

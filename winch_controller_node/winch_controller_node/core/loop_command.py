@@ -62,6 +62,11 @@ WAYS = {
 }
 """By what the command is made in a mode without its brake."""
 
+ASKED, VALUE, STANDING, COMPENSATING, MEAN = (
+    [row.name for row in COMMAND.rows].index(name) for name in ("asked", "value", "standing", "compensating", "mean")
+)
+"""Places in the core's command."""
+
 ENVELOPE = "envelope"
 """Name of the bound on what leaves."""
 
@@ -181,7 +186,7 @@ class LoopCommand:
 
     def __init__(self, design: ControllerDesign, law: ControlLaw, beside: Beside) -> None:
         self._state, self._command = new(COMMAND_STATE), new(COMMAND)
-        self._made = self._command[0]
+        self._numbers = self._command.view(np.float64)
         self._elsewhere: LawCommand | None = None
         self._beside, self._acting = beside, Acting()
         place = PlaceOfOrders(design.tick_period).record
@@ -243,15 +248,13 @@ class LoopCommand:
     @property
     def shares(self) -> CommandShares:
         """What was commanded last: what compensates, and what moves the mean payout."""
-        made = self._made
-        return CommandShares(float(made["compensating"]), float(made["mean"]))
+        return CommandShares(self._numbers.item(COMPENSATING), self._numbers.item(MEAN))
 
     def speed(self, tick: LoopTick) -> float:
         """Return the speed of the winch as last commanded at `tick` [m/s], absolute."""
-        made = self._made
-        return abs(
-            tick.motions.total_payout_rate if self._is_first_order else float(made["value"]) - float(made["standing"])
-        )
+        numbers = self._numbers
+        own = tick.motions.total_payout_rate if self._is_first_order else numbers.item(VALUE) - numbers.item(STANDING)
+        return abs(own)
 
     def payout_range(self) -> tuple[float, float]:
         """Return the ends of the range that the mean payout may use [m]."""
@@ -280,7 +283,7 @@ class LoopCommand:
             asks = acting.answer()
         self._elsewhere = self._asked_elsewhere(asks, preview) if asks else None
         if self._elsewhere is not None:
-            self._made["asked"] = self._elsewhere.value
+            self._numbers[ASKED] = self._elsewhere.value
             acting.make()
 
     def leave(self) -> Left:

@@ -94,7 +94,7 @@ class ModeMachine:
         if lost:
             return f"{lost}; request it again once the sensor is good"
         harm = "" if self._situation.awaits_operator else self._situation.harm  # who asks has looked at the cause
-        return harm or self._situation.closed_gates
+        return harm or self._situation.gates()
 
     @property
     def fault(self) -> str:
@@ -287,4 +287,4 @@ class ModeMachine:
         if not SETTLED_ESTIMATE.holds(self._view):
             return f"estimate settling, {self._parameters.settling_time - self._well_time:.0f} s more"
         situation = self._situation
-        return self._harm or situation.closed_gates or self.reason
+        return self._harm or situation.gates() or self.reason

@@ -109,6 +109,11 @@ REQUESTS = {
 """Modes that may be requested, and the event that the request is."""
 
 
+def open_always() -> str:
+    """Return that nothing keeps a mode from beginning."""
+    return ""
+
+
 class Situation(NamedTuple):
     """Inputs of the mode machine at each tick.
 
@@ -123,8 +128,8 @@ class Situation(NamedTuple):
     authority_limit : largest authority that the winch can follow under this law
     is_settled : the unit moves as it would with the winch locked, or cannot be damped: the winch may stop
     is_damped_blind : the unit is damped by the depth sensor, and how it would move with the winch locked is not known
-    closed_gates : why compensation may not begin now, with figures; empty when it may
-    tension_refusal : why constant tension may not begin now; empty when it may
+    gates : says why compensation may not begin now, with figures; empty when it may
+    tension : says why constant tension may not begin now; empty when it may
     fault_cause : why the winch has its fault, in words; empty where that is not known
     awaits_operator : after this harm compensation is tried again only once an operator asks for it
     resumes_after_fault : the winch has stopped for want of commands, and compensation is asked for again once they come
@@ -139,8 +144,8 @@ class Situation(NamedTuple):
     authority_limit: float = 1.0
     is_settled: bool = True
     is_damped_blind: bool = False
-    closed_gates: str = ""
-    tension_refusal: str = ""
+    gates: Callable[[], str] = open_always
+    tension: Callable[[], str] = open_always
     fault_cause: str = ""
     prospect: str = ""
     awaits_operator: bool = False
@@ -277,12 +282,12 @@ NOT_FOR_WANT_OF_COMMANDS = Guard(
 )
 SENSORS_WELL = Guard("sensors good", lambda view: view.lost_time == 0.0, lambda view: view.situation.lost)
 GATES_OPEN = Guard(
-    "start conditions met", lambda view: not view.situation.closed_gates, lambda view: view.situation.closed_gates
+    "start conditions met", lambda view: not view.situation.gates(), lambda view: view.situation.gates()
 )
 MAY_HOLD_TENSION = Guard(
     "load landed or held, winch able to follow",
-    lambda view: not view.situation.tension_refusal,
-    lambda v: v.situation.tension_refusal,
+    lambda view: not view.situation.tension(),
+    lambda view: view.situation.tension(),
 )
 BRAKE_HELD = Guard(f"brake on for {RELEASE_TIME:g} s", lambda view: view.time >= RELEASE_TIME)
 HAS_ENCODER = Guard("encoder good", lambda view: "encoder" not in view.situation.lost)

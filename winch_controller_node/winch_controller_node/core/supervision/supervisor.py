@@ -244,8 +244,8 @@ class Supervisor:
             resumes_after_fault=self.timeouts.is_pending,
             speed=winch.speed,
             envelope=winch.envelope,
-            closed_gates=self._closed_gates(tick, winch.mean_payout) or winch.proven.gate,
-            tension_refusal=self._why_no_tension(tick, winch.mean_payout),
+            gates=lambda: self._closed_gates(tick, winch.mean_payout) or winch.proven.gate,
+            tension=lambda: self._why_no_tension(tick, winch.mean_payout),
         )
 
     def _resume_after_timeout(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
