@@ -44,6 +44,7 @@ reads and writes the same memory, and this page. The C++ header, with the unit a
 | trend | `trend.cpp` | the newest readings: mean, straight line |
 | KPI window | `kpi.cpp` | statistics over the rolling window of the figures of merit |
 | act | `act.cpp` | the acting half of a tick: command, mean payout, set-points, envelope, place of the drive |
+| nominal load | `nominal_load.cpp` | the nominal unit under a locked drum, moved by the raw motion reference unit |
 | load watch | `load_watch.cpp` | slack cable, high tension, rope, a winch at its limits |
 | laws | `laws.cpp` | linear feedback, limits that are near, whether a plan keeps them without a correction |
 | governor | `governor.cpp` | no command beyond what the winch can do |

@@ -238,6 +238,17 @@ int heave_core_load(const heave::LoadWatchDesign *design, heave::LoadWatchState 
     return heave::watch_load(*design, *state, tension, static_tension, is_at_limit);
 }
 
+// The nominal unit under a locked drum: a tick without a reading, and one with it.
+void heave_core_nominal_load_begin(heave::NominalLoadState *state) { heave::begin_nominal_load(*state); }
+
+void heave_core_nominal_load(const heave::NominalLoadDesign *design, heave::NominalLoadState *state) {
+    heave::advance_nominal_load(*design, *state);
+}
+
+void heave_core_nominal_load_read(const heave::NominalLoadDesign *design, heave::NominalLoadState *state, double time, double heave, double rate) {
+    heave::read_nominal_load(*design, *state, time, heave, rate);
+}
+
 // The mean payout in motion: a tick of it, whether it moves, the ticks of its move that are left, and a tick of the loop's own
 // answer to it with the model x' = A x + B u.
 int heave_core_advance_mean(heave::MeanPayout *mean) { return heave::advance_mean(*mean); }

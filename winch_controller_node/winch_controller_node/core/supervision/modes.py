@@ -281,9 +281,7 @@ NOT_FOR_WANT_OF_COMMANDS = Guard(
     "the fault is not a command timeout", lambda view: not is_automatic(view.situation.winch_fault)
 )
 SENSORS_WELL = Guard("sensors good", lambda view: view.lost_time == 0.0, lambda view: view.situation.lost)
-GATES_OPEN = Guard(
-    "start conditions met", lambda view: not view.situation.gates(), lambda view: view.situation.gates()
-)
+GATES_OPEN = Guard("start conditions met", lambda view: not view.situation.gates(), lambda view: view.situation.gates())
 MAY_HOLD_TENSION = Guard(
     "load landed or held, winch able to follow",
     lambda view: not view.situation.tension(),

@@ -201,12 +201,10 @@ class Supervisor:
         settles = self._fades_by_law and can_settle
         has_faded = settles and self.modes.authority == 0.0
         is_damped = not winch.is_reversed and (is_damped_blind or has_faded or self._may_damp(tick, lost))
-        situation = self._situation(tick, winch, lost)._replace(
-            authority_limit=authority_limit,
-            is_settled=not (is_damped or settles) or self._is_settled(tick, winch.settled_swing),
-            is_damped_blind=is_damped_blind,
+        is_settled = not (is_damped or settles) or self._is_settled(tick, winch.settled_swing)
+        mode = self.modes.step(
+            self._situation(tick, winch, lost, authority_limit, is_settled=is_settled, is_damped_blind=is_damped_blind)
         )
-        mode = self.modes.step(situation)
         if mode.before is not None:
             alarms += (mode_alarm(mode),)
             alarms += self._report_peaks(mode, authority_limit)
@@ -230,10 +228,25 @@ class Supervisor:
             alarms=alarms,
         )
 
-    def _situation(self, tick: LoopTick, winch: WinchSituation, lost: str) -> Situation:
-        """Return what `winch`, guard, gates and the sensors that are `lost` tell the modes in a tick."""
+    def _situation(
+        self,
+        tick: LoopTick,
+        winch: WinchSituation,
+        lost: str,
+        authority_limit: float,
+        *,
+        is_settled: bool,
+        is_damped_blind: bool,
+    ) -> Situation:
+        """Return what `winch`, guard, gates and the sensors that are `lost` tell the modes in a tick.
+
+        `authority_limit`, `is_settled` and `is_damped_blind` are the fields of that name.
+        """
         is_reversed = winch.is_reversed
         return Situation(
+            authority_limit=authority_limit,
+            is_settled=is_settled,
+            is_damped_blind=is_damped_blind,
             has_estimate=tick.sensed.has_encoder,
             winch_fault=winch.fault,
             fault_cause=winch.fault_cause,
