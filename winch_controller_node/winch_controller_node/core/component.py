@@ -500,14 +500,13 @@ class WinchController:
             ),
             preview,
         )
-        left = command.leave()
-        motion.advanced(int(left.moved))
-        self._alarms += self._load.alarms(int(left.load_news), loop.sensed.tension, static_tension)
+        payout, rate, brake, mean_payout, own_payout, own_rate, _, moved, news, _ = command.leave()
+        motion.advanced(int(moved))
+        self._alarms += self._load.alarms(int(news), loop.tension, static_tension)
         self._alarms += self.envelope.news()
         self._sequence += 1
-        brake = bool(left.brake)
-        self._winch.give(WinchOrder(self._sequence, left.own_payout, left.own_rate, brake))
-        order = WinchOrder(self._sequence, left.payout, left.rate, brake, left.mean_payout)
+        self._winch.give(WinchOrder(self._sequence, own_payout, own_rate, bool(brake)))
+        order = WinchOrder(self._sequence, payout, rate, bool(brake), mean_payout)
         self.proofs.note(order)
         return order
 

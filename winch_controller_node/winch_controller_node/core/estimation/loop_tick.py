@@ -14,6 +14,9 @@ from winch_controller_node.core.estimation.tension import TensionMean
 FIELDS = (*(row.name for row in TICK.rows if row.kind is not MOTIONS), *(row.name for row in MOTIONS.rows))
 """Numbers of a tick, with their meanings and units in the tables TICK and MOTIONS of the core."""
 
+MOTIONS_IN_TICK = slice(len(FIELDS) - len(MOTIONS.rows), len(FIELDS))
+"""Places of the motions among them."""
+
 MORE = ("rows", "estimate", "mean_state", "said", "lost", "depths", "observed", "inconsistency", "faults")
 """What a tick has beside them, see `LoopTick`."""
 
