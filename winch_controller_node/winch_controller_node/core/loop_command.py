@@ -246,8 +246,10 @@ class LoopCommand:
     def speed(self, tick: LoopTick) -> float:
         """Return the speed of the winch as last commanded at `tick` [m/s], absolute."""
         numbers = self._numbers
-        own = tick.motions.total_payout_rate if self._is_first_order else numbers.item(VALUE) - numbers.item(STANDING)
-        return abs(own)
+        if self._is_first_order:
+            return math.fabs(tick.total_payout_rate)
+        speed: float = numbers.item(VALUE) - numbers.item(STANDING)
+        return abs(speed)
 
     def payout_range(self) -> tuple[float, float]:
         """Return the ends of the range that the mean payout may use [m]."""
