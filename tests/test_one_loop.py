@@ -14,6 +14,7 @@ from heave_bringup.scenarios import load_scenario
 from heave_studies.baseline import add_baseline
 from heave_studies.campaign.campaign_file import read_campaign
 from heave_studies.campaign.study import run_study
+from winch_controller_node.interface.readings import Outputs
 
 from tests.loop_runs import recorded_messages, run_scenario
 
