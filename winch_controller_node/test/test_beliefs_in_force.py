@@ -139,7 +139,7 @@ def spied(controller):
     spy(estimation, "adopt", "adopted")
     spy(estimation, "carry", "carried")
     spy(estimation, "reset_sea", "sea")
-    spy(estimation.consistency, "restart", "consistency")
+    spy(estimation, "_restart_consistency", "consistency")
     spy(winch.drum, "take", "drum")
     spy(controller._encoder, "restart", "reflex")
     spy(controller._supervisor.guard, "allow_correction", lambda owner: f"guard {owner}")

@@ -203,6 +203,10 @@ class LoopEstimation:
         """End the filter that takes the drum to be where it is counted."""
         self.by_count = None
 
+    def readings_of(self, observed: Array) -> list[Measurement]:
+        """Return those of the readings that were `observed` in a tick, rows of OBSERVED, that the filter has taken."""
+        return [self.observer.corrected(_reading(row, float(row[11])), float(row[4])) for row in observed if row[7]]
+
     def _as_assumed(self, observed: Array) -> list[Measurement]:
         """Return readings of the last seconds that are taken, by the corrections assumed now."""
         taken = []
@@ -237,12 +241,9 @@ class LoopEstimation:
         """Have the filter that goes by the count take in a tick; all but the count says who is right."""
         observer, tick = self.observer, self._tick[0]
         counted = float(tick["counted"])
-        readings = [
-            observer.corrected(_reading(row, float(row[11])), float(row[4]))
-            for row in observed
-            if row[7] and (math.isnan(counted) or ROWS[int(row[2])] != ENCODER_ROW)
-        ]
+        readings = self.readings_of(observed)
         if not math.isnan(counted):
+            readings = [one for one in readings if one.name != ENCODER_ROW]
             count = Measurement(ENCODER_ROW, counted, int(tick["count_tick"]), offset=float(tick["count_offset"]))
             readings.append(observer.corrected(count, observer.share_of(count, self.estimator)))
         by_count.step(number, command.compensating, readings, said, unjudged=(ENCODER_ROW,))
