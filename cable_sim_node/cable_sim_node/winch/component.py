@@ -47,7 +47,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
 from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.interface.faults import FaultSchedule, FaultyValues
 from heave_node.sensing.quantisation import quantised
@@ -123,7 +122,7 @@ class Encoder:
     def read(self, time: float, payout: float) -> float:
         """Return the reading [m] of the true `payout` [m] at `time` [s]; NaN under a nan fault."""
         self._position = min(max(self._position, payout - self._play), payout + self._play)
-        value = float(self._faulty_values.apply(time, np.array([self._position]))[0])
+        value = self._faulty_values.apply(time, self._position)
         self.error = value - self._position if math.isfinite(value) else self.error
         return quantised(value, self._resolution)
 
@@ -148,11 +147,12 @@ class VirtualWinch:
         self._parameters = parameters
         self._drive: Drive | None = make_drive(parameters, 0.0) if parameters.drive == SERVO else None
         self._tick_period = tick_period
-        self._cable_per_drum = 1.0 + parameters.drum_radius_error
         self.faults = FaultSchedule(parameters.faults, name="winch", device="winch")
         self._drum = FaultyDrum(parameters, self.faults)
         self._supervision = MotionSupervision(parameters.supervision_time)
-        self._sound = SpeedServo(replace(parameters, speed_gain=1.0))
+        self._sound = SpeedServo(sound := replace(parameters, speed_gain=1.0))
+        # it then moves as a sound drive does, from the same place and rate
+        self._is_sound = parameters == sound and parameters.drive == SERVO and not parameters.drift.duration
         self.encoder = Encoder(parameters.encoder)
         self.refused_commands = 0
         self._now = 0.0  # [ticks]
@@ -162,10 +162,14 @@ class VirtualWinch:
         self.latch = FaultLatch()
         self._line = CommandLine(parameters, self.faults, tick_period=tick_period, seed=seed)
         self._command = WinchCommand(0)
-        self._command_since = 0.0
+        self._deadline = self._deadline_from(0.0)
         self._caught_at = 0.0
         reading = self.encoder.read(0.0, 0.0)
         self.state = self._make_state(WinchLimit.NONE, math.nan, (reading, reading))
+
+    @property
+    def _cable_per_drum(self) -> float:
+        return 1.0 + self._parameters.drum_radius_error
 
     @property
     def tick(self) -> int:
@@ -203,7 +207,8 @@ class VirtualWinch:
         while self._now < end:
             self._handle_events()
             following = min(end, self._next_event())
-            limits |= self._move((following - self._now) * self._tick_period, tension)
+            acted = self._move((following - self._now) * self._tick_period, tension)
+            limits = acted if limits is WinchLimit.NONE else limits | acted
             self._now = following
         return limits
 
@@ -225,7 +230,7 @@ class VirtualWinch:
         """
         is_braked, brake = self._mode is not _Mode.FOLLOW, float(self._drum.is_brake_engaged)
         ordered = self._sound.state.payout_rate
-        if limits & _SLOWER:
+        if limits is not WinchLimit.NONE and limits & _SLOWER:
             ordered = min(max(self._moved.payout_rate, min(ordered, 0.0)), max(ordered, 0.0))
             self._sound.state = self._sound.state._replace(payout_rate=ordered)
         drum = DrumReading(ordered, is_braked, self._moved.payout, self._moved.payout_rate, brake)
@@ -244,7 +249,7 @@ class VirtualWinch:
         time = self._now * self._tick_period
         while (command := self._line.take(self._now)) is not None:
             self._take(command)
-        if self._mode is _Mode.FOLLOW and self._now >= self._deadline():
+        if self._mode is _Mode.FOLLOW and self._now >= self._deadline:
             self._trip(WinchFault.COMMAND_TIMEOUT)
         if self.faults.is_active("drive", time):
             self._trip(WinchFault.DRIVE)
@@ -254,15 +259,14 @@ class VirtualWinch:
     def _next_event(self) -> float:
         """Return the time of the next event after now [ticks]."""
         start = self.faults.next_start(("drive", "emergency_stop"), self._now * self._tick_period)
-        events = [round_to_tick(start / self._tick_period) if math.isfinite(start) else math.inf]
-        events.append(self._line.next_effect)
-        if self._mode is _Mode.FOLLOW:
-            events.append(self._deadline())
-        return min((event for event in events if event > self._now), default=math.inf)
+        fault = round_to_tick(start / self._tick_period) if math.isfinite(start) else math.inf
+        deadline = self._deadline if self._mode is _Mode.FOLLOW else math.inf
+        events = (fault, self._line.next_effect, deadline)
+        return min([event for event in events if event > self._now], default=math.inf)
 
-    def _deadline(self) -> float:
-        """Return when the watchdog trips [ticks]."""
-        return round_to_tick(self._command_since + self._parameters.command_timeout / self._tick_period)
+    def _deadline_from(self, now: float) -> float:
+        """Return when the watchdog trips if no command comes after `now` [ticks]."""
+        return round_to_tick(now + self._parameters.command_timeout / self._tick_period)
 
     def _take(self, command: WinchCommand) -> None:
         """Let a command take effect."""
@@ -275,7 +279,7 @@ class VirtualWinch:
             self._trip(WinchFault.INVALID_COMMAND)
             return
         self._command = command
-        self._command_since = self._now
+        self._deadline = self._deadline_from(self._now)
         if command.brake:
             self.latch.acknowledge()
             self._stop(_Mode.FOLLOW)
@@ -302,10 +306,17 @@ class VirtualWinch:
             return WinchLimit.NONE  # before the cable is known the brake holds the drum
         if self._drive is None:
             self._drive = make_drive(self._parameters, self._tension)
-        order = self._order()
-        time = self._now * self._tick_period
-        self._follow_soundly(order, duration)
-        driven = self._drive.step(self._drum.ordered(order, time, self._moved.payout), duration, self._tension)
+        order, time, moved, before = self._order(), self._now * self._tick_period, self._moved, self._drive.state
+        given = self._drum.ordered(order, time, moved.payout)
+        sound = self._sound.state._replace(payout=moved.payout)
+        if self._mode is not _Mode.FOLLOW:
+            sound = sound._replace(payout_rate=moved.payout_rate)  # at rest: as the drum
+        driven = self._drive.step(given, duration, self._tension)
+        self._sound.state = sound
+        if self._is_sound and given is order and before[:2] == sound[:2]:
+            self._sound.state = driven
+        else:
+            self._sound.step(order, duration, self._tension)
         if self._mode is _Mode.STOP and driven.payout_rate == 0.0:
             self._mode = _Mode.HOLD
         is_at_rest, is_held = self._mode in _AT_REST, self._mode is _Mode.CATCH
@@ -313,13 +324,6 @@ class VirtualWinch:
             driven, is_at_rest=is_at_rest, is_held=is_held, time=time, duration=duration, tension=self._tension
         )
         return self._moved.limits
-
-    def _follow_soundly(self, order: DriveCommand, duration: float) -> None:
-        """Move a sound drive from where the drum is for `duration` [s] under an `order`; at rest: as the drum."""
-        state, moved = self._sound.state, self._moved
-        rate = state.payout_rate if self._mode is _Mode.FOLLOW else moved.payout_rate
-        self._sound.state = state._replace(payout=moved.payout, payout_rate=rate)
-        self._sound.step(order, duration, self._tension)
 
     def _order(self) -> DriveCommand:
         if self._mode is _Mode.CATCH:
@@ -332,12 +336,13 @@ class VirtualWinch:
         return self._drive.instruments() if self._drive is not None else {}
 
     def _make_state(self, limits: WinchLimit, tension: float, encoder: tuple[float, float]) -> WinchState:
+        payout, rate, acceleration = (self._cable_per_drum * part for part in self._moved[:3])
         return WinchState(
             time=self._now * self._tick_period,
             command_sequence=self._command.sequence,
-            payout=self._cable_per_drum * self._moved.payout,
-            payout_rate=self._cable_per_drum * self._moved.payout_rate,
-            payout_acceleration=self._cable_per_drum * self._moved.payout_acceleration,
+            payout=payout,
+            payout_rate=rate,
+            payout_acceleration=acceleration,
             encoder_payout=encoder[0],
             encoder_payout_rate=encoder[1],
             tension=tension,

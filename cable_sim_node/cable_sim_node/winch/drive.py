@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
 from heave_node.interface.codes import WinchLimit
+from heave_node.numerics.arrays import Array
 from numba import njit
 
 from cable_sim_node.winch.parameters import WinchDriftParameters, WinchParameters
@@ -54,10 +56,9 @@ def _stop_substep(u: float, v: float, deceleration: float, h: float) -> tuple[fl
 
 @njit(cache=True)
 def _servo_substep(
-    u: float, v: float, v_set: float, time_constant: float, acceleration_limit: float, h: float
+    u: float, v: float, v_set: float, time_constant: float, decay: float, acceleration_limit: float, h: float
 ) -> tuple[float, float, bool]:
-    """Return payout and rate of the speed servo after `h` seconds, and whether the acceleration limit acted."""
-    decay = math.exp(-h / time_constant)
+    """Return payout and rate of the servo after `h` s, whose `decay` is e^(-h/T), and whether its limit acted."""
     change = (v_set - v) * (1.0 - decay)
     if abs(v_set - v) <= acceleration_limit * time_constant:
         return u + v_set * h - time_constant * change, v + change, False
@@ -145,6 +146,11 @@ def settings_of(parameters: WinchParameters) -> DriveSettings:
     )
 
 
+def as_array(settings: DriveSettings) -> Array:
+    """Return `settings` as a record in an array, which kernels take in a fifth of the time of a tuple."""
+    return np.array([settings], dtype=[(name, float) for name in settings._fields])
+
+
 def drifted(settings: DriveSettings, drift: WinchDriftParameters, time: float) -> DriveSettings:
     """Return what `settings` have become by `time` [s] through a `drift`."""
     share = drift.share(time)
@@ -157,7 +163,7 @@ def drifted(settings: DriveSettings, drift: WinchDriftParameters, time: float) -
 
 @njit(cache=True)
 def _speed_substep(
-    u: float, v: float, demand: float, power_speed: float, settings: DriveSettings, h: float
+    u: float, v: float, demand: float, power_speed: float, settings: DriveSettings, decay: float, h: float
 ) -> tuple[float, float, int]:
     """Return payout and rate after `h` seconds that follow a `demand` of speed [m/s], and the limits that acted."""
     limits = 0
@@ -168,7 +174,7 @@ def _speed_substep(
         reached = settings.speed_limit if demand > 0.0 else hauling
         limits |= LIMIT_POWER if power_speed < reached else LIMIT_SPEED
     largest = (1.0 if v_set > v else settings.hauling_acceleration_share) * settings.acceleration_limit
-    next_u, next_v, is_limited = _servo_substep(u, v, v_set, settings.time_constant, largest, h)
+    next_u, next_v, is_limited = _servo_substep(u, v, v_set, settings.time_constant, decay, largest, h)
     return next_u, next_v, limits | LIMIT_ACCELERATION if is_limited else limits
 
 
@@ -181,7 +187,7 @@ def advance_drum(
     payout_set: float,
     rate_set: float,
     power_speed: float,
-    settings: DriveSettings,
+    settings_array: Array,
 ) -> tuple[float, float, float, int]:
     """Advance the drum by `duration` with constant set-points.
 
@@ -192,7 +198,7 @@ def advance_drum(
     mode : FOLLOW_SPEED, FOLLOW_POSITION, STOP or HOLD
     payout_set, rate_set : set-points [m], [m/s]
     power_speed : largest speed that the power limit allows at the present tension [m/s]
-    settings : of the drive
+    settings_array : `as_array` of the drive's settings
 
     Returns
     -------
@@ -200,8 +206,10 @@ def advance_drum(
     """
     if mode == HOLD:
         return u, 0.0, 0.0, 0
+    settings = settings_array[0]
     substeps = max(1, math.ceil(duration / LONGEST_SUBSTEP - 1e-6))
     h = duration / substeps
+    decay = math.exp(-h / settings.time_constant)
     largest_speed = min(settings.speed_limit, power_speed)
     limits = 0
     acceleration = 0.0
@@ -210,7 +218,7 @@ def advance_drum(
             next_u, next_v = _stop_substep(u, v, settings.stop_deceleration, h)
         elif mode == FOLLOW_SPEED:
             demand = rate_set + settings.position_gain * (payout_set - u - 0.5 * v * h)
-            next_u, next_v, acted = _speed_substep(u, v, demand, power_speed, settings, h)
+            next_u, next_v, acted = _speed_substep(u, v, demand, power_speed, settings, decay, h)
             limits |= acted
         else:
             next_u, next_v, acted = _position_substep(

@@ -40,7 +40,7 @@ class CompiledDrive(abc.ABC):
 
     def step(self, command: DriveCommand, duration: float, tension: float) -> DriveState:
         """See `Drive.step`."""
-        check_step(duration, tension)
+        check_step(command, duration, tension)
         tension = float(tension)
         substeps = max(1, math.ceil(duration * self._fastest_rate(abs(tension)) / self._substep - 1e-9))
         supplied = float(self._x[SUPPLIED])

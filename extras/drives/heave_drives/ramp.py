@@ -47,7 +47,7 @@ class RampedDrive:
 
     def step(self, command: DriveCommand, duration: float, tension: float) -> DriveState:
         """See `Drive.step`."""
-        check_step(duration, tension)
+        check_step(command, duration, tension)
         parts = math.ceil(duration / PART - 1e-9)
         limits, supplied = WinchLimit.NONE, 0.0
         for _ in range(parts):

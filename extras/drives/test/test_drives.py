@@ -145,7 +145,7 @@ def test_equal_commands_give_equal_bytes(name: str) -> None:
 def test_numbers_that_are_none_are_refused(name: str) -> None:
     drive = DRIVES[name]()
     with pytest.raises(ValueError, match=r"set-points must be finite numbers, got nan m/s and 0.0 m"):
-        DriveCommand(math.nan)
+        drive.step(DriveCommand(math.nan), TICK, 0.0)
     with pytest.raises(ValueError, match="the tension at the drum must be a finite number"):
         drive.step(DriveCommand(), TICK, math.nan)
     with pytest.raises(ValueError, match="a step must last longer than 0 s"):

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from heave_node.interface.fault_kinds import FAULTS, LARGEST_DELAY, PAYS_OUT, faults_of
 from heave_node.parameters import parameter
 
 if TYPE_CHECKING:
     from heave_node.numerics.arrays import Array  # numpy, which parameters need not load
+
+Values = TypeVar("Values", "Array", float)
+"""Numbers of one sample."""
 
 TIME_TOLERANCE = 1e-9
 """Times nearer than this are the same time [s]: tick times are rounded sums."""
@@ -230,18 +233,19 @@ class FaultyValues:
 
     def __init__(self, faults: FaultSchedule, axes: Array | float = 1.0, scaled: Array | float = 1.0) -> None:
         self._faults = faults
-        self._axes, self._scaled = axes, scaled
-        self._last: Array | None = None
+        self._axes: Any = axes
+        self._scaled: Any = scaled
+        self._last: Any = None
 
-    def apply(self, time: float, values: Array) -> Array:
-        """Return what the device says at `time` [s] in place of `values`, shape (n,); call it once per sample."""
+    def apply(self, time: float, values: Values) -> Values:
+        """Return what the device says at `time` [s] in place of `values`, shape (n,) or one number; once per sample."""
         faults = self._faults
         if faults.is_empty:
             self._last = values
             return values
         if faults.any_active(time):
-            values = values * (1.0 + self._scaled * (faults.product("scale", time) - 1.0))
-            values = values + self._axes * (faults.total("jump", time) + faults.take_once("spike", time))
+            scale = 1.0 + self._scaled * (faults.product("scale", time) - 1.0)
+            values = values * scale + self._axes * (faults.total("jump", time) + faults.take_once("spike", time))
             if faults.is_active("freeze", time) and self._last is not None:
                 values = self._last
         self._last = values

@@ -66,10 +66,9 @@ class MotionSupervision:
         if not self._time:
             return ""
         self._slowest = min(self._slowest, abs(drum.payout_rate)) if drum.is_braked else math.inf
-        broken = self._broken(drum)
-        self._since = {words: self._since.get(words, now) for words in broken}
-        late = next((words for words, since in self._since.items() if now - since > self._time), "")
-        if late:
+        late, broken = "", self._broken(drum)
+        self._since = {words: self._since.get(words, now) for words in broken} if broken else {}
+        if broken and (late := next((words for words in broken if now - self._since[words] > self._time), "")):
             self._since.pop(late)
         slip = self._slip(drum)
         found = late or slip or self._far(now, drum)

@@ -35,27 +35,30 @@ class Way:
 
     def __init__(self, leak: float, memory: float) -> None:
         self._leak, self._memory = leak, memory
-        self._values: deque[tuple[float, float]] = deque()
+        self._times: deque[float] = deque()
+        self._values: deque[float] = deque()
 
     def add(self, now: float, moved: float) -> None:
         """Add what was `moved` until `now` [m], [s]."""
-        before, value = self._values[-1] if self._values else (now, 0.0)
-        self._values.append((now, value * math.exp(-max(now - before, 0.0) / self._leak) + moved))
-        while now - self._values[0][0] > self._memory and len(self._values) > 1:
+        since = max(now - self._times[-1], 0.0) if self._times else 0.0
+        self._values.append(self.value * math.exp(-since / self._leak) + moved)
+        self._times.append(now)
+        while now - self._times[0] > self._memory and len(self._times) > 1:
+            self._times.popleft()
             self._values.popleft()
 
     @property
     def value(self) -> float:
         """The way now [m]."""
-        return self._values[-1][1] if self._values else 0.0
+        return self._values[-1] if self._values else 0.0
 
     def range(self) -> tuple[float, float]:
         """Return the least and the largest value of the memory [m]."""
-        values = [value for _, value in self._values] or [0.0]
-        return min(values), max(values)
+        return min(self._values, default=0.0), max(self._values, default=0.0)
 
     def restart(self) -> None:
         """Begin at 0."""
+        self._times.clear()
         self._values.clear()
 
 

@@ -14,20 +14,12 @@ from typing import NamedTuple, Protocol
 from heave_node.interface.codes import WinchLimit
 
 
-@dataclass(frozen=True)
-class DriveCommand:
-    """Set-points, held over a step.
-
-    Raises ValueError for a set-point that is not a finite number.
-    """
+class DriveCommand(NamedTuple):
+    """Set-points, held over a step."""
 
     payout_rate: float = 0.0  # [m/s], positive pays out
     payout: float = 0.0  # [m]; has an effect only where the drive has a position gain
     brake: bool = False  # the service brake stops the drum at a bounded deceleration and holds it
-
-    def __post_init__(self) -> None:
-        if not (math.isfinite(self.payout_rate) and math.isfinite(self.payout)):
-            raise ValueError(f"set-points must be finite numbers, got {self.payout_rate} m/s and {self.payout} m")
 
 
 class DriveState(NamedTuple):
@@ -77,13 +69,15 @@ class Drive(Protocol):
     def step(self, command: DriveCommand, duration: float, tension: float) -> DriveState:
         """Advance by `duration` [s] under a constant command and a constant tension at the drum [N].
 
-        Raises ValueError for a duration that is not above 0 or a tension that is not finite.
+        Raises ValueError for a duration that is not above 0, a set-point or a tension that is not finite.
         """
         ...
 
 
-def check_step(duration: float, tension: float) -> None:
-    """Raise ValueError for a step that no drive can make: of `duration` [s] under `tension` [N]; see `Drive.step`."""
+def check_step(command: DriveCommand, duration: float, tension: float) -> None:
+    """Raise ValueError for a step that no drive can make, see `Drive.step`."""
+    if not (math.isfinite(command.payout_rate) and math.isfinite(command.payout)):
+        raise ValueError(f"set-points must be finite numbers, got {command.payout_rate} m/s and {command.payout} m")
     if not (duration > 0.0 and math.isfinite(duration)):
         raise ValueError(f"a step must last longer than 0 s, got {duration} s")
     if not math.isfinite(tension):

@@ -26,7 +26,7 @@ class SpeedServo:
 
     def __init__(self, parameters: WinchParameters) -> None:
         self._p = parameters
-        self._settings = drive.settings_of(parameters)
+        self._settings = drive.as_array(drive.settings_of(parameters))
         self._time = 0.0
         self._from_load = 0.0
         self.state = DriveState(0.0, 0.0, 0.0, 0.0, 0.0, WinchLimit.NONE, False)
@@ -42,9 +42,10 @@ class SpeedServo:
 
     def step(self, command: DriveCommand, duration: float, tension: float) -> DriveState:
         """See `Drive.step`."""
-        check_step(duration, tension)
-        p, before = self._p, self.state
-        settings = self._settings if p.drift.duration == 0.0 else drive.drifted(self._settings, p.drift, self._time)
+        check_step(command, duration, tension)
+        p, before, settings = self._p, self.state, self._settings
+        if p.drift.duration > 0.0:
+            settings = drive.as_array(drive.drifted(drive.settings_of(p), p.drift, self._time))
         self._time += duration
         mode = drive.FOLLOW_SPEED if p.law == "speed_servo" else drive.FOLLOW_POSITION
         if command.brake:
@@ -64,5 +65,6 @@ class SpeedServo:
         self._from_load += tension * moved
         brake = command.brake and rate == 0.0
         supply = -tension * moved / duration
-        self.state = DriveState(payout, rate, acceleration, -tension * rate, supply, WinchLimit(limits), brake)
+        acted = WinchLimit(limits) if limits else WinchLimit.NONE
+        self.state = DriveState(payout, rate, acceleration, -tension * rate, supply, acted, brake)
         return self.state
