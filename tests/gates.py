@@ -8,19 +8,20 @@ from typing import NamedTuple
 import numpy as np
 from heave_core.library import fill, library, new
 from heave_core.sense_table import SENSE_DESIGN, SENSE_STATE, News, Reason
-from winch_controller_node.core.estimation.consistency import INCONSISTENT, inconsistency_words
+from winch_controller_node.core.estimation.loop_tick import TensionMean
 from winch_controller_node.core.estimation.observation import EncoderGate as EncoderView
 from winch_controller_node.core.estimation.sense_design import (
+    FILTER_SHARE,
     INDEX,
     LONGEST_PERIOD,
     ROWS,
     SENSOR,
+    WATCHES,
     SensorsWatched,
     sense_design,
 )
-from winch_controller_node.core.estimation.sensor_health import REASONS
+from winch_controller_node.core.estimation.sensor_health import REASONS, inconsistency_words
 from winch_controller_node.core.estimation.sensor_health import SensorGate as GateView
-from winch_controller_node.core.estimation.tension import FILTER_SHARE, TensionMean
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -194,7 +195,7 @@ class Consistency(Part):
         self.core.heave_core_restart_consistency(self.at[1])
 
     def is_inconsistent(self, name):
-        return bool(self.memory[0]["noises"]["mean"][INDEX[name]] > INCONSISTENT)
+        return bool(self.memory[0]["noises"]["mean"][INDEX[name]] > WATCHES["inconsistent"])
 
     def newly_quiet(self):
         """Return the measurements that have been reported as quiet in this tick, with their means."""

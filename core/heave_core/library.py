@@ -93,6 +93,7 @@ ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
     "heave_core_follow_tip": (_POINTER,) * 2,
     "heave_core_sense_begin": (_POINTER,) * 2,
     "heave_core_sense": (_POINTER,) * 16,
+    "heave_core_second": (*(_POINTER,) * 14, _NUMBER, _COUNT, _POINTER),
     "heave_core_restart_consistency": (_POINTER,),
     "heave_core_restart_tension": (_POINTER,),
     "heave_core_sea_begin": (_POINTER,),

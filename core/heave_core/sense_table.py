@@ -463,6 +463,20 @@ TICK = structure(
     Row("motions", "", "of boom tip, drum and units", MOTIONS),
 )
 
+SECOND = structure(
+    "Second",
+    "A filter beside the active one, which explains the same readings otherwise.",
+    Row("goes_by_count", "", "1: by the count of the drum, and readings as corrected; 0: by readings as read", COUNTER),
+    Row("pad", "", "keeps the numbers aligned", COUNTER),
+    Row("levers", "", "indices of its lever arm's states, x and y; -1: not estimated", COUNTER, (2,)),
+    Row("which", "", "index of each measurement in it; -1: none", COUNTER, (MEASUREMENTS,)),
+    Row("sigma", "", "standard deviation of the noise of each in it", shape=(MEASUREMENTS,)),
+    Row("is_compared", "", "1: says who is right", COUNTER, (MEASUREMENTS,)),
+    Row("active", "", "sum of the squared innovations of the active filter over the noise", shape=(MEASUREMENTS,)),
+    Row("second", "", "the same of this one", shape=(MEASUREMENTS,)),
+    Row("count", "", "readings in these sums", shape=(MEASUREMENTS,)),
+)
+
 STRUCTURES = (
     HEALTH,
     SENSOR,
@@ -485,10 +499,11 @@ STRUCTURES = (
     OBSERVED,
     LOOK_AT,
     TICK,
+    SECOND,
 )
 """In the order in which C++ needs them."""
 
-RECORDS = (SENSE_DESIGN, SENSE_STATE, DELIVERED, OBSERVED, LOOK_AT, TICK, SEA_DESIGN, SEA_STATE)
+RECORDS = (SENSE_DESIGN, SENSE_STATE, DELIVERED, OBSERVED, LOOK_AT, TICK, SEA_DESIGN, SEA_STATE, SECOND)
 """What Python and C++ hold together."""
 
 ENUMERATIONS = (Reason, Level, ZeroKind, News)

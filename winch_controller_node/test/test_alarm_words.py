@@ -6,7 +6,7 @@ import pytest
 from heave_core.library import library
 from heave_core.sense_table import News, Reason
 from winch_controller_node.core.estimation.observation import Observer
-from winch_controller_node.core.estimation.sense_design import BAD_IN_A_ROW, SENSOR
+from winch_controller_node.core.estimation.sense_design import GATES, SENSOR
 from winch_controller_node.core.estimation.sensor_health import ABSENT, LOST_STATES, REJECTED_WORDS
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.alarms import ALARMS
@@ -15,7 +15,7 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 
 def test_the_times_in_the_words_are_those_of_the_code():
     """What follows of drum and encoder has none: the controller fills in what it does."""
-    assert BAD_IN_A_ROW == 3
+    assert GATES["bad_in_a_row"] == 3
     assert "Three in a row" in ALARMS["MRU_READING_REJECTED"].consequence
 
 
@@ -39,7 +39,7 @@ def test_a_sensor_that_jumps_so_often_that_it_is_lost_is_not_reported_as_one_who
     design = design_controller(WinchControllerParameters(), tick_period=0.05)
     observer = Observer(design, design.make_estimator())
     at, place = (observer.design.ctypes.data, observer.state.ctypes.data), SENSOR["depth"]
-    for _ in range(BAD_IN_A_ROW):
+    for _ in range(GATES["bad_in_a_row"]):
         library().heave_core_gate_take_back(*at, place, Reason.JUMP, True)
     observer.state[0]["gates"][place]["news"] = News.SENSOR_WORSE
     assert [alarm.code for alarm in observer.alarms(News.SENSOR_WORSE)] == ["DEPTH_JUMPS"]

@@ -6,7 +6,7 @@ from heave_node.interface.codes import MruStatus, SensorLevel
 from heave_node.interface.sensors import MruReading
 from hypothesis import given
 from hypothesis import strategies as st
-from winch_controller_node.core.estimation.sense_design import LARGEST_PLAY
+from winch_controller_node.core.estimation.sense_design import STEPS
 from winch_controller_node.core.estimation.sensor_health import LOST_STATES, lost_alarm
 from winch_controller_node.interface.readings import ScalarReading
 from winch_controller_node.model.estimator import Innovation
@@ -473,7 +473,7 @@ def test_an_encoder_that_freezes_and_counts_on_has_missed_at_most_a_fifth_of_the
     taken, levels = followed(gate, [payout - missed for payout in drum[frozen + ticks :]], start=frozen + ticks + 1)
     path = float(np.sum(np.abs(np.diff(payouts(range(frozen, frozen + ticks + 2))))))
     # whether it froze or not: what a gear takes up where the drum turns round, gone unseen, proves nothing
-    allowed = HealthParameters().encoder_step + max(0.2 * path, LARGEST_PLAY + 0.42 * DT) + 0.1 * path
+    allowed = HealthParameters().encoder_step + max(0.2 * path, STEPS["largest_play"] + 0.42 * DT) + 0.1 * path
     errors = [abs(one - true) for one, true in zip(taken, drum[frozen + ticks :], strict=True) if one is not None]
     assert len(errors) >= 58
     assert max(errors) < allowed

@@ -291,6 +291,16 @@ void heave_core_sense(const heave::SenseDesign *design, const heave::Filter *fil
                    {found, observed, readings, said, by_measurement, depths}, *tick);
 }
 
+// A filter beside takes in the same tick, with a command as it takes it; it may be compared with the active one.
+void heave_core_second(const heave::SenseDesign *design, const heave::Filter *filter, const heave::LookDesign *look,
+                       const heave::MeanMotion *motion, heave::SenseState *state, heave::FilterState *filter_state,
+                       heave::LookState *look_state, heave::Observed *found, heave::Observed *observed, heave::Reading *readings,
+                       heave::Said *said, heave::Said *by_measurement, double *depths, const heave::Tick *tick, double command,
+                       int compares, heave::Second *second) {
+    heave::step_second({*design, *filter, *look, *motion, *state, *filter_state, *look_state},
+                       {found, observed, readings, said, by_measurement, depths}, *tick, command, compares, *second);
+}
+
 void heave_core_restart_consistency(heave::SenseState *state) { heave::restart_consistency(*state); }
 
 void heave_core_restart_tension(heave::SenseState *state) { heave::restart_tension(state->mean_tension); }

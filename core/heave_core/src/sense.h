@@ -87,6 +87,7 @@ struct Room {
     Said *said, *by_measurement;
     double *depths;  // stamp and depth
 };
+void step_second(const Core &core, const Room &room, const Tick &tick, double command, bool compares, Second &second);
 void begin_sense(const SenseDesign &design, SenseState &state);
 double mean_command(const SenseDesign &design, const MeanMotion &motion);
 void look_at(const Core &core, const LookAt &given, const Delivered *delivered, const Room &room, Tick &tick);

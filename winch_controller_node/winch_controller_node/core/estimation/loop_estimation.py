@@ -11,28 +11,24 @@ from collections import deque
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-from heave_core.filter_table import MEASUREMENTS, READING, SAID
-from heave_core.library import library, new
+from heave_core.library import library
 from heave_core.look import Look, padded
-from heave_core.sense_table import DELIVERED, LOOK_AT, OBSERVED, TICK, News
-from heave_node.interface.codes import WinchFault
+from heave_core.sense_table import News
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.beliefs.beliefs import LATENCY, Adopted, EncoderScale
-from winch_controller_node.core.estimation.consistency import ENCODER_ROW
+from winch_controller_node.core.estimation.core_tick import CoreTick
 from winch_controller_node.core.estimation.handover import followed, hand_over, hand_over_seen, hand_over_standing
-from winch_controller_node.core.estimation.loop_tick import FIELDS, CommandShares, LoopTick
+from winch_controller_node.core.estimation.loop_tick import FIELDS, TENSION_MEMORY, CommandShares, LoopTick, TensionMean
 from winch_controller_node.core.estimation.observation import Observer
 from winch_controller_node.core.estimation.observation_log import ObservationLog
 from winch_controller_node.core.estimation.second_filter import SecondFilter
-from winch_controller_node.core.estimation.sense_design import ROWS, SENSOR
-from winch_controller_node.core.estimation.tension import MEMORY, TensionMean
+from winch_controller_node.core.estimation.sense_design import ENCODER_ROW, ROWS
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.seas import SeaTracker
 from winch_controller_node.interface.readings import Measurements, WinchReading
-from winch_controller_node.interface.sensors import DEPTH_BIAS, LEVER_ARM_X, LEVER_ARM_Y, SCALAR_SENSORS
-from winch_controller_node.model.estimator import NO_REGRESSORS, Innovation, Measurement, RecordedTick, begin_anew
+from winch_controller_node.interface.sensors import DEPTH_BIAS, LEVER_ARM_X, LEVER_ARM_Y
+from winch_controller_node.model.estimator import NO_REGRESSORS, Measurement, RecordedTick, begin_anew
 from winch_controller_node.model.loop_rows import loop_rows
 from winch_controller_node.model.simulated_unit import hanging_cable
 from winch_controller_node.motion.mean_motion import MeanMotion
@@ -74,7 +70,7 @@ def look_design(design: ControllerDesign) -> dict[str, Any]:
         "payout_rate": padded(rows.payout_rate),
         "through": rows.payout_rate_through,
         "tick_period": dt,
-        "tip_memory": MEMORY,
+        "tip_memory": TENSION_MEMORY,
         "noise_swing": NOISE_SWING,
         "taut_time": TAUT_TIME,
         "cable": hanging_cable(design.cable, dt),
@@ -111,22 +107,8 @@ class LoopEstimation:
         self.second: SecondFilter | None = None
         self.by_count: SecondFilter | None = None
         self._recent: deque[tuple[int, float, Array]] = deque(maxlen=2 * round(LATENCY / dt))
-        self._core = library()
-        self._given, self._tick, self._said = new(LOOK_AT), new(TICK), np.zeros((MEASUREMENTS, len(SAID.rows)))
-        self._given_row, self._tick_row = self._given.view(np.float64), self._tick.view(np.float64)
-        self._make_room(2 * len(ROWS))
+        self._core = CoreTick()
         self._refer_to(design)
-
-    def _make_room(self, readings: int) -> None:
-        """Have place for so many `readings` that are delivered in a tick."""
-        most = 2 * readings + 1
-        self._delivered = np.zeros((readings, len(DELIVERED.rows)))
-        self._found, self._observed = (np.zeros((most, len(OBSERVED.rows))) for _ in range(2))
-        self._depths = np.zeros((readings, 2))
-        work = [np.zeros((most, len(kind.rows))) for kind in (READING, SAID)]
-        self._room = [self._delivered, self._found, self._observed, *work, self._said, self._depths, self._tick]
-        self._room_at = [array.ctypes.data for array in self._room]
-        self._state_at = self.observer.state.ctypes.data
 
     def _refer_to(self, design: ControllerDesign) -> None:
         """Refer to a design from now on, whose model the estimator has already."""
@@ -193,7 +175,7 @@ class LoopEstimation:
 
     def compare_count(self, tick: int) -> None:
         """Have a filter go by the count from after `tick` on, beside the active one, which goes by the commands."""
-        self.by_count = SecondFilter(self._design, self._design, self.estimator, tick, settling=0.0)
+        self.by_count = SecondFilter(self._design, self._design, self.estimator, tick, by_count=True)
 
     def drop_second(self) -> None:
         """Go by the active filter alone: the second one is not needed any more."""
@@ -217,55 +199,13 @@ class LoopEstimation:
                 taken.append(self.observer.corrected(_reading(row, gated), float(row[4])))
         return taken
 
-    def _step_seconds(self, number: int, command: CommandShares, observed: Array, excluded: str) -> None:
-        """Have the filters beside the active one take in a tick."""
-        said = {
-            name: Innovation(value, sigma, nis, accepted > 0.0)
-            for name, (value, sigma, nis, accepted) in zip(
-                self.estimator.measurements, self._said.tolist(), strict=False
-            )
-        }
-        if self.second is not None:
-            self._step_second(self.second, number, command, observed, said, excluded)
-        if self.by_count is not None:
-            self._step_by_count(self.by_count, number, command, observed, said)
-
-    def _step_by_count(
-        self,
-        by_count: SecondFilter,
-        number: int,
-        command: CommandShares,
-        observed: Array,
-        said: dict[str, Innovation],
-    ) -> None:
-        """Have the filter that goes by the count take in a tick; all but the count says who is right."""
-        observer, tick = self.observer, self._tick[0]
-        counted = float(tick["counted"])
-        readings = self.readings_of(observed)
-        if not math.isnan(counted):
-            readings = [one for one in readings if one.name != ENCODER_ROW]
-            count = Measurement(ENCODER_ROW, counted, int(tick["count_tick"]), offset=float(tick["count_offset"]))
-            readings.append(observer.corrected(count, observer.share_of(count, self.estimator)))
-        by_count.step(number, command.compensating, readings, said, unjudged=(ENCODER_ROW,))
-
-    def _step_second(
-        self,
-        second: SecondFilter,
-        number: int,
-        command: CommandShares,
-        observed: Array,
-        said: dict[str, Innovation],
-        excluded: str,
-    ) -> None:
+    def _step_second(self, second: SecondFilter, number: int, command: CommandShares) -> None:
         """Have the second filter take in a tick: readings as read, the command as a nominal winch takes it."""
-        readings = [
-            _reading(row, float(row[11] - row[4])) for row in observed if row[7] or excluded not in ("", "encoder")
-        ]
         assumed, nominal = self._design.parameters.winch, second.design.parameters.winch
         total = self.motion.state + self.estimator.estimate
         stands = assumed.position_gain * float(self._rows.payout @ total)
         speed = nominal.speed_of(assumed.set_point_of(command.total - stands))
-        second.step(number, speed + stands - command.mean, readings, said)
+        second.step(self._core, number, speed + stands - command.mean)
 
     def set_encoder_aside(self, payout: float, tick: int) -> None:
         """Go on after `tick` without the encoder, the drum being at a `payout` [m]."""
@@ -322,11 +262,11 @@ class LoopEstimation:
 
     def _restart_consistency(self) -> None:
         """Begin again: something else is assumed from now on."""
-        self._core.heave_core_restart_consistency(self._state_at)
+        library().heave_core_restart_consistency(self.observer.addresses[1])
 
     def restart_tension(self) -> None:
         """Average the tension from now on: the situation is another one."""
-        self._core.heave_core_restart_tension(self._state_at)
+        library().heave_core_restart_tension(self.observer.addresses[1])
 
     # a tick
 
@@ -340,56 +280,26 @@ class LoopEstimation:
         command : of the last tick
         unit_stands : the unit stands on the seabed: what rides on it says nothing of a hanging one
         """
-        winch, observer = measurements.winch, self.observer
-        if not self._has_begun and not self._begin(winch):
-            winch = None
-        count = self._deliver(measurements)
-        excluded_before = observer.excluded
-        del excluded_before
-        of_winch = (
-            (0, math.nan, 0.0, 0)
-            if winch is None
-            else (1, winch.time, winch.encoder_payout, not winch.brake and winch.fault == WinchFault.NONE)
+        is_known = self._has_begun or self._begin(measurements.winch)
+        observer, estimator, core = self.observer, self.estimator, self._core
+        row = core.step(
+            number,
+            measurements,
+            measurements.winch if is_known else None,
+            command,
+            unit_stands=unit_stands,
+            sense=observer.addresses,
+            filtered=estimator.addresses,
+            look=self._look.addresses,
+            motion=self.motion.address,
         )
-        self._given_row[:] = (number, *command, unit_stands, count, *of_winch)
-        filter_at, filter_state_at = self.estimator.addresses
-        design_at, look_at, look_state_at = self.observer.design.ctypes.data, *self._look.addresses
-        self._core.heave_core_sense(
-            design_at,
-            filter_at,
-            look_at,
-            self.motion.address,
-            self._state_at,
-            filter_state_at,
-            look_state_at,
-            self._given.ctypes.data,
-            *self._room_at,
-        )
-        return self._made(number, command)
-
-    def _deliver(self, measurements: Measurements) -> int:
-        """Fill in what was delivered; return how many readings that are."""
-        rows: list[tuple[float, ...]] = [
-            (SENSOR["mru"], one.time, one.heave, one.heave_rate, one.roll, one.pitch, one.status, *one[-2:])
-            for one in measurements.mru
-        ]
-        for name in SCALAR_SENSORS:
-            for time, value in measurements.of(name):
-                rows.append((SENSOR[name], time, value, 0.0, 0.0, 0.0, 0.0, math.nan, math.nan))
-        if len(rows) > len(self._delivered):
-            self._make_room(2 * len(rows))
-        if rows:
-            self._delivered[: len(rows)] = rows
-        return len(rows)
-
-    def _made(self, number: int, command: CommandShares) -> LoopTick:
-        """Return the tick that the core has made, and say what is new in it."""
-        row, observer, estimator = self._tick_row.tolist(), self.observer, self.estimator
         news, lost, depths, observed_count, disagrees = (int(row[place]) for place in PLACES)
-        observed = self._observed[:observed_count].copy()
+        observed = core.observed[:observed_count].copy()
         self._recent.append((number, command.compensating, observed))
-        if self.second is not None or self.by_count is not None:
-            self._step_seconds(number, command, observed, observer.excluded)
+        if self.second is not None:
+            self._step_second(self.second, number, command)
+        if self.by_count is not None:
+            self.by_count.step(core, number, command.compensating)
         if news & News.SEA_CHANGED:
             estimator.set_process_noise(self._sea.noise)
         is_aside = observer.excluded == "mru"
@@ -399,9 +309,9 @@ class LoopEstimation:
                 self._rows,
                 estimator.estimate,
                 self.motion.state,
-                self._said[: len(estimator.measurements)].copy(),
+                core.said[: len(estimator.measurements)].copy(),
                 observer.lost() if lost or is_aside else NOTHING,
-                tuple(map(tuple, self._depths[:depths].tolist())) if depths else (),
+                tuple(map(tuple, core.depths[:depths].tolist())) if depths else (),
                 observed,
                 observer.inconsistency if disagrees else "",
                 observer.alarms(news) if news else (),

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from heave_core.look_table import MOTIONS
 from heave_core.sense_table import TICK
 
-from winch_controller_node.core.estimation.tension import TensionMean
-
 FIELDS = (*(row.name for row in TICK.rows if row.kind is not MOTIONS), *(row.name for row in MOTIONS.rows))
 """Numbers of a tick, with their meanings and units in the tables TICK and MOTIONS of the core."""
 
@@ -19,6 +17,29 @@ MOTIONS_IN_TICK = slice(len(FIELDS) - len(MOTIONS.rows), len(FIELDS))
 
 MORE = ("rows", "estimate", "mean_state", "said", "lost", "depths", "observed", "inconsistency", "faults")
 """What a tick has beside them, see `LoopTick`."""
+
+
+TENSION_MEMORY = 30.0
+"""Time constant of the mean tension [s]: of a wave it leaves 1/(w T), as much as a plain mean over twice the time may.
+It holds a wave and a half of the longest swell, of 20 s; the motion of the boom tip is averaged over it as well."""
+
+
+class TensionMean(NamedTuple):
+    """Mean of the tension at the top over waves, which is what stays of it under a brake.
+
+    The mean acceleration of a unit that goes nowhere is 0, so that it is the weight that the cable carries: it
+    distinguishes a unit that stands from one that hangs, where a reading, or a low-pass of a second, shows the wave.
+
+    Attributes
+    ----------
+    value : [N]; NaN where there is none
+    sigma : standard deviation of the tension about it [N]
+    time : for which the situation has been the same [s]
+    """
+
+    value: float = math.nan
+    sigma: float = 0.0
+    time: float = 0.0
 
 
 def free_swing(heave: float, rate: float, inertia: float) -> float:

@@ -12,13 +12,12 @@ from typing import Any
 
 import numpy as np
 from heave_core.library import fill, library, new
-from heave_core.sense_table import SENSE_DESIGN, SENSE_STATE, SHARES, News
+from heave_core.sense_table import SENSE_DESIGN, SENSE_STATE, News
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import SensorLevel
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.beliefs.corrections import Correction
-from winch_controller_node.core.estimation.consistency import inconsistency_words
 from winch_controller_node.core.estimation.sense_design import (
     INDEX,
     ROWS,
@@ -27,7 +26,7 @@ from winch_controller_node.core.estimation.sense_design import (
     sense_design,
     tick_of,
 )
-from winch_controller_node.core.estimation.sensor_health import CONTRADICTS, SensorGate
+from winch_controller_node.core.estimation.sensor_health import CONTRADICTS, SensorGate, inconsistency_words
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import SensorState
@@ -102,6 +101,7 @@ class Observer:
     Attributes
     ----------
     design, state : structured arrays of one element, on the memory that C++ reads and writes
+    addresses : of the two
     gates : by sensor
     encoder : of the drum
     """
@@ -114,7 +114,8 @@ class Observer:
         self.design, self.state = new(SENSE_DESIGN), new(SENSE_STATE)
         self._gates, self._noises = self.state[0]["gates"], self.state[0]["noises"]
         self.take_design(design, estimator)
-        library().heave_core_sense_begin(self.design.ctypes.data, self.state.ctypes.data)
+        self.addresses = self.design.ctypes.data, self.state.ctypes.data
+        library().heave_core_sense_begin(*self.addresses)
         names = [*(name for name in self._sensors.watched if name != "encoder"), "encoder"]
         self.gates = {name: self._gate(name, SENSOR[name]) for name in names}
         self.encoder = EncoderGate(self.state)
@@ -199,16 +200,6 @@ class Observer:
         unit : index of unit_heave in it
         """
         return float(self.state["unit_heave"][0]) - float(mean_state[unit]) * (1.0 + self.stretch_per_payout)
-
-    def share_of(self, reading: Measurement, estimator: KalmanEstimator) -> float:
-        """Return the mean payout's share in a `reading` of the encoder, by the rows of the `estimator`."""
-        state = self.state[0]
-        newest, kept = int(state["newest_share"]), int(state["shares"])
-        places = [(newest - age) % SHARES for age in range(kept)]
-        if not places:
-            return 0.0
-        place = next((one for one in places if state["share_ticks"][one] <= reading.tick), places[-1])
-        return float(estimator.row_of(reading) @ state["share_states"][place][: estimator.model.order])
 
     def corrected(self, reading: Measurement, share: float) -> Measurement:
         """Return a `reading` about its zero with what is wrong with it and the mean payout's `share` taken off."""

@@ -11,17 +11,7 @@ from heave_core.look import padded
 from heave_core.sense_table import SENSORS, TRAVELS, ZeroKind
 
 from winch_controller_node.beliefs.corrections import AS_READ, Correction
-from winch_controller_node.core.estimation.consistency import (
-    ENCODER_ROW,
-    INCONSISTENT,
-    LARGEST,
-    MEMORY,
-    QUIET,
-    QUIET_TIME,
-    UNEXPLAINED_TIME,
-)
-from winch_controller_node.core.estimation.tension import FILTER_SHARE, MOVED
-from winch_controller_node.core.estimation.tension import MEMORY as TENSION_MEMORY
+from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY
 from winch_controller_node.design import seas
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.sensors import (
@@ -34,7 +24,6 @@ from winch_controller_node.interface.sensors import (
     Zero,
 )
 from winch_controller_node.model.estimator import KalmanEstimator, row_with_differences
-from winch_controller_node.parameters.laws import HealthParameters
 
 MEASURED = tuple(row for sensor in KnownSensors().by_name().values() for row in sensor.rows())
 """Measurements by their index in the core."""
@@ -51,80 +40,53 @@ SENSOR = {name: index for index, name in enumerate(KNOWN_SENSORS)}
 ON_TICK = 1e-4
 """A stamp that is off its tick by a smaller share of the tick period is on it."""
 
-# readings that are no readings
+TOLERANCES = ("stamp_tolerance", "frozen_samples", "stale_samples", "recover_samples", "encoder_step")
+"""Parameters `health` that the gates go by."""
 
-BAD_IN_A_ROW = 3
-"""Number of refused readings in a row that make a sensor lost: alarm within 3 samples."""
+GATES = {
+    "bad_in_a_row": 3,  # an alarm within three samples
+    "rounding": 1e-6,
+    "sameness_memory": 200.0,
+    "fewest_of_steps": 24,  # at a crest of the sea a sensor that reads in steps stands for long
+    "longer": 2.0,
+    "by_chance": 2e-4,  # three of a sensor that does not read in steps
+    "fewest_noise": 30,
+    "noise_updated": 10,
+    "noise_unknown": 5.0,  # a sensor noisier than assumed must not be taken for one with an error
+    "noise_worse": 2.0,
+    "noise_median": 0.6745 * math.sqrt(20.0),
+    "least_noise": 1e-4,
+    "late": 1.5,  # half way to the next reading but one
+}
+"""Tolerances of all gates beside the parameters `health`: meanings and units are in the core's table, HEALTH."""
 
-ROUNDING = 1e-6
-"""Time by which an age may be beyond its limit [s]: clocks are sums of ticks."""
-
-FIRST_SAMENESS, SAMENESS_MEMORY = 0.01, 200.0
-"""Share of readings that are like the one before, of a sensor that does not read in steps, and readings over which that
-of another is found."""
-
-HEAVE_SAMENESS = 0.5
-"""The same share of heave and rate of an MRU alone, at first: they may be read in steps."""
-
-FEWEST_OF_STEPS, LONGER = 24, 2.0
-"""Equal readings of a sensor that reads in steps that are none of a crest: so many, and this factor over its longest
-run."""
-
-BY_CHANCE = 2e-4
-"""Probability of a run of equal readings below which a sensor is frozen: three of one that does not read in steps."""
-
-# noise and rate
-
-FEWEST = 30
-"""Readings from which on noise is judged."""
-
-UNKNOWN = 5.0
-"""Noise until then, over the assumed one: a sensor noisier than assumed must not be taken for one with an error."""
-
-WORSE = 2.0
-"""Ratio to the assumed noise, or to that last reported, from which on noise is reported, once seen for long."""
-
-UPDATED = 10
-"""Readings from one judgement to the next."""
-
-MEDIAN_OF_MAGNITUDE = 0.6745 * math.sqrt(20.0)
-"""Median of the magnitude of the third difference of white noise, over its standard deviation."""
+SAMENESS = {"first_sameness": 0.01, "part_sameness": 0.5}
+"""Share of readings that are like the one before, at first: of a sensor that does not read in steps, and of heave and
+rate of an MRU alone, which may."""
 
 LONGEST_PERIOD = 0.25
 """Between readings further apart [s] the sea itself is not smooth."""
 
-LATE = 1.5
-"""Nominal intervals from which on a reading is late: half way to the next but one."""
-
-NEGLIGIBLE = 1e-4
-"""Nominal noise up to which a sensor is never reported as quieter than nominal, in the sensor's unit."""
-
-# steps and jumps
-
-LARGEST_STEP, SIGMAS = 0.3, 8.0
-"""A step of an MRU's heave is more than the first [m], and than so many standard deviations of its noise."""
-
-SCATTER = 0.2
-"""Time by which a reading without a time may be late [s]; over it the rate is taken that is not measured."""
-
-LONGEST_GAP = 0.5
-"""Longest gap between samples of an MRU; after a longer one the comparison restarts [s]."""
-
-MEAN_TIME = 60.0
-"""Time over which the mean of the heave is taken [s]."""
-
-LARGEST_HEAVE = 100.0
-"""Heave that no ship reaches [m]."""
-
-NEAR_MEAN, LEAST_NEAR = 0.25, 0.1
-"""Distance of the mean to the one before within which an MRU is read again after a step: standard deviations, [m]."""
-
-LARGEST_DEPTH_STEP, LARGEST_SPEED = 0.2, 4.0
-"""A unit makes no step beyond the first [m], or SIGMAS of the sensor's noise, plus the second [m/s] times the time
-since the last reading."""
-
-LIKE_SCALE = 0.1
-"""A jump of the depth by more than this share of it may be another scale, and one that makes a loop harmful."""
+STEPS = {
+    "mru_step": 0.3,
+    "sigmas": 8.0,
+    "scatter": 0.2,  # a busy machine scatters arrivals so much
+    "longest_gap": 0.5,
+    "mean_time": 60.0,
+    "largest_heave": 100.0,
+    "near_mean": 0.25,
+    "least_near": 0.1,
+    "depth_step": 0.2,
+    "depth_speed": 4.0,
+    "like_scale": 0.1,  # one that makes a loop harmful
+    "at_once": 1.5,
+    "moving_speed": 0.05,
+    "play": 0.03,
+    "largest_play": 0.1,
+    "beyond_play": 1.25,
+    "known_unseen": 0.2,
+}
+"""What is no jump: meanings and units are in the core's table, STEP_LIMITS."""
 
 EXCLUDES_JUMPED = True
 """A sensor that has jumped as one of another scale does must agree with all others before it is used again."""
@@ -132,23 +94,32 @@ EXCLUDES_JUMPED = True
 JUMP_SHOWN = 2.0
 """Time for which a subtracted jump of the encoder is shown [s]: diagnostics come once a second."""
 
-AT_ONCE, TRAVEL_KNOWN = 1.5, 10.0
-"""A reading that comes later than so many ticks after the last one is judged by all that the drum should have turned
-meanwhile, as far as that is known, so long [s]."""
-
-MOVING_SPEED, PLAY = 0.05, 0.03
-"""A drum commanded faster than this [m/s] must show in the encoder, once that has taken up play and lag [m]."""
-
-LARGEST_PLAY, BEYOND_PLAY = 0.1, 1.25
-"""Play that a gear may be found to have [m], and the way of a drum that has turned round, over the play, which proves
-the encoder frozen all the same."""
-
-KNOWN_UNSEEN = 0.2
-"""Share of the way that a drum has gone unseen by which it may be elsewhere than it was sent."""
+TRAVEL_KNOWN = 10.0
+"""Time over which the way that the drum should have turned is known [s]."""
 
 BACK_TIME = 1.0
 """Time for which a sensor that was lost must deliver again [s]: before the boom tip counts as measured, and before a
 fade-out ends that its loss has caused."""
+
+WATCHES = {
+    "memory": 20.0,
+    "largest_nis": 25.0,  # a spike is no lasting error
+    "inconsistent": 2.0,  # 1 is consistent
+    "quiet": 0.4,
+    "quiet_time": 60.0,
+    # the adviser judges a minute, accepts an explanation after 10 s more, and a new assumption begins the count again
+    "unexplained_time": 90.0,
+    "tension_memory": TENSION_MEMORY,
+    "moved": 0.01,
+    "back_time": BACK_TIME,
+}
+"""How readings and tension are watched: meanings and units are in the core's table, WATCHES."""
+
+FILTER_SHARE = 0.25
+"""Time constant of the low-pass of the tension over that of the tension loop."""
+
+ENCODER_ROW = "payout"
+"""Readings of the encoder are not judged: the winch is identified by them."""
 
 
 class SensorsWatched(NamedTuple):
@@ -181,7 +152,7 @@ def tick_of(time: float, tick_period: float) -> tuple[int, float]:
 
 def largest_step(noise: float, elapsed: float) -> float:
     """Return how far two depths may be apart [m] with an `elapsed` time between them [s] and `noise` of 1 sigma [m]."""
-    return max(LARGEST_DEPTH_STEP, SIGMAS * noise) + LARGEST_SPEED * elapsed
+    return max(STEPS["depth_step"], STEPS["sigmas"] * noise) + STEPS["depth_speed"] * elapsed
 
 
 def sense_design(
@@ -207,13 +178,12 @@ def sense_design(
         raise ValueError(
             f"encoder: {kept} ticks of the drum's way are kept, and at most {TRAVELS} fit: use longer ticks"
         )
-    states = list(design.model.state_names)
     return {
         **{name: SENSOR[name] for name in ("mru", "depth", "encoder", "load_cell")},
         "follows_sea": parameters.estimator.sea_adaptation,
         "excludes_jumped": EXCLUDES_JUMPED,
         "is_first_order": winch.law == "first_order",
-        "levers": tuple(states.index(name) if name in states else -1 for name in (LEVER_ARM_X, LEVER_ARM_Y)),
+        "levers": _levers(estimator),
         "tick_period": dt,
         "on_tick": ON_TICK,
         "static_tension": design.cable.static_tension,
@@ -223,73 +193,16 @@ def sense_design(
         "position_gain": winch.position_gain,
         "first_waves": seas.FIRST_WAVES,
         "refuted": seas.REFUTED,
-        "health": _health(parameters.health),
-        "steps": _steps(dt, kept),
-        "watches": _watches(design),
+        "health": GATES | {name: getattr(parameters.health, name) for name in TOLERANCES},
+        "steps": STEPS | {"shown_ticks": round(JUMP_SHOWN / dt), "travel_ticks": kept},
+        "watches": WATCHES
+        | {
+            "tension_share": dt / (FILTER_SHARE * parameters.tension.time_constant + dt),
+            "coast_time": parameters.modes.coast_time,
+        },
         "sea": seas.sea_design(design),
         "sensors": [_sensor(place, sensors, corrections, dt) for place in range(SENSORS)],
         "measured": [_measured(place, sensors, estimator, dt) for place in range(MEASUREMENTS)],
-    }
-
-
-def _health(parameters: HealthParameters) -> dict[str, float]:
-    names = ("stamp_tolerance", "frozen_samples", "stale_samples", "recover_samples", "encoder_step")
-    return {
-        **{name: getattr(parameters, name) for name in names},
-        "bad_in_a_row": BAD_IN_A_ROW,
-        "rounding": ROUNDING,
-        "sameness_memory": SAMENESS_MEMORY,
-        "fewest_of_steps": FEWEST_OF_STEPS,
-        "longer": LONGER,
-        "by_chance": BY_CHANCE,
-        "fewest_noise": FEWEST,
-        "noise_updated": UPDATED,
-        "noise_unknown": UNKNOWN,
-        "noise_worse": WORSE,
-        "noise_median": MEDIAN_OF_MAGNITUDE,
-        "least_noise": NEGLIGIBLE,
-        "late": LATE,
-    }
-
-
-def _steps(dt: float, kept: int) -> dict[str, float]:
-    return {
-        "mru_step": LARGEST_STEP,
-        "sigmas": SIGMAS,
-        "scatter": SCATTER,
-        "longest_gap": LONGEST_GAP,
-        "mean_time": MEAN_TIME,
-        "largest_heave": LARGEST_HEAVE,
-        "near_mean": NEAR_MEAN,
-        "least_near": LEAST_NEAR,
-        "depth_step": LARGEST_DEPTH_STEP,
-        "depth_speed": LARGEST_SPEED,
-        "like_scale": LIKE_SCALE,
-        "shown_ticks": round(JUMP_SHOWN / dt),
-        "at_once": AT_ONCE,
-        "travel_ticks": kept,
-        "moving_speed": MOVING_SPEED,
-        "play": PLAY,
-        "largest_play": LARGEST_PLAY,
-        "beyond_play": BEYOND_PLAY,
-        "known_unseen": KNOWN_UNSEEN,
-    }
-
-
-def _watches(design: ControllerDesign) -> dict[str, float]:
-    parameters, dt = design.parameters, design.tick_period
-    return {
-        "memory": MEMORY,
-        "largest_nis": LARGEST,
-        "inconsistent": INCONSISTENT,
-        "quiet": QUIET,
-        "quiet_time": QUIET_TIME,
-        "unexplained_time": UNEXPLAINED_TIME,
-        "tension_share": dt / (FILTER_SHARE * parameters.tension.time_constant + dt),
-        "tension_memory": TENSION_MEMORY,
-        "moved": MOVED,
-        "coast_time": parameters.modes.coast_time,
-        "back_time": BACK_TIME,
     }
 
 
@@ -324,8 +237,7 @@ def _sensor(place: int, sensors: SensorsWatched, corrections: Mapping[str, Corre
         # the encoder is read a tick ago, in the state of the winch
         "latency": dt if is_encoder or known is None else known.age(),
         "longest_period": max(period, LONGEST_PERIOD),
-        "first_sameness": FIRST_SAMENESS,
-        "part_sameness": HEAVE_SAMENESS,
+        **SAMENESS,
         "scale": correction.scale,
         "offset": correction.offset,
         "delay": correction.delay,
@@ -352,4 +264,25 @@ def _measured(place: int, sensors: SensorsWatched, estimator: KalmanEstimator, d
         "nominal": row.sigma,
         "sigma": row.sigma if known is None else known.sigma,
         **{field: padded(one) for field, one in zip(("row", "change", "bend"), rows, strict=True)},
+    }
+
+
+def _levers(estimator: KalmanEstimator) -> tuple[int, ...]:
+    """Return the indices of the lever arm's states in an `estimator`, -1 of one that it does not estimate."""
+    states = list(estimator.model.state_names)
+    return tuple(states.index(name) if name in states else -1 for name in (LEVER_ARM_X, LEVER_ARM_Y))
+
+
+def second_design(estimator: KalmanEstimator, *, by_count: bool) -> dict[str, Any]:
+    """Return the values of the core's Second: an `estimator` beside the active one, which may go `by_count`."""
+    names, none = list(estimator.measurements), [""] * (MEASUREMENTS - len(ROWS))
+    places = [names.index(name) if name in names else -1 for name in (*ROWS, *none)]
+    sigmas = [known.sigma for known in estimator.measurements.values()]
+    return {
+        "goes_by_count": by_count,
+        "levers": _levers(estimator),
+        "which": tuple(places),
+        "sigma": tuple(sigmas[place] if place >= 0 else 0.0 for place in places),
+        "is_compared": tuple(not by_count or name != ENCODER_ROW for name in (*ROWS, *none)),
+        **dict.fromkeys(("active", "second", "count"), 0.0),
     }

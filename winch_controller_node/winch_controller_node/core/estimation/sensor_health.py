@@ -9,6 +9,7 @@ from heave_core.sense_table import Level, Reason
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import MruStatus, SensorLevel
 
+from winch_controller_node.core.estimation.sense_design import WATCHES
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import SensorState
 from winch_controller_node.parameters.laws import HealthParameters
@@ -146,3 +147,13 @@ class SensorGate:
         alarm = None if self.level is SensorLevel.OK else self.alarm
         accepted, refused = int(record["accepted"]), int(record["refused"])
         return SensorState(self.sensor, self.level, self.reason, age, accepted, refused, alarm)
+
+
+def inconsistency_words(name: str, mean: float) -> str:
+    """Return why readings are not consistent yet: the measurement `name` has the largest `mean` squared innovation."""
+    largest, memory = WATCHES["inconsistent"], WATCHES["memory"]
+    wait = memory * math.log((mean - 1.0) / (largest - 1.0))
+    return (
+        f"innovations of {name} are {math.sqrt(mean):.1f} times their expected size, limit {math.sqrt(largest):.1f}: "
+        f"about {wait:.0f} s more to settle; the sensors are compared meanwhile"
+    )

@@ -15,8 +15,7 @@ from typing import Any, NamedTuple
 from heave_core.watch import LandingWatch
 from heave_core.watch_table import LANDING_STATE, Landed
 
-from winch_controller_node.core.estimation.loop_tick import LoopTick
-from winch_controller_node.core.estimation.tension import MEMORY, TensionMean
+from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY, LoopTick, TensionMean
 from winch_controller_node.core.supervision.modes import Mode, ModeOutput
 from winch_controller_node.parameters.laws import TensionLawParameters
 
@@ -114,7 +113,7 @@ class HangingLoad:
         tension : mean at the top
         more : cable that is out beyond that of the static tension [m]
         """
-        averaged = min(max(tension.time / MEMORY, 1e-3), 1.0)
+        averaged = min(max(tension.time / TENSION_MEMORY, 1e-3), 1.0)
         error = MEAN_ERROR * tension.sigma / (averaged * self.weight)
         return self.weight_share(tension.value - self.cable_weight * more), error
 

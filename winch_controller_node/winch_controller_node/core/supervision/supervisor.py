@@ -11,8 +11,7 @@ from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, REQUESTED
 
 from winch_controller_node.beliefs.beliefs import CAUTIOUS
-from winch_controller_node.core.estimation.loop_tick import LoopTick, free_swing
-from winch_controller_node.core.estimation.tension import MEMORY, TensionMean
+from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY, LoopTick, TensionMean, free_swing
 from winch_controller_node.core.supervision.command_timeouts import Advice, CommandTimeouts
 from winch_controller_node.core.supervision.entry_gates import PEAK_OVER_SIGNIFICANT, EntryGates
 from winch_controller_node.core.supervision.guard import HarmGuard
@@ -400,7 +399,7 @@ class Supervisor:
                 f"the unit is suspended: the cable carries {100.0 * share:.0f} % of its weight, and constant tension "
                 "would drop it; land it first, or set tension.hanging"
             )
-        wait = MEMORY - tension.time
+        wait = TENSION_MEMORY - tension.time
         if wait > 0.0:
             return (
                 f"averaging the tension for {wait:.0f} s more, to know whether the unit is suspended: request it again "
