@@ -15,6 +15,7 @@ from heave_studies.baseline import add_baseline
 from heave_studies.study.cases import Cases
 from heave_studies.study.engine import run_study
 from heave_studies.study.study_file import read_study
+from winch_controller_node.interface.readings import Outputs
 
 from tests.loop_runs import recorded_messages, run_scenario
 
@@ -53,14 +54,19 @@ def compare(bag: Path) -> None:
     """Run the scenario that the run in `bag` stored again in one process, and compare."""
     scenario = load_scenario(str(bag.parent / "scenario.yaml"))
     parameters = loop_parameters(scenario)
-    outputs = []
-    record = ClosedLoop(parameters).run(lambda _, of_tick: outputs.append(of_tick))
+    outputs, reported = [], []
+
+    def note(_: int, of_tick: Outputs) -> None:
+        outputs.append(of_tick)
+        reported.append(list(of_tick.report.estimate))
+
+    record = ClosedLoop(parameters).run(note)
     recorded = Bag(bag)
     commands = [m for _, m in recorded.decoded(["winch/command"])]
     for name in ("sequence", "payout", "payout_rate", "brake"):
         assert [getattr(m, name) for m in commands] == [getattr(o.order, name) for o in outputs], name
     estimates = [list(m.estimate) for _, m in recorded.decoded(["controller/state"])]
-    assert estimates == [list(o.report.estimate) for o in outputs]
+    assert estimates == reported
     unit = [m.pose.pose.position.z for _, m in recorded.decoded(["unit/odometry"])]
     np.testing.assert_array_equal(unit, record.column("unit"))
     start, end = 0.5 * scenario.run.duration, scenario.run.duration

@@ -139,6 +139,7 @@ class KalmanFilter:
         the filter at that tick
     streams : innovation of the last accepted reading by measurement, (m,); NaN: none
     refusals : in a row, by measurement (m,)
+    addresses : of design and state
 
     Raises ValueError for a model that does not fit.
     """
@@ -158,9 +159,10 @@ class KalmanFilter:
         self._P: Array = state["P"][: n * n].reshape(n, n)
         self.streams, self.refusals = state["streams"][:m], state["refusals"][:m]
         self.set_model(model)
-        self._call, self._own = loaded.heave_core_filter, (self.design.ctypes.data, self.state.ctypes.data)
+        self._call = loaded.heave_core_filter
+        self.addresses: tuple[int, int] = (self.design.ctypes.data, self.state.ctypes.data)
         self._make_room(1, 2 * m)
-        loaded.heave_core_filter_begin(*self._own)
+        loaded.heave_core_filter_begin(*self.addresses)
         self._x[:], self._P[:] = x, P
 
     def set_model(self, model: FilterModel) -> None:
@@ -216,7 +218,7 @@ class KalmanFilter:
         self._ticks[: len(ticks)] = ticks
         if count:
             self._readings[:count] = readings
-        self._call(*self._own, self._addresses[0], len(ticks), *self._addresses[1:])
+        self._call(*self.addresses, self._addresses[0], len(ticks), *self._addresses[1:])
         said: list[list[float]] = self._said[:count].tolist()
         return said
 

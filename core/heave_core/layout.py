@@ -16,12 +16,13 @@ from heave_core import (
     filter_table,
     law_table,
     look_table,
+    sense_table,
     servo_table,
     watch_table,
 )
 from heave_core.rows import COUNTER, NUMBER, Structure
 
-TABLES = (envelope_table, filter_table, look_table, law_table, servo_table, watch_table)
+TABLES = (envelope_table, filter_table, look_table, law_table, servo_table, watch_table, sense_table)
 """By subject, in the order in which C++ needs them."""
 
 STRUCTURES = tuple(one for table in TABLES for one in table.STRUCTURES)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import ctypes
 import os
 import sys
+from collections import namedtuple
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -34,8 +35,8 @@ ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
     "heave_core_unit": (_POINTER, _POINTER, _NUMBER, _NUMBER, _POINTER),
     "heave_core_unit_motion": (_POINTER,) * 3,
     "heave_core_unit_continue": (_POINTER, _POINTER, _NUMBER, _NUMBER),
-    "heave_core_look": (_POINTER,) * 4,
-    "heave_core_look_again": (_POINTER,) * 4,
+    "heave_core_look": (_POINTER,) * 7,
+    "heave_core_look_again": (_POINTER,) * 6,
     "heave_core_look_begin_share": (_POINTER,) * 2,
     "heave_core_look_continue_shadow": (_POINTER, _POINTER, _NUMBER, _NUMBER),
     "heave_core_look_continue_hanging": (_POINTER, _POINTER, _NUMBER, _NUMBER),
@@ -79,6 +80,9 @@ ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
     "heave_core_act_leave": (_POINTER,),
     "heave_core_place": (_POINTER, _NUMBER, _NUMBER, _NUMBER, _COUNT),
     "heave_core_load_begin": (_POINTER,) * 2,
+    "heave_core_nominal_load_begin": (_POINTER,),
+    "heave_core_nominal_load": (_POINTER,) * 2,
+    "heave_core_nominal_load_read": (_POINTER, _POINTER, _NUMBER, _NUMBER, _NUMBER),
     "heave_core_load": (_POINTER, _POINTER, _NUMBER, _NUMBER, _COUNT),
     "heave_core_advance_mean": (_POINTER,),
     "heave_core_is_moving": (_POINTER,),
@@ -87,6 +91,32 @@ ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
     "heave_core_note_tension": (_POINTER, _NUMBER, _NUMBER),
     "heave_core_read_tip": (_POINTER,) * 2,
     "heave_core_follow_tip": (_POINTER,) * 2,
+    "heave_core_sense_begin": (_POINTER,) * 2,
+    "heave_core_sense": (_POINTER,) * 16,
+    "heave_core_second": (*(_POINTER,) * 14, _NUMBER, _COUNT, _POINTER),
+    "heave_core_restart_consistency": (_POINTER,),
+    "heave_core_restart_tension": (_POINTER,),
+    "heave_core_sea_begin": (_POINTER,),
+    "heave_core_sea": (_POINTER, _NUMBER, _POINTER, _NUMBER, _NUMBER),
+    "heave_core_sea_innovation": (_POINTER, _NUMBER, _POINTER, _NUMBER, _NUMBER),
+    "heave_core_sea_height": (_POINTER,) * 2,
+    "heave_core_sea_waves": (_POINTER,) * 2,
+    "heave_core_restart_steps": (_POINTER,),
+    "heave_core_rescale_encoder": (_POINTER, _NUMBER, _NUMBER),
+    "heave_core_trust_encoder": (_POINTER,),
+    "heave_core_gate": (_POINTER, _POINTER, _COUNT, _NUMBER, _NUMBER, _POINTER, _COUNT, _COUNT),
+    "heave_core_gate_tick": (_POINTER, _POINTER, _COUNT, _NUMBER),
+    "heave_core_gate_take_back": (_POINTER, _POINTER, _COUNT, _COUNT, _COUNT),
+    "heave_core_gate_is_slow": (_POINTER, _POINTER, _COUNT),
+    "heave_core_mru": (_POINTER, _POINTER, _NUMBER, _POINTER),
+    "heave_core_mru_is_off": (_POINTER, _POINTER, _POINTER, _NUMBER),
+    "heave_core_depth": (_POINTER, _POINTER, _NUMBER, _NUMBER, _NUMBER),
+    "heave_core_encoder_pass": (_POINTER, _POINTER, _NUMBER, _NUMBER),
+    "heave_core_encoder": (_POINTER, _POINTER, _NUMBER, _NUMBER, _NUMBER, _NUMBER, _COUNT),
+    "heave_core_noise": (_POINTER, _POINTER, _COUNT, _NUMBER, _NUMBER),
+    "heave_core_noise_is_worse": (_POINTER, _POINTER, _COUNT),
+    "heave_core_consistency": (_POINTER,) * 3,
+    "heave_core_tension": (_POINTER, _POINTER, _NUMBER, _NUMBER, _COUNT),
     "heave_core_lead_alone": (_POINTER, _POINTER, _NUMBER, _NUMBER, _COUNT, _POINTER),
 }
 """Types of the arguments of each function."""
@@ -95,7 +125,11 @@ RESULTS: Mapping[str, Any] = {
     **dict.fromkeys(("heave_core_approach_speed", "heave_core_read_tip", "heave_core_follow_tip"), _NUMBER),
     **dict.fromkeys(("heave_core_ask_law", "heave_core_answer", "heave_core_act"), _COUNT),
     **dict.fromkeys(("heave_core_advance_mean", "heave_core_is_moving", "heave_core_ticks_to_go"), _COUNT),
-    "heave_core_advance_motion": _COUNT,
+    **dict.fromkeys(("heave_core_sea_height", "heave_core_sea_waves", "heave_core_depth"), _NUMBER),
+    **dict.fromkeys(("heave_core_encoder", "heave_core_noise"), _NUMBER),
+    **dict.fromkeys(("heave_core_advance_motion", "heave_core_sea", "heave_core_gate", "heave_core_mru"), _COUNT),
+    **dict.fromkeys(("heave_core_gate_is_slow", "heave_core_mru_is_off", "heave_core_noise_is_worse"), _COUNT),
+    "heave_core_consistency": _COUNT,
     **dict.fromkeys(("heave_core_drum_error", "heave_core_place"), _NUMBER),
     **dict.fromkeys(("heave_core_act_tick", "heave_core_act_answer", "heave_core_load"), _COUNT),
 }
@@ -119,6 +153,11 @@ def dtype_of(structure: Structure) -> np.dtype[Any]:
 def new(structure: Structure) -> Any:
     """Return an empty array of one `structure`, on whose memory C++ works."""
     return np.zeros(1, dtype_of(structure))
+
+
+def named(structure: Structure) -> Any:
+    """Return the class of named tuples whose fields are the rows of a `structure`, a row of which is on one array."""
+    return namedtuple(structure.name, [row.name for row in structure.rows])  # type: ignore[misc]
 
 
 def _prefixes() -> Iterator[Path]:
@@ -189,7 +228,10 @@ class EnvelopeOrder(NamedTuple):
 
 
 def fill(record: Any, values: Mapping[str, Any]) -> None:
-    """Put `values` by name into a structured `record`; a mapping goes into a structure. Every field must be given."""
+    """Put `values` by name into a structured `record`; a mapping goes into a structure, a list of them into several.
+
+    Every field must be given.
+    """
     missing = set(record.dtype.names) - set(values) - {"pad"}
     unknown = set(values) - set(record.dtype.names)
     if missing or unknown:
@@ -197,6 +239,9 @@ def fill(record: Any, values: Mapping[str, Any]) -> None:
     for name, value in values.items():
         if isinstance(value, Mapping):
             fill(record[name], value)
+        elif isinstance(value, list):
+            for place, one in zip(record[name], value, strict=True):
+                fill(place, one)
         else:
             record[name] = value
 

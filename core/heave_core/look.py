@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heave_core.filter_table import STATES
-from heave_core.library import fill, library, new
+from heave_core.library import fill, library, named, new
 from heave_core.look_table import (
     GUARD_DESIGN,
     GUARD_STATE,
@@ -19,39 +19,15 @@ from heave_core.look_table import (
     LOOK_DESIGN,
     LOOK_INPUTS,
     LOOK_STATE,
+    MOTIONS,
     SIGMA,
 )
 
 Array = NDArray[np.float64]
 
-SCALARS = 4
-"""Numbers of LookInputs in front of the states."""
 
-
-class Motions(NamedTuple):
-    """All motions at a tick: the rows of MOTIONS in the table of `look`, with their meanings and units."""
-
-    tip: float
-    tip_rate: float
-    payout: float
-    payout_rate: float
-    total_payout_rate: float
-    mean_payout: float
-    mean_heave: float
-    mean_rate: float
-    unit: float
-    unit_rate: float
-    free: float
-    free_rate: float
-    taut: float
-    taut_rate: float
-    released: float
-    released_rate: float
-    offset: float
-    offset_rate: float
-    hanging_heave: float
-    hanging_stretch: float
-    wave_share: float
+Motions = named(MOTIONS)
+"""All motions at a tick."""
 
 
 class Seen(NamedTuple):
@@ -149,16 +125,17 @@ class Look:
     Attributes
     ----------
     design, state, inputs : structured arrays of one element
+    motions : that were found last
+    addresses : of design and state
     """
 
     def __init__(self, design: Mapping[str, Any]) -> None:
         core = library()
         self.design, self.state = new(LOOK_DESIGN), new(LOOK_STATE)
-        self.inputs, self._motions = new(LOOK_INPUTS), np.zeros(len(Motions._fields))
-        self._scalars = self.inputs.view(np.float64)[:SCALARS]
+        self.inputs, self.motions = new(LOOK_INPUTS), np.zeros(len(MOTIONS.rows))
         self._at = self.design.ctypes.data, self.state.ctypes.data
-        self._seen_at = self.inputs.ctypes.data, self._motions.ctypes.data
-        self._look, self._again = core.heave_core_look, core.heave_core_look_again
+        self.addresses: tuple[int, int] = self._at
+        self._again = core.heave_core_look_again
         self._begin_share, self._take_unit = core.heave_core_look_begin_share, core.heave_core_look_take_unit
         self._shadow, self._hanging = core.heave_core_look_continue_shadow, core.heave_core_look_continue_hanging
         self.take_design(design)
@@ -166,40 +143,12 @@ class Look:
     def take_design(self, design: Mapping[str, Any]) -> None:
         """Go by another `design` from now on; the units stay where their modes are."""
         fill(self.design[0], design)
-        n, inputs = int(design["order"]), self.inputs[0]
-        self._estimate, self._mean_state = inputs["estimate"][:n], inputs["mean_state"][:n]
-        self._covariance = inputs["covariance"][: n * n].reshape(n, n)
 
-    def step(
-        self,
-        estimate: Array,
-        covariance: Array,
-        mean_state: Array,
-        *,
-        command: tuple[float, float],
-        knows_tip: bool,
-        takes_unit: bool,
-    ) -> Motions:
-        """Do a tick and return the motions at it.
-
-        Parameters
-        ----------
-        estimate, covariance : of the loop without the mean payout's own motion, shapes (n,), (n, n)
-        mean_state : that the mean payout alone brings about, shape (n,)
-        command : that is active: what compensates, and what moves the mean payout
-        knows_tip : the boom tip is measured
-        takes_unit : it was not until now: the simulated units go on from the estimated one
-        """
-        self._scalars[:] = (*command, knows_tip, takes_unit)
-        self._estimate[:], self._mean_state[:], self._covariance[:] = estimate, mean_state, covariance
-        self._look(*self._at, *self._seen_at)
-        return Motions._make(self._motions.tolist())
-
-    def again(self, estimate: Array, mean_state: Array) -> Motions:
-        """Return the motions of the same tick after the loop has been moved to another `estimate` and `mean_state`."""
-        self._estimate[:], self._mean_state[:] = estimate, mean_state
-        self._again(*self._at, *self._seen_at)
-        return Motions._make(self._motions.tolist())
+    def again(self, estimate: Array, mean_state: Array) -> Any:
+        """Return the motions of the tick of `inputs` after the loop has been moved to another state, shapes (n,)."""
+        given = [np.ascontiguousarray(state).ctypes.data for state in (estimate, mean_state)]
+        self._again(*self._at, self.inputs.ctypes.data, *given, self.motions.ctypes.data)
+        return Motions._make(self.motions.tolist())
 
     def begin_share(self) -> None:
         """Let the unit of a taut cable go on from where the one with the winch locked is."""

@@ -82,9 +82,6 @@ LOOK_INPUTS = structure(
     Row("mean", "", "share of it that moves the mean payout"),
     Row("knows_tip", "", "1: the boom tip is measured"),
     Row("takes_unit", "", "1: the simulated units go on from the estimated one: the boom tip was not known until now"),
-    Row("estimate", "", "state of the loop without the mean payout's own motion", shape=(STATES,)),
-    Row("mean_state", "", "state that the mean payout alone brings about", shape=(STATES,)),
-    Row("covariance", "", "of the estimate; the first `order` rows of `order` numbers", shape=(STATES * STATES,)),
 )
 
 MOTIONS = structure(

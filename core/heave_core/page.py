@@ -28,6 +28,14 @@ reads and writes the same memory, and this page. The C++ header, with the unit a
 | drum watch | `drum_watch.cpp` | orders and encoder of the last seconds: is the drum off, is its encoder |
 | winch watch | `winch_watch.cpp` | late commands, a silent winch, authority that is cut for a drum that is off |
 | look | `look.cpp` | all motions at a tick: boom tip, drum, units with the winch locked and without readings |
+| sense | `sense.cpp` | a tick of all that is known: readings, gates, filter, motions, in one call |
+| sensor gate | `sensor_gate.cpp` | what one sensor shows alone: no number, a wrong stamp, a value that stands |
+| noise | `noise.cpp` | noise and rate of a sensor, from its readings alone |
+| steps | `steps.cpp` | jumps of a motion reference unit and of a depth sensor |
+| encoder | `encoder.cpp` | the count of the drum against the way it was sent |
+| terms | `terms.cpp` | a gated reading in the filter's terms, without the mean payout's share |
+| watches | `watches.cpp` | consistency, tension over the waves, whether the boom tip is known |
+| sea | `sea.cpp` | the sea that is seen beside that of the design |
 | unit | `unit.cpp` | a unit below an outlet whose motion is known: quadratic drag, slack cable |
 | guard | `guard.cpp` | whether compensation does harm: drum, swing, depth sensor, waves |
 | demand | `demand.cpp` | what the sea asks of the winch, and the authority that leaves |
@@ -36,6 +44,7 @@ reads and writes the same memory, and this page. The C++ header, with the unit a
 | trend | `trend.cpp` | the newest readings: mean, straight line |
 | KPI window | `kpi.cpp` | statistics over the rolling window of the figures of merit |
 | act | `act.cpp` | the acting half of a tick: command, mean payout, set-points, envelope, place of the drive |
+| nominal load | `nominal_load.cpp` | the nominal unit under a locked drum, moved by the raw motion reference unit |
 | load watch | `load_watch.cpp` | slack cable, high tension, rope, a winch at its limits |
 | laws | `laws.cpp` | linear feedback, limits that are near, whether a plan keeps them without a correction |
 | governor | `governor.cpp` | no command beyond what the winch can do |
@@ -44,7 +53,7 @@ reads and writes the same memory, and this page. The C++ header, with the unit a
 | motion | `motion.cpp` | the mean payout and the loop's own answer to it |
 
 The C interface is `interface.cpp`: `heave_core_layout` and `heave_core_size`, by which Python refuses a library with
-another layout, a function for a tick of each part (`heave_core_filter`, `heave_core_look`, `heave_core_guard`,
+another layout, a function for a tick of each part (`heave_core_sense`, `heave_core_filter`, `heave_core_guard`,
 `heave_core_envelope`), and one for each jump of a state (`..._begin`, `..._continue_...`, `..._allow_...`). Python
 calls them by ctypes, with the lock released. A copy of a state is its part at that tick.
 """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from enum import IntEnum, IntFlag
 
+from heave_core.look_table import HANGING_CABLE, HANGING_UNIT
 from heave_core.rows import COUNTER, Row, structure
 from heave_core.servo_table import SERVO, SERVO_RUN
 
@@ -283,6 +284,28 @@ WINCH_SEEN = structure(
     Row("tension", "N", "at the top; NaN: unknown"),
 )
 
+NOMINAL_LOAD_DESIGN = structure(
+    "NominalLoadDesign",
+    "The nominal unit under a locked drum, and how the motion reference unit moves it.",
+    Row("tick_period", "s", "time of a tick"),
+    Row("blend", "s", "time constant with which heave corrects the integral of its rate"),
+    Row("unread", "s", "age of a reading from which on the motion is not known"),
+    Row("cable", "", "that it hangs on", HANGING_CABLE),
+)
+
+NOMINAL_LOAD_STATE = structure(
+    "NominalLoadState",
+    "Where boom tip and unit are.",
+    Row("time", "s", "of the newest reading"),
+    Row("heave", "m", "of the boom tip"),
+    Row("unit", "m", "heave of the unit"),
+    Row("read_time", "s", "for which the motion has been known"),
+    Row("rate", "m/s", "of the boom tip"),
+    Row("base_time", "s", "of the heave from which it goes on"),
+    Row("base_heave", "m", "that heave; NaN: none was read"),
+    Row("hanging", "", "the unit", HANGING_UNIT),
+)
+
 LOAD_WATCH_DESIGN = structure(
     "LoadWatchDesign",
     "When tension, rope and winch are to be reported.",
@@ -322,6 +345,8 @@ STRUCTURES = (
     WINCH_WATCH_DESIGN,
     WINCH_WATCH_STATE,
     WINCH_SEEN,
+    NOMINAL_LOAD_DESIGN,
+    NOMINAL_LOAD_STATE,
     LOAD_WATCH_DESIGN,
     LOAD_WATCH_STATE,
 )

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from heave_core.library import library
+from heave_core.sense_table import News, Reason
 from winch_controller_node.core.estimation.observation import Observer
-from winch_controller_node.core.estimation.sensor_health import ABSENT, BAD_IN_A_ROW, LOST_STATES, REJECTED_WORDS
+from winch_controller_node.core.estimation.sense_design import GATES, SENSOR
+from winch_controller_node.core.estimation.sensor_health import ABSENT, LOST_STATES, REJECTED_WORDS
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -12,7 +15,7 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 
 def test_the_times_in_the_words_are_those_of_the_code():
     """What follows of drum and encoder has none: the controller fills in what it does."""
-    assert BAD_IN_A_ROW == 3
+    assert GATES["bad_in_a_row"] == 3
     assert "Three in a row" in ALARMS["MRU_READING_REJECTED"].consequence
 
 
@@ -34,8 +37,9 @@ def test_every_reason_to_reject_a_reading_has_words():
 
 def test_a_sensor_that_jumps_so_often_that_it_is_lost_is_not_reported_as_one_whose_jump_was_subtracted():
     design = design_controller(WinchControllerParameters(), tick_period=0.05)
-    observer = Observer(design, design.parameters.health)
-    observer.new_faults()
-    for _ in range(BAD_IN_A_ROW):
-        observer.gates["depth"].take_back_jump()
-    assert [alarm.code for alarm in observer.new_faults()] == ["DEPTH_JUMPS"]
+    observer = Observer(design, design.make_estimator())
+    at, place = (observer.design.ctypes.data, observer.state.ctypes.data), SENSOR["depth"]
+    for _ in range(GATES["bad_in_a_row"]):
+        library().heave_core_gate_take_back(*at, place, Reason.JUMP, True)
+    observer.state[0]["gates"][place]["news"] = News.SENSOR_WORSE
+    assert [alarm.code for alarm in observer.alarms(News.SENSOR_WORSE)] == ["DEPTH_JUMPS"]

@@ -24,14 +24,14 @@ def test_a_late_answer_is_refused_and_counted_and_what_is_in_force_stays():
     before = controller.beliefs
     assert not controller.take(Beliefs(asked=20, number=1))
     assert not controller.take(Beliefs(asked=25, number=1))
-    assert controller.refused_beliefs == 2
+    assert controller._beliefs.refused == 2
     assert controller.beliefs is before
     answer = Beliefs(asked=26, number=1)
     assert controller.take(answer)
     assert controller.beliefs is before
     controller.step(46, Measurements())
     assert controller.beliefs is answer
-    assert controller.refused_beliefs == 2
+    assert controller._beliefs.refused == 2
 
 
 def alarms_of(watch, first, last):

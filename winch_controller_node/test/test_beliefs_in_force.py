@@ -71,10 +71,10 @@ def test_an_answer_that_comes_late_is_refused_and_counted():
     stepped(controller, 1, asked + AFTER - 1)
     assert controller.take(answer(asked, {"winch.speed_gain": 0.8}))
     stepped(controller, asked + AFTER, asked + AFTER)
-    assert controller.refused_beliefs == 0
+    assert controller._beliefs.refused == 0
     assert not controller.take(answer(asked, {"winch.speed_gain": 0.5}, number=2))
     stepped(controller, asked + AFTER + 1, asked + 3 * AFTER)
-    assert controller.refused_beliefs == 1
+    assert controller._beliefs.refused == 1
     assert controller.parameters.winch.speed_gain == 0.8
 
 
@@ -139,7 +139,7 @@ def spied(controller):
     spy(estimation, "adopt", "adopted")
     spy(estimation, "carry", "carried")
     spy(estimation, "reset_sea", "sea")
-    spy(estimation.consistency, "restart", "consistency")
+    spy(estimation, "_restart_consistency", "consistency")
     spy(winch.drum, "take", "drum")
     spy(controller._encoder, "restart", "reflex")
     spy(controller._supervisor.guard, "allow_correction", lambda owner: f"guard {owner}")

@@ -2,8 +2,9 @@
 
 import math
 
-from winch_controller_node.core.estimation.consistency import Consistency
 from winch_controller_node.model.estimator import Innovation
+
+from tests.gates import Consistency
 
 DT = 0.05
 

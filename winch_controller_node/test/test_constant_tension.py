@@ -7,12 +7,15 @@ import pytest
 from heave_core.law import LoopNow, put
 from heave_core.law_table import COMMAND_STATE, Way
 from heave_core.library import new
-from winch_controller_node.core.estimation.tension import FILTER_SHARE, MEMORY, MeanTension, TensionFilter
+from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY
+from winch_controller_node.core.estimation.sense_design import FILTER_SHARE
 from winch_controller_node.core.loop_command import commander
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.constant_tension import ConstantTension
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import TensionLawParameters
+
+from tests.gates import MeanTension, TensionFilter
 
 DT = 0.05
 
@@ -116,7 +119,7 @@ def test_the_mean_tension_is_that_of_the_waves_at_whatever_instant_it_is_read(ph
         time = (tick + 1) * DT
         assert mean.mean.time == pytest.approx(time)
         if time > 10.0:
-            left = 2.0 / (omega * min(time, MEMORY))
+            left = 2.0 / (omega * min(time, TENSION_MEMORY))
             assert abs(mean.mean.value - 48e3) < amplitude * left * 1.1
 
 

@@ -8,12 +8,17 @@ from cable_sim_node.winch.parameters import WinchParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.laws.parts.governor import standing_command
-from winch_controller_node.laws.parts.winch_limits import WinchLimits
+from winch_controller_node.laws.parts.governor import CommandGovernor, standing_command
+from winch_controller_node.laws.parts.winch_limits import ActiveWinch, WinchLimits
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 
 DT = 0.05
+
+
+def governor_of(design):
+    """Return the governor that keeps the active limits of a `design`."""
+    return CommandGovernor(design.model, ActiveWinch(design.parameters.winch, design.limits, design.tick_period))
 
 
 @pytest.fixture(
@@ -29,7 +34,7 @@ def design(request):
 
 def drive(design, commands):
     """Give the virtual winch what the governor lets through; return its states and the linear model's."""
-    governor = design.make_governor()
+    governor = governor_of(design)
     belief = design.parameters.winch
     lags = WinchParameters(
         time_constant=belief.time_constant, command_delay=belief.command_delay, position_gain=belief.position_gain
@@ -99,7 +104,7 @@ def test_a_slow_servo_that_takes_set_points_beyond_its_speed_is_driven_with_them
     winch = WinchModelParameters(
         time_constant=1.0, command_delay=0.0, speed_limit=1.1, acceleration_limit=100.0, set_point_reach=20.0
     )
-    governor = design_controller(WinchControllerParameters(winch=winch), tick_period=DT).make_governor()
+    governor = governor_of(design_controller(WinchControllerParameters(winch=winch), tick_period=DT))
     rate, rates = 0.0, [0.0]
     for wanted in np.repeat(targets, 10):
         governed = governor.govern(wanted, 0.0, rate, 1e4)
@@ -117,7 +122,7 @@ def test_full_speed_is_reached_in_the_time_that_the_larger_set_point_needs():
         winch = WinchModelParameters(
             time_constant=1.0, command_delay=0.0, speed_limit=1.1, acceleration_limit=100.0, set_point_reach=reach
         )
-        governor = design_controller(WinchControllerParameters(winch=winch), tick_period=DT).make_governor()
+        governor = governor_of(design_controller(WinchControllerParameters(winch=winch), tick_period=DT))
         rate = 0.0
         for _ in range(3):
             rate -= (governor.govern(11.0, 0.0, rate, 1e4).sent - rate) * math.expm1(-DT)
@@ -131,7 +136,7 @@ def test_full_speed_is_reached_in_the_time_that_the_larger_set_point_needs():
 def test_the_set_point_of_a_drum_that_creeps_gives_the_speed_that_was_asked_for(wanted):
     """Out it settles at 0.94 of its set-point, in at 0.7 of that, and creeps out by 0.06 m/s."""
     winch = WinchModelParameters(speed_gain=0.94, hauling_gain=0.7, creep=0.06)
-    governor = design_controller(WinchControllerParameters(winch=winch), tick_period=DT).make_governor()
+    governor = governor_of(design_controller(WinchControllerParameters(winch=winch), tick_period=DT))
     sent = governor.govern(wanted, 0.0, wanted, 1e4).sent
     assert 0.06 + 0.94 * sent * (1.0 if sent > 0.0 else 0.7) == pytest.approx(wanted, abs=1e-12)
 
@@ -145,7 +150,7 @@ def designed(**winch):
 
 
 def govern(wanted, *, payout=0.0, rate=0.0, tension=1e4, **winch):
-    return designed(**winch).make_governor().govern(wanted, payout, rate, tension)
+    return governor_of(designed(**winch)).govern(wanted, payout, rate, tension)
 
 
 LAG, ACCELERATION = 0.15, 1.5
@@ -305,7 +310,7 @@ def test_the_drum_is_foreseen_when_the_command_takes_effect(law, delay):
         else:
             rate += (command - rate) / LAG * fine
         payout += rate * fine
-    foreseen = design.make_governor().predict(x)
+    foreseen = governor_of(design).predict(x)
     assert foreseen[0] == pytest.approx(payout, abs=2e-4)
     if law == "speed_servo" or delay == 0.12:  # without inertia the speed is that under the command to come
         assert foreseen[1] == pytest.approx(rate, abs=2e-4)
@@ -315,5 +320,5 @@ def test_the_drum_is_foreseen_when_the_command_takes_effect(law, delay):
 def test_the_standing_command_is_what_the_position_loop_takes_off(gain):
     design = designed(position_gain=gain)
     x = np.arange(1.0, design.model.order + 1.0)
-    payout, _ = design.make_governor().predict(x)
+    payout, _ = governor_of(design).predict(x)
     assert standing_command(design.model, design.parameters.winch) @ x == pytest.approx(gain * payout)

@@ -97,6 +97,10 @@ def test_arrows_between_the_wings_run_downwards():
 
 CORE = (
     "component",
+    "events",
+    "operator_requests",
+    "parts",
+    "restarts",
     "estimation",
     "supervision",
     "beliefs_in_force",

@@ -1,6 +1,7 @@
 """Landing: touchdown, detected from the trends of depth, tension and mean payout; lift-off."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,8 +10,6 @@ from heave_bringup.scenarios import load_scenario
 from heave_core.watch import LandingWatch
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from winch_controller_node.core.estimation.loop_tick import Sensed
-from winch_controller_node.core.estimation.tension import MeanTension
 from winch_controller_node.core.supervision.landing import (
     HangingLoad,
     HangingUnit,
@@ -20,6 +19,8 @@ from winch_controller_node.core.supervision.landing import (
 )
 from winch_controller_node.core.supervision.modes import Mode, ModeOutput
 from winch_controller_node.parameters.laws import TensionLawParameters
+
+from tests.gates import MeanTension
 
 DT = 0.05
 DEPTH_NOISE = 0.02
@@ -32,22 +33,14 @@ COMPENSATING = ModeOutput(Mode.COMPENSATING, "", 1.0, brake=False)
 HOLDING = ModeOutput(Mode.CONSTANT_TENSION, "", 0.0, brake=False)
 
 
-def sensed(*, tension, depths=(), innovation=None, has_depth=True, filtered=None, lost=()):
-    return Sensed(
-        payout=0.0,
-        mru_rate=0.0,
+def sensed(*, tension, depths=(), innovation=math.nan, has_depth=True, filtered=None, lost=()):
+    return SimpleNamespace(
         tension=tension,
         filtered_tension=tension if filtered is None else filtered,
         depths=tuple(depths),
-        depth_heave=None,
-        depth_noise=0.0,
         depth_innovation=innovation,
-        has_depth=has_depth,
         sees_landing=has_depth,
-        has_encoder=True,
-        innovations={},
         lost=dict.fromkeys(lost, "frozen"),
-        faults=(),
     )
 
 

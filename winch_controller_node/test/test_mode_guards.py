@@ -2,7 +2,7 @@
 
 import pytest
 from heave_node.interface.codes import WinchFault
-from winch_controller_node.core.estimation.loop_estimation import BACK_TIME
+from winch_controller_node.core.estimation.sense_design import BACK_TIME
 from winch_controller_node.core.supervision.modes import (
     BRAKE_HELD,
     GATES_OPEN,

@@ -7,15 +7,9 @@ import pytest
 from heave_node.interface.sensors import MruReading
 from hypothesis import given
 from hypothesis import strategies as st
-from winch_controller_node.core.estimation.mru_steps import (
-    LARGEST_STEP,
-    LEAST_NEAR,
-    LONGEST_GAP,
-    MEMORY,
-    NEAR_MEAN,
-    SIGMAS,
-    MruSteps,
-)
+from winch_controller_node.core.estimation.sense_design import STEPS
+
+from tests.gates import MruSteps
 
 DT = 0.05
 BEFORE = 120.0
@@ -64,7 +58,9 @@ def test_a_step_is_off_at_once_and_for_as_long_as_it_stays(size):
     assert set(read(well_read(), BEFORE, BEFORE + 120.0, moved(size))) == {(True, False)}
 
 
-@pytest.mark.parametrize(("noise", "least"), [(0.0, LARGEST_STEP), (0.03, LARGEST_STEP), (0.1, SIGMAS * 0.1)])
+@pytest.mark.parametrize(
+    ("noise", "least"), [(0.0, STEPS["mru_step"]), (0.03, STEPS["mru_step"]), (0.1, STEPS["sigmas"] * 0.1)]
+)
 def test_a_step_is_more_than_the_noise_makes(noise, least):
     for size, off in (
         (least - LITTLE, False),
@@ -99,11 +95,11 @@ def test_a_jump_that_ends_is_good_at_once(lasting):
 
 def test_a_signal_that_is_turned_over_is_good_by_its_mean_only_and_then_unproved():
     """It stays off by twice the heave at which it turned; its mean is right, as that of any other scale."""
-    found = read(well_read(), BEFORE, BEFORE + MEMORY + 9.0, turned_over)
+    found = read(well_read(), BEFORE, BEFORE + STEPS["mean_time"] + 9.0, turned_over)
     off = [is_off for is_off, _ in found]
     first = off.index(False)
     # its mean is that of the ship to a tenth of a metre or a quarter of 0.7 m throughout
-    assert MEMORY - 2 * DT < first * DT < MEMORY + 9.0
+    assert STEPS["mean_time"] - 2 * DT < first * DT < STEPS["mean_time"] + 9.0
     assert found[first] == (False, True)
     # it is reported once, and what comes next goes on from there
     assert set(found[first + 1 :]) == {(False, False)}
@@ -112,12 +108,14 @@ def test_a_signal_that_is_turned_over_is_good_by_its_mean_only_and_then_unproved
 @pytest.mark.parametrize(("scale", "size"), [(-1.0, 0.5), (1.0, 0.5), (0.2, -0.3)])
 def test_a_mean_that_is_another_is_no_proof(scale, size):
     """Near is a quarter of what is read now, 1 sigma, or a tenth of a metre: 0.18 m of a swell of 1 m."""
-    assert max(NEAR_MEAN * abs(scale) * math.sqrt(0.5), LEAST_NEAR) < abs(size)
-    found = read(well_read(), BEFORE, BEFORE + 2.0 * MEMORY, lambda heave, rate: (scale * heave + size, scale * rate))
+    assert max(STEPS["near_mean"] * abs(scale) * math.sqrt(0.5), STEPS["least_near"]) < abs(size)
+    found = read(
+        well_read(), BEFORE, BEFORE + 2.0 * STEPS["mean_time"], lambda heave, rate: (scale * heave + size, scale * rate)
+    )
     assert set(found) == {(True, False)}
 
 
-@pytest.mark.parametrize("gap", [LONGEST_GAP + DT, 30.0])
+@pytest.mark.parametrize("gap", [STEPS["longest_gap"] + DT, 30.0])
 def test_after_a_gap_or_while_it_settles_it_begins_anew(gap):
     steps = well_read()
     assert not any(off for off, _ in read(steps, BEFORE + gap, BEFORE + gap + 60.0, moved(2.0)))
@@ -128,7 +126,7 @@ def test_after_a_gap_or_while_it_settles_it_begins_anew(gap):
 
 def test_a_short_gap_is_bridged_by_its_rate():
     """A trapezium of 0.5 s of a swell of 9 s and 0.7 m/s is off by 0.5^3 / 12 of 0.34 m/s^3: 4 mm."""
-    gap = LONGEST_GAP - DT
+    gap = STEPS["longest_gap"] - DT
     assert not any(off for off, _ in read(well_read(), BEFORE + gap, BEFORE + 60.0))
     assert read(well_read(), BEFORE + gap, BEFORE + gap + DT, moved(0.5)) == [(True, False)]
 

@@ -6,20 +6,13 @@ from heave_node.interface.codes import MruStatus, SensorLevel
 from heave_node.interface.sensors import MruReading
 from hypothesis import given
 from hypothesis import strategies as st
-from winch_controller_node.core.estimation.consistency import Consistency
-from winch_controller_node.core.estimation.gates.depth_jumps import DepthJumps
-from winch_controller_node.core.estimation.gates.encoder_gate import LARGEST_PLAY, EncoderGate
-from winch_controller_node.core.estimation.mru_steps import MruSteps
-from winch_controller_node.core.estimation.sensor_health import (
-    LOST_STATES,
-    SensorGate,
-    SensorTiming,
-    judge_mru,
-    lost_alarm,
-)
+from winch_controller_node.core.estimation.sense_design import STEPS
+from winch_controller_node.core.estimation.sensor_health import LOST_STATES, lost_alarm
 from winch_controller_node.interface.readings import ScalarReading
 from winch_controller_node.model.estimator import Innovation
 from winch_controller_node.parameters.laws import HealthParameters
+
+from tests.gates import Consistency, DepthJumps, EncoderGate, MruSteps, SensorGate, SensorTiming, judge_mru
 
 DT = 0.05
 OK, SUSPECT, LOST = SensorLevel
@@ -106,8 +99,8 @@ def test_a_sensor_of_up_to_4_hz_is_judged_by_its_own_rate_from_its_first_reading
     assert levels[0] == OK
     assert levels[-1] == LOST
     assert gate.reason == "stale"
-    assert gate.interval.news() is (ticks > 1)
-    assert not gate.interval.news(), "it is reported once"
+    assert gate.is_newly_slow() is (ticks > 1)
+    assert not gate.is_newly_slow(), "it is reported once"
 
 
 def test_a_sensor_that_becomes_slow_is_stale_until_its_own_rate_is_known_and_then_serves():
@@ -129,8 +122,8 @@ def test_one_gap_of_a_fast_sensor_does_not_make_it_a_slow_one():
     feed(gate, [0.1 * k for k in range(20)])
     assert feed(gate, [None] * 10, start=21)[-1] == LOST
     feed(gate, [0.1 * k for k in range(31, 51)], start=31)
-    assert gate.interval.value == DT
-    assert not gate.interval.news()
+    assert gate.interval == DT
+    assert not gate.is_newly_slow()
 
 
 def test_an_encoder_that_stands_still_may_be_right_and_the_drum_is_to_be_looked_at_first():
@@ -480,7 +473,7 @@ def test_an_encoder_that_freezes_and_counts_on_has_missed_at_most_a_fifth_of_the
     taken, levels = followed(gate, [payout - missed for payout in drum[frozen + ticks :]], start=frozen + ticks + 1)
     path = float(np.sum(np.abs(np.diff(payouts(range(frozen, frozen + ticks + 2))))))
     # whether it froze or not: what a gear takes up where the drum turns round, gone unseen, proves nothing
-    allowed = HealthParameters().encoder_step + max(0.2 * path, LARGEST_PLAY + 0.42 * DT) + 0.1 * path
+    allowed = HealthParameters().encoder_step + max(0.2 * path, STEPS["largest_play"] + 0.42 * DT) + 0.1 * path
     errors = [abs(one - true) for one, true in zip(taken, drum[frozen + ticks :], strict=True) if one is not None]
     assert len(errors) >= 58
     assert max(errors) < allowed

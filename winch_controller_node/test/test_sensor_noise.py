@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from winch_controller_node.core.estimation.consistency import Consistency
-from winch_controller_node.core.estimation.sensor_noise import FEWEST, READINGS, UNKNOWN, SensorNoise
+from heave_core.sense_table import NOISE_READINGS
+from winch_controller_node.core.estimation.sense_design import GATES
 from winch_controller_node.model.estimator import Innovation
+
+from tests.gates import Consistency, SensorNoise
 
 DT = 0.05
 
@@ -22,8 +24,8 @@ def test_noise_more_than_believed_is_seen_through_a_sea(sigma):
     readings = waves(8000) + sigma * np.random.default_rng(0).standard_normal(8000)
     found = [noise.add(float(value)) for value in readings]
     # 80 medians of 100 correlated magnitudes, each within some 15 %
-    assert np.mean(found[2 * READINGS :]) == pytest.approx(sigma, rel=0.06)
-    assert found[FEWEST] == UNKNOWN * 0.01
+    assert np.mean(found[2 * NOISE_READINGS :]) == pytest.approx(sigma, rel=0.06)
+    assert found[GATES["fewest_noise"]] == GATES["noise_unknown"] * 0.01
 
 
 def told_of(sigma, count):
@@ -51,20 +53,20 @@ def test_noise_is_never_less_than_believed_and_spikes_are_none():
     readings = waves(400)
     readings[::25] += 3.0
     found = [noise.add(float(value)) for value in readings]
-    assert set(found[:FEWEST]) == {UNKNOWN * 0.01}
-    assert set(found[2 * FEWEST :]) == {0.01}
+    assert set(found[: GATES["fewest_noise"]]) == {GATES["noise_unknown"] * 0.01}
+    assert set(found[2 * GATES["fewest_noise"] :]) == {0.01}
 
 
 def test_a_sensor_without_noise_is_known_as_well():
     noise = SensorNoise(0.01, DT)
-    assert [noise.add(1.0) for _ in range(READINGS)][-1] == 0.01
+    assert [noise.add(1.0) for _ in range(NOISE_READINGS)][-1] == 0.01
 
 
 def test_what_a_sensor_states_of_itself_counts_where_it_is_more():
     noise = SensorNoise(0.01, DT)
     assert noise.add(0.0, 0.03) == 0.03
     assert noise.add(0.0, 0.001) == 0.01
-    assert noise.add(0.0) == UNKNOWN * 0.01  # it says no more, and has not been seen for long enough
+    assert noise.add(0.0) == GATES["noise_unknown"] * 0.01  # it says no more, and has not been seen for long enough
 
 
 def test_rare_readings_are_not_judged():

@@ -3,12 +3,14 @@
 from types import SimpleNamespace
 
 import pytest
-from winch_controller_node.core.estimation.tension import MEMORY, MeanTension
+from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY
 from winch_controller_node.core.supervision.landing import HangingLoad, Landing
 from winch_controller_node.core.supervision.watch.standing_load import StandingLoad
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import TensionLawParameters
+
+from tests.gates import MeanTension
 
 DT = 0.05
 LOAD = HangingLoad(static_tension=60e3, weight=50e3, stiffness=1e6, swing_time=8.0)
@@ -51,10 +53,10 @@ def test_a_load_that_stands_is_told_once_and_keeps_compensation_off(design):
 def test_what_the_load_cell_has_said_is_kept_for_as_long_as_a_mean_remembers_and_no_longer(design):
     winch = Braked(design)
     winch.wait(20.0)
-    winch.wait(MEMORY - DT, lost=("load_cell",))
+    winch.wait(TENSION_MEMORY - DT, lost=("load_cell",))
     assert not winch.landing.hangs, "a load is not lifted off because its load cell is lost"
     winch.wait(1.0)
-    winch.wait(MEMORY - DT, lost=("load_cell",))
+    winch.wait(TENSION_MEMORY - DT, lost=("load_cell",))
     assert not winch.landing.hangs, "it was weighed again meanwhile"
     winch.wait(3.0 * DT, lost=("load_cell",))
     assert winch.landing.hangs

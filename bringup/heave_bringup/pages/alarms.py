@@ -14,7 +14,7 @@ from heave_bags.record.alarms import ALARMS as RECORDER
 from heave_node.extras import extra_parts
 from heave_node.interface.alarm import NODE_ALARMS, AlarmRow, AlarmTable
 from wave_vessel_node.alarms import ALARMS as VESSEL
-from winch_controller_node.core.estimation.loop_estimation import BACK_TIME
+from winch_controller_node.core.estimation.sense_design import BACK_TIME
 from winch_controller_node.core.supervision.command_timeouts import MOST, PERIOD, WAIT
 from winch_controller_node.core.supervision.guard_hold import CAUSE_TIME, HOLD_GROWTH, KNOWN_HOLD
 from winch_controller_node.core.supervision.supervisor import BLIND_LIMIT

@@ -1,6 +1,7 @@
 // The C interface. Sizes and the number of the layout are asked for by whoever loads the library, before anything else.
 #include "act.h"
 #include "pass.h"
+#include "sense.h"
 
 extern "C" {
 
@@ -61,12 +62,14 @@ void heave_core_unit_continue(const heave::HangingCable *cable, heave::HangingUn
 }
 
 // All motions at a tick; again, after the state has jumped; the jumps.
-void heave_core_look(const heave::LookDesign *design, heave::LookState *state, const heave::LookInputs *inputs, heave::Motions *motions) {
-    heave::look(*design, *state, *inputs, *motions);
+void heave_core_look(const heave::LookDesign *design, heave::LookState *state, const heave::LookInputs *inputs,
+                     const double *estimate, const double *mean_state, const double *covariance, heave::Motions *motions) {
+    heave::look(*design, *state, *inputs, {estimate, mean_state, covariance}, *motions);
 }
 
-void heave_core_look_again(const heave::LookDesign *design, const heave::LookState *state, const heave::LookInputs *inputs, heave::Motions *motions) {
-    heave::find_motions(*design, *state, *inputs, *motions);
+void heave_core_look_again(const heave::LookDesign *design, const heave::LookState *state, const heave::LookInputs *inputs,
+                           const double *estimate, const double *mean_state, heave::Motions *motions) {
+    heave::find_motions(*design, *state, *inputs, {estimate, mean_state, nullptr}, *motions);
 }
 
 void heave_core_look_begin_share(const heave::LookDesign *design, heave::LookState *state) { heave::begin_share(*design, *state); }
@@ -235,6 +238,17 @@ int heave_core_load(const heave::LoadWatchDesign *design, heave::LoadWatchState 
     return heave::watch_load(*design, *state, tension, static_tension, is_at_limit);
 }
 
+// The nominal unit under a locked drum: a tick without a reading, and one with it.
+void heave_core_nominal_load_begin(heave::NominalLoadState *state) { heave::begin_nominal_load(*state); }
+
+void heave_core_nominal_load(const heave::NominalLoadDesign *design, heave::NominalLoadState *state) {
+    heave::advance_nominal_load(*design, *state);
+}
+
+void heave_core_nominal_load_read(const heave::NominalLoadDesign *design, heave::NominalLoadState *state, double time, double heave, double rate) {
+    heave::read_nominal_load(*design, *state, time, heave, rate);
+}
+
 // The mean payout in motion: a tick of it, whether it moves, the ticks of its move that are left, and a tick of the loop's own
 // answer to it with the model x' = A x + B u.
 int heave_core_advance_mean(heave::MeanPayout *mean) { return heave::advance_mean(*mean); }
@@ -263,6 +277,110 @@ double heave_core_follow_tip(heave::TensionAlone *alone, const heave::TensionRec
 void heave_core_lead_alone(heave::TensionAlone *alone, const heave::TensionRecord *record, double set_point, double largest,
                            int unit_stands, heave::TensionRate *rate) {
     *rate = heave::lead_alone(*record, set_point, largest, unit_stands, *alone);
+}
+
+// What is sensed: begin; a tick, with the room for its readings: two of each delivered and one of the encoder; jumps.
+void heave_core_sense_begin(const heave::SenseDesign *design, heave::SenseState *state) { heave::begin_sense(*design, *state); }
+
+void heave_core_sense(const heave::SenseDesign *design, const heave::Filter *filter, const heave::LookDesign *look,
+                      const heave::MeanMotion *motion, heave::SenseState *state, heave::FilterState *filter_state,
+                      heave::LookState *look_state, const heave::LookAt *given, const heave::Delivered *delivered,
+                      heave::Observed *found, heave::Observed *observed, heave::Reading *readings, heave::Said *said,
+                      heave::Said *by_measurement, double *depths, heave::Tick *tick) {
+    heave::look_at({*design, *filter, *look, *motion, *state, *filter_state, *look_state}, *given, delivered,
+                   {found, observed, readings, said, by_measurement, depths}, *tick);
+}
+
+// A filter beside takes in the same tick, with a command as it takes it; it may be compared with the active one.
+void heave_core_second(const heave::SenseDesign *design, const heave::Filter *filter, const heave::LookDesign *look,
+                       const heave::MeanMotion *motion, heave::SenseState *state, heave::FilterState *filter_state,
+                       heave::LookState *look_state, heave::Observed *found, heave::Observed *observed, heave::Reading *readings,
+                       heave::Said *said, heave::Said *by_measurement, double *depths, const heave::Tick *tick, double command,
+                       int compares, heave::Second *second) {
+    heave::step_second({*design, *filter, *look, *motion, *state, *filter_state, *look_state},
+                       {found, observed, readings, said, by_measurement, depths}, *tick, command, compares, *second);
+}
+
+void heave_core_restart_consistency(heave::SenseState *state) { heave::restart_consistency(*state); }
+
+void heave_core_restart_tension(heave::SenseState *state) { heave::restart_tension(state->mean_tension); }
+
+// The sea: begin; a tick, which returns 1 where its height has changed enough; an innovation of the heave rate; height and waves.
+void heave_core_sea_begin(heave::SeaSeen *sea) { heave::begin_sea(*sea); }
+
+int heave_core_sea(const heave::SeaDesign *design, double tick_period, heave::SeaSeen *sea, double heave, double rate) {
+    return heave::update_sea(*design, tick_period, *sea, {heave, rate});
+}
+
+void heave_core_sea_innovation(const heave::SeaDesign *design, double tick_period, heave::SeaSeen *sea, double nis, double sigma) {
+    heave::note_innovation(*design, tick_period, *sea, nis, sigma);
+}
+
+double heave_core_sea_height(const heave::SeaDesign *design, const heave::SeaSeen *sea) { return heave::height_ratio(*design, *sea); }
+
+double heave_core_sea_waves(const heave::SeaDesign *design, const heave::SeaSeen *sea) { return heave::waves_of(*design, *sea); }
+
+void heave_core_restart_steps(heave::SenseState *state) { state->mru.time = heave::NOT_KNOWN; }
+
+void heave_core_rescale_encoder(heave::SenseState *state, double factor, double payout) { heave::rescale(state->encoder, factor, payout); }
+
+void heave_core_trust_encoder(heave::SenseState *state) { heave::trust(state->encoder); }
+
+// Parts of it by themselves: the gate of a sensor, jumps and noise, what innovations and tensions say.
+int heave_core_gate(const heave::SenseDesign *design, heave::SenseState *state, int sensor, double now, double time,
+                    const double *values, int count, int status) {
+    return heave::judge(design->health, design->sensors[sensor], state->gates[sensor], now, time, values, count, status);
+}
+
+void heave_core_gate_tick(const heave::SenseDesign *design, heave::SenseState *state, int sensor, double now) {
+    heave::tick_gate(design->health, design->sensors[sensor], state->gates[sensor], now);
+}
+
+void heave_core_gate_take_back(const heave::SenseDesign *design, heave::SenseState *state, int sensor, int reason, int is_news) {
+    heave::take_back(design->health, state->gates[sensor], reason, is_news);
+}
+
+int heave_core_gate_is_slow(const heave::SenseDesign *design, heave::SenseState *state, int sensor) {
+    return heave::is_slow(design->health, state->gates[sensor].interval);
+}
+
+int heave_core_mru(const heave::SenseDesign *design, heave::SenseState *state, double now, const heave::Delivered *reading) {
+    return heave::admits_mru(*design, *state, now, *reading);
+}
+
+int heave_core_mru_is_off(const heave::SenseDesign *design, heave::SenseState *state, const heave::Delivered *reading, double noise) {
+    return heave::is_off(design->steps, state->mru, *reading, noise);
+}
+
+double heave_core_depth(const heave::SenseDesign *design, heave::SenseState *state, double time, double depth, double noise) {
+    return heave::take_off(design->steps, state->jumps, time, depth, noise);
+}
+
+void heave_core_encoder_pass(const heave::SenseDesign *design, heave::SenseState *state, double now, double rate) {
+    heave::pass_tick(design->steps, state->encoder, now, rate * design->tick_period);
+}
+
+double heave_core_encoder(const heave::SenseDesign *design, heave::SenseState *state, double now, double time, double reading, double rate, int is_driven) {
+    return heave::judge_encoder(*design, state->gates[design->encoder], state->encoder, now, time, reading, rate, is_driven);
+}
+
+double heave_core_noise(const heave::SenseDesign *design, heave::SenseState *state, int row, double value, double stated) {
+    return heave::add_noise(design->health, design->measured[row], state->noises[row], value, stated);
+}
+
+int heave_core_noise_is_worse(const heave::SenseDesign *design, heave::SenseState *state, int row) {
+    return heave::has_worse_noise(design->health, design->measured[row], state->noises[row]);
+}
+
+int heave_core_consistency(const heave::SenseDesign *design, heave::SenseState *state, const double *nis) {
+    for (int row = 0; row < heave::MEASUREMENTS; row++)
+        if (design->measured[row].is_compared) heave::add_innovation(design->watches, design->tick_period, state->noises[row], nis[row]);
+    return heave::watch_consistency(*design, *state);
+}
+
+void heave_core_tension(const heave::SenseDesign *design, heave::SenseState *state, double tension, double place, int stands) {
+    heave::filter_tension(design->watches, state->mean_tension, tension);
+    heave::add_tension(design->watches, design->tick_period, state->mean_tension, tension, place, stands);
 }
 
 }

@@ -49,8 +49,9 @@ void take_unit(const LookDesign &design, LookState &state, const Motion &motion)
     continue_at(design.cable, state.hanging, motion);
 }
 
-void find_motions(const LookDesign &design, const LookState &state, const LookInputs &inputs, Motions &motions) {
-    const double *x = inputs.estimate, *mean = inputs.mean_state;
+void find_motions(const LookDesign &design, const LookState &state, const LookInputs &inputs, const LoopStates &loop,
+                  Motions &motions) {
+    const double *x = loop.x, *mean = loop.mean;
     const Motion tip = tip_of(design, x), drum = drum_of(design, x, inputs.compensating);
     const Motion mean_drum = drum_of(design, mean, inputs.mean);
     const Motion swing{mean_drum.heave + mean[design.unit], mean_drum.rate + mean[design.unit_rate]};
@@ -72,8 +73,8 @@ void find_motions(const LookDesign &design, const LookState &state, const LookIn
     motions.wave_share = waves;
 }
 
-void look(const LookDesign &design, LookState &state, const LookInputs &inputs, Motions &motions) {
-    const double *x = inputs.estimate;
+void look(const LookDesign &design, LookState &state, const LookInputs &inputs, const LoopStates &loop, Motions &motions) {
+    const double *x = loop.x;
     const Motion tip = tip_of(design, x), drum = drum_of(design, x, inputs.compensating);
     state.tip_power += (square(tip.heave) - state.tip_power) * design.tick_period / design.tip_memory;
     advance_unit(design.cable, state.shadow, tip);
@@ -81,9 +82,9 @@ void look(const LookDesign &design, LookState &state, const LookInputs &inputs, 
     relax_taut_shadow(design, state);
     advance_unit(design.cable, state.hanging, {tip.heave - drum.heave, tip.rate - drum.rate});
     if (inputs.takes_unit != 0.0) take_unit(design, state, {x[design.unit], x[design.unit_rate]});
-    state.wave_share = wave_share(design, state.tip_power, inputs.covariance);
-    state.hanging_heave = inputs.mean_state[design.unit] + motion_of(design.cable, state.hanging).heave;
-    find_motions(design, state, inputs, motions);
+    state.wave_share = wave_share(design, state.tip_power, loop.P);
+    state.hanging_heave = loop.mean[design.unit] + motion_of(design.cable, state.hanging).heave;
+    find_motions(design, state, inputs, loop, motions);
 }
 
 }  // namespace heave

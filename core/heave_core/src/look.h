@@ -18,8 +18,12 @@ void continue_at(const HangingCable &cable, HangingUnit &unit, const Motion &mot
 void advance_unit(const HangingCable &cable, HangingUnit &unit, const Motion &outlet);
 
 // look.cpp: all motions at a tick
-void look(const LookDesign &design, LookState &state, const LookInputs &inputs, Motions &motions);
-void find_motions(const LookDesign &design, const LookState &state, const LookInputs &inputs, Motions &motions);
+struct LoopStates {
+    const double *x, *mean, *P;  // estimate, state by the mean payout alone, covariance of the estimate
+};
+void look(const LookDesign &design, LookState &state, const LookInputs &inputs, const LoopStates &loop, Motions &motions);
+void find_motions(const LookDesign &design, const LookState &state, const LookInputs &inputs, const LoopStates &loop,
+                  Motions &motions);
 void begin_share(const LookDesign &design, LookState &state);
 void continue_shadow(const LookDesign &design, LookState &state, const Motion &motion);
 void take_unit(const LookDesign &design, LookState &state, const Motion &motion);

@@ -1,6 +1,7 @@
 // What is watched beside the loop: landing, and the rolling window of the figures of merit.
 #pragma once
 
+#include "look.h"
 #include "servo.h"
 
 namespace heave {
@@ -43,6 +44,11 @@ void note_command(const LinkDesign &design, LinkState &state, double *minute, in
 void note_silence(const LinkDesign &design, LinkState &state, bool has_state, double untaken);
 void watch_winch(const WinchWatchDesign &design, WinchWatchState &state, const DrumRecord &record, double *minute,
                  const WinchSeen &seen);
+
+// nominal_load.cpp: the unit under a locked drum, moved by the raw motion reference unit
+void begin_nominal_load(NominalLoadState &state);
+void advance_nominal_load(const NominalLoadDesign &design, NominalLoadState &state);
+void read_nominal_load(const NominalLoadDesign &design, NominalLoadState &state, double time, double heave, double rate);
 
 // load_watch.cpp: tension, rope and winch; they return bits of LoadNews
 void begin_load_watch(const LoadWatchDesign &design, LoadWatchState &state);

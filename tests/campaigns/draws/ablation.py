@@ -38,6 +38,12 @@ def _without_limit(name: str) -> list[Switch]:
     return [Switch(f"core.supervision.guard_checks:{name}", getattr(held, name)._replace(ratio=NEVER))]
 
 
+def _noise_as_stated() -> list[Switch]:
+    """Return the switch with which no noise is found in the readings."""
+    held = import_module(f"{PACKAGE}.core.estimation.sense_design").GATES
+    return [Switch("core.estimation.sense_design:GATES", held | {"fewest_noise": NEVER, "noise_unknown": 1.0})]
+
+
 LEARNING = {
     "winch": lambda: [Switch("adviser.component:Adviser._take_winch", _gives(None))],
     "encoder scale": lambda: [
@@ -63,8 +69,8 @@ REFLEXES = {
             _gives(import_module(f"{PACKAGE}.core.supervision.watch.encoder_reflex").Act.NOTHING),
         )
     ],
-    "exclusion after jumps": lambda: [Switch("core.estimation.observation:Observer._exclude_first", _gives(None))],
-    "sensor noise": lambda: [Switch("core.estimation.sensor_noise:SensorNoise.add", _gives(None))],
+    "exclusion after jumps": lambda: [Switch("core.estimation.sense_design:EXCLUDES_JUMPED", False)],
+    "sensor noise": _noise_as_stated,
     "share by the drum": lambda: [Switch("core.supervision.watch.winch_watch:CAUTIOUS", 1.0)],
     "share by the sea": lambda: [Switch("core.supervision.supervisor:CAUTIOUS", 1.0)],
     "share by the limits": lambda: [Switch("core.supervision.guard:HarmGuard.authority_limit", _gives(1.0))],

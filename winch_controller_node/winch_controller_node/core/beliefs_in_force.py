@@ -170,7 +170,7 @@ class BeliefsInForce:
             if before.values.get(name) != beliefs.values.get(name)
         }
         estimation, observer = self._estimation, self._estimation.observer
-        observer.terms.correct(corrections(beliefs, self.nominal))
+        observer.correct(corrections(beliefs, self.nominal))
         excluded, was = (one.excluded if one.excluded != OWN else "" for one in (beliefs, before))
         if excluded != was:
             observer.exclude(excluded)

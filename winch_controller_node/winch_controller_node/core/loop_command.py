@@ -16,8 +16,8 @@ from heave_core.library import new
 from heave_node.interface.preview import HeavePreview
 
 from winch_controller_node.core.envelope import OrderEnvelope
-from winch_controller_node.core.estimation.gates.encoder_gate import EncoderGate
-from winch_controller_node.core.estimation.loop_tick import CommandShares, LoopTick
+from winch_controller_node.core.estimation.loop_tick import MOTIONS_IN_TICK, CommandShares, LoopTick
+from winch_controller_node.core.estimation.observation import EncoderGate
 from winch_controller_node.core.place_of_orders import PlaceOfOrders
 from winch_controller_node.core.supervision.modes import SETTLING_LIMIT, Mode
 from winch_controller_node.core.supervision.rolling_kpi import KpiWindow
@@ -125,7 +125,15 @@ class TickCommand(NamedTuple):
 
 
 class Beside(NamedTuple):
-    """What else the acting half of a tick works on: mean payout, envelope, figures of merit, alarms of the load."""
+    """What else the acting half of a tick works on.
+
+    Attributes
+    ----------
+    motion : mean payout
+    envelope : in front of the winch
+    kpi : window of the figures of merit
+    load : alarms of load and winch
+    """
 
     motion: MeanMotion
     envelope: OrderEnvelope
@@ -154,21 +162,6 @@ class Tick(NamedTuple):
     is_at_limit: bool
     stated_payout: float
     encoder: EncoderGate
-
-
-class Left(NamedTuple):
-    """What a tick has done: the rows of `ActDone`, with their meanings and units."""
-
-    payout: float
-    rate: float
-    brake: float
-    mean_payout: float
-    own_payout: float
-    own_rate: float
-    set_point: float
-    moved: float
-    load_news: float
-    is_replaced: float
 
 
 class LoopCommand:
@@ -253,8 +246,10 @@ class LoopCommand:
     def speed(self, tick: LoopTick) -> float:
         """Return the speed of the winch as last commanded at `tick` [m/s], absolute."""
         numbers = self._numbers
-        own = tick.motions.total_payout_rate if self._is_first_order else numbers.item(VALUE) - numbers.item(STANDING)
-        return abs(own)
+        if self._is_first_order:
+            return math.fabs(tick.total_payout_rate)
+        speed: float = numbers.item(VALUE) - numbers.item(STANDING)
+        return abs(speed)
 
     def payout_range(self) -> tuple[float, float]:
         """Return the ends of the range that the mean payout may use [m]."""
@@ -267,7 +262,7 @@ class LoopCommand:
         `preview` : of the boom tip, seen from this tick; None: there is none
         """
         core, law, acting, loop = self._core, self._core_law, self._acting, tick.loop
-        core.estimate[:], core.mean_state[:], acting.motions[:] = loop.estimate, loop.mean_state, loop.motions
+        core.estimate[:], core.mean_state[:], acting.motions[:] = loop.estimate, loop.mean_state, loop[MOTIONS_IN_TICK]
         acting.seen[:] = self._seen(tick)
         if preview is not None:
             preview = replace(preview, heave=tick.decision.mode.authority * preview.heave)
@@ -286,10 +281,11 @@ class LoopCommand:
             self._numbers[ASKED] = self._elsewhere.value
             acting.make()
 
-    def leave(self) -> Left:
-        """Send the order through the envelope; all go by what is sent. Return what has been done."""
+    def leave(self) -> list[float]:
+        """Send the order through the envelope; all go by what is sent. Return what has been done, as in ACT_DONE."""
         self._acting.leave()
-        return Left._make(self._acting.done.tolist())
+        done: list[float] = self._acting.done.tolist()
+        return done
 
     def _seen(self, tick: Tick) -> tuple[float, ...]:
         """Return what is to be done in a tick and what was read in it, in the order of `ActSeen`."""

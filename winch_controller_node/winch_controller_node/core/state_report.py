@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from winch_controller_node.core.estimation.loop_tick import LoopTick
@@ -11,10 +10,7 @@ from winch_controller_node.core.supervision.supervisor import Decision
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.readings import Report, SensorState, WinchOrder
 from winch_controller_node.laws.law import ControlLaw
-from winch_controller_node.model.estimator import Innovation, KalmanEstimator
-
-NOT_READ = Innovation(math.nan, math.nan, math.nan, accepted=False)
-"""Innovation of a measurement in a tick without a reading of it."""
+from winch_controller_node.model.estimator import KalmanEstimator
 
 
 class Known(NamedTuple):
@@ -44,7 +40,7 @@ def state_report(loop: LoopTick, decision: Decision, command: TickCommand, order
     known : beside it
     """
     mode, measurements = decision.mode, tuple(known.estimator.measurements)
-    innovations = [loop.sensed.innovations.get(name, NOT_READ) for name in measurements]
+    innovation, innovation_sigma, nis, _ = loop.said.T.tolist()
     return Report(
         mode=mode.mode.value,
         law=known.law.name,
@@ -53,13 +49,13 @@ def state_report(loop: LoopTick, decision: Decision, command: TickCommand, order
         estimate=tuple(loop.estimate.tolist()),
         covariance_diagonal=tuple(known.estimator.covariance.diagonal().tolist()),
         measurement_names=measurements,
-        innovation=tuple([row.value for row in innovations]),
-        innovation_sigma=tuple([row.sigma for row in innovations]),
-        nis=tuple([row.nis for row in innovations]),
+        innovation=tuple(innovation),
+        innovation_sigma=tuple(innovation_sigma),
+        nis=tuple(nis),
         gain=tuple(known.law.gain.tolist()),
-        predicted_unit_heave=loop.motions.unit,
-        predicted_boom_tip_heave=loop.motions.tip,
-        predicted_uncompensated_heave=loop.motions.free,
+        predicted_unit_heave=loop.unit,
+        predicted_boom_tip_heave=loop.tip,
+        predicted_uncompensated_heave=loop.free,
         payout_set_point=order.payout,
         payout_rate_set_point=order.payout_rate,
         depth_set_point=known.depth_set_point,

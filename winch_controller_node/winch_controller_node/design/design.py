@@ -25,8 +25,7 @@ from winch_controller_node.interface.sensors import (
     sensors_that_see,
 )
 from winch_controller_node.laws.law import ControlLaw, LawDesign
-from winch_controller_node.laws.parts.governor import CommandGovernor
-from winch_controller_node.laws.parts.winch_limits import ActiveWinch, WinchLimits, winch_limits
+from winch_controller_node.laws.parts.winch_limits import WinchLimits, winch_limits
 from winch_controller_node.laws.registry import law_class, parameters_of_place
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.model.estimator import KalmanEstimator, MeasurementModel
@@ -187,10 +186,6 @@ class ControllerDesign:
         """The law's own parameters, the group of its name or those given with its place; None: it has none."""
         p = self.parameters
         return parameters_of_place(law_class(p.law), p.law_parameters) if ":" in p.law else getattr(p, p.law, None)
-
-    def make_governor(self) -> CommandGovernor:
-        """Return the governor that keeps the active limits."""
-        return CommandGovernor(self.model, ActiveWinch(self.parameters.winch, self.limits, self.tick_period))
 
 
 def _kept(parameters: WinchControllerParameters, tick_period: float) -> int:

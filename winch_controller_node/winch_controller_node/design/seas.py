@@ -10,7 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
+import numpy as np
+from heave_core.library import fill, library, new
+from heave_core.sense_table import SEA_DESIGN, SEA_STATE
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import STANDARD_GRAVITY
 
@@ -127,36 +131,53 @@ class PossibleSeas:
         return [*([] if self.stretched is None else [self.stretched]), *self.parts]
 
 
+def sea_design(design: ControllerDesign) -> dict[str, float]:
+    """Return the values of the core's SeaDesign, of a `design`."""
+    return {
+        "variance": design.sigma["boom_tip_heave"] ** 2,
+        "memory": MEMORY,
+        "group_memory": GROUP_MEMORY,
+        "group_share": GROUP_SHARE,
+        "patience": PATIENCE,
+        "step": STEP,
+        "smallest": SMALLEST,
+        "largest": LARGEST,
+        "innovation_memory": INNOVATION_MEMORY,
+        "largest_nis": LARGEST_NIS,
+        "least_error": LEAST_ERROR,
+        "least_heave": LEAST_HEAVE,
+    }
+
+
 class SeaTracker:
-    """Running estimate of the boom-tip motion against that of the design.
+    """Running estimate of the boom-tip motion against that of the design, made by the core (sea.cpp).
 
     Parameters
     ----------
     design : what the ratios refer to
+    record : array of one SeaSeen of the core that it goes by; None: it has its own
     """
 
-    def __init__(self, design: ControllerDesign) -> None:
-        self._seen = 0.0
-        self._variance = self._rate_variance = self._fourth_moment = self._group_variance = 0.0
-        self._applied = 1.0
-        self._mean_nis = 1.0
-        self._waves_judged, self._since_judged = FIRST_WAVES / JUDGED_AGAIN, 0.0
+    def __init__(self, design: ControllerDesign, record: Any = None) -> None:
+        self._record, self._against = new(SEA_STATE) if record is None else record, new(SEA_DESIGN)
+        self._at = self._against.ctypes.data, design.tick_period, self._record.ctypes.data
+        self._core = library()
+        self._update, self._note = self._core.heave_core_sea, self._core.heave_core_sea_innovation
+        self._waves_judged = FIRST_WAVES / JUDGED_AGAIN
+        self._core.heave_core_sea_begin(self._record.ctypes.data)
         self.refer_to(design)
 
     def refer_to(self, design: ControllerDesign) -> None:
         """Refer to another design from now on."""
-        self._dt = design.tick_period
-        self._design_variance = design.sigma["boom_tip_heave"] ** 2
+        fill(self._against[0], sea_design(design))
         self._quiet = design.model.noise_covariance - design.sea_noise
         self._sea_noise = design.sea_noise
-        self._applied = 1.0
+        self._record["applied"] = 1.0
 
     @property
     def height_ratio(self) -> float:
         """Height of the boom-tip motion over that of the design; 1 until enough has been seen."""
-        settled = math.sqrt(self._variance / self._design_variance) if self._seen >= PATIENCE else 1.0
-        growing = GROUP_SHARE * math.sqrt(self._group_variance / self._design_variance)
-        return min(max(settled, growing, SMALLEST), LARGEST)
+        return float(self._core.heave_core_sea_height(self._at[0], self._at[2]))
 
     def update(self, heave: float, rate: float = 0.0) -> Array | None:
         """Take in the estimated heave [m] and heave rate [m/s] of the boom tip at a tick.
@@ -164,32 +185,28 @@ class SeaTracker:
         Returns the covariance of the process noise to use from now on, shape (n, n), when the sea has changed enough;
         else None.
         """
-        self._seen += self._dt
-        self._since_judged += self._dt
-        # a plain mean at first, then one with fading memory
-        share = self._dt / min(self._seen, MEMORY)
-        self._variance += share * (heave**2 - self._variance)
-        self._rate_variance += share * (rate**2 - self._rate_variance)
-        self._fourth_moment += share * (heave**4 - self._fourth_moment)
-        share = self._dt / min(self._seen, GROUP_MEMORY)
-        self._group_variance += share * (heave**2 - self._group_variance)
-        if abs(self.height_ratio / self._applied - 1.0) < STEP:
-            return None
-        self._applied = self.height_ratio
-        return self._quiet + self._applied**2 * self._sea_noise
+        return self.noise if self._update(*self._at, heave, rate) else None
+
+    @property
+    def noise(self) -> Array:
+        """Covariance of the process noise in the sea that is seen, shape (n, n)."""
+        return np.asarray(self._quiet + float(self._record["applied"][0]) ** 2 * self._sea_noise)
 
     def newly_seen(self) -> SeaSeen | None:
         """Return the sea as seen so far, each time that twice as many waves have been seen; else None."""
-        waves = self.waves
+        waves, record = self.waves, self._record[0]
         if waves == 0.0:
             return None
-        is_due = waves >= JUDGED_AGAIN * self._waves_judged or self._since_judged >= MEMORY
-        if not is_due and not (self.is_refuted and self._since_judged >= REFUTED_PERIOD):
+        is_due = waves >= JUDGED_AGAIN * self._waves_judged or record["since_judged"] >= MEMORY
+        if not is_due and not (self.is_refuted and record["since_judged"] >= REFUTED_PERIOD):
             return None
-        self._waves_judged, self._since_judged = waves, 0.0
-        is_settled = self._seen >= PATIENCE
-        heave = math.sqrt(self._variance if is_settled else max(self._variance, self._group_variance))
-        return SeaSeen(waves, heave, self._frequency, is_settled, self.is_refuted)
+        self._waves_judged = waves
+        record["since_judged"] = 0.0
+        is_settled = bool(record["seen"] >= PATIENCE)
+        variance = float(record["variance"])
+        heave = math.sqrt(variance if is_settled else max(variance, float(record["group_variance"])))
+        frequency = math.sqrt(float(record["rate_variance"]) / variance)
+        return SeaSeen(waves, heave, frequency, is_settled, self.is_refuted)
 
     def note_innovation(self, nis: float, sigma: float) -> None:
         """Take in what a heave rate of the motion reference unit said against the prediction.
@@ -199,28 +216,17 @@ class SeaTracker:
         nis : normalised innovation squared
         sigma : standard deviation by which it was normalised [m/s]
         """
-        counted = min(nis * min(1.0, (sigma / LEAST_ERROR) ** 2), LARGEST_NIS)
-        self._mean_nis += self._dt / INNOVATION_MEMORY * (counted - self._mean_nis)
+        self._note(*self._at, nis, sigma)
 
     @property
     def is_refuted(self) -> bool:
         """Tell whether the sea of the design cannot be the one that is there: it predicts the heave rate badly."""
-        return self._mean_nis > REFUTED
-
-    @property
-    def _frequency(self) -> float:
-        return math.sqrt(self._rate_variance / self._variance)
+        return bool(self._record["mean_nis"][0] > REFUTED)
 
     @property
     def waves(self) -> float:
-        """Waves in the fading memory; in a sea that has just grown only the last ones count.
-
-        Of a normal sea the fourth moment is three times the variance squared; where heights differ more, fewer count.
-        """
-        if self._variance < LEAST_HEAVE**2:
-            return 0.0
-        counted = min(self._seen, MEMORY) * min(3.0 * self._variance**2 / self._fourth_moment, 1.0)
-        return counted * self._frequency / (2.0 * math.pi)
+        """Waves in the fading memory; in a sea that has just grown only the last ones count."""
+        return float(self._core.heave_core_sea_waves(self._at[0], self._at[2]))
 
 
 def sigma_and_frequency(sea: SeaModelParameters, vessel: VesselModelParameters) -> tuple[float, float]:

@@ -148,7 +148,12 @@ class KalmanEstimator:
     @property
     def estimate(self) -> Array:
         """State estimate, shape (n,)."""
-        return self._estimate
+        return self._filter.x
+
+    @property
+    def addresses(self) -> tuple[int, int]:
+        """Addresses of the core's Filter and FilterState."""
+        return self._filter.addresses
 
     @property
     def covariance(self) -> Array:
@@ -260,7 +265,6 @@ class KalmanEstimator:
             np.zeros(self.model.order) if estimate is None else np.asarray(estimate, dtype=float),
             np.asarray(self._gate.added if covariance is None else covariance, dtype=float),
         )
-        self._estimate = self._filter.x
         self.innovations = {}
         for name, stream in (streams or {}).items():
             if name in self._which:
@@ -314,7 +318,6 @@ class KalmanEstimator:
             }
             for tick in record
         ]
-        self._estimate = self._filter.x
         self.innovations = followed[-1] if followed else {}
         return followed
 

@@ -2,8 +2,7 @@
 
     a z'' + b z' + z = x0,    T = T0 + k (x0 - z)
 
-No estimate, identified value or gain is in it. Heave is blended with the integral of its rate: on a short cable the
-noise of the heave alone would shake the unit.
+No estimate, identified value or gain is in it. The motion is made in C++ (`heave_core`, nominal_load.cpp).
 """
 
 from __future__ import annotations
@@ -11,12 +10,12 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import numpy as np
+from heave_core.watch import NominalUnit
 from heave_node.interface.codes import MruStatus
 from heave_node.interface.sensors import MruReading
 
 from winch_controller_node.model.blocks import CableModel
-from winch_controller_node.model.simulated_unit import SimulatedUnit
+from winch_controller_node.model.simulated_unit import hanging_cable
 
 BLEND = 1.0
 """Time constant with which heave corrects the integral of its rate [s]."""
@@ -47,26 +46,34 @@ class NominalLoad:
     cable : nominal, at `length`
     length : of cable [m]
     tick_period : [s]
-
-    Attributes
-    ----------
-    time : of the newest reading of the MRU [s]
-    heave, unit : of boom tip and unit [m]
     """
 
     def __init__(self, cable: CableModel, length: float, tick_period: float) -> None:
         self._nominal, self._length, self._dt = cable, length, tick_period
         self.cable = cable
-        self._unit = SimulatedUnit(cable, tick_period)
-        self._at = length
-        self.time, self.heave, self.unit = -math.inf, math.nan, 0.0
-        self._base = (-math.inf, math.nan)
-        self._rate = self._read_time = 0.0
+        times = {"tick_period": tick_period, "blend": BLEND, "unread": UNREAD}
+        self._core = NominalUnit({**times, "cable": hanging_cable(cable, tick_period)})
+        self._at_tip, self._at = self._core.at_tip, length
+
+    @property
+    def time(self) -> float:
+        """Time of the newest reading of the MRU [s]."""
+        return float(self._at_tip[0])
+
+    @property
+    def heave(self) -> float:
+        """Heave of the boom tip [m]; NaN: none was read."""
+        return float(self._at_tip[1])
+
+    @property
+    def unit(self) -> float:
+        """Heave of the unit [m]."""
+        return float(self._at_tip[2])
 
     @property
     def is_known(self) -> bool:
         """Tell whether the MRU reads, and has done so long enough for the blend."""
-        return self._read_time > BLEND
+        return bool(self._at_tip[3] > BLEND)
 
     @property
     def stretch(self) -> float:
@@ -91,38 +98,12 @@ class NominalLoad:
             drag=nominal.drag * ratio,
             stiffness=nominal.stiffness / ratio,
         )
-        self._unit.take_cable(self.cable, self._dt)
+        self._core.take_cable(hanging_cable(self.cable, self._dt))
 
     def step(self, readings: tuple[MruReading, ...]) -> None:
         """Advance by a tick with `readings` of the MRU, at the boom tip, in it."""
         read = [one for one in readings if one.status == MruStatus.OK and _is_plausible(one)]
         if read:
-            self._take(read[-1])
+            self._core.read(read[-1].time, read[-1].heave, read[-1].heave_rate)
         else:
-            self.time += self._dt
-            self.heave = self._base[1] + self._rate * (self.time - self._base[0])
-        if not self.time - self._base[0] < UNREAD:
-            self._read_time = self._rate = 0.0
-            self._base = (self.time, self.heave)
-        self._read_time += self._dt if read or self._read_time else 0.0
-        if math.isfinite(self.heave):
-            self.unit = float(self._unit.state[0])
-            self._unit.step(np.array([self.heave, self._rate]))
-
-    def _take(self, reading: MruReading) -> None:
-        """Blend heave and rate of a `reading` with what its rate has made of the ones before."""
-        time, before = self._base
-        heave, since = reading.heave, reading.time - time
-        has_rate = math.isfinite(reading.heave_rate)
-        rate = reading.heave_rate if has_rate else 0.0
-        if not 0.0 <= since < UNREAD:
-            self._read_time = 0.0
-            if math.isnan(before):
-                self._unit.continue_at(np.array([heave, 0.0]))
-        elif has_rate:
-            integral = before + 0.5 * since * (rate + self._rate)
-            heave = integral + min(since / BLEND, 1.0) * (heave - integral)
-        elif since > 0.0:
-            rate = (heave - before) / since
-        self.time, self.heave, self._rate = reading.time, heave, rate
-        self._base = (self.time, self.heave)
+            self._core.advance()

@@ -61,6 +61,11 @@ class MeanMotion:
         self._states[:] = state
 
     @property
+    def address(self) -> int:
+        """Address of the core's MeanMotion."""
+        return int(self._address)
+
+    @property
     def set_point(self) -> float:
         """Payout about which the winch works now [m]."""
         return self.depth_set_point + self.carried.point.payout

@@ -12,7 +12,8 @@ from collections.abc import Mapping, Sequence
 
 from heave_node.crane.pose import CranePose
 from heave_node.interface.alarm import Alarm
-from winch_controller_node.core.component import OPERATED, WinchController
+from winch_controller_node.core.component import WinchController
+from winch_controller_node.core.operator_requests import OPERATED
 from winch_controller_node.core.supervision.modes import loop_words
 from winch_controller_node.in_front import MotionSourceEntry
 from winch_controller_node.interface.readings import Measurements, Outputs, WinchReading

@@ -20,7 +20,7 @@ from heave_core.library import READING_NAMES, Envelope, new
 from heave_node.interface import topics
 from heave_node.interface.sensors import DEPTH, MRU, Water, WireReading
 from winch_controller_node.core.envelope import nominal_design
-from winch_controller_node.core.estimation.reading_terms import tick_of
+from winch_controller_node.core.estimation.sense_design import tick_of
 from winch_controller_node.core.loop_command import commander
 from winch_controller_node.core.place_of_orders import PlaceOfOrders
 from winch_controller_node.design.design import ControllerDesign, design_controller

@@ -1,18 +1,45 @@
-"""One tick of the loop as a value: what the sensors said, and what is known of all motions. Nothing in it changes."""
+"""One tick of the loop as a value: the row that the core makes of it. Nothing in it changes."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections import namedtuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from heave_core.look import Motions
-from heave_node.interface.alarm import Alarm
-from heave_node.numerics.arrays import Array
+from heave_core.look_table import MOTIONS
+from heave_core.sense_table import TICK
 
-from winch_controller_node.core.estimation.tension import NO_MEAN, TensionMean
-from winch_controller_node.model.estimator import Innovation
-from winch_controller_node.model.loop_rows import LoopRows
+FIELDS = (*(row.name for row in TICK.rows if row.kind is not MOTIONS), *(row.name for row in MOTIONS.rows))
+"""Numbers of a tick, with their meanings and units in the tables TICK and MOTIONS of the core."""
+
+MOTIONS_IN_TICK = slice(len(FIELDS) - len(MOTIONS.rows), len(FIELDS))
+"""Places of the motions among them."""
+
+MORE = ("rows", "estimate", "mean_state", "said", "lost", "depths", "observed", "inconsistency", "faults")
+"""What a tick has beside them, see `LoopTick`."""
+
+
+TENSION_MEMORY = 30.0
+"""Time constant of the mean tension [s]: of a wave it leaves 1/(w T), as much as a plain mean over twice the time may.
+It holds a wave and a half of the longest swell, of 20 s; the motion of the boom tip is averaged over it as well."""
+
+
+class TensionMean(NamedTuple):
+    """Mean of the tension at the top over waves, which is what stays of it under a brake.
+
+    The mean acceleration of a unit that goes nowhere is 0, so that it is the weight that the cable carries: it
+    distinguishes a unit that stands from one that hangs, where a reading, or a low-pass of a second, shows the wave.
+
+    Attributes
+    ----------
+    value : [N]; NaN where there is none
+    sigma : standard deviation of the tension about it [N]
+    time : for which the situation has been the same [s]
+    """
+
+    value: float = math.nan
+    sigma: float = 0.0
+    time: float = 0.0
 
 
 def free_swing(heave: float, rate: float, inertia: float) -> float:
@@ -24,42 +51,6 @@ def free_swing(heave: float, rate: float, inertia: float) -> float:
     inertia : a of the two-state cable [s^2]
     """
     return math.hypot(heave, math.sqrt(inertia) * rate)
-
-
-class Sensed(NamedTuple):
-    """What the sensors said in a tick, after the gates.
-
-    Attributes
-    ----------
-    payout : encoder reading, jumps taken off [m]; None: none came
-    mru_rate : newest heave rate of the MRU [m/s]; NaN: it measures none
-    tension, filtered_tension : newest top tension, and that low-passed [N]; NaN before the first
-    depths : depth readings of the tick: stamp [s] and depth, positive down [m]
-    depth_heave : the newest of them as heave about the mean payout's share [m]; None: none came
-    depth_noise : standard deviation of the depth sensor's noise, as far as it is known [m]
-    depth_innovation : its innovation over the standard deviation of that [-]; None: there is none
-    has_depth : there is a depth sensor, and it is not lost
-    sees_landing : and it does not contradict all others
-    has_encoder : a reading of the encoder has been accepted since the start
-    innovations : what each reading said against its prediction, by measurement
-    lost : why each lost sensor counts as lost, by name
-    faults : alarms of sensors that have become worse in this tick
-    """
-
-    payout: float | None
-    mru_rate: float
-    tension: float
-    filtered_tension: float
-    depths: tuple[tuple[float, float], ...]
-    depth_heave: float | None
-    depth_noise: float
-    depth_innovation: float | None
-    has_depth: bool
-    sees_landing: bool
-    has_encoder: bool
-    innovations: Mapping[str, Innovation]
-    lost: Mapping[str, str]
-    faults: tuple[Alarm, ...]
 
 
 class CommandShares(NamedTuple):
@@ -74,43 +65,46 @@ class CommandShares(NamedTuple):
         return self.compensating + self.mean
 
 
-class LoopTick(NamedTuple):
-    """What is known of the loop at a tick.
+if TYPE_CHECKING:
+    # numbers by the names of the tables, which no checker knows
+    LoopTick: TypeAlias = Any
+else:
 
-    By linearity its motion is the sum of what the mean payout brings about, which is known exactly, and of the rest,
-    which is estimated.
+    class LoopTick(namedtuple("LoopTick", (*FIELDS, *MORE))):
+        """What is known of the loop at a tick: the numbers of the core's Tick by their names, and more.
 
-    Attributes
-    ----------
-    number : of the tick
-    sensed : after the gates
-    rows : of the model whose states these are
-    command : active until now
-    estimate : state of the loop without the mean payout's own motion, shape (n,)
-    mean_state : state that the mean payout alone brings about, shape (n,)
-    mean_command : share of the next command that moves the mean payout, in the terms of the model
-    left_over : payout left over from before a stop, on its way to the mean [m]
-    motions : of boom tip, drum and units
-    knows_sea : some waves have been seen
-    is_sea_refuted : the sea of the design predicts badly what the motion reference unit reads
-    inconsistency : why the readings are not consistent yet; empty where they are
-    knows_tip : the boom tip is measured; what is known of it otherwise is not to be acted upon
-    mean_tension : at the top, over the waves since the unit and the mean payout are where they are
-    missing_push : by how much more the linear model would push the unit down than a slack cable does [m]
-    """
+        Attributes
+        ----------
+        rows : of the model whose states these are
+        estimate : state of the loop without the mean payout's own motion, shape (n,)
+        mean_state : state that the mean payout alone brings about, shape (n,)
+        said : innovation, its standard deviation, its normalised square and whether it was accepted, of each
+            measurement of the filter (m, 4); NaN where there was no reading
+        lost : why each lost sensor counts as lost, by name
+        depths : depth readings of the tick: stamp [s] and depth, positive down [m]
+        observed : readings of the tick, by the columns of the core's Observed
+        inconsistency : why the readings are not consistent yet; empty where they are
+        faults : alarms of sensors that have become worse in this tick
 
-    number: int
-    sensed: Sensed
-    rows: LoopRows
-    command: CommandShares
-    estimate: Array
-    mean_state: Array
-    mean_command: float
-    left_over: float
-    motions: Motions
-    knows_sea: bool = True
-    is_sea_refuted: bool = False
-    inconsistency: str = ""
-    knows_tip: bool = True
-    mean_tension: TensionMean = NO_MEAN
-    missing_push: float = 0.0
+        By linearity the loop's motion is the sum of what the mean payout brings about, which is known exactly, and of
+        the rest, which is estimated.
+        """
+
+        __slots__ = ()
+
+        @property
+        def sensed(self) -> LoopTick:
+            """The same."""
+            return self
+
+        motions = sensed
+
+        @property
+        def command(self) -> CommandShares:
+            """Command active until now."""
+            return CommandShares(self.compensating, self.mean)
+
+        @property
+        def mean_tension(self) -> TensionMean:
+            """Tension at the top, over the waves since the unit and the mean payout are where they are."""
+            return TensionMean(self.tension_mean, self.tension_sigma, self.tension_time)

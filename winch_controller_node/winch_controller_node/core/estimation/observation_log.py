@@ -6,17 +6,13 @@ import math
 
 import numpy as np
 from heave_node.interface.codes import WinchFault
+from heave_node.numerics.arrays import Array
 
 from winch_controller_node.core.estimation.loop_tick import LoopTick
 from winch_controller_node.core.estimation.observation import Observer
+from winch_controller_node.core.estimation.sense_design import ROWS
 from winch_controller_node.interface.observations import BATCH, READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.interface.readings import WinchOrder, WinchReading
-from winch_controller_node.interface.sensors import KnownSensors
-
-ROWS = tuple(row.name for sensor in KnownSensors().by_name().values() for row in sensor.rows())
-"""Names of the measurements that readings refer to."""
-
-_INDEX = {name: index for index, name in enumerate(ROWS)}
 
 
 class ObservationLog:
@@ -35,7 +31,7 @@ class ObservationLog:
     def __init__(self, tick_period: float) -> None:
         self._batch = max(1, round(BATCH / tick_period))
         self._ticks: list[tuple[float, ...]] = []
-        self._readings: list[tuple[float, ...]] = []
+        self._readings: list[Array] = []
         self._first = self.epoch = 0
         self._is_broken = True
 
@@ -70,30 +66,23 @@ class ObservationLog:
             self.epoch, self._is_broken = (self._first if self._is_broken else self.epoch), False
         sequence, payout, rate, brake, _ = WinchOrder(0, 0.0, 0.0, True) if order is None else order
         brake = brake or (winch is not None and (winch.brake or winch.fault != WinchFault.NONE))
-        encoder = math.nan if observer.payout is None else observer.encoder.as_read
+        encoder = math.nan if math.isnan(loop.encoder_payout) else observer.encoder.as_read
         taken, limits = (math.nan, 0) if winch is None else (winch.command_sequence, winch.limits_hit)
         self._ticks.append(
             (
-                *(loop.command.compensating, payout, rate, sequence, brake, encoder, taken, limits),
+                *(loop.compensating, payout, rate, sequence, brake, encoder, taken, limits),
                 *(
-                    loop.sensed.tension,
+                    loop.tension,
                     authority,
                     compensates,
-                    loop.motions.tip,
-                    loop.motions.tip_rate,
+                    loop.tip,
+                    loop.tip_rate,
                     loop.estimate[loop.rows.unit_states[1]],
                     loop.missing_push,
                 ),
             )
         )
-        innovations = loop.sensed.innovations
-        for reading, value, share, is_used in observer.observed:
-            said = innovations.get(reading.name) if is_used else None
-            sigma = math.nan if reading.sigma is None else reading.sigma
-            nis = math.nan if said is None else said.nis
-            self._readings.append(
-                (loop.number, reading.tick, _INDEX[reading.name], value, share, reading.offset, sigma, is_used, nis)
-            )
+        self._readings.append(loop.observed[:, : len(READING_COLUMNS)])
 
     def batch(
         self, beliefs: int, *, excluded: str, is_trusted: bool, restated: tuple[tuple[str, float], ...] = ()
@@ -110,6 +99,6 @@ class ObservationLog:
         if len(self._ticks) < self._batch:
             return None
         ticks = np.array(self._ticks, dtype=float).reshape(-1, len(TICK_COLUMNS))
-        readings = np.array(self._readings, dtype=float).reshape(-1, len(READING_COLUMNS))
+        readings = np.concatenate(self._readings)
         self._ticks, self._readings = [], []
         return Observations(self._first, ticks, ROWS, readings, self.epoch, beliefs, excluded, is_trusted, restated)

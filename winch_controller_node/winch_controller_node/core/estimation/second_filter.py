@@ -8,11 +8,15 @@ the filter each tick, for as long as it is there.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+
+from heave_core.library import fill, library, new
+from heave_core.sense_table import SECOND
 
 from winch_controller_node.beliefs.beliefs import Adopted
+from winch_controller_node.core.estimation.core_tick import CoreTick
+from winch_controller_node.core.estimation.sense_design import INDEX, second_design
 from winch_controller_node.design.design import ControllerDesign, carry_by_name
-from winch_controller_node.model.estimator import Innovation, KalmanEstimator, Measurement
+from winch_controller_node.model.estimator import KalmanEstimator
 
 BLOCK = 1.0
 """Time of which the innovations of one measurement count as one independent one [s]."""
@@ -48,22 +52,20 @@ class RowEvidence:
     def __init__(self) -> None:
         self.nats = self._blocks = 0.0
         self.active = self.second = 1.0
-        self._sums, self._count = (0.0, 0.0), 0
 
-    def add(self, active: Innovation, second: Innovation) -> None:
-        """Take in a reading by the `active` filter and by the `second` one."""
-        noise = max(active.sigma, second.sigma) ** 2
-        self._sums = self._sums[0] + active.value**2 / noise, self._sums[1] + second.value**2 / noise
-        self._count += 1
+    def close(self, active: float, second: float, count: float) -> None:
+        """End a block: it says who is right where one of the two explains what was read in it.
 
-    def close(self) -> None:
-        """End a block: it says who is right where one of the two explains what was read in it."""
+        Parameters
+        ----------
+        active, second : sums of the squared innovations of the two over their noise
+        count : of readings in them
+        """
         self.nats -= self.nats / MEMORY
         self._blocks -= self._blocks / MEMORY
-        if self._count == 0:
+        if count == 0:
             return
-        self.active, self.second = (min(max(one / self._count, 1.0), LARGEST) for one in self._sums)
-        self._sums, self._count = (0.0, 0.0), 0
+        self.active, self.second = (min(max(one / count, 1.0), LARGEST) for one in (active, second))
         nearer, other = sorted((self.active, self.second))
         if nearer <= max(EXPLAINED, CLEARLY * other):
             self.nats += 0.5 * math.log(self.active / self.second)
@@ -76,7 +78,7 @@ class RowEvidence:
 
 
 class SecondFilter:
-    """Runs beside the active filter.
+    """Runs beside the active filter, in the core (second.cpp).
 
     Parameters
     ----------
@@ -84,7 +86,7 @@ class SecondFilter:
     was : design of the active filter
     active : that filter, from whose state it begins
     tick : the last one
-    settling : time from its beginning in which nothing is compared [s]; 0: it is as sure as the active one
+    by_count : it takes the drum to be where it is counted, is as sure as the active one, and is not judged by the count
     """
 
     def __init__(
@@ -93,51 +95,33 @@ class SecondFilter:
         was: ControllerDesign,
         active: KalmanEstimator,
         tick: int,
-        settling: float = SETTLING,
+        *,
+        by_count: bool = False,
     ) -> None:
         self.design = design
-        self._dt = design.tick_period
         self._estimator = design.make_estimator()
         start = carry_by_name(was, design) @ active.estimate
-        covariance = design.initial_covariance if settling > 0.0 else active.covariance
+        covariance = active.covariance if by_count else design.initial_covariance
         self._estimator.continue_at(tick, start, covariance, active.streams)
-        self._settling = settling
-        self._first = tick
-        self._block = round(BLOCK / self._dt)
-        self._rows: dict[str, RowEvidence] = {}
+        self._settled = tick + (0 if by_count else round(SETTLING / design.tick_period))
+        self._block = round(BLOCK / design.tick_period)
+        self._rows = {name: RowEvidence() for name in self._estimator.measurements}
+        self._record = new(SECOND)
+        fill(self._record[0], second_design(self._estimator, by_count=by_count))
+        self._step, self._address = library().heave_core_second, self._record.ctypes.data
 
-    def step(
-        self,
-        tick: int,
-        command: float,
-        readings: Sequence[Measurement],
-        said: Mapping[str, Innovation],
-        *,
-        unjudged: Collection[str] = (),
-    ) -> None:
-        """Take in a tick.
-
-        Parameters
-        ----------
-        tick : number
-        command : of the tick before, in the terms of its model, without the mean payout's share
-        readings : in its terms
-        said : innovations of the active filter in this tick
-        unjudged : measurements that say nothing of who is right
-        """
-        known = self._estimator.measurements
-        self._estimator.step(tick, command, [reading for reading in readings if reading.name in known])
-        elapsed = tick - self._first - round(self._settling / self._dt)
-        if elapsed <= 0:
+    def step(self, core: CoreTick, number: int, command: float) -> None:
+        """Take in the tick `number` that the `core` has just made, under a `command` in the terms of its model."""
+        elapsed = number - self._settled
+        self._step(*core.beside(*self._estimator.addresses), command, elapsed > 0, self._address)
+        if elapsed <= 0 or elapsed % self._block:
             return
-        for name, mine in self._estimator.innovations.items():
-            other = said.get(name)
-            if name in unjudged or other is None or not math.isfinite(mine.nis + other.nis):
-                continue
-            self._rows.setdefault(name, RowEvidence()).add(other, mine)
-        if elapsed % self._block == 0:
-            for row in self._rows.values():
-                row.close()
+        sums = self._record[0]
+        for name, row in self._rows.items():
+            place = INDEX[name]
+            row.close(*(float(sums[field][place]) for field in ("active", "second", "count")))
+        for field in ("active", "second", "count"):
+            sums[field] = 0.0
 
     @property
     def nats(self) -> float:

@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 
 from heave_core.look_table import KNOTS
 
-from winch_controller_node.core.estimation.gates.depth_jumps import LARGEST_SPEED, LARGEST_STEP
-from winch_controller_node.core.estimation.mru_steps import SIGMAS
+from winch_controller_node.core.estimation.sense_design import STEPS
 from winch_controller_node.laws.parts.effort import Effort
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
@@ -164,9 +163,9 @@ def guard_design(parameters: GuardParameters, loop: GuardedLoop, tick_period: fl
         "swing_work": SWING_WORK,
         "least_authority": LEAST_AUTHORITY,
         "detrend_time": DETREND_TIME,
-        "largest_step": LARGEST_STEP,
-        "step_sigmas": SIGMAS,
-        "step_speed": LARGEST_SPEED,
+        "largest_step": STEPS["depth_step"],
+        "step_sigmas": STEPS["sigmas"],
+        "step_speed": STEPS["depth_speed"],
         "full_share": FULL_SHARE,
         "harm_ratio": parameters.harm_ratio,
         "floor": parameters.floor,

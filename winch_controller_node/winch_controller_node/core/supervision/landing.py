@@ -8,7 +8,6 @@ whole swing.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, NamedTuple
@@ -16,8 +15,7 @@ from typing import Any, NamedTuple
 from heave_core.watch import LandingWatch
 from heave_core.watch_table import LANDING_STATE, Landed
 
-from winch_controller_node.core.estimation.loop_tick import Sensed
-from winch_controller_node.core.estimation.tension import MEMORY, TensionMean
+from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY, LoopTick, TensionMean
 from winch_controller_node.core.supervision.modes import Mode, ModeOutput
 from winch_controller_node.parameters.laws import TensionLawParameters
 
@@ -115,7 +113,7 @@ class HangingLoad:
         tension : mean at the top
         more : cable that is out beyond that of the static tension [m]
         """
-        averaged = min(max(tension.time / MEMORY, 1e-3), 1.0)
+        averaged = min(max(tension.time / TENSION_MEMORY, 1e-3), 1.0)
         error = MEAN_ERROR * tension.sigma / (averaged * self.weight)
         return self.weight_share(tension.value - self.cable_weight * more), error
 
@@ -213,7 +211,7 @@ class Landing:
         """Speed at which the winch lowers [m/s]; 0 before that is known."""
         return float(self._flags[RATE])
 
-    def observe(self, time: float, sensed: Sensed, mean_payout: float, hanging: HangingUnit) -> None:
+    def observe(self, time: float, sensed: LoopTick, mean_payout: float, hanging: HangingUnit) -> None:
         """Take in what is known at a tick.
 
         Parameters
@@ -225,11 +223,11 @@ class Landing:
         """
         for stamp, depth in sensed.depths:
             self._core.add_depth(stamp, depth)
-        innovation = math.nan if sensed.depth_innovation is None else sensed.depth_innovation
+        innovation = sensed.depth_innovation
         is_weighed = "load_cell" not in sensed.lost
         self._core.observe(time, sensed.tension, is_weighed, mean_payout, hanging.depth, hanging.stretch, innovation)
 
-    def update(self, sensed: Sensed, mode: ModeOutput) -> LandingEvent | None:
+    def update(self, sensed: LoopTick, mode: ModeOutput) -> LandingEvent | None:
         """Return what has happened in the tick that was observed last; None: nothing.
 
         Parameters

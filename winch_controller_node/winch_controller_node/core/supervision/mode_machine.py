@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from heave_node.interface.codes import WinchFault, fault_words
 
-from winch_controller_node.core.estimation.loop_estimation import BACK_TIME
+from winch_controller_node.core.estimation.sense_design import BACK_TIME
 from winch_controller_node.core.supervision.command_timeouts import WAIT
 from winch_controller_node.core.supervision.modes import (
     BRAKED,
@@ -158,14 +158,22 @@ class ModeMachine:
                 self._time = min(self._time, self._parameters.fade_out_time)
             else:
                 self._approach(0.0, self._parameters.fade_out_time)
-        view = self._view
-        for event, happens in LOOKED_FOR[self.mode]:
-            if happens(view) and self._take(event):
-                break
-        else:
+        if self._is_quiet or not self._take_event():
             self._go_on()
         before, self._mode_before = self._mode_before, self.mode
         return ModeOutput(self.mode, self.reason, self.authority, self.brake, None if before is self.mode else before)
+
+    @property
+    def _is_quiet(self) -> bool:
+        """Tell whether compensation goes on: none of the events that it has rows for has happened."""
+        situation = self._situation
+        has_news = situation.lost or situation.winch_fault or situation.harm or situation.envelope
+        return self.mode is Mode.COMPENSATING and not has_news
+
+    def _take_event(self) -> bool:
+        """Take the first event of the tick that has a row; return whether there is one."""
+        view = self._view
+        return any(happens(view) and self._take(event) for event, happens in LOOKED_FOR[self.mode])
 
     @property
     def _view(self) -> View:
@@ -264,13 +272,14 @@ class ModeMachine:
     def _approach(self, target: float, time: float) -> None:
         step = self._dt / time
         change = min(max(target - self.authority, -step), step)
-        self._memory = self._memory._replace(authority=self.authority + change)
+        if change:
+            self._memory = self._memory._replace(authority=self.authority + change)
 
     def _go_on(self) -> None:
         """Move authority to what the winch can follow, and say why the mode stays what it is."""
         situation = self._situation
         if self.mode is Mode.COMPENSATING:
-            if self._time > FORGIVEN:
+            if self._time > FORGIVEN and self._memory.losses:
                 self._memory = self._memory._replace(losses=0)
             self.target = self.factor * situation.authority_limit
             self._approach(self.target, self._parameters.fade_in_time)

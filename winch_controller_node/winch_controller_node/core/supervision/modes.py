@@ -23,7 +23,7 @@ from typing import NamedTuple
 from heave_node.interface.codes import REQUESTED, WinchFault, fault_words
 from heave_node.winch.fault_latch import is_automatic
 
-from winch_controller_node.core.estimation.loop_estimation import BACK_TIME
+from winch_controller_node.core.estimation.sense_design import BACK_TIME
 from winch_controller_node.parameters.laws import ModeParameters
 
 
@@ -281,9 +281,7 @@ NOT_FOR_WANT_OF_COMMANDS = Guard(
     "the fault is not a command timeout", lambda view: not is_automatic(view.situation.winch_fault)
 )
 SENSORS_WELL = Guard("sensors good", lambda view: view.lost_time == 0.0, lambda view: view.situation.lost)
-GATES_OPEN = Guard(
-    "start conditions met", lambda view: not view.situation.gates(), lambda view: view.situation.gates()
-)
+GATES_OPEN = Guard("start conditions met", lambda view: not view.situation.gates(), lambda view: view.situation.gates())
 MAY_HOLD_TENSION = Guard(
     "load landed or held, winch able to follow",
     lambda view: not view.situation.tension(),

@@ -11,8 +11,7 @@ from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, REQUESTED
 
 from winch_controller_node.beliefs.beliefs import CAUTIOUS
-from winch_controller_node.core.estimation.loop_tick import LoopTick, free_swing
-from winch_controller_node.core.estimation.tension import MEMORY, TensionMean
+from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY, LoopTick, TensionMean, free_swing
 from winch_controller_node.core.supervision.command_timeouts import Advice, CommandTimeouts
 from winch_controller_node.core.supervision.entry_gates import PEAK_OVER_SIGNIFICANT, EntryGates
 from winch_controller_node.core.supervision.guard import HarmGuard
@@ -201,12 +200,10 @@ class Supervisor:
         settles = self._fades_by_law and can_settle
         has_faded = settles and self.modes.authority == 0.0
         is_damped = not winch.is_reversed and (is_damped_blind or has_faded or self._may_damp(tick, lost))
-        situation = self._situation(tick, winch, lost)._replace(
-            authority_limit=authority_limit,
-            is_settled=not (is_damped or settles) or self._is_settled(tick, winch.settled_swing),
-            is_damped_blind=is_damped_blind,
+        is_settled = not (is_damped or settles) or self._is_settled(tick, winch.settled_swing)
+        mode = self.modes.step(
+            self._situation(tick, winch, lost, authority_limit, is_settled=is_settled, is_damped_blind=is_damped_blind)
         )
-        mode = self.modes.step(situation)
         if mode.before is not None:
             alarms += (mode_alarm(mode),)
             alarms += self._report_peaks(mode, authority_limit)
@@ -230,10 +227,25 @@ class Supervisor:
             alarms=alarms,
         )
 
-    def _situation(self, tick: LoopTick, winch: WinchSituation, lost: str) -> Situation:
-        """Return what `winch`, guard, gates and the sensors that are `lost` tell the modes in a tick."""
+    def _situation(
+        self,
+        tick: LoopTick,
+        winch: WinchSituation,
+        lost: str,
+        authority_limit: float,
+        *,
+        is_settled: bool,
+        is_damped_blind: bool,
+    ) -> Situation:
+        """Return what `winch`, guard, gates and the sensors that are `lost` tell the modes in a tick.
+
+        `authority_limit`, `is_settled` and `is_damped_blind` are the fields of that name.
+        """
         is_reversed = winch.is_reversed
         return Situation(
+            authority_limit=authority_limit,
+            is_settled=is_settled,
+            is_damped_blind=is_damped_blind,
             has_estimate=tick.sensed.has_encoder,
             winch_fault=winch.fault,
             fault_cause=winch.fault_cause,
@@ -293,11 +305,11 @@ class Supervisor:
         """
         unit, past, sensed = tick.motions.unit - tick.motions.mean_heave, self._unit_past, tick.sensed
         past.appendleft(unit)
-        if sensed.depth_heave is None:
+        if math.isnan(sensed.depth_heave):
             return math.nan
         age = tick.number * self._dt - sensed.depths[-1][0] if sensed.depths else 0.0
         then = past[min(max(round(age / self._dt), 0), len(past) - 1)]
-        return sensed.depth_heave + tick.motions.mean_heave + unit - then
+        return float(sensed.depth_heave + tick.motions.mean_heave + unit - then)
 
     def _report_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
         """Return what limits authority, where it lasts, or that it is over."""
@@ -333,7 +345,7 @@ class Supervisor:
         if not tick.knows_sea and wait > 0.0:
             return f"measuring the sea, at most {wait:.0f} s more"
         if tick.inconsistency:
-            return tick.inconsistency
+            return str(tick.inconsistency)
         if self.highest_tension.alarm:
             return self.highest_tension.alarm.brief
         most = self._parameters.guard.demand_ratio
@@ -387,7 +399,7 @@ class Supervisor:
                 f"the unit is suspended: the cable carries {100.0 * share:.0f} % of its weight, and constant tension "
                 "would drop it; land it first, or set tension.hanging"
             )
-        wait = MEMORY - tension.time
+        wait = TENSION_MEMORY - tension.time
         if wait > 0.0:
             return (
                 f"averaging the tension for {wait:.0f} s more, to know whether the unit is suspended: request it again "

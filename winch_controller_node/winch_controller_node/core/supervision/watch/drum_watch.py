@@ -162,6 +162,9 @@ class DrumWatch:
         return found is not None and found._replace(share=found.share * scale).is_true
 
     def ordered(self, *, of_nominal: bool = False) -> Ordered | None:
-        """Return what the encoder reads of what the assumed winch, or the nominal one, was ordered; None: unknown."""
+        """Return what the encoder reads of what the winch was ordered, with its assumed scale; None: unknown.
+
+        `of_nominal` : the nominal winch was, not the assumed one
+        """
         share, left, payout, is_limited = self._core.ordered(of_nominal=of_nominal)
         return None if math.isnan(share) else Ordered(share, left, payout, bool(is_limited))

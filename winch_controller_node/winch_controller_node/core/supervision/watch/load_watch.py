@@ -46,7 +46,14 @@ class Episode:
 
 
 def watched(parameters: AlarmParameters, rope: Strength | None, tick_period: float) -> dict[str, float]:
-    """Return the values of the core's LoadWatchDesign: thresholds, what the `rope` can bear, `tick_period` [s]."""
+    """Return the values of the core's LoadWatchDesign.
+
+    Parameters
+    ----------
+    parameters : thresholds
+    rope : breaking force and required safety factor; None: not stated
+    tick_period : [s]
+    """
     return {
         "tick_period": tick_period,
         "quiet_time": QUIET_TIME,
@@ -100,7 +107,13 @@ class LoadWatch:
         return self.alarms(found, tension, static_tension)
 
     def alarms(self, found: int, tension: float, static_tension: float) -> tuple[Alarm, ...]:
-        """Return the alarms of what was `found`, bits of LoadNews, with the tensions of the tick [N]."""
+        """Return the alarms of what was `found`.
+
+        Parameters
+        ----------
+        found : bits of LoadNews
+        tension, static_tension : as in `update` [N]
+        """
         if not found:
             return ()
         kilo, parameters = 1e-3 * tension, self._parameters

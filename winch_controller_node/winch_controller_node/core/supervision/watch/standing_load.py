@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from heave_node.interface.alarm import Alarm
 
-from winch_controller_node.core.estimation.loop_tick import LoopTick
-from winch_controller_node.core.estimation.tension import MEMORY
+from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY, LoopTick
 from winch_controller_node.core.supervision.landing import HangingLoad, Landing
 from winch_controller_node.core.supervision.watch.load_watch import Episode
 from winch_controller_node.core.supervision.watch.payout_watch import PayoutWatch
@@ -56,7 +55,7 @@ class StandingLoad:
         landing, sensed = self._landing, tick.sensed
         is_lost = "load_cell" in sensed.lost
         self._unweighed_time = self._unweighed_time + self._dt if is_lost else 0.0
-        if self._unweighed_time > MEMORY:
+        if self._unweighed_time > TENSION_MEMORY:
             landing.forget_weight()
         is_weighed = brake and not (landing.unit_stands or is_lost)
         self._wait = landing.weigh(tick.mean_tension, mean_payout + self.more) if is_weighed else 0.0

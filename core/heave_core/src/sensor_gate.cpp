@@ -1,0 +1,122 @@
+// A reading is refused for what it shows alone: not a number, a status of the sensor's own, a stamp that cannot be, a
+// value that does not change. What only the estimate can show (a spike) comes back from the innovations.
+#include "sense.h"
+
+namespace heave {
+
+namespace {
+
+void begin_sameness(Sameness &same, double usual) {
+    same = Sameness{};
+    same.run = same.longest = 1.0;
+    same.usual = same.least = usual;
+    std::fill_n(same.values, 4, NOT_KNOWN);
+}
+
+// Whether the run of equal readings is no chance. Of a sensor that reads in steps two in a row are often the same: a run
+// of n comes by chance with a probability p^(n - 1), p the share of readings that were like the one before. At a crest of
+// the sea runs are longer than that: one must also be longer than those before.
+bool stands(const Health &health, Sameness &same, const double *values, int count) {
+    if (!std::equal(values, values + count, same.values)) {
+        const double weight = std::min(1.0, same.run / health.sameness_memory);
+        // one run far longer than all before was a sensor that stood, not one that reads in steps
+        const double longest = std::min(same.run, 2.0 * same.longest);
+        same.longest = std::max(longest, same.longest * (1.0 - weight / 10.0));
+        same.usual += weight * ((same.run - 1.0) / same.run - same.usual);
+        same.run = 1.0;
+        std::copy_n(values, count, same.values);
+        return false;
+    }
+    same.run += 1.0;
+    double least = health.frozen_samples;
+    if (same.longest >= 2.0)
+        least = std::max({least, health.fewest_of_steps, std::nearbyint(health.longer * same.longest)});
+    return same.run >= least && std::pow(std::max(same.usual, same.least), same.run - 1.0) < health.by_chance;
+}
+
+// Why a reading may not be used; heave and rate alone may freeze while the attitude goes on.
+int fault_of(const Health &health, const Sensor &sensor, SensorGate &gate, double now, double time, const double *values,
+             int count, double status) {
+    double sum = 0.0;
+    for (int i = 0; i < count; i++) sum += values[i];
+    if (!std::isfinite(sum)) return NOT_A_NUMBER;
+    if (!std::isfinite(time) || time > now + health.stamp_tolerance) return WRONG_STAMP;
+    if (time <= gate.newest_stamp) return OUT_OF_ORDER;
+    // a heave that stands contradicts its rate as well
+    if (count > 2 && stands(health, gate.same_part, values, 2)) status = FROZEN;
+    if (status != GOOD) return int(status);
+    return sensor.checks_frozen && stands(health, gate.same, values, count) ? FROZEN : GOOD;
+}
+
+void accept(SensorGate &gate) {
+    gate.bad_in_a_row = 0.0;
+    gate.good_in_a_row += 1.0;
+    if (gate.level != SENSOR_OK && gate.good_in_a_row >= gate.good_needed) gate.level = SENSOR_OK, gate.reason = GOOD;
+}
+
+}  // namespace
+
+void begin_gate(const Health &health, const Sensor &sensor, SensorGate &gate) {
+    gate = SensorGate{};
+    gate.good_needed = health.recover_samples;
+    gate.newest_stamp = gate.newest_arrival = -INFINITE;
+    gate.newest_accepted = gate.started = gate.delayed_since = gate.zero = NOT_KNOWN;
+    begin_sameness(gate.same, sensor.first_sameness);
+    begin_sameness(gate.same_part, sensor.part_sameness);
+    begin_interval(health, sensor, gate.interval);
+}
+
+bool judge(const Health &health, const Sensor &sensor, SensorGate &gate, double now, double time, const double *values,
+           int count, double status) {
+    const int reason = fault_of(health, sensor, gate, now, time, values, count, status);
+    if (gate.newest_stamp < time && time < INFINITE) {
+        if (gate.newest_stamp > -INFINITE) add_interval(health, sensor, gate.interval, time - gate.newest_stamp);
+        gate.newest_stamp = time;
+    }
+    if (reason != GOOD) {
+        refuse(health, gate, reason);
+        return false;
+    }
+    gate.accepted += 1.0;
+    gate.newest_arrival = now;
+    gate.newest_accepted = larger(time, gate.newest_accepted);
+    accept(gate);
+    return true;
+}
+
+void refuse(const Health &health, SensorGate &gate, int reason) {
+    gate.refused += 1.0;
+    gate.bad_in_a_row += 1.0;
+    gate.good_in_a_row = 0.0;
+    gate.good_needed = health.recover_samples;
+    gate.reason = reason;
+    const bool is_grave = reason == FROZEN || gate.bad_in_a_row >= health.bad_in_a_row;
+    gate.level = is_grave || gate.level == SENSOR_LOST ? SENSOR_LOST : SENSOR_SUSPECT;
+}
+
+// Take back the newest reading. Where such readings were predicted badly before, one more is no news of the sensor.
+void take_back(const Health &health, SensorGate &gate, int reason, bool is_news) {
+    const double level = gate.level, before = gate.reason;
+    gate.accepted -= 1.0;
+    refuse(health, gate, reason);
+    if (!is_news) gate.level = level, gate.reason = before;
+}
+
+// Age above which the newest accepted reading is stale [s].
+double largest_age(const Health &health, const Sensor &sensor, const SensorGate &gate) {
+    return sensor.latency + health.stale_samples * gate.interval.value;
+}
+
+// Notice what did not come; once a tick, after the readings.
+void tick_gate(const Health &health, const Sensor &sensor, SensorGate &gate, double now) {
+    if (std::isnan(gate.started)) gate.started = now;
+    const double newest = std::isnan(gate.newest_accepted) ? gate.started : gate.newest_accepted, age = now - newest;
+    if (age <= largest_age(health, sensor, gate) + health.rounding || gate.bad_in_a_row != 0.0) return;
+    const double usual = health.stale_samples * gate.interval.value + health.rounding;
+    const int reason = now - gate.newest_arrival <= usual ? DELAYED : STALE;
+    if (gate.reason != reason) gate.delayed_since = now;
+    gate.level = SENSOR_LOST, gate.reason = reason, gate.silence = age;
+    gate.good_in_a_row = 0.0;
+}
+
+}  // namespace heave

@@ -1,1 +1,0 @@
-"""Jumps that one sensor alone can make: what finds them and takes them off its readings."""
