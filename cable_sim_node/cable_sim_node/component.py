@@ -18,7 +18,7 @@ from heave_node.numerics.kinematics import PointMotion
 from heave_node.sensing.sensor import Sensor
 
 from cable_sim_node.errors import BadMotionError, PlantError
-from cable_sim_node.inputs import BridgedInput, Motion, is_finite
+from cable_sim_node.inputs import BridgedInput, is_finite
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.physics.seabed import Seabed
@@ -85,6 +85,8 @@ class CableSim:
         self.tick = 1
         self.boom_tip = BridgedInput("boom_tip", start, tick_period=tick_period)
         self.payout = BridgedInput("payout", np.zeros(1), tick_period=tick_period)
+        # boom tip, and payout with its rate of drum and shadow, at the present tick
+        self._last = (PointMotion(tick_period, start), (0.0, 0.0), (0.0, 0.0))
         self._plant = _at_rest(parameters, start, time=tick_period)
         self._shadow = copy.deepcopy(self._plant)
         self._shadow_payout = ShadowPayout(tick_period=tick_period)
@@ -122,8 +124,8 @@ class CableSim:
             touchdown=plant.touchdown,
             touchdown_force=plant.touchdown_force,
             compensator_stroke=plant.compensator_stroke,
-            unit=_unit_motion(plant, time),
-            uncompensated=_unit_motion(self._shadow, time),
+            unit=PointMotion(time, *plant.unit_motion()),
+            uncompensated=PointMotion(time, *self._shadow.unit_motion()),
             uncompensated_tension=self._shadow.top_tension,
             uncompensated_largest_tension=self._shadow.largest_top_tension,
         )
@@ -183,42 +185,34 @@ class CableSim:
             (BadMotionError), or whatever CableDynamics.advance raises.
         """
         self._check_tick(tick)
-        tip_start, winch_start = self._tip(), self._winch()
-        self.boom_tip.advance(self._plausible(self.boom_tip, _parts(boom_tip)))
-        self.payout.advance(self._plausible(self.payout, _winch_parts(winch)))
-        shadow = self._shadow_payout
-        shadow_start = (shadow.payout, shadow.rate)
+        tip, drum, shadow, start = self.boom_tip, self.payout, self._shadow_payout, self._last
+        tip.advance(self._plausible(tip, boom_tip))
+        drum.advance(self._plausible(drum, winch and PointMotion(0.0, *np.array([winch[:1], winch[1:], (0.0,)]))))
         if self._parameters.shadow_follows_programme:
             shadow.advance(programme)
         self.tick += 1
-        tip_end = self._tip()
-        for dynamics, start, end in (
-            (self._plant, winch_start, self._winch()),
-            (self._shadow, shadow_start, (shadow.payout, shadow.rate)),
-        ):
-            dynamics.advance(self._tick_period, tip_start, tip_end, *start, *end)
-        self._rope_path.advance(self._plant.top_tension, float(self.payout.position[0]))
+        end = self._last = (
+            PointMotion(self.tick * self._tick_period, tip.position, tip.velocity, tip.acceleration),
+            (drum.position.item(), drum.velocity.item()),
+            (shadow.payout, shadow.rate),
+        )
+        self._plant.advance(self._tick_period, start[0], end[0], *start[1], *end[1])
+        self._shadow.advance(self._tick_period, start[0], end[0], *start[2], *end[2])
+        self._rope_path.advance(self._plant.top_tension, end[1][0])
         self.largest_strain = max(self.largest_strain, self._plant.largest_strain)
-
-    def _tip(self) -> PointMotion:
-        tip = self.boom_tip
-        return PointMotion(self.tick * self._tick_period, tip.position, tip.velocity, tip.acceleration)
-
-    def _winch(self) -> tuple[float, float]:
-        return float(self.payout.position[0]), float(self.payout.velocity[0])
 
     def _check_tick(self, tick: int) -> None:
         if tick != self.tick:
             raise PlantError(f"cable_sim: tick {tick} was requested, but the plant is at tick {self.tick}")
 
-    def _plausible(self, signal: BridgedInput, value: Motion | None) -> Motion | None:
+    def _plausible(self, signal: BridgedInput, value: PointMotion | None) -> PointMotion | None:
         """Return `value`, or None where it moves faster than anything real.
 
         Raises BadMotionError where the first value is far from where the plant rests.
         """
         if value is None:
             return None
-        step = max(map(abs, (value[0] - signal.position).tolist()))
+        step = max(map(abs, (value.position - signal.position).tolist()))
         if not signal.has_started and step > LARGEST_START_GAP and is_finite(value):
             raise BadMotionError(
                 f"cable_sim: the first {signal.name} is {step:.1f} m from the rest position of the plant; "
@@ -226,7 +220,7 @@ class CableSim:
                 "cable_sim's length"
             )
         largest_step = IMPLAUSIBLE_SPEED * self._tick_period * (signal.missing_in_a_row + 1)
-        speed = max(map(abs, value[1].tolist()))
+        speed = max(map(abs, value.velocity.tolist()))
         is_fast = speed > IMPLAUSIBLE_SPEED or (signal.has_started and step > largest_step)
         return None if is_fast else value
 
@@ -246,15 +240,3 @@ def _at_rest(parameters: CableSimNodeParameters, boom_tip: Array, time: float) -
         dynamics = CableDynamics(parameters)
     dynamics.start_at_equilibrium(boom_tip, 0.0, time=time)
     return dynamics
-
-
-def _unit_motion(dynamics: Dynamics, time: float) -> PointMotion:
-    return PointMotion(time, dynamics.unit_position, dynamics.unit_velocity, dynamics.unit_acceleration)
-
-
-def _parts(motion: PointMotion | None) -> Motion | None:
-    return None if motion is None else (motion.position, motion.velocity, motion.acceleration)
-
-
-def _winch_parts(winch: tuple[float, float] | None) -> Motion | None:
-    return None if winch is None else (np.array([winch[0]]), np.array([winch[1]]), np.zeros(1))

@@ -25,14 +25,11 @@ FELT_GAP_RATE = 0.1
 LONGEST_EXTRAPOLATION = 0.5
 """A value older than this is missing [s]."""
 
-Motion = tuple[Array, Array, Array]
-"""Position, velocity and acceleration."""
 
-
-def is_finite(motion: Motion) -> bool:
+def is_finite(motion: PointMotion) -> bool:
     """Return whether every number of a `motion` is finite, and so their sum."""
-    position, velocity, acceleration = motion
-    return math.isfinite(sum(position.tolist()) + sum(velocity.tolist()) + sum(acceleration.tolist()))
+    numbers = motion.position.tolist() + motion.velocity.tolist() + motion.acceleration.tolist()
+    return math.isfinite(sum(numbers))
 
 
 class NewestMotion:
@@ -87,8 +84,8 @@ class BridgedInput:
         self._gap = np.zeros_like(position)
         self._gap_rate = np.zeros_like(position)
 
-    def advance(self, value: Motion | None) -> None:
-        """Take the value (position, velocity, acceleration) of the next tick, or None where it is missing.
+    def advance(self, value: PointMotion | None) -> None:
+        """Take the value of the next tick, whatever its time says, or None where it is missing.
 
         A value that is not finite counts as missing.
         """
@@ -97,7 +94,7 @@ class BridgedInput:
             self.missing += 1
             self._coast()
             return
-        position, velocity, acceleration = value
+        position, velocity, acceleration = value.position, value.velocity, value.acceleration
         if self.missing_in_a_row or not self.has_started:
             self._open_gap(position, velocity)
         if not self._has_gap:

@@ -15,9 +15,10 @@ TICK = 0.05
 OMEGA = 0.6
 
 
-def heave(tick: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def heave(tick: int) -> PointMotion:
     phase = OMEGA * tick * TICK
-    return (
+    return PointMotion(
+        tick * TICK,
         np.array([0.0, 0.0, 1.5 * (1.0 - math.cos(phase))]),
         np.array([0.0, 0.0, 1.5 * OMEGA * math.sin(phase)]),
         np.array([0.0, 0.0, 1.5 * OMEGA**2 * math.cos(phase)]),
@@ -36,8 +37,8 @@ def follow(missing: set[int], ticks: int = 2000) -> tuple[BridgedInput, np.ndarr
 
 def test_complete_signal_passes_bit_for_bit() -> None:
     _, positions, velocities = follow(set())
-    assert positions.tolist() == [heave(tick)[0][2] for tick in range(2000)]
-    assert velocities.tolist() == [heave(tick)[1][2] for tick in range(2000)]
+    assert positions.tolist() == [heave(tick).position[2] for tick in range(2000)]
+    assert velocities.tolist() == [heave(tick).velocity[2] for tick in range(2000)]
 
 
 @pytest.mark.parametrize("missing", [{100}, set(range(100, 105)), set(range(100, 200)), {100, 102, 103, 110}])
@@ -48,15 +49,15 @@ def test_missing_values_are_bridged_without_a_jump_and_counted(missing: set[int]
     # Consistent motion: each step of position is the mean of its end velocities, to the curvature of the signal.
     np.testing.assert_allclose(np.diff(positions), 0.5 * TICK * (velocities[1:] + velocities[:-1]), atol=2e-3)
     assert np.abs(np.diff(velocities)).max() / TICK < 2.0
-    true = np.array([heave(tick)[0][2] for tick in range(2000)])
+    true = np.array([heave(tick).position[2] for tick in range(2000)])
     late = max(missing) + int(30 * CLOSING_TIME / TICK)
     assert np.abs(positions - true)[late:].max() < 1e-6
 
 
 def test_values_that_are_not_finite_count_as_missing() -> None:
     signal = BridgedInput("payout", np.zeros(1), tick_period=TICK)
-    signal.advance((np.array([math.nan]), np.zeros(1), np.zeros(1)))
-    signal.advance((np.zeros(1), np.array([math.inf]), np.zeros(1)))
+    signal.advance(PointMotion(0.0, np.array([math.nan]), np.zeros(1), np.zeros(1)))
+    signal.advance(PointMotion(0.0, np.zeros(1), np.array([math.inf]), np.zeros(1)))
     assert signal.missing == 2
     assert np.isfinite(signal.position).all()
     assert np.isfinite(signal.velocity).all()
@@ -73,13 +74,14 @@ def test_start_in_full_motion_is_taken_up_smoothly() -> None:
     offset = np.array([0.0, 0.0, 2.0])
     velocities = []
     for tick in range(2000):
-        position, velocity, acceleration = heave(tick)
-        signal.advance((position + offset, velocity, acceleration))
+        motion = heave(tick)
+        motion.position += offset
+        signal.advance(motion)
         velocities.append(signal.velocity[2])
         if tick == 0:
             assert abs(signal.position[2]) < 0.02
     assert np.abs(np.diff(velocities)).max() / TICK < 2.0
-    assert signal.position[2] == pytest.approx(heave(1999)[0][2] + 2.0, abs=1e-6)
+    assert signal.position[2] == pytest.approx(heave(1999).position[2] + 2.0, abs=1e-6)
 
 
 def test_shadow_payout_follows_the_programme_smoothly_and_rests_without_one() -> None:

@@ -68,7 +68,7 @@ def preview_message(preview: HeavePreview, noise: float) -> bytes:
 
 
 def odometry_message(motions: VesselMotions, row: int, stamp: int) -> bytes:
-    """Return the motion in a `row` at `stamp` [ns]: pose about the mean in world axes, twist in vessel axes."""
+    """Return a `row` of `motions` at `stamp` [ns]: pose about the mean in world axes, twist in vessel axes."""
     heading = motions.heading.item(row)
     cosine, sine = math.cos(heading), math.sin(heading)
     surge, sway, heave, roll, pitch, yaw = motions.six[row, 0].tolist()

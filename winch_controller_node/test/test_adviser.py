@@ -9,7 +9,7 @@ from winch_controller_node.adviser import component
 from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.adviser.record import SensorHistory
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.interface.observations import Observations
+from winch_controller_node.interface.observations import READING_COLUMNS, Observations
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -59,6 +59,21 @@ def test_where_all_is_as_believed_every_answer_is_the_same(design, drawn_from, s
     assert {one.number for one in found} == {0}
     assert not any(one.values or one.excluded or one.findings or one.design or one.adopted for one in found)
     assert {one.authority for one in found} == {1.0}
+
+
+def test_a_record_that_the_core_has_predicted_is_not_judged_again(design, drawn_from, monkeypatch):
+    """One whose innovations are large, or not known, is."""
+    asked, judge = [], component.Judge
+    monkeypatch.setattr(component, "Judge", lambda *given: asked.append(given) or judge(*given))
+    excerpt, counts = drawn_from(design, 60.0), []
+    of_depth = excerpt.is_row("unit_heave")
+    for nis in (np.ones(len(of_depth)), np.where(of_depth, 1.7, 1.0), np.where(of_depth, np.nan, 1.0)):
+        excerpt.readings[:, READING_COLUMNS.index("nis")] = nis
+        answers(excerpt)
+        counts.append(len(asked))
+        asked.clear()
+    # from 25 s to 60 s, each 5 s
+    assert counts == [0, 8, 8]
 
 
 def mru_twice(name, value, tick):

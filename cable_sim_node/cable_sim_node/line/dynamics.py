@@ -228,6 +228,11 @@ class CableDynamics:
         """Largest `top_tension` at the ends of the steps of the last interval [N]: a snap passes between two ticks."""
         return self._seen_number(at.SEEN_LARGEST)
 
+    def unit_motion(self) -> tuple[Array, Array, Array]:
+        """Return `unit_position`, `unit_velocity` and `unit_acceleration`, quicker than one by one."""
+        place = self._line.tiles[0, at.X : at.AX : at.STRIDE].copy()
+        return place[:3], place[3:], self.unit_acceleration
+
     @property
     def unit_position(self) -> Array:
         """Position of the unit [m], shape (3,)."""
@@ -315,7 +320,7 @@ class CableDynamics:
 
     def _seen_number(self, index: int) -> float:
         self._observe()
-        return float(self._line.numbers[index])
+        return self._line.numbers.item(index)
 
     def _observe(self) -> None:
         if not self._fresh:

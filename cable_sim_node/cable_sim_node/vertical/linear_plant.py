@@ -121,6 +121,10 @@ class LinearPlant:
         """Acceleration of the unit [m/s^2], shape (3,)."""
         return np.array([self._tip_acceleration[0], self._tip_acceleration[1], self._acceleration])
 
+    def unit_motion(self) -> tuple[Array, Array, Array]:
+        """Return `unit_position`, `unit_velocity` and `unit_acceleration`."""
+        return self.unit_position, self.unit_velocity, self.unit_acceleration
+
     @property
     def node_positions(self) -> Array:
         """Positions of unit and boom tip [m], shape (2, 3)."""

@@ -14,6 +14,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from winch_controller_node.adviser.filter_pass import SETTLING
 from winch_controller_node.adviser.hypothesis import (
     AGAIN,
     SEA,
@@ -23,8 +24,8 @@ from winch_controller_node.adviser.hypothesis import (
     accepted,
     rules_out_encoder,
 )
-from winch_controller_node.adviser.judge import Judge
-from winch_controller_node.adviser.record import Record, SensorHistory
+from winch_controller_node.adviser.judge import ENCODER_ROW, Judge
+from winch_controller_node.adviser.record import NIS, ROW, TICK, Excerpt, Record, SensorHistory
 from winch_controller_node.adviser.report import Report
 from winch_controller_node.adviser.sea import SeaLooks, likeliest_sea
 from winch_controller_node.adviser.winch import CHECKED, WinchAnswer, WinchIdentifier
@@ -109,7 +110,7 @@ class Adviser:
     def _begin(self, nominal: WinchControllerParameters, beliefs: Beliefs) -> None:
         """Go by `nominal` parameters under the present beliefs, for another sea or length of cable."""
         self._nominal = nominal
-        self._beliefs = beliefs
+        self._beliefs, self._changed = beliefs, beliefs.asked
         plain = design_controller(nominal, tick_period=self._dt)
         self._nominal_cable = plain.cable
         self._design = self._designed(self.parameters, plain.length) if beliefs.values else plain
@@ -151,13 +152,18 @@ class Adviser:
         self._follow_exclusion(observations)
         self._follow_length(observations)
         self._look_at_winch()
-        if self._is_time_to_judge(observations):
-            self._judge()
+        if self._judged >= SHORTEST:
+            # each second while a sensor is set aside, or not trusted
+            is_urgent = bool(observations.excluded) or not observations.is_trusted
+            if is_urgent or self._seconds % CHECKED == 0:
+                self._judge(is_urgent=is_urgent)
         self._look_at_sea(observations)
         self._adopt()
         findings = self._report.news(self._beliefs, observations.last * self._dt)
         changed = replace(before, asked=self._beliefs.asked, findings=(), design=None, adopted=None) != self._beliefs
         self._beliefs = replace(self._beliefs, findings=findings, number=before.number + int(changed or bool(findings)))
+        if self._beliefs.number != before.number:
+            self._changed = observations.last + latency_ticks(self._dt)
         return self._beliefs
 
     def _follow_length(self, observations: Observations) -> None:
@@ -257,13 +263,6 @@ class Adviser:
 
     # the sensors and the cable
 
-    def _is_time_to_judge(self, observations: Observations) -> bool:
-        if self._judged < SHORTEST:
-            return False
-        # each second while a sensor is set aside, or not trusted
-        is_urgent = bool(observations.excluded) or not observations.is_trusted
-        return is_urgent or self._seconds % CHECKED == 0
-
     def _assumed(self) -> Assumed:
         values = {name: belief.value for name, belief in self._beliefs.values.items()}
         return Assumed(
@@ -277,16 +276,35 @@ class Adviser:
             drum_gain=self._drum_gain,
         )
 
-    def _judge(self) -> None:
-        """Look for the sensor, or the cable, that differs from what is assumed."""
-        judge = Judge(self._record.last(self._judged), self._assumed())
-        present, used = judge.present, judge.used
+    def _is_predicted(self, excerpt: Excerpt) -> bool:
+        """Tell whether the core's own filter, under the present beliefs, has predicted all readings of an `excerpt`.
+
+        Its innovations are those that a judge would find.
+        """
+        if self._beliefs.excluded or excerpt.first <= self._changed:
+            return False
+        in_use = self.parameters.sensors.in_use().values()
+        readings = excerpt.of(
+            tuple(row.name for one in in_use for row in one.rows() if row.name != ENCODER_ROW)
+        ).readings
+        late = readings[readings[:, TICK] >= excerpt.first + round(SETTLING / self._dt)]
+        which = late[:, ROW].astype(np.int64)
+        mean = np.bincount(which, late[:, NIS]) / np.maximum(np.bincount(which), 1)
+        return bool(np.all(mean < MISFIT / WORSE))
+
+    def _judge(self, *, is_urgent: bool = True) -> None:
+        """Look for the sensor, or the cable, that differs from what is assumed, where not all is as predicted."""
+        excerpt, looks = self._record.last(self._judged), self._looks
         self._gain_is_winch = False
+        is_off = abs(math.log(abs(self._drum_gain / self._history.encoder_scale))) > UNCERTAIN_GAIN
+        if not is_urgent and not is_off and self._is_predicted(excerpt):
+            looks.note(None)
+            return
+        judge = Judge(excerpt, self._assumed())
+        present, used = judge.present, judge.used
         worst = present.worst(used)
         # an encoder that is set aside is the drum's record to judge
-        is_off = worst > MISFIT or self._beliefs.excluded not in ("", "encoder")
-        is_off |= abs(math.log(abs(self._drum_gain / self._history.encoder_scale))) > UNCERTAIN_GAIN
-        looks = self._looks
+        is_off |= worst > MISFIT or self._beliefs.excluded not in ("", "encoder")
         if not is_off:
             looks.note(None)
             return

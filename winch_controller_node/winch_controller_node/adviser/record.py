@@ -46,9 +46,7 @@ class Record:
             self._batches.clear()
         self._epoch = batch.epoch
         self._batches.append(batch)
-        while (
-            (self._batches[-1].last - self._batches[1].first) * self._dt > LENGTH if len(self._batches) > 1 else False
-        ):
+        while len(self._batches) > 1 and (batch.last - self._batches[1].first) * self._dt > LENGTH:
             self._batches.popleft()
 
     @property
@@ -64,8 +62,9 @@ class Record:
                 break
             kept.append(batch)
         kept.reverse()
+        # they come in the order of their delivery, and stay in it within a tick
         readings = np.concatenate([batch.readings for batch in kept])
-        order = np.lexsort((readings[:, DELIVERED], readings[:, TICK]))
+        order = np.argsort(readings[:, TICK], kind="stable")
         ticks = np.concatenate([batch.ticks for batch in kept])
         return Excerpt(kept[0].first, ticks, kept[0].rows, readings[order], self._dt)
 

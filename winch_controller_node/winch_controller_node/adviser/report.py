@@ -21,7 +21,7 @@ class Report:
     """
 
     def __init__(self, parameters: WinchControllerParameters) -> None:
-        self._nominal = parameters
+        self._nominal = {name: quantity.nominal_in(parameters) for name, quantity in QUANTITIES.items()}
         self._reported: dict[str, float] = {}
         self._excluded = ""
         self._pending: dict[str, tuple[float, float, float]] = {}  # value, since it rests, since it is new
@@ -35,8 +35,8 @@ class Report:
         """Return what is new of `beliefs` at a time `now` [s]."""
         found: list[Finding] = []
         for name, quantity in QUANTITIES.items():
-            nominal = quantity.nominal_in(self._nominal)
-            belief = beliefs.values.get(name, Belief(name, nominal))
+            nominal = self._nominal[name]
+            belief = beliefs.values.get(name) or Belief(name, nominal)
             before = self._reported.get(name, nominal)
             if name == "mru.bias_sigma" or (belief.nats == 0.0 and before == nominal):
                 # it goes with the drift, or is assumed and no record has said so

@@ -187,8 +187,9 @@ class WinchIdentifier:
             return None
         held = np.array([*drum_of(self._winch, assumed), 1.0])
         self._looks += 1
-        present = fit_drum(record, self._prior, begun(record, held), ())
-        if present.residual < OFF and self._looks % CHECKED != 0:
+        enough = OFF if self._looks % CHECKED else 0.0
+        present = fit_drum(record, self._prior, begun(record, held), (), enough=enough)
+        if present.residual < enough:
             return None
         found = identify(record, self._prior, held)
         if not np.all(np.isfinite(found.theta)):

@@ -75,7 +75,7 @@ class Drive(Protocol):
 
 
 def check_step(command: DriveCommand, duration: float, tension: float) -> None:
-    """Raise ValueError for a step that no drive can make, see `Drive.step`."""
+    """Raise ValueError for a step that no drive makes: a `command` held for `duration` [s] under a `tension` [N]."""
     if not (math.isfinite(command.payout_rate) and math.isfinite(command.payout)):
         raise ValueError(f"set-points must be finite numbers, got {command.payout_rate} m/s and {command.payout} m")
     if not (duration > 0.0 and math.isfinite(duration)):

@@ -29,6 +29,9 @@ ITERATIONS, CONVERGED = 12, 1e-4
 DIFFERENCE = 1e-4
 """Step of the sensitivities; of a power relative."""
 
+SINGULAR = 1e-15
+"""Share of the largest eigenvalue of an information matrix below which one is none."""
+
 SHARES_OF_STEP = (1.0, 0.5, 0.25, 0.1, 0.03)
 """Shares of a Gauss-Newton step of which the best is taken."""
 
@@ -81,7 +84,9 @@ class DrumFit:
         return self.record.duration * math.log(math.hypot(self.residual, FLOOR) / FLOOR) + self.prior
 
 
-def fit_drum(record: DrumRecord, prior: DrumPrior, start: Array, free: Sequence[int]) -> DrumFit:
+def fit_drum(
+    record: DrumRecord, prior: DrumPrior, start: Array, free: Sequence[int], *, enough: float = 0.0
+) -> DrumFit:
     """Return the drum that fits a record best; payout and rate at the start of it are always found.
 
     Parameters
@@ -89,6 +94,7 @@ def fit_drum(record: DrumRecord, prior: DrumPrior, start: Array, free: Sequence[
     record, prior : what was read, and what can be
     start : theta at which it begins, shape (FIELDS + 3,)
     free : places of theta that are found; the others stay
+    enough : residual below which no better fit is looked for [m]
     """
     theta = start.copy()
     columns = [*free, START_PAYOUT, START_RATE]
@@ -116,9 +122,9 @@ def fit_drum(record: DrumRecord, prior: DrumPrior, start: Array, free: Sequence[
             # what cannot go further must not shape the step of the others
             step[blocked] = 0.0
             step[~blocked] = _solved(information[np.ix_(~blocked, ~blocked)], pull[~blocked])
-        trials = np.tile(theta, (len(SHARES_OF_STEP), 1))
+        trials = np.repeat(theta[None, :], len(SHARES_OF_STEP), axis=0)
         trials[:, columns] += np.outer(SHARES_OF_STEP, step)
-        trials = np.clip(trials, lowest, highest)
+        trials = np.minimum(np.maximum(trials, lowest), highest)
         costs = 0.5 * weight * np.sum(np.square(record.residuals(trials)), axis=1)
         costs += _improbability(trials[:, columns] - nominal, sigmas)
         before = 0.5 * weight * squares + float(_improbability(theta[columns] - nominal, sigmas))
@@ -127,10 +133,11 @@ def fit_drum(record: DrumRecord, prior: DrumPrior, start: Array, free: Sequence[
             break
         moved = float(np.max(np.abs(trials[best] - theta) / _sizes(theta)))
         theta = trials[best]
-        if moved < CONVERGED:
+        # no step makes it worse than this, what it gains by a likelier drum included
+        if moved < CONVERGED or 2.0 * costs[best] < weight * count * enough**2:
             break
     squares = float(np.sum(np.square(record.residuals(theta[None, :]))))
-    spread = np.sqrt(np.abs(np.diag(np.linalg.pinv(information, hermitian=True))))
+    spread = np.sqrt(np.abs(np.diag(_inverse(information)))) if free else np.zeros(0)
     unlikely = float(_improbability(theta[:FIELDS] - prior.nominal[:FIELDS], prior.sigmas[:FIELDS]))
     return DrumFit(theta, squares, count, record, tuple(free), spread[: len(free)], unlikely)
 
@@ -152,8 +159,17 @@ def _precision(off: Array, sigmas: Array) -> Array:
 def _solved(information: Array, pull: Array) -> Array:
     """Return the step of an information matrix, which may be singular."""
     size = np.sqrt(np.diag(information)) + 1e-12
-    step = np.linalg.pinv(information / np.outer(size, size), hermitian=True) @ (pull / size)
-    return np.asarray(step / size)
+    return np.asarray(_inverse(information / np.outer(size, size)) @ (pull / size) / size)
+
+
+def _inverse(matrix: Array) -> Array:
+    """Return the pseudo-inverse of a symmetric `matrix`: numpy's `pinv` to the bit, in half its time."""
+    values, vectors = np.linalg.eigh(matrix)
+    sizes = np.abs(values)
+    order = np.argsort(sizes)[::-1]
+    vectors, sizes = vectors[:, order], sizes[order]
+    inverse = np.divide(1.0, sizes, where=sizes > SINGULAR * sizes[0], out=np.zeros(len(sizes)))
+    return np.asarray((vectors * np.sign(values[order])) @ (inverse[:, None] * vectors.T))
 
 
 def _sizes(theta: Array) -> Array:
@@ -166,7 +182,7 @@ def _sizes(theta: Array) -> Array:
 def _linearised(record: DrumRecord, theta: Array, columns: Sequence[int]) -> tuple[Array, Array]:
     """Return the residuals, shape (count,), and how the record goes with each of `columns`, (count, columns)."""
     steps = np.array([-DIFFERENCE if column in LIMITS else DIFFERENCE for column in columns]) * _sizes(theta)[columns]
-    thetas = np.tile(theta, (len(columns) + 1, 1))
+    thetas = np.repeat(theta[None, :], len(columns) + 1, axis=0)
     thetas[np.arange(1, len(thetas)), list(columns)] += steps
     left = record.residuals(thetas)
     return left[0], ((left[0] - left[1:]) / steps[:, None]).T

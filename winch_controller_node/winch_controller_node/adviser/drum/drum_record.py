@@ -170,6 +170,9 @@ def lateness(sequence: Array, taken: Array) -> Array:
     last_known = np.concatenate([[-np.inf], np.maximum.accumulate(np.where(known, place, -np.inf))])
     earliest = last_known[seen] + 1.0 - place
     latest = np.where(seen < len(sequence), seen, np.inf) + 1.0 - place
+    if np.max(earliest) <= np.min(latest):
+        # one delay lies within all brackets
+        return np.zeros(len(sequence))
     bracketed = np.isfinite(earliest) & np.isfinite(latest)
     if not np.any(bracketed):
         return np.zeros(len(sequence))
