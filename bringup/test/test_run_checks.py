@@ -41,3 +41,11 @@ def test_a_seabed_without_room_for_the_line_is_refused_before_a_run(tmp_path, ca
     assert main(["run", "s300_driven", *place]) == ExitStatus.REFUSED
     assert "seabed.depth = 5 m is less than half a segment" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_a_parameter_of_a_node_that_is_replaced_is_said_to_have_no_reader(tmp_path, capsys):
+    unread, read = "cable_sim.sensors.depth.fitted=false", "winch_controller.law=lqg"
+    options = ["--replace", "cable_sim=external", "--pacing", "realtime", "--composed", "--bag", str(tmp_path / "out")]
+    assert main(["run", "b2_calm_300", *options, "--set", unread, "--set", read]) == ExitStatus.REFUSED
+    warning, _ = capsys.readouterr().err.splitlines()
+    assert warning == f"heave: warning: --set {unread}: cable_sim is replaced and does not read it"

@@ -15,7 +15,7 @@ from heave_devices.adapt import device as device_module
 from heave_devices.adapt import orders as orders_module
 from heave_devices.adapt.device import LiveDevice
 from heave_devices.adapt.plc import polled as polled_module
-from heave_devices.adapt.report import figures_of, health_of
+from heave_devices.adapt.report import figures_of, health_of, stale_words
 from heave_devices.adapt.shipped import find_map
 from heave_devices.formats.sample import Sample
 from heave_devices.maps.device_map import device_map_of
@@ -28,6 +28,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 from tests.adapt_fakes import Node
+from tests.plc import free_port
 
 
 def joints(position, velocity=0.0, second=1):
@@ -323,6 +324,27 @@ def test_a_serial_line_of_sentences_becomes_mru(tmp_path):
     assert "serial" in health_of(device, {}).message
     device.close()
     os.close(name)
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        (b"", "nothing received. Check power, cable"),
+        (b"$PASHR,123816.80,312.95,T,-000.83,-000.42,-000.01,0.234,0.224,0.298,1,0*00\r\n", "1 wrong checksums"),
+        (b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n", "lacks the map's fields"),
+    ],
+)
+def test_a_silence_is_put_down_to_what_comes_now_and_not_to_what_came_once(data, words, clock):
+    node, line = Node(), b"$PASHR,123816.80,312.95,T,-000.83,-000.42,-000.01,0.234,0.224,0.298,1,0*09\r\n"
+    source, heave = {"udp": free_port("udp")}, {"field": "PASHR.heave", "positive": "down"}
+    device = LiveDevice(device_map_of("m", {"source": source, "format": "nmea", "heave": heave}), node)
+    device._on_bytes(line, True)
+    assert node.sent["mru"]
+    before = figures_of(device)
+    clock.now += 5.0
+    if data:
+        device._on_bytes(data, True)
+    assert words in stale_words(device, clock.now, before)
 
 
 def wait_until(condition):

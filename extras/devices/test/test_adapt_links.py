@@ -10,7 +10,7 @@ from contextlib import ExitStack
 import pytest
 import serial
 from heave_bringup.errors import CommandError
-from heave_devices.adapt.links import LinkReader, Sender
+from heave_devices.adapt.links import LinkReader, sender
 from heave_devices.maps.link import Link
 
 
@@ -165,10 +165,10 @@ def test_a_sender_sends_datagrams_where_the_map_says():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as winch:
         winch.bind(("127.0.0.1", 0))
         winch.settimeout(10.0)
-        sender = Sender(Link("udp", "127.0.0.1", winch.getsockname()[1]))
-        sender.send(b"$W,1\r\n")
+        out = sender(Link("udp", "127.0.0.1", winch.getsockname()[1]))
+        out.send(b"$W,1\r\n")
         assert winch.recv(100) == b"$W,1\r\n"
-        sender.close()
+        out.close()
 
 
 def test_a_serial_port_that_is_pulled_is_told_in_one_sentence(reader_of, monkeypatch):

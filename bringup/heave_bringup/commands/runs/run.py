@@ -38,7 +38,7 @@ from heave_bringup.replacements import (
     external_settings,
     parse_replacements,
 )
-from heave_bringup.settings import Setting
+from heave_bringup.settings import Setting, parse_setting
 
 if TYPE_CHECKING:
     from heave_bringup.run.evaluation import Evaluation
@@ -187,8 +187,10 @@ def _check(options: argparse.Namespace, scenario: Scenario, replaced: Replacemen
 
     for criterion in scenario.wanted:
         refuse_unknown(criterion, f"{scenario.path}: wanted")
-    _check_composed(options, [*scenario.run.external, *replaced.in_ticks])
     unread = {*scenario.run.external, *replaced.programs}
+    unheard = [one for one in map(parse_setting, options.set) if one.target in unread]
+    warn(f"{one.source}: {one.target} is replaced and does not read it" for one in unheard)
+    _check_composed(options, [*scenario.run.external, *replaced.in_ticks])
     if "wave_vessel" not in unread:
         warn(check_files(scenario))
     if "winch_controller" not in unread:

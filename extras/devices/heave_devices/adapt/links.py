@@ -17,47 +17,101 @@ REOPEN_PERIOD = 1.0
 _WAIT = 0.2
 """Longest wait for bytes, after which the end is looked for [s]."""
 _LARGEST = 65_536
+_UNFORESEEN = "What came was not used; the link is opened again"
 _GONE = "the port is gone: its cable was pulled, or another program reads it. It is opened again"
 
 
-class LinkReader:
+class LinkThread:
+    """Opens a link, serves it until it breaks, and opens it again; nothing ends it in silence.
+
+    Parameters
+    ----------
+    link : what is opened
+
+    Attributes
+    ----------
+    opened : times that the link was opened
+    failures : times that what came could not be processed, or the link failed in a way that nobody foresaw
+    failed : the last of them, in words
+    """
+
+    def __init__(self, link: Link) -> None:
+        self.link = link
+        self.opened = self.failures = 0
+        self.failed = ""
+        self._problems = {"read": "not connected yet", "write": ""}
+        self._is_ended = False
+        self._changed = threading.Condition()
+        self._thread = threading.Thread(target=self._run, name=f"link {link}", daemon=True)
+
+    @property
+    def problem(self) -> str:
+        """Why nothing can be read or written now, in words; "" while all is well."""
+        return self._problems["read"] or self._problems["write"]
+
+    def start(self) -> None:
+        """Begin to read."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """End it."""
+        with self._changed:
+            self._is_ended = True
+            self._changed.notify()
+        if self._thread.is_alive():
+            self._thread.join(3.0)
+
+    def _run(self) -> None:
+        while not self._is_ended:
+            try:
+                self._serve()
+            except OSError as error:  # pyserial's own are of its kind
+                self._problems = {"read": _words(error), "write": ""}
+            except Exception as error:
+                self.failures += 1
+                self.failed = f"{type(error).__name__}: {_words(error) or 'no words'}. {_UNFORESEEN}"
+                self._problems = {"read": self.failed, "write": ""}
+            self._leave()
+            with self._changed:
+                self._changed.wait_for(lambda: self._is_ended, REOPEN_PERIOD)
+
+    def _serve(self) -> None:
+        """Open the link and serve it to the end; raise OSError where it breaks."""
+        raise NotImplementedError
+
+    def _leave(self) -> None:
+        """Close what is open."""
+        raise NotImplementedError
+
+
+class LinkReader(LinkThread):
     """Reads the bytes of one link, and sends on it.
 
     Parameters
     ----------
     link : what is opened
     on_bytes : called, in the thread of this reader, with the bytes and whether they are a whole datagram
+    is_sender : over UDP the link says where to, not where from
 
     Attributes
     ----------
-    problem : why nothing can be read now, in words; "" while all is well
-    opened : times that the link was opened
-    failures : times that what came could not be processed, or the link failed in a way that nobody foresaw
-    failed : the last of them, in words
     strangers : datagrams of another sender than the one that the map names, or that spoke first
 
     Raises CommandError where a serial port or a UDP port cannot be opened at the start; TCP is tried again.
     """
 
-    def __init__(self, link: Link, on_bytes: Callable[[bytes, bool], None]) -> None:
-        self.link = link
-        self.problem = ""
-        self.failed = ""
-        self.opened = self.failures = self.strangers = 0
+    def __init__(self, link: Link, on_bytes: Callable[[bytes, bool], None], *, is_sender: bool = False) -> None:
+        super().__init__(link)
+        self.strangers = 0
         self._on_bytes = on_bytes
-        self._is_ended = threading.Event()
         self._port: serial.Serial | socket.socket | None = None
-        self._peer: tuple[str, int] | None = None
+        self._to = (link.place, link.number) if is_sender else None
+        self._peer: tuple[str, int] | None = self._to
         if link.kind != "tcp":
             try:
                 self._port = self._open()
             except (OSError, ValueError) as error:
                 raise CommandError(f"{link}: cannot be opened: {_words(error)}") from None
-        self._thread = threading.Thread(target=self._run, name=f"link {link}", daemon=True)
-
-    def start(self) -> None:
-        """Begin to read."""
-        self._thread.start()
 
     def send(self, data: bytes) -> None:
         """Send `data` to the device; over UDP to whom spoke last. What cannot be sent is the link's problem."""
@@ -67,37 +121,26 @@ class LinkReader:
             elif self._port is not None and self.link.kind == "tcp":
                 self._port.sendall(data)
             elif self._port is not None and self._peer is not None:
-                self._port.sendto(data, self._peer)
+                self._port.sendto(data, self._to or self._peer)
+            self._problems["write"] = ""
         except (OSError, serial.SerialException) as error:
-            self.problem = f"cannot send: {_words(error)}"
+            self._problems["write"] = f"cannot send: {_words(error)}"
 
     def close(self) -> None:
         """End reading."""
-        self._is_ended.set()
-        if self._thread.is_alive():
-            self._thread.join(2.0)
-        if self._port is not None:
-            self._port.close()
+        super().close()
+        self._leave()
 
-    def _run(self) -> None:
-        while not self._is_ended.is_set():
-            self._read_until_it_breaks()
-            if self._port is not None:
-                self._port.close()
-                self._port = None
-            self._is_ended.wait(REOPEN_PERIOD)
+    def _serve(self) -> None:
+        if self._port is None:
+            self._port = self._open()
+        while not self._is_ended:
+            self._read(self._port)
 
-    def _read_until_it_breaks(self) -> None:
-        try:
-            if self._port is None:
-                self._port = self._open()
-            while not self._is_ended.is_set():
-                self._read(self._port)
-        except OSError as error:  # pyserial's own are of its kind
-            self.problem = _words(error)
-        except Exception as error:
-            self.failures += 1
-            self.problem = self.failed = failure_words(error)
+    def _leave(self) -> None:
+        port, self._port = self._port, None
+        if port is not None:
+            port.close()
 
     def _open(self) -> serial.Serial | socket.socket:
         link = self.link
@@ -107,7 +150,8 @@ class LinkReader:
         elif link.kind == "udp":
             port = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
             try:
-                port.bind((link.place, link.number))
+                if self._to is None:
+                    port.bind((link.place, link.number))
             except OSError:
                 port.close()
                 raise
@@ -116,7 +160,7 @@ class LinkReader:
             port = socket.create_connection((link.place, link.number), timeout=2.0)
             port.settimeout(_WAIT)
         self.opened += 1
-        self.problem = ""
+        self._problems = {"read": "", "write": ""}
         return port
 
     def _read(self, port: serial.Serial | socket.socket) -> None:
@@ -152,51 +196,17 @@ class LinkReader:
         return True
 
 
-def failure_words(error: BaseException) -> str:
-    """Return in words what nobody foresaw, an `error` in a link's thread."""
-    return f"{type(error).__name__}: {_words(error) or 'no words'}. What came was not used; the link is opened again"
-
-
-class Sender:
-    """Sends lines where a map says: to a host and port, or by a serial port.
-
-    Parameters
-    ----------
-    link : where to
+def sender(link: Link) -> LinkReader:
+    """Return what sends where a map says: to a host and port, or by a serial port.
 
     Raises CommandError where it cannot be opened.
     """
-
-    def __init__(self, link: Link) -> None:
-        self.link = link
-        self.problem = ""
-        try:
-            self._reader = LinkReader(link, lambda _data, _whole: None) if link.kind != "udp" else None
-        except CommandError as error:
-            raise CommandError(f"command: {error}") from None
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM) if link.kind == "udp" else None
-        if self._reader is not None:
-            self._reader.start()
-
-    def send(self, data: bytes) -> None:
-        """Send `data`; what cannot be sent is named in `problem`."""
-        if self._reader is not None:
-            self._reader.send(data)
-            self.problem = self._reader.problem
-            return
-        assert self._socket is not None
-        try:
-            self._socket.sendto(data, (self.link.place, self.link.number))
-            self.problem = ""
-        except OSError as error:
-            self.problem = f"cannot send: {_words(error)}"
-
-    def close(self) -> None:
-        """Close it."""
-        if self._reader is not None:
-            self._reader.close()
-        if self._socket is not None:
-            self._socket.close()
+    try:
+        out = LinkReader(link, lambda _data, _whole: None, is_sender=True)
+    except CommandError as error:
+        raise CommandError(f"command: {error}") from None
+    out.start()
+    return out
 
 
 def _words(error: BaseException) -> str:

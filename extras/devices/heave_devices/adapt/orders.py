@@ -16,7 +16,7 @@ from heave_node.tick.tick import stamp_of
 from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
 from rclpy.node import Node
 
-from heave_devices.adapt.links import LinkReader, Sender
+from heave_devices.adapt.links import LinkReader, sender
 from heave_devices.adapt.messages import installed_type
 from heave_devices.adapt.plc.polled import PolledLink
 from heave_devices.formats.registers import register_of
@@ -53,7 +53,7 @@ class Orders:
         self._command = adapter.device.command
         self._timeout = self._command.timeout if self._command else _DEFAULT_TIMEOUT
         self._link = link
-        self._out: Sender | None = None
+        self._out: LinkReader | None = None
         self._unsent_since: float | None = None
         self._refusal = ""
         self._passed_on = 0
@@ -162,7 +162,7 @@ class Orders:
             return lambda values: link.put(command.numbers_of(values, kind_of, has_bits=is_modbus))
         if command.link is None and link is None:
             raise ParameterError(f"{self._adapter.device.name}: command: say where it goes: to: {{udp: HOST:PORT}}")
-        self._out = Sender(command.link) if command.link is not None else None
+        self._out = sender(command.link) if command.link is not None else None
         out = self._out or link
         assert out is not None
         if command.layout is not None:

@@ -100,39 +100,47 @@ def health_of(device: LiveDevice, before: Mapping[str, float]) -> Health:
     if error := next((text for text, is_present in errors.items() if is_present), ""):
         return Health(name, Level.ERROR, error, values)
     if device.adapter.watch.is_stale(now):
-        return Health(name, Level.STALE, stale_words(device, now), values)
+        return Health(name, Level.STALE, stale_words(device, now, before), values)
     if words:
         return Health(name, Level.WARN, ", ".join(words), values)
     return Health(name, values=values)
 
 
-def stale_words(device: LiveDevice, now: float) -> str:
-    """Return in words that nothing usable comes from a `device`, at `now` [s], and the likely cause."""
+def stale_words(device: LiveDevice, now: float, before: Mapping[str, float] | None = None) -> str:
+    """Return in words that nothing usable comes from a `device`, and the likely cause.
+
+    Parameters
+    ----------
+    device : it
+    now : monotonic time [s]
+    before : its figures a second ago; None: none were taken
+    """
     age = device.adapter.watch.age(now)
     since = "no reading yet" if math.isnan(age) else f"no reading for {age:.1f} s"
     if not device.adapter.is_counting and "watchdog" in device.adapter.newest:
         return f"watchdog has not counted for {age:.1f} s. Check that the PLC's program runs, and the map's watchdog"
-    return f"{since}: {_cause_of_silence(device)}"
+    return f"{since}: {_cause_of_silence(device, before or {})}"
 
 
-def _cause_of_silence(device: LiveDevice) -> str:
+def _cause_of_silence(device: LiveDevice, before: Mapping[str, float]) -> str:
     counters, taker = device.counters, device.adapter.taker.counters
     unavailable = ", ".join(f"{name} reads {value:.10g}" for name, value in taker.unavailable.items())
-    is_empty = counters is None or not counters.bytes
-    causes = {
-        f"{unavailable}, which stands for not available. Check the drive or sensor: is it referenced?": bool(
-            unavailable
-        ),
-        taker.worst: bool(taker.worst),
-        "what it answers is invalid. Check the PLC": isinstance(device.link, PolledLink) and bool(device.link.reads),
-        "nothing received. Check power, cable, address and baud rate": is_empty,
-    }
+    is_silent = counters is not None and counters.bytes == before.get("bytes", 0)
+    broken = counters.checksum_errors - before.get("checksum_errors", 0) if counters is not None else 0
+    causes = [
+        ("nothing received. Check power, cable, address and baud rate", is_silent),
+        (f"{broken:g} wrong checksums. Check cable, baud rate and the map's checksum", broken > 0),
+        (f"{unavailable}, which stands for not available. Check the drive or sensor: is it referenced?", unavailable),
+        (taker.worst, taker.worst),
+        ("what it answers is invalid. Check the PLC", isinstance(device.link, PolledLink) and device.link.reads),
+        ("nothing received. Check power, cable, address and baud rate", counters is None),
+    ]
     if counters is not None and not counters.samples:
         unknown = ", ".join(list(counters.unknown)[:5])
-        causes[f"only unknown lines: {unknown}. Check the map's format"] = bool(unknown)
-        causes[f"{counters.bytes} bytes, none as the format has it. Check format and baud rate"] = True
-    causes["what comes lacks the map's fields, or is invalid"] = True
-    return next(words for words, is_so in causes.items() if is_so)
+        causes.append((f"only unknown lines: {unknown}. Check the map's format", unknown))
+        causes.append((f"{counters.bytes} bytes, none as the format has it. Check format and baud rate", True))
+    causes.append(("what comes lacks the map's fields, or is invalid", True))
+    return next(words for words, is_so in causes if is_so)
 
 
 def _plain(name: str) -> str:

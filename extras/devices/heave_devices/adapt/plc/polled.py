@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Protocol
 
-from heave_devices.adapt.links import failure_words
+from heave_devices.adapt.links import LinkThread
 from heave_devices.formats.sample import Sample
 from heave_devices.maps.link import Link
 
-REOPEN_PERIOD = 1.0
-"""Wall time between two attempts to open a link [s]."""
 ANSWER_TIME = 0.4
 """A PLC that has not answered after this time is lost [s]."""
 
 
-class LinkLostError(Exception):
+class LinkLostError(OSError):
     """The link is gone, and must be opened again; the message says why."""
 
 
-class RefusedError(Exception):
+class RefusedError(OSError):
     """The PLC has answered, but not with what it was asked for; the message says what, and what to do."""
 
 
@@ -42,7 +39,7 @@ class Exchange(Protocol):
         """End the connection; nothing if there is none."""
 
 
-class PolledLink:
+class PolledLink(LinkThread):
     """Reads a PLC once per period, and writes each order as soon as it is there.
 
     Parameters
@@ -53,32 +50,17 @@ class PolledLink:
 
     Attributes
     ----------
-    reads, writes, refusals, opened : counted so far
-    failures, failed : what nobody foresaw, counted, and the last of it in words
+    reads, writes, refusals : counted so far
     unsent_since : monotonic time of the oldest order that has not reached the PLC [s]; None: all have
     """
 
     def __init__(self, link: Link, exchange: Exchange, on_sample: Callable[[Sample], None]) -> None:
-        self.link = link
-        self.reads = self.writes = self.refusals = self.opened = self.failures = 0
-        self.failed = ""
+        super().__init__(link)
+        self.reads = self.writes = self.refusals = 0
         self.unsent_since: float | None = None
         self._exchange = exchange
         self._on_sample = on_sample
         self._order: Mapping[str, float] | None = None
-        self._problems = {"read": "not connected yet", "write": ""}
-        self._is_ended = False
-        self._changed = threading.Condition()
-        self._thread = threading.Thread(target=self._run, name=f"link {link}", daemon=True)
-
-    @property
-    def problem(self) -> str:
-        """Why nothing can be read or written now, in words; "" while all is well."""
-        return self._problems["read"] or self._problems["write"]
-
-    def start(self) -> None:
-        """Begin to read."""
-        self._thread.start()
 
     def put(self, order: Mapping[str, float]) -> None:
         """Let `order`, values by name, be written next; it replaces one that has not been."""
@@ -87,33 +69,17 @@ class PolledLink:
             self.unsent_since = time.monotonic() if self.unsent_since is None else self.unsent_since
             self._changed.notify()
 
-    def close(self) -> None:
-        """Write the last order, and end."""
-        with self._changed:
-            self._is_ended = True
-            self._changed.notify()
-        if self._thread.is_alive():
-            self._thread.join(3.0)
-
-    def _run(self) -> None:
-        while not self._is_ended:
-            try:
-                self._exchange.open()
-                self.opened += 1
-                self._serve()
-                self._try("write", self._write)
-            except (LinkLostError, RefusedError) as error:
-                self._problems = {"read": str(error), "write": ""}
-            except Exception as error:
-                self.failures += 1
-                self.failed = failure_words(error)
-                self._problems = {"read": self.failed, "write": ""}
-            with suppress(Exception):  # a session that is gone cannot be ended
-                self._exchange.close()
-            with self._changed:
-                self._changed.wait_for(lambda: self._is_ended, REOPEN_PERIOD)
+    def _leave(self) -> None:
+        with suppress(Exception):  # a session that is gone cannot be ended
+            self._exchange.close()
 
     def _serve(self) -> None:
+        self._exchange.open()
+        self.opened += 1
+        self._poll()
+        self._try("write", self._write)  # the last order
+
+    def _poll(self) -> None:
         due = time.monotonic()
         while not self._is_ended:
             if time.monotonic() >= due:
