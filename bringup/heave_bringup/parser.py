@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import difflib
-import sys
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
@@ -20,7 +19,6 @@ from heave_bringup.commands.runs import check, operate, run
 from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
 from heave_bringup.commands.version import VersionAction
 from heave_bringup.errors import ExitStatus
-from heave_bringup.replacements import FORMER, OPTION
 
 COMMANDS: tuple[CommandModule, ...] = (
     *(run, operate, check),
@@ -47,10 +45,6 @@ class OneLineParser(argparse.ArgumentParser):
         args : of the command line; None: those of this process
         namespace : to which the options are added; None: a new one
         """
-        if OPTION in self._option_string_actions:
-            for former in (word.partition("=")[0] for word in (sys.argv[1:] if args is None else args)):
-                if former in FORMER:
-                    self.error(f"{former} is no option any more: write {OPTION} {FORMER[former]}")
         options, unknown = super().parse_known_args(args, namespace)
         if unknown:
             self.error(self._refusal(unknown))

@@ -30,14 +30,6 @@ GROUP = "heave.replacements"
 (NODE=KIND:WHAT) that check it and return module and arguments of the program to start.
 """
 FORMS = f"{EXTERNAL}[:CLOCK[:S]]|{LOCKSTEP}|{BAG}:DIR|fmu:FILE|{NONE}"
-FORMER = {
-    "--external": f"NODE={EXTERNAL}[:CLOCK]",
-    "--foreign": f"NODE={LOCKSTEP}",
-    "--from-bag": f"NODE={BAG}:DIR",
-    "--winch-fmu": "virtual_winch=fmu:FILE",
-    "--without": f"{ADVISER}={NONE}",
-}
-"""What `--replace` says in the place of options that are no more."""
 
 
 @dataclass(frozen=True)

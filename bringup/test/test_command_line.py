@@ -74,9 +74,6 @@ from heave_bringup.cli import main
             ["run", "b2_calm_300", "--replace", "cable_sim=fmu:x.fmu"],
             "heave: --replace cable_sim=fmu:x.fmu: NODE must be",
         ),
-        (["run", "b2_calm_300", "--external", "mru"], "heave run: --external is no option any more: write --replace"),
-        (["check", "--external=virtual_winch"], "heave check: --external is no option any more: write --replace"),
-        (["run", "b2_calm_300", "--without", "winch_adviser"], "heave run: --without is no option any more: write"),
         (["check", "--replace", "wave_vessel=lockstep"], "heave: --replace wave_vessel=lockstep: must be NODE=WHAT"),
         (
             ["study", "sea_trial", "--ask", "replace=mrv=external"],

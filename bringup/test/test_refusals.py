@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from heave_bringup.cli import main
 from heave_bringup.errors import ExitStatus
-from heave_bringup.run.run import only_run_in_domain
+from heave_bringup.run.one_run import only_run_in_domain
 
 REFUSED = ExitStatus.REFUSED.value
 
@@ -44,5 +44,7 @@ def test_a_second_run_in_a_domain_is_refused_and_the_namespace_is_named(tmp_path
         with pytest.raises(BlockingIOError):
             fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
         assert main(["run", "b2_calm_300", "--no-report", "--no-baseline"]) == REFUSED
-    assert "wait for it, or use --namespace NAME" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "wait for it, or use --namespace NAME" in said
+    assert said.count("\n") == 1, "before anything else is said, or any node started"
     assert not (tmp_path / "runs").exists()

@@ -12,6 +12,7 @@ from types import SimpleNamespace
 import pytest
 from heave_bringup.run import run
 from heave_bringup.run.launcher import Launcher, NodeProcess
+from heave_bringup.run.one_run import only_run_in_domain
 from heave_msgs.msg import TickStatus
 
 
@@ -79,14 +80,14 @@ def test_runs_that_begin_together_get_folders_of_their_own(tmp_path, monkeypatch
 
 def test_of_two_runs_in_one_domain_the_second_is_told_and_after_the_first_it_may_run(monkeypatch):
     monkeypatch.setenv("ROS_DOMAIN_ID", "231")
-    with run.only_run_in_domain() as first:
-        with run.only_run_in_domain() as second:
+    with only_run_in_domain() as first:
+        with only_run_in_domain() as second:
             assert (first, second) == (True, False)
         monkeypatch.setenv("ROS_DOMAIN_ID", "232")
-        with run.only_run_in_domain() as elsewhere:
+        with only_run_in_domain() as elsewhere:
             assert elsewhere
         monkeypatch.setenv("ROS_DOMAIN_ID", "231")
-    with run.only_run_in_domain() as after:
+    with only_run_in_domain() as after:
         assert after
 
 

@@ -158,7 +158,7 @@ def _fill(record: RunRecord, fields: Mapping[str, Fields], parameters: NodeParam
     set_point = fields[CONTROLLER].signal("depth_set_point")
     if take_out_programme(record.signals, set_point, cable_weight(parameters.get("cable_sim", {}))):
         record.notes.append(
-            f"the unit was moved to other depths: heave is about its running mean of {SPAN:g} s, "
+            f"the load was moved to other depths: heave is about its running mean of {SPAN:g} s, "
             "payout about its set-point"
         )
     record.alarms += events.diagnostic_alarms(fields[DIAGNOSTICS], has_modes=bool(record.modes))

@@ -229,7 +229,7 @@ def _mode(mode: Interval, words: str, level: int = 0) -> Happening:
 
 def _landings(record: RunRecord) -> list[Happening]:
     window = Window(record.signals, -math.inf, math.inf)
-    words = "the unit touches the bottom at {:.2f} m/s and rebounds by {:.1f} cm"
+    words = "the load touches the seabed at {:.2f} m/s and rebounds by {:.1f} cm"
     return [Happening(one.time, one.time, words.format(one.speed, 100.0 * one.rebound)) for one in window.landings]
 
 

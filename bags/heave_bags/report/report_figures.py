@@ -200,7 +200,7 @@ def winch_figure(record: RunRecord) -> Figure:
     learnt = [*_identified_limit(record, "speed", "y"), *_identified_limit(record, "acceleration", "y2")]
     figure = Figure(
         "Winch speed and acceleration",
-        "Positive pays out and lowers the unit. Dashed: limits of the winch as stated"
+        "Positive pays out and lowers the load. Dashed: limits of the winch as stated"
         + ("; dotted: limits that the controller has identified, from when it reported them." if learnt else "."),
         layout=time_layout(record, "payout rate [m/s]", shapes),
         height=520,

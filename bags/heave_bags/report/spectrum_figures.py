@@ -42,14 +42,14 @@ def spectrum_figure(record: RunRecord) -> Figure:
     compared = [name for name in ("uncompensated", "unit") if {name, "boom tip"} <= set(spectra)]
     figure = Figure(
         "Spectra and transmissibility",
-        "One-sided spectra over angular frequency (Welch). Transmissibility √(S_unit/S_boom tip), "
+        "One-sided spectra over angular frequency (Welch). Transmissibility √(S_load/S_boom tip), "
         "where the boom tip has at least a hundredth of its peak density.",
         layout=_spectrum_layout([(spectra[name], spectra["boom tip"]) for name in compared]),
         is_over_time=False,
         height=560,
     )
     colours = {"boom tip": BOOM_TIP, "uncompensated": UNCOMPENSATED, "unit": UNIT}
-    labels = {"unit": "compensated"}
+    labels = {"unit": "compensated", "uncompensated": "winch locked"}
     for name, found in spectra.items():
         figure.traces.append(_density_line(found, labels.get(name, name), colours[name]))
     for name in compared:
@@ -64,7 +64,7 @@ def comparison_of_spectra(records: Sequence[RunRecord], names: Sequence[str]) ->
     pairs = [(found["unit"], found["boom tip"]) for found in found_of if {"unit", "boom tip"} <= set(found)]
     figure = Figure(
         "Spectra and transmissibility of all runs",
-        "Of the unit; the transmissibility where the boom tip has at least a hundredth of its peak density.",
+        "Of the load. Transmissibility where the boom tip has at least a hundredth of its peak density.",
         layout=_spectrum_layout(pairs),
         is_over_time=False,
         height=560,

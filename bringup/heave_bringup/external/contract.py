@@ -90,7 +90,7 @@ HEAVE_PREVIEW = Port(
     topics.HEAVE_PREVIEW,
     0.0,
     False,
-    "optional: predicted boom-tip `heave` at the times `ahead` after the stamp, from waves measured up-wave or by radar",
+    "optional: predicted boom-tip `heave` at the times `ahead` after the stamp, from measurements up-wave or by radar",
     (("heave_sigma", 10.0),),
 )
 CRANE_POSE = Port(

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import fcntl
 import itertools
-import os
 import signal
-import tempfile
 import threading
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -29,12 +26,12 @@ from heave_bringup.progress import ProgressLine
 from heave_bringup.replacements import Replacements
 from heave_bringup.run.launcher import Launcher, NodeProcess
 from heave_bringup.run.monitor import Monitor
+from heave_bringup.run.one_run import ANOTHER_RUN, only_run_in_domain
 from heave_bringup.scenarios import STORED, Scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
 
 RUNS = "runs"
 """Folder of all runs, unless the user names another."""
-ANOTHER_RUN = "another run is in progress in this ROS domain: wait for it, or use --namespace NAME"
 
 LOOK_PERIOD = 0.1
 """Wall time between two looks at the nodes [s]."""
@@ -216,27 +213,6 @@ def _remove_unused(folder: RunFolder) -> None:
         folder.path.rmdir()
         if folder.path.parent == Path(RUNS).resolve():
             folder.path.parent.rmdir()
-
-
-@contextmanager
-def only_run_in_domain(namespace: str = "") -> Iterator[bool]:
-    """Claim a ROS domain, or a `namespace` in it, of this user on this machine; tell whether no other run has it.
-
-    Runs that begin together do not see each other yet; the lock of a file, which ends with its process, shows which one
-    was first.
-    """
-    place = "-".join([os.environ.get("ROS_DOMAIN_ID", "0"), *namespace.strip("/").split("/")]).rstrip("-")
-    name = f"heave-{os.getuid()}-domain-{place}.lock"
-    descriptor = os.open(Path(tempfile.gettempdir()) / name, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        is_only = True
-    except OSError:
-        is_only = False
-    try:
-        yield is_only
-    finally:
-        os.close(descriptor)
 
 
 @contextmanager

@@ -25,7 +25,7 @@ from heave_bringup.commands.arguments import (
     add_network,
     add_scenario,
 )
-from heave_bringup.errors import CommandError, VerdictError
+from heave_bringup.errors import AnotherRunError, CommandError, VerdictError
 from heave_bringup.interrupts import raise_if_interrupted
 from heave_bringup.nodes import ADVISER, ENVELOPE, node_forks, nodes_to_start
 from heave_bringup.replacements import (
@@ -130,6 +130,7 @@ def execute(options: argparse.Namespace) -> None:
     check_memory()  # before the libraries that want most of it
     from heave_bringup.network import set_up_transport
     from heave_bringup.progress import be_quiet
+    from heave_bringup.run.one_run import ANOTHER_RUN, only_run_in_domain
     from heave_bringup.scenarios import load_scenario
 
     required = _required(options.require)
@@ -141,6 +142,9 @@ def execute(options: argparse.Namespace) -> None:
     scenario = with_envelope(load_scenario(options.scenario, settings=settings), is_asked=options.envelope)
     scenario = replaced.apply(scenario)
     _check(options, scenario, replaced)
+    with only_run_in_domain(options.namespace or "") as is_only:  # `run_scenario` asks again, after what takes seconds
+        if not is_only:
+            raise AnotherRunError(ANOTHER_RUN)
     with node_forks(1 if options.composed else len(nodes_to_start(scenario.run, replaced.lockstep))) as forks:
         from heave_bringup.run.run import new_run_folder, run_scenario
 
