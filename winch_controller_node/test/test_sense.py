@@ -139,8 +139,7 @@ def test_no_tick_allocates(design):
     core = estimation._core
     filtered, sense = estimation.estimator.addresses, estimation.observer.addresses
     look, motion = estimation._look.addresses, estimation.motion.address
-    given_at = core._given.ctypes.data, core._delivered.ctypes.data
-    at = (sense[0], filtered[0], look[0], motion, sense[1], filtered[1], look[1], *given_at, *core._room)
+    at = (sense[0], filtered[0], look[0], motion, sense[1], filtered[1], look[1], *core._in, *core._room)
 
     def grown(count):
         before = allocated()

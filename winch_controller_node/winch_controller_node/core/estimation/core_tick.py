@@ -48,6 +48,7 @@ class CoreTick:
         found, self.observed, taken = (np.zeros((most, len(kind.rows))) for kind in (OBSERVED, OBSERVED, READING))
         work = (found, self.observed, taken, np.zeros((most, len(SAID.rows))), self.said, self.depths, self._tick)
         self._work, self._room = work, tuple(array.ctypes.data for array in work)
+        self._in = self._given.ctypes.data, self._delivered.ctypes.data
 
     def step(
         self,
@@ -81,8 +82,7 @@ class CoreTick:
             of_winch = (1.0, winch.time, winch.encoder_payout, is_driven)
         self._given_row[:] = (number, *command, unit_stands, count, *of_winch)
         self._parts = (sense[0], look[0], motion, sense[1], look[1])
-        given = self._given.ctypes.data, self._delivered.ctypes.data
-        self._call(sense[0], filtered[0], look[0], motion, sense[1], filtered[1], look[1], *given, *self._room)
+        self._call(sense[0], filtered[0], look[0], motion, sense[1], filtered[1], look[1], *self._in, *self._room)
         row: list[float] = self._tick_row.tolist()
         return row
 
