@@ -42,7 +42,7 @@ UNCERTAINTY_TIME = 1.0
 LEAST_USED = 4
 """Readings of a tick, over the number of measurements, for which there must be a place."""
 
-TOO_MANY = "estimator: {count} {what}, and at most {most} fit: {remedy}"
+TOO_MANY = "{count} {what}, and at most {most} fit: {remedy}"
 
 
 class Drag(NamedTuple):
@@ -110,17 +110,23 @@ class Gate(NamedTuple):
     added: Array
 
 
+def check_states(count: int, where: str) -> None:
+    """Refuse a model of more states than fit, `count`, in one line that says `where`."""
+    if count > STATES:
+        remedy = "use longer ticks, a shorter winch.command_delay or fewer sensors"
+        raise ValueError(f"{where}: {TOO_MANY.format(count=count, what='states', most=STATES, remedy=remedy)}")
+
+
 def check_sizes(states: int, measurements: int, kept: int) -> None:
     """Refuse a model that does not fit, in one line: `states`, `measurements`, and ticks that are `kept`."""
+    check_states(states, "estimator")
     most_kept = min(PAST_TICKS, 2 * PAST // (states * (states + 3)), USED // (LEAST_USED * max(measurements, 1)))
-    fewer = "use longer ticks, a shorter winch.command_delay or fewer sensors"
     for count, what, most, remedy in (
-        (states, "states", STATES, fewer),
         (measurements, "measurements", MEASUREMENTS, "use fewer sensors"),
         (kept, f"ticks of {states} states are kept", most_kept, "lower estimator.largest_age"),
     ):
         if count > most:
-            raise ValueError(TOO_MANY.format(count=count, what=what, most=most, remedy=remedy))
+            raise ValueError(f"estimator: {TOO_MANY.format(count=count, what=what, most=most, remedy=remedy)}")
 
 
 class KalmanFilter:
@@ -259,8 +265,7 @@ def follow(
     ValueError for a model that does not fit.
     """
     n, c = state.shape
-    if n > STATES:
-        raise ValueError(f"pass: {n} states, and at most {STATES} fit")
+    check_states(n, "pass")
     F, B, Q, pull, rate = motion
     model = new(PASS)
     one = model[0]

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from heave_core import law_table as table
-from heave_core.filter_table import STATES
+from heave_core.filter import check_states
 from heave_core.library import library, new
 from heave_core.look_table import MOTIONS
 
@@ -70,15 +70,6 @@ def put(record: Any, values: Mapping[str, Any]) -> None:
             field[0] = value
 
 
-def check_states(count: int) -> None:
-    """Refuse, with ValueError in one sentence, a model of more states than fit, `count`."""
-    if count > STATES:
-        raise ValueError(
-            f"the model has {count} states, those of commands on their way included, and {STATES} fit: "
-            "shorten winch.command_delay, or make the tick longer"
-        )
-
-
 class Governor:
     """The governor of an active `winch`, an array of one `ActiveWinch`."""
 
@@ -113,7 +104,7 @@ class Law:
     """
 
     def __init__(self, winch: Any, states: int) -> None:
-        check_states(states)
+        check_states(states, "law")
         self.winch, self.law, self.problem = winch, new(table.LAW), new(table.PROBLEM)
         self.state = new(table.LAW_STATE)
         self.x = self.problem["x"][0, :states]
@@ -169,7 +160,7 @@ class Commander:
     """
 
     def __init__(self, winch: Any, states: int, law: Law | None, state: Any, command: Any = None) -> None:
-        check_states(states)
+        check_states(states, "law")
         self.design, self.state = new(table.COMMAND_DESIGN), state
         self._command = new(table.COMMAND) if command is None else command
         loop = new(table.LOOP)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from heave_core.filter import check_states
 from heave_core.filter_table import STATES
 from heave_core.library import fill, library, named, new
 from heave_core.look_table import (
@@ -69,8 +70,7 @@ def padded(row: Array) -> Array:
 
     Raises ValueError where there are more.
     """
-    if len(row) > STATES:
-        raise ValueError(f"the loop's model has {len(row)} states: {STATES} fit")
+    check_states(len(row), "loop")
     return np.pad(row, (0, STATES - len(row)))
 
 

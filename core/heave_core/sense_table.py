@@ -498,8 +498,8 @@ STRUCTURES = (
     DELIVERED,
     OBSERVED,
     LOOK_AT,
-    TICK,
     SECOND,
+    TICK,
 )
 """In the order in which C++ needs them."""
 

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from heave_core import law_table
 from heave_core.envelope_table import MoveKind
+from heave_core.filter import check_states
 from heave_core.filter_table import STATES
-from heave_core.law import Commander, Governor, Law, LoopNow, MadeCommand, check_states, put
+from heave_core.law import Commander, Governor, Law, LoopNow, MadeCommand, put
 from heave_core.law_table import FOLLOWED, Asks, LawKind, Moved, RowKind, Shaped, Way
 from heave_core.library import library, new
 from hypothesis import assume, given
@@ -332,6 +333,8 @@ def test_a_halt_of_the_mean_is_reported_once_and_a_brake_holds_both():
 
 
 def test_more_states_than_fit_are_refused_in_a_sentence():
-    with pytest.raises(ValueError, match=rf"has {STATES + 1} states.* and {STATES} fit: shorten") as refusal:
-        check_states(STATES + 1)
+    with pytest.raises(
+        ValueError, match=rf"^law: {STATES + 1} states, and at most {STATES} fit: .*command_delay"
+    ) as refusal:
+        check_states(STATES + 1, "law")
     assert "\n" not in str(refusal.value)

@@ -225,7 +225,7 @@ def test_another_sea_begins_with_a_boom_tip_that_has_not_moved():
 
 
 def test_a_model_with_more_states_than_fit_is_refused_in_one_sentence():
-    with pytest.raises(ValueError, match=r"^the loop's model has 97 states: 96 fit$"):
+    with pytest.raises(ValueError, match=r"^loop: 97 states, and at most 96 fit: use longer ticks"):
         padded(np.zeros(STATES + 1))
 
 

@@ -52,5 +52,5 @@ def test_a_model_that_does_not_fit_is_refused_in_one_line():
     n = 97
     motion = (np.eye(n), np.zeros(n), np.eye(n), np.zeros(n), 0)
     none = np.zeros((0, 1))
-    with pytest.raises(ValueError, match=r"^pass: 97 states, and at most 96 fit$"):
+    with pytest.raises(ValueError, match=r"^pass: 97 states, and at most 96 fit: use longer ticks"):
         follow(motion, np.zeros((0, 4)), none, np.zeros((0, 4)), np.zeros((3, 0, n)), none, np.zeros((n, 1)), np.eye(n))
