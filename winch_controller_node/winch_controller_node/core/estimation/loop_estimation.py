@@ -358,9 +358,9 @@ class LoopEstimation:
 
         With the winch locked it would stay, and the unit go on swinging as it does now, whatever has set it going.
         """
-        motions, (unit, unit_rate) = tick.motions, tick.estimate[tick.rows.unit_states]
-        self.motion.return_from(motions.payout)
-        self._look.continue_shadow(motions.unit + motions.payout, motions.unit_rate + motions.payout_rate)
+        unit, unit_rate = tick.estimate[tick.rows.unit_states]
+        self.motion.return_from(tick.payout)
+        self._look.continue_shadow(tick.unit + tick.payout, tick.unit_rate + tick.payout_rate)
         self._look.continue_hanging(unit, unit_rate)
 
     def hand_over(self, tick: LoopTick, *, unit_stood: bool) -> None:
@@ -370,7 +370,7 @@ class LoopEstimation:
         """
         now = (self._design.model, self.estimator.estimate, self.estimator.covariance, self.motion.state)
         if unit_stood:
-            pull = (tick.sensed.filtered_tension - self._design.wet_tension) / self._design.cable.stiffness
+            pull = (tick.filtered_tension - self._design.wet_tension) / self._design.cable.stiffness
             mean_state = followed(self._design.model, self.motion.state)
             heave = self.observer.unit_heave_reading(mean_state, tick.rows.unit_states[0])
             after = hand_over_standing(*now, pull=pull, heave=heave)

@@ -93,13 +93,6 @@ else:
         __slots__ = ()
 
         @property
-        def sensed(self) -> LoopTick:
-            """The same."""
-            return self
-
-        motions = sensed
-
-        @property
         def command(self) -> CommandShares:
             """Command active until now."""
             return CommandShares(self.compensating, self.mean)
