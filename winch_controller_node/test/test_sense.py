@@ -130,7 +130,7 @@ def allocated():
 
 
 def test_no_tick_allocates(design):
-    """The core's call alone, with a reading of each sensor; nothing of what Python makes of it."""
+    """The core's call alone, with a reading of each sensor."""
     estimation = LoopEstimation(design)
     for number in range(1, 40):
         mru, depths = [(0.0, 0.3 * math.sin(0.1 * number), 0.01 * number, 0)], [(0.1, 0.01 * number)]

@@ -100,7 +100,7 @@ class Observer:
 
     Attributes
     ----------
-    design, state : structured arrays of one element, on the memory that C++ reads and writes
+    state : structured array of one element, on the memory that C++ reads and writes, as `design` is
     addresses : of the two
     gates : by sensor
     encoder : of the drum
