@@ -61,7 +61,7 @@ class WinchController(ControllerEvents):
         loop = self._estimation.step(
             tick, measurements, self._command.shares, unit_stands=not self._supervisor.landing.hangs
         )
-        self._alarms += loop.sensed.faults
+        self._alarms += loop.faults
         decision = self._decide(loop, measurements, self._prove(measurements))
         if decision.mode.before is not None or decision.landing is not None:
             self._change_mode(decision.mode, loop)
@@ -211,7 +211,7 @@ class WinchController(ControllerEvents):
 
     def _watch_preview(self, loop: LoopTick, delivered: HeavePreview | None) -> HeavePreview | None:
         """Return the preview that is to be used; say when one is used no more, or again."""
-        boom_tip = None if "mru" in loop.sensed.lost else loop.motions.tip
+        boom_tip = None if "mru" in loop.lost else loop.tip
         preview = self.preview.step(loop.number * round(self._dt * 1e9), delivered, boom_tip)
         is_used = preview is not None
         if is_used != self._previews:

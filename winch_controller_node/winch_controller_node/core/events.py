@@ -53,7 +53,7 @@ class ControllerEvents(OperatorRequests):
         elif starts or (mode.mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
             self._estimation.return_to_mean(loop)
             # what follows the sea is not leftover payout
-            self._estimation.motion.return_from(loop.motions.payout - mode.authority * loop.motions.tip)
+            self._estimation.motion.return_from(loop.payout - mode.authority * loop.tip)
             restart(self, Event.FOLLOWS)
 
     def _act_on(self, landing: LandingEvent | None, loop: LoopTick) -> None:

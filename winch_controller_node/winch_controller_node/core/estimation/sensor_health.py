@@ -87,6 +87,10 @@ def lost_alarm(sensor: str, reason: str, *, age: float, limit: float, since: flo
     return ALARMS.alarm(f"{prefix}_FAULT", status=reason)
 
 
+LOST = int(Level.SENSOR_LOST)
+"""Level of a sensor that is not to be relied on, as a number: what is asked in every tick."""
+
+
 class SensorGate:
     """How a sensor is seen: a view of its gate in the core.
 
@@ -110,7 +114,7 @@ class SensorGate:
     @property
     def is_lost(self) -> bool:
         """Tell whether the sensor is not to be relied on."""
-        return bool(self._record["level"] == Level.SENSOR_LOST)
+        return int(self._record["level"]) == LOST
 
     @property
     def reason(self) -> str:

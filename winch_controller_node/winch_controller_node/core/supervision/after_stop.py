@@ -74,8 +74,8 @@ class AfterStop:
         before, self._left = self._left, self._left - self._dt
         if not before > 0.0 >= self._left or not (hangs and tick.knows_tip):
             return ()
-        swing = free_swing(tick.motions.offset, tick.motions.offset_rate, cable.natural_a)
-        locked = free_swing(tick.motions.free, tick.motions.free_rate, cable.natural_a)
+        swing = free_swing(tick.offset, tick.offset_rate, cable.natural_a)
+        locked = free_swing(tick.free, tick.free_rate, cable.natural_a)
         # one that would slacken the cable is no estimate, but one that has lost its encoder
         if not max(NOTABLE, NOTABLE_SHARE * locked) < swing < cable.static_tension / cable.stiffness:
             return ()

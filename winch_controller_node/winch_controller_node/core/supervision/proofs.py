@@ -79,6 +79,7 @@ class MotionProof:
         self._tension, self._unit = tension, unit
         # a sensor may read more often than once a tick
         self._witnesses = {"load cell": (Series(2 * kept), tension), "depth sensor": (Series(2 * kept), unit)}
+        self._has_record = True
         self.reset()
 
     def reset(self) -> None:
@@ -89,6 +90,9 @@ class MotionProof:
 
     def restart(self) -> None:
         """Begin another record; what is known stays."""
+        if not self._has_record:
+            return
+        self._has_record = False
         self._heave.clear()
         for read, expected in self._witnesses.values():
             read.clear()
@@ -103,6 +107,7 @@ class MotionProof:
         load : nominal, moved by the MRU
         tensions, depths : readings of the tick [N], [m]
         """
+        self._has_record = True
         for one in tensions:
             self._witnesses["load cell"][0].add(one.time, one.value)
         for one in depths:

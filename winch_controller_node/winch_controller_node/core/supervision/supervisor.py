@@ -176,8 +176,8 @@ class Supervisor:
         """Return what is to be done in a tick with the `winch` in this situation."""
         time = tick.number * self._dt
         # where the drum is, not where its command is
-        hanging = HangingUnit(-tick.motions.hanging_heave, tick.motions.hanging_stretch)
-        self.landing.observe(time, tick.sensed, tick.motions.mean_payout, hanging)
+        hanging = HangingUnit(-tick.hanging_heave, tick.hanging_stretch)
+        self.landing.observe(time, tick.sensed, tick.mean_payout, hanging)
         if winch.inhibition:
             self.guard.inhibit(winch.inhibition, KNOWN_HOLD)
         modes = self.modes
@@ -246,7 +246,7 @@ class Supervisor:
             authority_limit=authority_limit,
             is_settled=is_settled,
             is_damped_blind=is_damped_blind,
-            has_estimate=tick.sensed.has_encoder,
+            has_estimate=tick.has_encoder,
             winch_fault=winch.fault,
             fault_cause=winch.fault_cause,
             lost=lost,
@@ -303,13 +303,13 @@ class Supervisor:
 
         A sensor that is late, or slow, reads where the unit was. NaN: no reading came.
         """
-        unit, past, sensed = tick.motions.unit - tick.motions.mean_heave, self._unit_past, tick.sensed
+        unit, past, sensed = tick.unit - tick.mean_heave, self._unit_past, tick.sensed
         past.appendleft(unit)
         if math.isnan(sensed.depth_heave):
             return math.nan
         age = tick.number * self._dt - sensed.depths[-1][0] if sensed.depths else 0.0
         then = past[min(max(round(age / self._dt), 0), len(past) - 1)]
-        return float(sensed.depth_heave + tick.motions.mean_heave + unit - then)
+        return float(sensed.depth_heave + tick.mean_heave + unit - then)
 
     def _report_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
         """Return what limits authority, where it lasts, or that it is over."""
@@ -358,7 +358,7 @@ class Supervisor:
         load, highest = self._load, self.highest_tension
         was_kept = highest.is_kept
         highest.update(
-            tick.motions.tip - tick.motions.free,
+            tick.tip - tick.free,
             self._limits.maximum_tension / load.static_tension,
             tension_per_metre=load.stiffness / load.static_tension,
             peak_use=PEAK_OVER_SIGNIFICANT * self.guard.demand,
@@ -370,7 +370,7 @@ class Supervisor:
 
     def _lost(self, tick: LoopTick) -> str:
         """Return which of the required sensors are lost and why; empty when none."""
-        lost = tick.sensed.lost
+        lost = tick.lost
         if not lost:
             return ""
         required = REQUIRED_SENSORS.get(self.modes.mode, ("mru", "encoder"))
@@ -378,8 +378,8 @@ class Supervisor:
 
     def _why_no_tension(self, tick: LoopTick, payout: float) -> str:
         """Return why constant tension may not be asked for; empty when it may."""
-        if "load_cell" in tick.sensed.lost:
-            return f"the load cell is lost ({tick.sensed.lost['load_cell']})"
+        if "load_cell" in tick.lost:
+            return f"the load cell is lost ({tick.lost['load_cell']})"
         if self.modes.mode is Mode.CONSTANT_TENSION:
             return ""  # the winch follows already
         may_hang = self._parameters.tension.hanging or not self.landing.hangs
@@ -412,7 +412,7 @@ class Supervisor:
 
         For that time payout is known from the commands sent, and the rest from MRU and depth sensor.
         """
-        is_known = tick.sensed.has_depth and "depth" not in tick.sensed.lost and "mru" not in lost
+        is_known = tick.has_depth and "depth" not in tick.lost and "mru" not in lost
         return self.guard.trusts_estimate and (self.guard.inhibits if not lost else is_known)
 
     def _is_settled(self, tick: LoopTick, settled_swing: float) -> bool:
@@ -423,26 +423,26 @@ class Supervisor:
         if math.isinf(settled_swing):
             return True
         if tick.knows_tip:
-            released = free_swing(tick.motions.released, tick.motions.released_rate, self._inertia)
+            released = free_swing(tick.released, tick.released_rate, self._inertia)
             settled_swing = min(settled_swing, SETTLED_AT_REST + released)
-        return free_swing(tick.motions.offset, tick.motions.offset_rate, self._inertia) < settled_swing
+        return free_swing(tick.offset, tick.offset_rate, self._inertia) < settled_swing
 
     def _watch_blind_damping(self, tick: LoopTick, settled_swing: float) -> bool:
         """Count for how long a fade-out has damped the unit by the depth sensor alone; return whether it does and may.
 
         Let go at rest the unit would take minutes to swing as it does without compensation, and swing more on the way.
         """
-        has_depth = tick.sensed.has_depth and "depth" not in tick.sensed.lost and self.guard.trusts_estimate
+        has_depth = tick.has_depth and "depth" not in tick.lost and self.guard.trusts_estimate
         is_blind = not tick.knows_tip and has_depth and math.isfinite(settled_swing)
         self._blind_time = self._blind_time + self._dt if is_blind else 0.0
         return is_blind and self._blind_time < BLIND_LIMIT
 
     def _report_blind_lowering(self, tick: LoopTick, mode: ModeOutput) -> tuple[Alarm, ...]:
         """Return that the winch lowers without depth readings, and how touchdown is known then, where that is new."""
-        is_blind = mode.mode is Mode.COMPENSATING and not tick.sensed.sees_landing and not self.landing.unit_stands
+        is_blind = mode.mode is Mode.COMPENSATING and not tick.sees_landing and not self.landing.unit_stands
         if not self._blind_lowering.begins(is_blind and self.landing.lowering_rate >= LEAST_RATE):
             return ()
-        is_weighed = math.isfinite(tick.sensed.filtered_tension) and "load_cell" not in tick.sensed.lost
+        is_weighed = math.isfinite(tick.filtered_tension) and "load_cell" not in tick.lost
         ratio = self._parameters.tension.touchdown_ratio
         now = (
             f"Touchdown will be detected by the load cell, below {100.0 * ratio:.0f} % of the weight over "
@@ -454,7 +454,7 @@ class Supervisor:
 
     def _watch_landing(self, tick: LoopTick, mode: ModeOutput) -> LandingEvent | None:
         """Notice touchdown while lowering, and that the unit hangs again after lift-off."""
-        if not math.isfinite(tick.sensed.filtered_tension):
+        if not math.isfinite(tick.filtered_tension):
             return None
         return self.landing.update(tick.sensed, mode)
 
