@@ -4,7 +4,6 @@ The unit stands beside `scipy.signal.cont2discrete` and scipy's integration of i
 `scipy.signal.lfilter`, the motions beside numpy on the rows of a random model.
 """
 
-import ctypes
 import math
 
 import numpy as np
@@ -18,6 +17,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, lfilter
+
+from tests.allocation import allocates
 
 DT = 0.05
 INERTIA, DAMPING, DRAG, PUSH = 1.1, 0.06, 0.2, 1.2
@@ -395,30 +396,6 @@ def test_the_values_of_python_are_the_rows_of_the_table():
     assert dtype_of(look_table.SEEN).itemsize == 8 * (len(Seen._fields) + 3)
 
 
-def allocated():
-    """Return the bytes that C has allocated in this process."""
-
-    class Info(ctypes.Structure):
-        names = (
-            "arena",
-            "ordblks",
-            "smblks",
-            "hblks",
-            "hblkhd",
-            "usmblks",
-            "fsmblks",
-            "uordblks",
-            "fordblks",
-            "keepcost",
-        )
-        _fields_ = [(name, ctypes.c_size_t) for name in names]
-
-    ask = ctypes.CDLL(None).mallinfo2
-    ask.restype = Info
-    info = ask()
-    return info.uordblks + info.hblkhd
-
-
 def test_no_step_of_the_library_allocates():
     """Called on the same addresses, without what Python makes of the results."""
     looked, guard = moved()[0], a_guard()
@@ -428,17 +405,9 @@ def test_no_step_of_the_library_allocates():
     step, at = library().heave_core_look, (*looked.addresses, inputs, *(one.ctypes.data for one in given), motions)
     judge, judged = guard._step, (*guard._at, guard._seen_at, guard._verdict_at)
 
-    def go(count):
-        for _ in range(count):
-            step(*at)
-            judge(*judged)
+    def go():
+        step(*at)
+        judge(*judged)
 
-    go(100)
-
-    def grown():
-        before = allocated()
-        go(2000)
-        return allocated() - before
-
-    # Python itself may take a block meanwhile; one of malloc's has 32 bytes at least, and each tick would take one
-    assert min(grown() for _ in range(5)) < 2000 * 32 / 2
+    go()
+    assert not allocates(go)

@@ -5,10 +5,14 @@ import math
 import numpy as np
 import pytest
 from heave_core import watch, watch_table
-from heave_core.watch import KpiRing, KpiStatistics, LandingWatch
-from heave_core.watch_table import Landed
+from heave_core.servo import Drum, run_of
+from heave_core.watch import KpiRing, KpiStatistics, LandingWatch, Link, LoadRecord, WinchRecord
+from heave_core.watch_table import Landed, LoadNews
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.signal import lfilter
+
+from tests.allocation import allocates
 
 DT = 0.05
 LOAD = {
@@ -159,3 +163,61 @@ def test_the_values_of_python_are_the_rows_of_the_tables():
     assert names["LandingState"][watch.FLAGS] == "event"
     assert names["LandingSeen"][watch.OBSERVED] == "filtered_tension"
     assert len(names["KpiRow"]) == 8
+
+
+LINK = {"minute": 50, "window": 9, "late_ticks": 2, "tick_period": DT, "largest_share": 0.1, "cut_time": 0.5}
+LINK |= {"memory": 3.0, "rounding": 1e-6}
+DELAY = 4
+
+
+@given(late=st.lists(st.integers(0, 7), min_size=1, max_size=120))
+def test_commands_are_as_late_as_most_of_the_last_ones_by_numpy(late):
+    """Of nine: the fifth largest. A command without a newer one for half a second is not known."""
+    link, known, newest, without = Link(LINK), [], 0, 0
+    for tick, behind in enumerate(late, start=20):
+        taken = tick - DELAY - behind
+        without = without + 1 if behind and taken == newest else 0
+        newest = taken
+        link.command(tick, taken, DELAY * DT)
+        if without * DT <= 0.5 - 0.5 * DT:
+            known.append(behind * DT)
+        last = np.sort(known[-9:])[::-1]
+        wanted = last[4] if len(last) > 4 and max(known[-50:]) > 0.0 else 0.0
+        assert link.state["overdue"][0] == pytest.approx(wanted)
+    assert (link.state["known"][0], link.state["late"][0]) == (len(known), np.count_nonzero(known))
+
+
+LOADED = {"tick_period": DT, "quiet_time": 1.0, "slack_ratio": 0.05, "tension_ratio": 1.5, "saturation_time": 2.0}
+LOADED |= {"saturation_share": 0.5, "capacity": 400e3, "required": 2.5, "least": 1.0}
+
+
+@given(st.lists(st.tuples(st.floats(-50e3, 600e3) | st.just(math.nan), st.booleans()), min_size=1, max_size=100))
+def test_a_cause_is_reported_where_it_was_away_for_long_and_limits_are_averaged_as_by_scipy(ticks):
+    record, quiet = LoadRecord(LOADED), dict.fromkeys(LoadNews, 1.0)
+    limited = lfilter([DT / 2.0], [1.0, DT / 2.0 - 1.0], [float(is_at_limit) for _, is_at_limit in ticks])
+    for (tension, is_at_limit), share in zip(ticks, limited, strict=True):
+        factor = 400e3 / tension if tension > 0.0 else math.nan
+        there = {
+            LoadNews.SLACK: tension < 0.05 * 100e3,
+            LoadNews.TENSION_HIGH: tension > 1.5 * 100e3,
+            LoadNews.SATURATED: share > 0.5,
+            LoadNews.ROPE_SHORT: 1.0 <= factor < 2.5,
+            LoadNews.ROPE_OVERLOADED: factor < 1.0,
+        }
+        wanted = sum(cause for cause, is_there in there.items() if is_there and quiet[cause] >= 1.0 - 1e-12)
+        quiet |= {cause: 0.0 if is_there else quiet[cause] + DT for cause, is_there in there.items()}
+        assert record.watch(tension, 100e3, is_at_limit=is_at_limit) == wanted
+        assert record.state["at_limit"][0] == pytest.approx(share)
+
+
+def test_the_watches_of_a_tick_allocate_nothing():
+    drum = {"kept": 60, "ahead": 5, "checked": 20, "ordered": 10, "least_seen": 0.8, "settled": 5.0}
+    drum |= {"least_motion": 0.004, "run": run_of(0.0, DT)[0], "assumed": Drum(0.15, 0.2), "nominal": Drum(0.15, 0.2)}
+    others = {"delay": 0.2, "modelled": 0.2, "alarming": 0.04, "cautious_time": 3.0}
+    winch = WinchRecord({"drum": drum, "link": LINK, **others})
+    for tick in range(100):
+        winch.watch(True, tick, False, False, tick + 6, 0.0, 0.3, False, 0.3 * DT * tick, math.nan)
+    load = LoadRecord(LOADED)
+    steps = [(winch._watch, winch._at), (load._watch, (*load._at, 1e5, 1e5, 0))]
+    assert winch.link.state["overdue"][0] > 0.0
+    assert not allocates(lambda: [step(*at) for step, at in steps] and None)
