@@ -1,0 +1,155 @@
+"""A tick of what is sensed: arbitrary readings, parts beside libraries, and no block of memory."""
+
+import ctypes
+import math
+
+import numpy as np
+import pytest
+from heave_core.sense_table import NOISE_READINGS
+from heave_node.interface.sensors import MruReading
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.signal import lfilter
+from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY, CommandShares
+from winch_controller_node.core.estimation.sense_design import GATES, STEPS
+from winch_controller_node.design.design import design_controller
+from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.laws import HealthParameters
+
+from tests.gates import EncoderGate, MeanTension, SensorNoise, SensorTiming
+
+DT = 0.05
+ANY = st.floats(allow_nan=True, allow_infinity=True)
+USUAL = st.floats(-3.0, 3.0)
+READ = st.one_of(USUAL, USUAL, ANY)
+AGE = st.one_of(st.just(0.0), st.just(0.0), st.floats(-2.0, 2.0), st.just(math.nan))
+
+
+@pytest.fixture(scope="module")
+def design():
+    return design_controller(WinchControllerParameters(), tick_period=DT)
+
+
+def delivered(tick, mru, depths, tension, winch):
+    """Return what is delivered at a tick."""
+    now = DT * tick
+    samples = tuple(MruReading(now - age, heave, rate, 0.01, 0.02, status) for age, heave, rate, status in mru)
+    scalar = {
+        "depth": tuple(ScalarReading(now - age, 300.0 + value) for age, value in depths),
+        "load_cell": tuple(ScalarReading(now, 6e4 + 1e3 * value) for value in tension),
+    }
+    report = None if winch is None else WinchReading(now - winch[0], winch[1], 0.0, winch[2])
+    return Measurements(mru=samples, scalar=scalar, winch=report)
+
+
+TICKS = st.lists(
+    st.tuples(
+        st.lists(st.tuples(AGE, READ, READ, st.sampled_from([0, 0, 0, 1, 2, 9])), max_size=3),
+        st.lists(st.tuples(AGE, READ), max_size=2),
+        st.lists(READ, max_size=2),
+        st.one_of(st.none(), st.tuples(AGE, READ, st.booleans())),
+    ),
+    min_size=1,
+    max_size=30,
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(ticks=TICKS, stands=st.booleans())
+def test_whatever_is_read_the_estimate_is_a_number_and_every_reading_is_counted(design, ticks, stands):
+    estimation = LoopEstimation(design)
+    came = dict.fromkeys(("mru", "depth", "load_cell", "encoder"), 0)
+    for number, (mru, depths, tension, winch) in enumerate(ticks, start=1):
+        given_ = delivered(number, mru, depths, tension, winch)
+        tick = estimation.step(number, given_, CommandShares(0.1, 0.0), unit_stands=stands)
+        for name, readings in (("mru", mru), ("depth", depths), ("load_cell", tension)):
+            came[name] += len(readings)
+        assert np.all(np.isfinite(tick.estimate))
+        assert all(math.isfinite(getattr(tick, name)) for name in ("tip", "unit", "free", "payout", "mean_command"))
+        assert {tick.knows_tip, tick.has_depth, tick.sees_landing, tick.has_encoder, tick.knows_sea} <= {0.0, 1.0}
+        assert len(tick.depths) <= len(depths)
+    for state in estimation.observer.states(number):
+        assert state.accepted >= 0
+        if state.sensor != "encoder":
+            assert state.accepted + state.refused == came[state.sensor]
+
+
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 2**16), count=st.integers(40, 300))
+def test_noise_is_the_median_of_third_differences_as_numpy_has_it(seed, count):
+    values = np.cumsum(np.random.default_rng(seed).standard_normal(count))
+    noise = SensorNoise(1e-6, DT)
+    found = [noise.add(float(value)) for value in values][-1]
+    differences = np.abs(np.diff(values, 3))
+    judged = len(differences) - len(differences) % GATES["noise_updated"]
+    expected = np.median(differences[max(0, judged - NOISE_READINGS) : judged]) / (0.6745 * math.sqrt(20.0))
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 2**16), gap=st.integers(3, 60), late=st.floats(0.0, 0.9))
+def test_an_encoder_after_a_gap_is_held_against_the_way_that_numpy_interpolates(seed, gap, late):
+    rates = np.random.default_rng(seed).uniform(-1.0, 1.0, gap + 1)
+    times, gate = DT * np.arange(1, gap + 2), EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT)
+    gate.pass_tick(times[0], rates[0])
+    gate.judge(times[0], ScalarReading(times[0] - late * DT, 0.0), rates[0])
+    for time, rate in zip(times[1:], rates[1:], strict=True):
+        gate.pass_tick(time, rate)
+    far = 100.0
+    assert gate.judge(times[-1], ScalarReading(times[-1] - late * DT, far), rates[-1]) is None
+    before, after = np.interp(times[[0, -1]] - late * DT, times, DT * np.cumsum(rates))
+    assert gate.jump == pytest.approx(far - (after - before), abs=1e-9)
+    assert STEPS["at_once"] < 3
+
+
+def test_the_mean_tension_over_its_memory_is_that_of_scipy():
+    """Once as many ticks have come as it remembers, each weighs dt/T."""
+    values = 5e4 + 1e3 * np.random.default_rng(2).standard_normal(3000)
+    mean, first = MeanTension(tick_period=DT), round(TENSION_MEMORY / DT)
+    for value in values[:first]:
+        mean.add(float(value), 0.0, unit_stands=False)
+    assert mean.mean.value == pytest.approx(np.mean(values[:first]), rel=1e-12)
+    start, weight = mean.mean.value, DT / TENSION_MEMORY
+    for value in values[first:]:
+        mean.add(float(value), 0.0, unit_stands=False)
+    filtered, _ = lfilter([weight], [1.0, weight - 1.0], values[first:], zi=[(1.0 - weight) * start])
+    assert mean.mean.value == pytest.approx(filtered[-1], rel=1e-12)
+
+
+def allocated():
+    """Return the bytes that C has allocated in this process."""
+
+    class Info(ctypes.Structure):
+        _fields_ = [(name, ctypes.c_size_t) for name in "abcdefghij"]
+
+    mallinfo = ctypes.CDLL(None).mallinfo2
+    mallinfo.restype = Info
+    return mallinfo().h
+
+
+def test_no_tick_allocates(design):
+    """The core's call alone, with a reading of each sensor; nothing of what Python makes of it."""
+    estimation = LoopEstimation(design)
+    for number in range(1, 40):
+        mru, depths = [(0.0, 0.3 * math.sin(0.1 * number), 0.01 * number, 0)], [(0.1, 0.01 * number)]
+        given_ = delivered(number, mru, depths, [0.1], (0.0, 0.0, False))
+        estimation.step(number, given_, CommandShares(), unit_stands=False)
+    core = estimation._core
+    filtered, sense = estimation.estimator.addresses, estimation.observer.addresses
+    look, motion = estimation._look.addresses, estimation.motion.address
+    given_at = core._given.ctypes.data, core._delivered.ctypes.data
+    at = (sense[0], filtered[0], look[0], motion, sense[1], filtered[1], look[1], *given_at, *core._room)
+
+    def grown(count):
+        before = allocated()
+        for _ in range(count):
+            core._given_row[0] += 1.0
+            core._delivered[:, 1] += DT
+            core._call(*at)
+        return allocated() - before
+
+    grown(100)
+    # Python itself may take a block meanwhile; one of malloc's has 32 bytes at least, and each tick would take one
+    assert min(grown(2000) for _ in range(5)) < 2000 * 32 / 2
