@@ -290,12 +290,12 @@ class LoopCommand:
     def _seen(self, tick: Tick) -> tuple[float, ...]:
         """Return what is to be done in a tick and what was read in it, in the order of `ActSeen`."""
         loop, decision, encoder = tick.loop, tick.decision, tick.encoder
-        sensed, mode = loop.sensed, decision.mode
+        mode = decision.mode
         return (
             *(self._way(decision), mode.authority, mode.mode is Mode.COMPENSATING, mode.mode is Mode.FADE_OUT),
             *(tick.holds_tension, mode.brake, decision.is_damped, decision.bounds_tension, decision.unit_stands),
-            *(loop.knows_tip, sensed.has_depth, sensed.sees_landing, "mru" not in sensed.lost, sensed.mru_rate),
-            *(sensed.tension, sensed.filtered_tension, tick.static_tension, tick.is_at_limit, tick.stated_payout),
+            *(loop.knows_tip, loop.has_depth, loop.sees_landing, "mru" not in loop.lost, loop.mru_rate),
+            *(loop.tension, loop.filtered_tension, tick.static_tension, tick.is_at_limit, tick.stated_payout),
             *(encoder.scale, encoder.offset),
         )
 

@@ -79,8 +79,8 @@ class AfterStop:
         # one that would slacken the cable is no estimate, but one that has lost its encoder
         if not max(NOTABLE, NOTABLE_SHARE * locked) < swing < cable.static_tension / cable.stiffness:
             return ()
-        decay, sensed = decay_of(swing, cable), tick.sensed
-        lost = sorted({"mru", "encoder"} & sensed.lost.keys())
+        decay = decay_of(swing, cable)
+        lost = sorted({"mru", "encoder"} & tick.lost.keys())
         remedy = (
             f"Mode compensating, once {' and '.join(lost)} can be read again"
             if lost

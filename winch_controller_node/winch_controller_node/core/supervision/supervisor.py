@@ -177,7 +177,7 @@ class Supervisor:
         time = tick.number * self._dt
         # where the drum is, not where its command is
         hanging = HangingUnit(-tick.hanging_heave, tick.hanging_stretch)
-        self.landing.observe(time, tick.sensed, tick.mean_payout, hanging)
+        self.landing.observe(time, tick, tick.mean_payout, hanging)
         if winch.inhibition:
             self.guard.inhibit(winch.inhibition, KNOWN_HOLD)
         modes = self.modes
@@ -303,13 +303,13 @@ class Supervisor:
 
         A sensor that is late, or slow, reads where the unit was. NaN: no reading came.
         """
-        unit, past, sensed = tick.unit - tick.mean_heave, self._unit_past, tick.sensed
+        unit, past = tick.unit - tick.mean_heave, self._unit_past
         past.appendleft(unit)
-        if math.isnan(sensed.depth_heave):
+        if math.isnan(tick.depth_heave):
             return math.nan
-        age = tick.number * self._dt - sensed.depths[-1][0] if sensed.depths else 0.0
+        age = tick.number * self._dt - tick.depths[-1][0] if tick.depths else 0.0
         then = past[min(max(round(age / self._dt), 0), len(past) - 1)]
-        return float(sensed.depth_heave + tick.mean_heave + unit - then)
+        return float(tick.depth_heave + tick.mean_heave + unit - then)
 
     def _report_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
         """Return what limits authority, where it lasts, or that it is over."""
@@ -456,7 +456,7 @@ class Supervisor:
         """Notice touchdown while lowering, and that the unit hangs again after lift-off."""
         if not math.isfinite(tick.filtered_tension):
             return None
-        return self.landing.update(tick.sensed, mode)
+        return self.landing.update(tick, mode)
 
 
 def _known_share(tick: LoopTick) -> float:

@@ -52,17 +52,17 @@ class StandingLoad:
         brake : is on
         is_wanted : compensation is to begin
         """
-        landing, sensed = self._landing, tick.sensed
-        is_lost = "load_cell" in sensed.lost
+        landing = self._landing
+        is_lost = "load_cell" in tick.lost
         self._unweighed_time = self._unweighed_time + self._dt if is_lost else 0.0
         if self._unweighed_time > TENSION_MEMORY:
             landing.forget_weight()
         is_weighed = brake and not (landing.unit_stands or is_lost)
         self._wait = landing.weigh(tick.mean_tension, mean_payout + self.more) if is_weighed else 0.0
         alarms = (self._alarm,) if self._unloaded.begins(landing.is_unloaded and is_wanted) else ()
-        is_known = brake and landing.hangs and "encoder" not in sensed.lost
+        is_known = brake and landing.hangs and "encoder" not in tick.lost
         return alarms + self._payout_watch.update(
-            sensed.depths, mean_payout, load.swing_time, is_known=is_known and sensed.sees_landing
+            tick.depths, mean_payout, load.swing_time, is_known=is_known and tick.sees_landing
         )
 
     @property
