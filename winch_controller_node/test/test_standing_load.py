@@ -35,8 +35,8 @@ class Braked:
         for _ in range(round(seconds / DT)):
             if not lost:
                 self._tension.add(10e3, 0.0, unit_stands=False)
-            sensed = SimpleNamespace(lost=dict.fromkeys(lost, "stale"), depths=(), sees_landing=False)
-            tick = SimpleNamespace(sensed=sensed, mean_tension=self._tension.mean)
+            lost_now = dict.fromkeys(lost, "stale")
+            tick = SimpleNamespace(lost=lost_now, depths=(), sees_landing=False, mean_tension=self._tension.mean)
             codes += [one.code for one in self.load.update(tick, 0.0, LOAD, brake=True, is_wanted=is_wanted)]
         return codes
 
