@@ -821,7 +821,7 @@ def test_constant_tension_refuses_a_hanging_unit_and_says_what_to_do():
     for _ in range(600):
         loop.step()
     with pytest.raises(
-        ModeError, match=r"the unit is suspended: the cable carries (9\d|10\d) % of its weight.*land it " r"first"
+        ModeError, match=r"the load is suspended: the cable carries (9\d|10\d) % of its weight.*land it " r"first"
     ):
         loop.controller.set_mode("constant_tension")
     assert loop.step()[0].report.mode == "compensating"

@@ -56,7 +56,7 @@ class OperatorRequests(ControllerParts):
             return self.mode.value
         if name == Mode.COMPENSATING.value and self._supervisor.landing.unit_stands:
             self._lift_off()
-            return "lifting off: constant tension until the unit is suspended"
+            return "lifting off: constant tension until the load is suspended"
         self.modes.request(name)
         return self.mode.value
 
