@@ -250,7 +250,7 @@ class OperatorRequests(ControllerParts):
         wait = LEAST_MEAN_TIME - mean.time
         if wait > 0.0:
             raise ModeError(
-                f"averaging the tension for {wait:.0f} s more, with unit and mean payout where they are: request it "
+                f"averaging the tension for {wait:.0f} s more, with load and mean payout unchanged: request it "
                 "again then, or state the tension to hold"
             )
         return mean.value
