@@ -142,8 +142,9 @@ RELEASE = """A fault is latched. The field `release` of `winch/state` shows what
 | 2 RELEASE_STANDSTILL | the drum to come to rest; keep `brake: true` |
 | 3 RELEASE_COMMAND | a fresh command with `brake: false`: the fault is gone, `fault` and `release` are 0 |
 
-A command is fresh if its `sequence` is higher than that of the last command taken. While a fault is latched, a command
-with `brake: true` and any other `sequence` is fresh too, so a restarted controller may count from 1 again."""
+A command is fresh if its `sequence` is higher than that of the last command accepted. While a fault is latched, a
+command with `brake: true` and any other `sequence` also counts as fresh, so a restarted controller may count from 1
+again."""
 
 CONTRACTS: tuple[Contract, ...] = (
     Contract(
@@ -173,7 +174,7 @@ CONTRACTS: tuple[Contract, ...] = (
         "rejected and counted. An invalid one is rejected, and the alarm names the faulty part. Without "
         "answers the controller keeps the last values, or the nominal ones, and reports it.",
         advice="`asked` is the last tick of the batch: `first`, plus the number of rows of `ticks`, minus one. "
-        "Stamp the answer with the start of the last tick before it becomes active. The shortest answer has "
+        "Stamp the answer with the start of the last tick before it becomes active. The shortest valid answer has "
         "only `asked` and `authority: 1.0`. `heave run SCENARIO --replace winch_adviser=none` runs without an "
         "adviser.",
     ),
@@ -187,14 +188,15 @@ CONTRACTS: tuple[Contract, ...] = (
         handshake="Start with the brake on and `encoder_payout` 0. Once released, the drive must stop by itself, "
         "brake and report `fault: 1` (FAULT_COMMAND_TIMEOUT) if there is no fresh command for "
         f"{WATCHDOG:g} s. If a set-point is not finite, stop, brake and report `fault: 2`. On `brake: true`, stop "
-        f"and brake; that is no fault.\n\n{RELEASE}\n\nThe suite's controller acknowledges `fault: 1` at once, "
-        f"releases the drive {WAIT:g} s later and compensates again, up to {MOST} times in "
+        f"and brake; this is not a fault.\n\n{RELEASE}\n\nThe suite's controller acknowledges `fault: 1` at once, "
+        f"releases the drive {WAIT:g} s later and resumes compensation, up to {MOST} times in "
         f"{PERIOD / 60.0:g} minutes. Every other fault waits for an operator.",
         advice="Publish one state for each `clock` message, from the first one on, even before the first command."
-        " Follow `payout_rate` within your speed and acceleration limits. With your own position loop, follow "
-        "`payout` instead: the integral of that rate on the scale of `encoder_payout`, reached at "
-        "the end of the interval. Enter the lag of the loop as `system.winch.time_constant`. `mean_payout`"
-        " is the working point, for display or to centre a drifting drum. `command_sequence` echoes the "
+        " Follow `payout_rate` within your speed and acceleration limits. If your drive has a "
+        "position loop of its own, follow `payout` instead: the integral of `payout_rate`, on the scale of "
+        "`encoder_payout`, at the end of the interval. Enter the lag of the loop as "
+        "`system.winch.time_constant`. `mean_payout` is the working point, for display or to centre a "
+        "drifting drum. `command_sequence` echoes the "
         "newest command in effect; delay is measured from it. Use NaN for `payout`, `payout_rate`, "
         "`payout_acceleration`, `tension` and `power` if unknown. The controller takes limits and lag from"
         " `system.winch`: set them to those of your drive.",
@@ -206,30 +208,30 @@ CONTRACTS: tuple[Contract, ...] = (
         hears=(CLOCK,),
         when_late=f"The controller predicts for {COAST:g} s. Then the depth sensor damps the load; "
         "compensation resumes after 1 s of good readings. On a short stiff cable or without a depth sensor "
-        f"it fades out, the winch stops, and it resumes after {RESUME:g} s of good readings. The simulated "
+        f"compensation fades out and the winch stops; it resumes after {RESUME:g} s of good readings. The simulated "
         "boom tip coasts to rest after 0.5 s.",
         advice="`mru` may have its own rate; stamp it with the time of the measurement. `boom_tip` moves the "
         "simulated cable: one message for each `clock` message, with `position` = (0, 0, height + heave), "
         f"height = `system.boom_tip_height` ({BOOM_TIP_HEIGHT:g} m by default), and `velocity.z` and "
         "`acceleration.z` of the heave. If you have only an MRU, fill `boom_tip` from its readings. Start at "
         "heave 0, or within 1 m of it. `vessel/heave_preview` may come from another process, such as a wave "
-        "radar's, at its own rate. Law `mpc` uses it if `mpc.preview_time` is set, once it has been right for "
-        f"{PROOF_TIME:g} s, while it is at most {MAXIMUM_AGE:g} s old and covers `mpc.preview_time`. `crane/pose` "
+        "radar's, at its own rate. Law `mpc` uses the preview if `mpc.preview_time` is set and the preview has been "
+        f"right for {PROOF_TIME:g} s, is at most {MAXIMUM_AGE:g} s old and covers that time. `crane/pose` "
         "may also come from another process at its own rate. Then `mru` refers to the boom tip in the reference "
         "pose (`system.crane`), and heave[devices] converts it to the present boom tip. A pose older than "
-        f"{CRANE.pose_timeout:g} s is stale, and the last one is held. After a jump a pose is used again after "
-        f"{CONFIRMED_AFTER:g} s without another jump.",
+        f"{CRANE.pose_timeout:g} s is stale, and the last one is held. After a jump, poses are used again once there "
+        f"has been no other jump for {CONFIRMED_AFTER:g} s.",
     ),
     Contract(
         "cable_sim",
         "the ship itself: cable, unit and their sensors",
         publishes=SENSORS_OF_SHIP,
         hears=(CLOCK,),
-        when_late="A silent sensor is lost: the controller continues with the others. Without a depth sensor it "
+        when_late="A silent sensor counts as lost: the controller continues with the others. Without a depth sensor it "
         "compensates the boom-tip motion through the cable model, and refuses moves to a depth.",
         advice="The suite supplies `clock` and the start barrier (node `ship_clock`). MRU and winch are external "
         "too, and `boom_tip` is still required. No sensor reading is required: publish what the ship has. The "
-        "results of the run come from sensors and estimates, and are marked so. To replace one sensor of the "
+        "figures of the run are computed from sensors and estimates, and are marked so. To replace one sensor of the "
         f"simulated plant, name its topic: `--replace {SENSORS_OF_SHIP[0].topic.name}=external`.",
     ),
 )
@@ -264,15 +266,15 @@ Generated by `python -m heave_bringup.external.contract`.
 
 Your node needs ROS 2 and `heave_msgs`. The suite's environment has both (`.venv/bin/python my_node.py`). It has rclpy
 but no rclcpp: for C++ use your own ROS, with `heave_msgs` built by colcon. `examples/` has a one-page node of each
-kind. A device with a serial line, datagrams or other messages needs no node: use `heave adapt MAP.yaml`.
+kind. A device on a serial line, UDP or another ROS message type needs no node: use `heave adapt MAP.yaml`.
 
 - **Units** are SI. **Signs**: positive payout lets rope out and lowers the load; heave is positive up, depth positive
   down. Frame `world`: z up, origin at still water below the mean boom tip.
-- **Clock**: `clock` comes once per tick ({TICK:g} s by default). In each run it starts at one tick, not at 0, once all
-  nodes have joined. A node's stamps are `simulated` (the newest `clock`, or `use_sim_time`), `own` (any clock; offset
-  and drift are estimated) or `none` (stamp 0: time of arrival). The first message decides, unless you state it
-  (`--replace NODE=external:CLOCK`). Messages that do not fit raise an error. Latency before the stamp cannot be
-  detected: `--replace NODE=external:CLOCK:0.04` subtracts 40 ms.
+- **Clock**: `clock` comes once per tick ({TICK:g} s by default). A run starts once all nodes have joined; its first
+  `clock` reads one tick, not 0. A node's stamps are `simulated` (the newest `clock`, or `use_sim_time`), `own` (any
+  clock; offset and drift are estimated) or `none` (stamp 0: time of arrival). The first message decides which, unless
+  you state it (`--replace NODE=external:CLOCK`). Stamps that do not fit are reported as an error. Latency before the
+  stamp cannot be detected: `--replace NODE=external:CLOCK:0.04` subtracts 40 ms.
 - **Quality of service**: see the tables; depth 10 is enough. Commands published as best effort are refused. Subscribe
   as reliable or best effort.
 - **Names** are relative, including `clock`, so namespaces and remapping work. `heave run --namespace NAME` puts the run
@@ -280,53 +282,53 @@ kind. A device with a serial line, datagrams or other messages needs no node: us
   `/clock:=/NAME/clock`. Your node may have any name.
 - **The system** (winch delay, lag and limits, masses) comes from the scenario. `heave params virtual_winch` lists the
   defaults, `scenario.yaml` beside each bag has the active values, and `--set system.winch.speed_limit=1` changes one.
-  The suite's controller keeps the brake on for about 25 s while it estimates the sea. Results count after the
-  transient (120 s as shipped).
+  The suite's controller keeps the brake on for about 25 s while it estimates the sea. Figures are computed from the
+  end of the transient on (120 s in the shipped scenarios).
 - **Reach**: nodes on this machine need the same `ROS_DOMAIN_ID`; other machines need `--network`
   ([several hosts](guide/howto/several_hosts.md)).
-- **A topic has one publisher.** A second one is reported as an error and ignored. A publisher that has left may be
-  restarted during the run.
+- **A topic has one publisher.** A second one is reported as an error and ignored. A publisher that has stopped may
+  be restarted during the run.
 """
 
 
 LOCKSTEP = f"""## In lockstep, under the name of a node
 
-A program that can wait may take part in each tick, in lockstep or in real time:
+A program that can wait for its inputs may take part in every tick, in lockstep or in real time:
 `heave run SCENARIO --replace NODE=lockstep` starts all other nodes and waits for a node of that name at the start
 barrier. If the program is deterministic, runs with equal seeds are byte-identical.
 
 - In Python, derive from `ParticipantNode` (`examples/lockstep_controller.py`, `examples/plant.py`). An error in your
   code ends the node and the run at once; the message names file and line.
 
-  | you fill in | called | does |
+  | you write | called | what it does |
   |---|---|---|
-  | `on_build()` | once, before the run | makes component, inputs and outputs |
+  | `on_build()` | once, before the run | creates the component, its inputs and its outputs |
   | `on_tick(tick)` | once per tick | takes the inputs, steps the component, publishes the outputs |
   | `on_reset()` | when `simulation/reset` restarts the run | resets your state; without it a reset ends the run |
-  | `on_inactive_tick(tick)` | in place of `on_tick` while the node is inactive | lets time pass, publishes nothing |
-  | `on_left_out(tick)` | in real time, for each tick that the node skips | lets time pass, publishes nothing |
-  | `on_exit()` | once, however the node ends | releases files and devices |
+  | `on_inactive_tick(tick)` | in place of `on_tick` while the node is inactive | advances time, publishes nothing |
+  | `on_left_out(tick)` | in real time, for each tick that the node skips | advances time, publishes nothing |
+  | `on_exit()` | once, however the node ends | closes files and devices |
 
 - **In real time** a late node catches up for {CATCH_UP_LIMIT:g} s, then jumps to the newest tick; the controller
-  predicts across the gap. At its end the run counts and names the lost messages, and has exit status 1.
+  predicts across the gap. The run then reports the lost messages at its end, with exit status 1.
 - **`--replace cable_sim=lockstep`**: your plant takes part like any other node, and `ship_clock` leads the ticks. Stamp
   its readings with the end of the tick: the controller reads them in the next one.
 - In any other language, follow the protocol. Its topics are relative and reliable, and keep the last 200 messages;
   `_tick/roster` and `_tick/status` are transient local.
-  1. Until the roster comes, publish `_tick/join` every 0.05 s: your name, `ready`, your topics with the number of
-     peers that each sees, and your `identity`. That is the first 12 bytes of the GID of your publishers in hexadecimal
+  1. Until the roster comes, publish `_tick/join` every 0.05 s: your name, `ready`, your topics, each with its
+     number of peers, and your `identity`: the first 12 bytes of the GID of your publishers in hexadecimal
      digits (from `get_publishers_info_by_topic`). Messages under another identity are rejected.
   2. `_tick/roster` holds the order of all counters: entry i counts what `nodes[i]` published on `topics[i]`.
-  3. `_tick/start` begins a tick: `published[i]` messages were sent before it. Wait until you have as many on each
-     topic that you read. Then wait for `_tick/done/OTHER` of this tick from each node that acts before yours, and for
-     as many messages as its counts state. The controller acts after `wave_vessel`, the winch after `winch_controller`,
+  3. `_tick/start` begins a tick: `published[i]` messages were sent before it. Wait until you have received that many on
+     each topic that you read. Then wait for `_tick/done/OTHER` of this tick from each node that acts before yours, and
+     for the messages that it counts. The controller acts after `wave_vessel`, the winch after `winch_controller`,
      the plant after `wave_vessel` and `virtual_winch`. A higher `epoch` starts a new run at tick 1: discard your state.
-     The adviser waits for no node. With the `lag` in its join it may be late: in lockstep by at most its latency less
-     two ticks, in real time without bound.
+     The adviser waits for no node. The `lag` in its join states by how many ticks it may be late: in lockstep at most
+     its latency less two ticks; in real time there is no bound.
   4. Do your part and publish. Then publish `_tick/done/NODE` with the number of messages published on each of your
      outputs since the start, in the order of your join. `lost` is 0, except at the end of a run in real time.
   5. If you have already answered a `_tick/start`, publish the messages of that tick and your answer again, byte for
-     byte. A start with `flush` true is the last: answer it when you have all messages, and end.
+     byte. A start with `flush` true is the last: answer it when you have all messages, then end.
   6. If you cannot continue, publish your join again with the reason in `failure`: the run ends at once.
 """
 
