@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import pytest
+from heave_core.watch_table import LoadNews
 from heave_node.interface.alarm import Severity
 from heave_node.loads.strength import SAFETY_FACTOR, Strength
 from winch_controller_node.core.supervision.watch.load_watch import LoadWatch, rope_strength
@@ -29,8 +30,18 @@ def test_a_slack_cable_is_told_with_its_tension():
     alarms = watched((5.0, 0.06, False), (5.0, 0.04, False))
     ((time, alarm),) = alarms
     assert (time, alarm.code) == (5.0, "CABLE_SLACK")
-    assert alarm.values == pytest.approx({"tension": 8.0, "percent": 4.0})
+    assert alarm.text == "tension 8.0 kN, 4 % of static. A snap load may follow. Compensate, or wait for calmer seas."
     assert watched((5.0, 0.0, False), slack_ratio=0.0) == []
+
+
+@pytest.mark.parametrize(
+    ("mean_rate", "is_active", "remedy"),
+    [(0.3, True, "Lower more slowly"), (0.0, True, "Check the load"), (-0.3, False, "Compensate")],
+)
+def test_what_to_do_about_a_slack_cable_goes_by_what_the_winch_does(mean_rate, is_active, remedy):
+    watch = LoadWatch(AlarmParameters(), tick_period=DT)
+    (alarm,) = watch.alarms(int(LoadNews.SLACK), 8e3, STATIC, mean_rate=mean_rate, is_active=is_active)
+    assert alarm.text.endswith(f"A snap load may follow. {remedy}, or wait for calmer seas.")
 
 
 def test_too_much_tension_is_told_with_what_is_allowed_and_what_to_do():

@@ -6,10 +6,11 @@ import math
 
 from heave_core.watch import LoadRecord
 from heave_core.watch_table import LoadNews
-from heave_node.interface.alarm import Alarm
+from heave_node.interface.alarm import Alarm, Value
 from heave_node.loads.strength import LEAST, ROPE, Strength, safety_factor, strengths
 from heave_node.parameters import flatten
 
+from winch_controller_node.core.supervision.landing import LEAST_RATE
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import AlarmParameters
@@ -106,27 +107,39 @@ class LoadWatch:
         found = self._core.watch(tension, static_tension, is_at_limit=is_at_limit)
         return self.alarms(found, tension, static_tension)
 
-    def alarms(self, found: int, tension: float, static_tension: float) -> tuple[Alarm, ...]:
+    def alarms(
+        self, found: int, tension: float, static_tension: float, *, mean_rate: float = 0.0, is_active: bool = False
+    ) -> tuple[Alarm, ...]:
         """Return the alarms of what was `found`.
 
         Parameters
         ----------
         found : bits of LoadNews
         tension, static_tension : as in `update` [N]
+        mean_rate : of the mean payout; positive lowers [m/s]
+        is_active : the winch compensates or holds a tension
         """
         if not found:
             return ()
         kilo, parameters = 1e-3 * tension, self._parameters
         share = tension / static_tension if static_tension > 0.0 else 1.0
         percent = 100.0 * float(self._core.state["at_limit"][0])
-        slack = (
+        remedy = "Lower more slowly" if mean_rate >= LEAST_RATE else "Check the load" if is_active else "Compensate"
+        slack: tuple[str, dict[str, Value]] = (
             ("LOAD_CELL_NEGATIVE", {"tension": kilo})
             if share < PUSH
-            else ("CABLE_SLACK", {"tension": kilo, "percent": 100.0 * share})
+            else (
+                "CABLE_SLACK",
+                {"tension": kilo, "percent": 100.0 * share, "lower_more_slowly_or_compensate": remedy},
+            )
         )
         capacity, required = (0.0, 0.0) if self._rope is None else (self._rope.capacity, self._rope.required)
-        rope = {"tension": kilo, "factor": safety_factor(capacity, tension), "capacity": 1e-3 * capacity}
-        news: dict[LoadNews, tuple[str, dict[str, float]]] = {
+        rope: dict[str, Value] = {
+            "tension": kilo,
+            "factor": safety_factor(capacity, tension),
+            "capacity": 1e-3 * capacity,
+        }
+        news: dict[LoadNews, tuple[str, dict[str, Value]]] = {
             LoadNews.SLACK: slack,
             LoadNews.TENSION_HIGH: (
                 "TENSION_HIGH",
