@@ -107,7 +107,7 @@ CABLE = structure(
 
 BOUNDS = structure(
     "Bounds",
-    "Margins and times of the envelope; each is the parameter `envelope.` of the same name.",
+    "Margins and times of the envelope: the parameters `envelope.` of the same names.",
     Row("window", "s", "time over which the ship's motion is watched"),
     Row("rate_factor", "", "speed about the asked move over the largest rate of the boom tip"),
     Row("rate_margin", "m/s", "speed beyond that"),
@@ -157,7 +157,7 @@ BOUNDS = structure(
 
 DESIGN = structure(
     "Design",
-    "What parameters and operator state. Nothing that was learnt is in it.",
+    "Values from parameters and operator only; nothing identified or estimated.",
     Row("tick_period", "s", "time of a tick"),
     Row("winch", "", "nominal winch", WINCH),
     Row("cable", "", "nominal cable", CABLE),
@@ -166,7 +166,7 @@ DESIGN = structure(
 
 SENT = structure(
     "Sent",
-    "An order that was sent, and the move that was asked for then.",
+    "A command that was sent, and the move requested at that time.",
     Row("payout", "m", "payout set-point"),
     Row("rate", "m/s", "payout-rate set-point"),
     Row("brake", "", "1: on"),
@@ -182,7 +182,7 @@ DRUM = structure(
 
 MOVE = structure(
     "Move",
-    "The move that an operator has asked for, generated here.",
+    "The move that the operator has requested, as the envelope generates it.",
     Row("request", "", "number of the newest request taken"),
     Row("kind", "", "what goes on: MoveKind"),
     Row("distance", "m", "to go to the target"),
@@ -194,7 +194,7 @@ MOVE = structure(
 
 STROKE = structure(
     "Stroke",
-    "Way and speed of the drum in one direction, forgotten exponentially.",
+    "Travel and speed of the drum in one direction, exponentially weighted.",
     Row("counted", "m", "by count, since it turned"),
     Row("sent", "m", "by the nominal drum without delay"),
     Row("longest", "m", "largest of those since the count turned"),
@@ -204,7 +204,7 @@ STROKE = structure(
 
 HELD_DRUM = structure(
     "HeldDrum",
-    "A drum under its brake, by count.",
+    "A braked drum, by its count.",
     Row("time", "s", "for which the brake has acted; 0: it does not"),
     Row("count", "m", "last reading"),
     Row("slowest", "m/s", "least speed so far"),
@@ -216,7 +216,7 @@ HELD_DRUM = structure(
 
 BIN = structure(
     "Bin",
-    "What the boom tip did within a share of the window.",
+    "Boom-tip motion within one part of the window.",
     Row("rate", "m/s", "largest rate"),
     Row("highest", "m", "largest heave"),
     Row("lowest", "m", "least heave"),
@@ -227,14 +227,14 @@ BIN = structure(
 
 SPREAD = structure(
     "Spread",
-    "Mean and variance of a signal, forgotten exponentially.",
+    "Exponentially weighted mean and variance of a signal.",
     Row("mean", "N", "of the signal"),
     Row("variance", "N^2", "of the signal"),
 )
 
 STATE = structure(
     "State",
-    "All that a tick of the envelope changes.",
+    "State of the envelope.",
     Row("tick", "", "ticks so far", COUNTER),
     Row("bin", "", "bin that is being filled", COUNTER),
     Row("equal", "", "equal readings of the motion reference unit in a row", COUNTER),
@@ -302,7 +302,7 @@ STATE = structure(
 
 READINGS = structure(
     "Readings",
-    "What comes in at a tick.",
+    "Inputs of the envelope at a tick.",
     Row("mru_heave", "m", "raw heave of the boom tip, positive up; NaN: no good reading came"),
     Row("mru_rate", "m/s", "raw heave rate; NaN: none came"),
     Row("count", "m", "raw count of the drum; NaN: none came"),
@@ -326,7 +326,7 @@ READINGS = structure(
 
 ORDER = structure(
     "Order",
-    "What leaves, and why.",
+    "The command that leaves the envelope, and the reason for any change.",
     Row("payout", "m", "set-point sent"),
     Row("rate", "m/s", "set-point sent"),
     Row("brake", "", "1: on"),

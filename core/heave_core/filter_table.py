@@ -26,7 +26,7 @@ USED = 4096
 
 DRAG = structure(
     "UnitDrag",
-    "Quadratic drag of the unit beyond the linear damping of the model.",
+    "Quadratic drag of the unit, beyond the linear damping of the model.",
     Row("rate", "", "index of the unit's heave rate in the state"),
     Row("inertia", "s^2", "a of the cable model"),
     Row("damping", "s", "linear damping that the model has"),
@@ -36,7 +36,7 @@ DRAG = structure(
 
 SLACK = structure(
     "CableSlack",
-    "When the cable is slack, and pulls the unit no further down than that sinks.",
+    "When the cable goes slack: it cannot push down, so the unit only sinks by its weight.",
     Row("pull", "", "of the cable on the unit about that at rest, as a row on the state [m]", shape=(STATES,)),
     Row("reads", "", "sensitivity of each measurement to that pull, in its unit over metres", shape=(MEASUREMENTS,)),
     Row("rate", "", "index of the unit's heave rate in the state"),
@@ -85,7 +85,7 @@ READING = structure(
 
 FILTER_TICK = structure(
     "FilterTick",
-    "A tick that the filter goes on to.",
+    "Inputs of one filter tick.",
     Row("tick", "", "its number; ticks left out are predicted over"),
     Row("command", "", "of the tick before, held over ticks left out"),
     Row("end", "", "where the readings delivered at it end in the table of the run"),
@@ -93,7 +93,7 @@ FILTER_TICK = structure(
 
 SAID = structure(
     "Said",
-    "What a reading said against its prediction; NaN where it came too late.",
+    "A reading compared with its prediction; NaN if it came too late.",
     Row("innovation", "", "reading less prediction"),
     Row("sigma", "", "standard deviation of it that was predicted"),
     Row("nis", "", "normalised innovation squared"),
@@ -102,7 +102,7 @@ SAID = structure(
 
 FILTER_STATE = structure(
     "FilterState",
-    "All that a tick of the filter changes. Rings have a place for each tick.",
+    "State of the filter. Ring buffers have one entry for each tick.",
     Row("held", "", "ticks that are kept; 0: none was begun", COUNTER),
     Row("newest", "", "newest tick", COUNTER),
     Row("missing_push", "m", "how much further down the model pushes the unit than a slack cable does"),
@@ -133,7 +133,7 @@ PASS = structure(
 
 PASS_TICK = structure(
     "PassTick",
-    "What the record has seen of unit and cable at a tick, by which its step goes.",
+    "Drag and slack at one tick of the record, which determine the step of the pass.",
     Row("kept", "", "share that drag leaves of the unit's speed in each half of the tick"),
     Row("gives", "", "share by which a slack cable does not push it"),
     Row("unknown", "m^2/s^2", "variance of its rate that both add"),
@@ -142,7 +142,7 @@ PASS_TICK = structure(
 
 PASS_READING = structure(
     "PassReading",
-    "A reading of the record, its values apart.",
+    "A reading of the record; its values are stored separately.",
     Row("which", "", "index of the measurement"),
     Row("offset", "", "how much later than its tick it was measured, in ticks"),
     Row("noise", "", "variance"),

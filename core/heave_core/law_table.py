@@ -92,7 +92,7 @@ class Moved(IntFlag):
 
 MEAN_PAYOUT = structure(
     "MeanPayout",
-    "The mean payout, in motion.",
+    "The mean payout and its motion.",
     Row("tick_period", "s", "time of a tick"),
     Row("jerk_time", "s", "time in which the acceleration of a move builds up"),
     Row("payout", "m", "now"),
@@ -101,7 +101,7 @@ MEAN_PAYOUT = structure(
 
 MEAN_MOTION = structure(
     "MeanMotion",
-    "What the winch does on purpose, and the loop's own answer to it.",
+    "Intended motion of the winch, and the loop's response to it.",
     Row("mean", "", "payout about which the winch compensates", MEAN_PAYOUT),
     Row("left_over", "", "payout from before a stop, on its way to the mean", MEAN_PAYOUT),
     Row("carried", "", "payout by which the mean is carried along where the place moves", MEAN_PAYOUT),
@@ -110,7 +110,7 @@ MEAN_MOTION = structure(
 
 ACTIVE_WINCH = structure(
     "ActiveWinch",
-    "The winch as it is active, and its limits: the one place where a tick finds them.",
+    "Active winch model and its limits, the only place from which a tick takes them.",
     Row("is_first_order", "", "1: u' = K (u_0 - u) by the payout set-point; 0: speed servo", COUNTER),
     Row("pad", "", "keeps the numbers aligned", COUNTER),
     Row("tick_period", "s", "time of a tick"),
@@ -135,7 +135,7 @@ ACTIVE_WINCH = structure(
 
 LAW = structure(
     "Law",
-    "A control law: u = m v - G x, its share for the unit bounded, or the plan that keeps the limits of the winch.",
+    "A control law: u = m v - G x with the unit's share bounded, or a plan within the limits of the winch.",
     Row("kind", "", "LawKind: how it makes its command", COUNTER),
     Row("states", "", "number of states", COUNTER),
     Row("unit", "", "states of the unit: heave and its rate", COUNTER, (2,)),
@@ -162,7 +162,7 @@ LAW = structure(
 
 LAW_STATE = structure(
     "LawState",
-    "What a law remembers, and what it found in a tick.",
+    "State and results of a law.",
     Row("asks", "", "Asks: 0, or NEEDS_PLAN", COUNTER),
     Row("since_solution", "", "ticks since the plan was last solved", COUNTER),
     Row("plan_age", "", "ticks since the plan that is followed was made", COUNTER),
@@ -183,7 +183,7 @@ LAW_STATE = structure(
 
 PROBLEM = structure(
     "Problem",
-    "What a law is given in a tick.",
+    "Inputs of a law at a tick.",
     Row("payout", "m", "of the winch as it follows the mean payout, when the next command takes effect"),
     Row("rate", "m/s", "its rate"),
     Row("command", "m/s", "share of the command that belongs to it"),
@@ -196,7 +196,7 @@ PROBLEM = structure(
 
 WANTED = structure(
     "Wanted",
-    "What the governor is given.",
+    "Inputs of the governor.",
     Row("command", "m/s", "wanted; a payout [m] of a first-order winch"),
     Row("payout", "m", "of the drum when the command takes effect"),
     Row("rate", "m/s", "of the drum then"),
@@ -207,7 +207,7 @@ WANTED = structure(
 
 GOVERNED = structure(
     "Governed",
-    "What the governor lets through.",
+    "Command after the governor.",
     Row("value", "m/s", "in the terms of the linear model: the estimator's input"),
     Row("sent", "m/s", "the same for the winch, whose limiter acts within the tick, and which has a gain of its own"),
     Row("shaped", "", "Shaped: by what"),
@@ -226,7 +226,7 @@ TENSION_RECORD = structure(
 
 TENSION_ALONE = structure(
     "TensionAlone",
-    "What leads by the tension alone: a filter of the boom tip with the assumed sea, and a constant as its last state.",
+    "Boom-tip motion from tension alone: a filter with the assumed sea, and a constant as its last state.",
     Row("states", "", "of the sea, and one", COUNTER),
     Row("window", "", "ticks over which the tension is averaged", COUNTER),
     Row("trip", "", "ticks that a wave takes down the wire and back", COUNTER),
@@ -252,7 +252,7 @@ TENSION_RATE = structure(
 
 TENSION_LAW = structure(
     "TensionLaw",
-    "Constant tension with the boom tip known.",
+    "Constant tension, boom tip known.",
     Row("tip_rate", "m/s", "row of the boom tip's rate when the command acts", shape=(STATES,)),
     Row("standing", "m/s", "row of the command under which the drum would stand", shape=(STATES,)),
     Row("outlet", "m", "row of the cable that is out beyond the boom tip", shape=(STATES,)),
@@ -264,7 +264,7 @@ TENSION_LAW = structure(
 
 TENSION_STATE = structure(
     "TensionState",
-    "What constant tension remembers.",
+    "State of constant tension.",
     Row("has_alone", "", "1: what leads alone is there", COUNTER),
     Row("begins", "", "1: it begins in the next tick", COUNTER),
     Row("value", "N", "that is held now; NaN before the first"),
@@ -281,7 +281,7 @@ TENSION_STATE = structure(
 
 COMMAND_DESIGN = structure(
     "CommandDesign",
-    "What the command of a tick goes by, beside winch and law.",
+    "What else determines the command, apart from winch and law.",
     Row("states", "", "number of states", COUNTER),
     Row("payout", "", "state of the payout", COUNTER),
     Row("unit", "", "states of the unit: heave and its rate", COUNTER, (2,)),
@@ -310,7 +310,7 @@ COMMAND_DESIGN = structure(
 
 COMMAND_STATE = structure(
     "CommandState",
-    "The last command, and what the last minute of orders was.",
+    "The last command, and statistics of the last minute of commands.",
     Row("value", "m/s", "of the last command, in the terms of the linear model"),
     Row("sent", "m/s", "set-point for it"),
     Row("standing", "m/s", "command under which the winch would have stayed where it was"),
@@ -329,7 +329,7 @@ COMMAND_STATE = structure(
 
 LOOP = structure(
     "Loop",
-    "What is known of the loop in a tick, and what is to be done.",
+    "State of the loop at a tick, and what the winch is to do.",
     Row("way", "", "Way: by what the command is made"),
     Row("share", "", "authority of which the law knows: 0 where the boom tip is not known"),
     Row("heave", "m", "of the unit with the winch locked"),
@@ -372,7 +372,7 @@ COMMAND = structure(
 
 PLACE = structure(
     "Place",
-    "The place that belongs to a commanded speed: what a drive with a position loop of its own is to follow.",
+    "Position set-point that belongs to a speed command, for a drive with its own position loop.",
     Row("leak", "s", "time constant with which the place is drawn to the drum: far slower than the waves"),
     Row("reach", "m", "furthest that it leads the drum"),
     Row("payout", "m", "the place; NaN: the brake has not opened yet"),
@@ -380,7 +380,7 @@ PLACE = structure(
 
 ACT_SEEN = structure(
     "ActSeen",
-    "What is to be done in a tick, and what was read in it.",
+    "Inputs of the acting half of a tick: what to do, and what was read.",
     Row("way", "", "Way: by what the command is made"),
     Row("authority", "", "of compensation"),
     Row("compensates", "", "1: the mode is that of compensation"),
@@ -406,7 +406,7 @@ ACT_SEEN = structure(
 
 ACT_DONE = structure(
     "ActDone",
-    "What a tick has done.",
+    "Results of the acting half of a tick.",
     Row("payout", "m", "set-point that is sent"),
     Row("rate", "m/s", "set-point that is sent"),
     Row("brake", "", "1: it is ordered"),

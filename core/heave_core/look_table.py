@@ -23,7 +23,7 @@ class Harm(IntFlag):
 
 HANGING_CABLE = structure(
     "HangingCable",
-    "A cable with a unit below an outlet whose motion is known, sampled: the state is the first mode.",
+    "A sampled cable and unit below a top end whose motion is known; the state is the first mode.",
     Row("A", "", "of the mode's heave [m] and rate [m/s] on themselves", shape=(2, 2)),
     Row("B", "", "of the outlet's heave [m] and rate [m/s] on them", shape=(2, 2)),
     Row("drag", "", "quadratic, beyond the linear damping that A has", DRAG),
@@ -46,7 +46,7 @@ HANGING_UNIT = structure(
 
 LOOK_DESIGN = structure(
     "LookDesign",
-    "Where the motions are found in the states of the loop's model, and the cables.",
+    "Indices and rows of the motions in the loop model, and the cables.",
     Row("order", "", "states of the model", COUNTER),
     Row("unit", "", "index of the unit's heave", COUNTER),
     Row("unit_rate", "", "index of the unit's heave rate", COUNTER),
@@ -66,7 +66,7 @@ LOOK_DESIGN = structure(
 
 LOOK_STATE = structure(
     "LookState",
-    "The simulated units, and what the boom tip did.",
+    "The simulated units, and statistics of the boom tip.",
     Row("shadow", "", "unit with the winch locked", HANGING_UNIT),
     Row("taut_shadow", "", "the same, had the cable been taut for the last seconds", HANGING_UNIT),
     Row("hanging", "", "unit below the drum as it turns, whatever is read of it", HANGING_UNIT),
@@ -77,7 +77,7 @@ LOOK_STATE = structure(
 
 LOOK_INPUTS = structure(
     "LookInputs",
-    "What is known of the loop at a tick.",
+    "Inputs for the motions at a tick.",
     Row("compensating", "", "share of the active command that compensates"),
     Row("mean", "", "share of it that moves the mean payout"),
     Row("knows_tip", "", "1: the boom tip is measured"),
@@ -86,7 +86,7 @@ LOOK_INPUTS = structure(
 
 MOTIONS = structure(
     "Motions",
-    "All motions at a tick, positive up, payouts positive down.",
+    "All motions at a tick: heaves positive up, payouts positive down.",
     Row("tip", "m", "of the boom tip"),
     Row("tip_rate", "m/s", "of the boom tip"),
     Row("payout", "m", "of the drum, without the mean payout's"),
@@ -120,7 +120,7 @@ SIGMA = structure(
 
 LIMIT = structure(
     "AmplitudeLimit",
-    "When an amplitude is too large.",
+    "Limit on an amplitude.",
     Row("time", "s", "memory of the amplitude"),
     Row("ratio", "", "largest amplitude over that of the reference"),
     Row("floor", "", "amplitude that is never too large"),
@@ -139,7 +139,7 @@ AMPLITUDE = structure(
 
 DETRENDED = structure(
     "DetrendedHeave",
-    "Heave from the readings of a depth sensor, without their mean, spikes and jumps.",
+    "Heave from a depth sensor: mean, spikes and jumps removed.",
     Row("value", "m", "heave"),
     Row("last", "m", "reading; NaN: none yet"),
     Row("ticks", "", "since it"),
@@ -147,7 +147,7 @@ DETRENDED = structure(
 
 GUARD_DESIGN = structure(
     "GuardDesign",
-    "The loop that is guarded, and when it does harm.",
+    "The guarded loop, and the limits beyond which it does harm.",
     Row("tick_period", "s", "time of a tick"),
     Row("window", "s", "memory of the waves: `guard.window`"),
     Row("seen_ticks", "", "ticks of waves after which an amplitude is judged"),
@@ -196,7 +196,7 @@ GUARD_DESIGN = structure(
 
 DEMAND = structure(
     "WinchDemand",
-    "What the sea asks of the winch: speed and acceleration of the boom tip.",
+    "What the sea demands of the winch: speed and acceleration of the boom tip.",
     Row("rate", "m/s", "over the waves", SIGMA),
     Row("acceleration", "m/s^2", "over the waves", SIGMA),
     Row("group_rate", "m/s", "within the group", SIGMA),
@@ -211,7 +211,7 @@ DEMAND = structure(
 
 GUARD_STATE = structure(
     "GuardState",
-    "All that a tick of the guard changes.",
+    "State of the guard.",
     Row("drum", "", "speed of the drum", AMPLITUDE),
     Row("swing", "", "swing of the unit", AMPLITUDE),
     Row("depth", "", "heave by the depth sensor", AMPLITUDE),
@@ -236,7 +236,7 @@ GUARD_STATE = structure(
 
 SEEN = structure(
     "Seen",
-    "What the guard compares at a tick, all about the mean depth.",
+    "Motions that the guard compares at a tick, all about the mean depth.",
     Row("unit", "m", "estimated heave of the unit, compensated"),
     Row("unit_rate", "m/s", "its rate"),
     Row("free", "m", "the same with the winch locked"),
@@ -254,7 +254,7 @@ SEEN = structure(
 
 VERDICT = structure(
     "Verdict",
-    "What the guard has found in a tick.",
+    "Result of the guard at a tick.",
     Row("bits", "", "Harm"),
     Row("drum", "m/s", "amplitude of the drum's error"),
     Row("swing", "m", "amplitude of the unit's swing"),

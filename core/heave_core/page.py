@@ -9,53 +9,53 @@ from heave_core.rows import Structure
 
 HEAD = """# The core's layout
 
-`heave_core` is the part of the controller's tick that is compiled: C++17 without a library, an allocation, an
-exception, a clock or a text. One table, `heave_core.layout`, makes the C++ structures, the numpy types by which Python
-reads and writes the same memory, and this page. The C++ header, with the unit and meaning of every field, is printed by
-`python -m heave_core.layout`.
+`heave_core` is the compiled part of the controller's tick: C++17 without libraries, allocation, exceptions, clocks or
+text. One table, `heave_core.layout`, generates the C++ structures, the numpy types through which Python reads and
+writes the same memory, and this page. `python -m heave_core.layout` prints the C++ header, with the unit and meaning of
+every field.
 
 | part | file in `core/heave_core/src/` | what it does |
 |---|---|---|
-| envelope | `envelope.cpp` | bounds every order, takes over, brakes: see [the envelope](guide/controller/envelope.md) |
-| ship | `ship.cpp` | motion reference unit, count of the drum, load cell, from raw readings |
-| drum | `drum.cpp` | the nominal drum that is driven by what was sent |
-| move | `move.cpp` | the move that an operator has requested |
-| filter | `filter.cpp` | the Kalman filter over ticks: gates, streams, late readings |
-| filter's model | `filter_model.cpp` | drag, a slack cable, the row of a reading |
+| envelope | `envelope.cpp` | bounds commands, takes over, brakes: see [the envelope](guide/controller/envelope.md) |
+| ship | `ship.cpp` | MRU, drum count and load cell, from raw readings |
+| drum | `drum.cpp` | the nominal drum, driven by the commands sent |
+| move | `move.cpp` | the move requested by the operator |
+| filter | `filter.cpp` | the Kalman filter: gates, sensor streams, late readings |
+| filter's model | `filter_model.cpp` | drag, slack cable, measurement row of a reading |
 | filter's steps | `filter_steps.cpp` | prediction, correction |
-| pass | `pass.cpp` | a linear filter over a record in many versions at once, for the adviser's searches |
-| servo | `servo.cpp` | a drum under the set-points it was sent: what its encoder should have read |
-| drum watch | `drum_watch.cpp` | orders and encoder of the last seconds: is the drum off, is its encoder |
-| winch watch | `winch_watch.cpp` | late commands, a silent winch, authority that is cut for a drum that is off |
-| look | `look.cpp` | all motions at a tick: boom tip, drum, units with the winch locked and without readings |
-| sense | `sense.cpp` | a tick of all that is known: readings, gates, filter, motions, in one call |
-| sensor gate | `sensor_gate.cpp` | what one sensor shows alone: no number, a wrong stamp, a value that stands |
-| noise | `noise.cpp` | noise and rate of a sensor, from its readings alone |
-| steps | `steps.cpp` | jumps of a motion reference unit and of a depth sensor |
-| encoder | `encoder.cpp` | the count of the drum against the way it was sent |
-| terms | `terms.cpp` | a gated reading in the filter's terms, without the mean payout's share |
-| watches | `watches.cpp` | consistency, tension over the waves, whether the boom tip is known |
-| sea | `sea.cpp` | the sea that is seen beside that of the design |
-| unit | `unit.cpp` | a unit below an outlet whose motion is known: quadratic drag, slack cable |
+| pass | `pass.cpp` | a linear filter run over a record in many variants at once, for the adviser's searches |
+| servo | `servo.cpp` | a simulated drum driven by the set-points sent: what its encoder should have read |
+| drum watch | `drum_watch.cpp` | commands and encoder of the last seconds: whether the drum or its encoder is off |
+| winch watch | `winch_watch.cpp` | late commands, silent winch, gain reduced while the drum is off |
+| look | `look.cpp` | all motions at a tick: boom tip, drum, units simulated with the winch locked and turning |
+| sense | `sense.cpp` | the sensing half of a tick: readings, gates, filter, motions, in one call |
+| sensor gate | `sensor_gate.cpp` | checks of one sensor alone: not a number, bad stamp, frozen value |
+| noise | `noise.cpp` | noise and rate of a sensor, from its own readings |
+| steps | `steps.cpp` | jumps of MRU and depth sensor |
+| encoder | `encoder.cpp` | drum count compared with the commanded travel |
+| terms | `terms.cpp` | a gated reading as the filter needs it, without the mean payout's share |
+| watches | `watches.cpp` | consistency, mean tension over the waves, whether the boom tip is known |
+| sea | `sea.cpp` | the observed sea compared with the design sea |
+| unit | `unit.cpp` | a unit below a top end whose motion is known: quadratic drag, slack cable |
 | guard | `guard.cpp` | whether compensation does harm: drum, swing, depth sensor, waves |
-| demand | `demand.cpp` | what the sea asks of the winch, and the authority that leaves |
+| demand | `demand.cpp` | what the sea demands of the winch, and the gain that this allows |
 | statistics | `statistics.cpp` | running standard deviations and amplitudes |
-| landing | `landing.cpp` | whether a lowered unit has landed, and a lifted one hangs again |
-| trend | `trend.cpp` | the newest readings: mean, straight line |
+| landing | `landing.cpp` | whether a lowered unit has landed, and whether a lifted one hangs again |
+| trend | `trend.cpp` | mean and straight line through the newest readings |
 | KPI window | `kpi.cpp` | statistics over the rolling window of the figures of merit |
-| act | `act.cpp` | the acting half of a tick: command, mean payout, set-points, envelope, place of the drive |
-| nominal load | `nominal_load.cpp` | the nominal unit under a locked drum, moved by the raw motion reference unit |
-| load watch | `load_watch.cpp` | slack cable, high tension, rope, a winch at its limits |
-| laws | `laws.cpp` | linear feedback, limits that are near, whether a plan keeps them without a correction |
-| governor | `governor.cpp` | no command beyond what the winch can do |
-| command | `command.cpp` | authority, the law, the mean payout's share, what the last minute of orders allows |
-| tension | `tension.cpp` | constant tension, also by tension and drum alone |
-| motion | `motion.cpp` | the mean payout and the loop's own answer to it |
+| act | `act.cpp` | the acting half of a tick: command, mean payout, set-points, envelope |
+| nominal load | `nominal_load.cpp` | the nominal unit below a locked drum, moved by the raw MRU |
+| load watch | `load_watch.cpp` | slack cable, high tension, rope strength, winch at its limits |
+| laws | `laws.cpp` | linear feedback, nearness of limits, whether a plan keeps them without correction |
+| governor | `governor.cpp` | limits every command to what the winch can do |
+| command | `command.cpp` | gain, law, the mean payout's share, what the last minute of commands allows |
+| tension | `tension.cpp` | constant tension, also from tension and drum alone |
+| motion | `motion.cpp` | the mean payout, and the loop's response to it |
 
-The C interface is `interface.cpp`: `heave_core_layout` and `heave_core_size`, by which Python refuses a library with
-another layout, a function for a tick of each part (`heave_core_sense`, `heave_core_filter`, `heave_core_guard`,
-`heave_core_envelope`), and one for each jump of a state (`..._begin`, `..._continue_...`, `..._allow_...`). Python
-calls them by ctypes, with the lock released. A copy of a state is its part at that tick.
+The C interface is `interface.cpp`. `heave_core_layout` and `heave_core_size` let Python refuse a library with another
+layout. Each part has a function for a tick (`heave_core_sense`, `heave_core_filter`, `heave_core_guard`,
+`heave_core_envelope`), and one for each sudden change of its state (`..._begin`, `..._continue_...`, `..._allow_...`).
+Python calls them through ctypes, with the interpreter lock released. To save a part at a tick, copy its state.
 """
 
 

@@ -91,7 +91,7 @@ HEALTH = structure(
 
 SENSOR = structure(
     "Sensor",
-    "A sensor as it is assumed.",
+    "Assumed properties of a sensor.",
     Row("is_watched", "", "1: it has a gate", COUNTER),
     Row("is_used", "", "1: the estimator takes it", COUNTER),
     Row("checks_frozen", "", "1: equal readings mean a frozen sensor", COUNTER),
@@ -111,7 +111,7 @@ SENSOR = structure(
 
 MEASURED = structure(
     "Measured",
-    "A measurement, and where the filter has it.",
+    "A measurement, and its place in the filter.",
     Row("sensor", "", "index of the sensor; -1: none has it", COUNTER),
     Row("which", "", "index in the filter; -1: a cross-check alone", COUNTER),
     Row("has_noise", "", "1: the noise of the sensor is followed", COUNTER),
@@ -132,7 +132,7 @@ MEASURED = structure(
 
 STEP_LIMITS = structure(
     "StepLimits",
-    "What motion reference unit, depth sensor and encoder read without a jump.",
+    "Largest steps of MRU, depth sensor and encoder that are not jumps.",
     Row("mru_step", "m", "of the heave beyond its rate"),
     Row("sigmas", "", "the same over the noise, also of a depth"),
     Row("scatter", "s", "by which a reading without a time may be late"),
@@ -156,7 +156,7 @@ STEP_LIMITS = structure(
 
 WATCHES = structure(
     "Watches",
-    "How consistency, tension, boom tip and sea are watched.",
+    "Limits for the checks of consistency, tension, boom tip and sea.",
     Row("memory", "s", "of the mean of the normalised innovations squared"),
     Row("largest_nis", "", "what one counts at most"),
     Row("inconsistent", "", "mean above which readings are inconsistent"),
@@ -172,7 +172,7 @@ WATCHES = structure(
 
 SEA_DESIGN = structure(
     "SeaDesign",
-    "The sea of the design, and how the one that is there is seen.",
+    "The design sea, and how the actual sea is observed.",
     Row("variance", "m^2", "of the boom tip's heave in the sea of the design"),
     Row("memory", "s", "of the variances"),
     Row("group_memory", "s", "of the variance that sees a sea grow"),
@@ -189,7 +189,7 @@ SEA_DESIGN = structure(
 
 SENSE_DESIGN = structure(
     "SenseDesign",
-    "Sensors and measurements as assumed, tolerances, and what the mean payout's share of a command goes by.",
+    "Assumed sensors and measurements, tolerances, and what determines the mean payout's share of a command.",
     Row("mru", "", "index of the motion reference unit", COUNTER),
     Row("depth", "", "index of the depth sensor", COUNTER),
     Row("encoder", "", "index of the encoder of the drum", COUNTER),
@@ -218,7 +218,7 @@ SENSE_DESIGN = structure(
 
 SAMENESS = structure(
     "Sameness",
-    "How long readings have been the same.",
+    "How long readings have stayed the same.",
     Row("run", "", "of equal readings"),
     Row("longest", "", "run before"),
     Row("usual", "", "share of equal readings"),
@@ -228,7 +228,7 @@ SAMENESS = structure(
 
 INTERVAL = structure(
     "OwnInterval",
-    "Interval at which a sensor delivers: its nominal one, or its own where that is longer.",
+    "Interval between readings of a sensor: the nominal one, or the observed one if that is longer.",
     Row("count", "", "of intervals so far"),
     Row("last", "s", "ring of the last ones", shape=(INTERVALS,)),
     Row("reported", "s", "from which on it is slow"),
@@ -238,7 +238,7 @@ INTERVAL = structure(
 
 GATE = structure(
     "SensorGate",
-    "A sensor as it is seen.",
+    "Observed state of a sensor.",
     Row("level", "", "Level"),
     Row("reason", "", "Reason"),
     Row("accepted", "", "readings so far"),
@@ -262,7 +262,7 @@ GATE = structure(
 
 NOISE = structure(
     "SensorNoise",
-    "Noise of a measurement: nominal, or as stated or seen where that is more.",
+    "Noise of a measurement: nominal, or as stated by the sensor or observed, whichever is larger.",
     Row("count", "", "readings so far"),
     Row("last", "", "three readings before, oldest first", shape=(3,)),
     Row("differences", "", "ring of the magnitudes of third differences", shape=(NOISE_READINGS,)),
@@ -279,7 +279,7 @@ NOISE = structure(
 
 MRU_STEPS = structure(
     "MruSteps",
-    "Whether the heave of a motion reference unit goes on as its rate says.",
+    "Checks the MRU's heave against the integral of its rate.",
     Row("time", "s", "of the last reading; NaN: none"),
     Row("heave", "m", "of it"),
     Row("heave_rate", "m/s", "of it"),
@@ -298,7 +298,7 @@ MRU_STEPS = structure(
 
 DEPTH_JUMPS = structure(
     "DepthJumps",
-    "Jumps in the readings of a depth sensor, which no unit makes.",
+    "Jumps of a depth sensor that no unit can make.",
     Row("offset", "m", "sum of the jumps found"),
     Row("jump", "m", "the last one"),
     Row("is_like_scale", "", "1: as large as that of a sensor that gets another scale or sign"),
@@ -310,7 +310,7 @@ DEPTH_JUMPS = structure(
 
 ENCODER = structure(
     "EncoderGate",
-    "The encoder of the drum, held against the way that the drum was sent.",
+    "Drum encoder compared with the commanded travel.",
     Row("scale", "", "reading over payout, the offset apart"),
     Row("offset", "m", "sum of the jumps found"),
     Row("jump", "m", "the last one"),
@@ -333,7 +333,7 @@ ENCODER = structure(
 
 SEA_STATE = structure(
     "SeaSeen",
-    "The sea as it is seen.",
+    "The observed sea.",
     Row("seen", "s", "time so far"),
     Row("since_judged", "s", "time"),
     Row("variance", "m^2", "of the boom tip's heave"),
@@ -346,7 +346,7 @@ SEA_STATE = structure(
 
 TENSION_MEAN = structure(
     "MeanTension",
-    "Mean tension of one situation.",
+    "Mean tension while unit and mean payout stay where they are.",
     Row("count", "", "ticks of it"),
     Row("value", "N", "mean; NaN: none"),
     Row("variance", "N^2", "about it"),
@@ -357,7 +357,7 @@ TENSION_MEAN = structure(
 
 SENSE_STATE = structure(
     "SenseState",
-    "All that a tick changes beside the filter.",
+    "State of the sensing half of a tick, apart from the filter.",
     Row("excluded", "", "index of the sensor in use that is a cross-check only; -1: none", COUNTER),
     Row("shares", "", "of the mean payout that are kept", COUNTER),
     Row("newest_share", "", "place of the newest", COUNTER),
@@ -384,7 +384,7 @@ SENSE_STATE = structure(
 
 DELIVERED = structure(
     "Delivered",
-    "A reading as it came; a scalar one has the first three numbers.",
+    "A reading as delivered; a scalar one uses the first three fields.",
     Row("sensor", "", "index"),
     Row("time", "s", "stamp"),
     Row("value", "", "in its unit; heave"),
@@ -398,7 +398,7 @@ DELIVERED = structure(
 
 OBSERVED = structure(
     "Observed",
-    "A gated reading: what the adviser gets, and what the filter takes.",
+    "A gated reading, as sent to the adviser and used by the filter.",
     Row("delivered", "", "tick at which it was delivered"),
     Row("tick", "", "to which it belongs"),
     Row("row", "", "index of the measurement"),
@@ -415,7 +415,7 @@ OBSERVED = structure(
 
 LOOK_AT = structure(
     "LookAt",
-    "What a tick is given.",
+    "Inputs of the sensing half of a tick.",
     Row("number", "", "of the tick"),
     Row("compensating", "", "share of the active command that compensates"),
     Row("mean", "", "share of it that moves the mean payout"),
@@ -429,7 +429,7 @@ LOOK_AT = structure(
 
 TICK = structure(
     "Tick",
-    "What is known of the loop at a tick.",
+    "State of the loop at a tick.",
     Row("number", "", "of the tick"),
     Row("compensating", "", "share of the active command that compensates, in the terms of the model"),
     Row("mean", "", "share of it that moves the mean payout"),
@@ -465,7 +465,7 @@ TICK = structure(
 
 SECOND = structure(
     "Second",
-    "A filter beside the active one, which explains the same readings otherwise.",
+    "A second filter in parallel with the active one, with another model of the same readings.",
     Row("goes_by_count", "", "1: by the count of the drum, and readings as corrected; 0: by readings as read", COUNTER),
     Row("pad", "", "keeps the numbers aligned", COUNTER),
     Row("levers", "", "indices of its lever arm's states, x and y; -1: not estimated", COUNTER, (2,)),

@@ -26,7 +26,7 @@ SERVO = structure(
 
 SERVO_RUN = structure(
     "ServoRun",
-    "A record of set-points, and how it is gone through.",
+    "A record of set-points, and how it is processed.",
     Row("sent", "", "set-points: more than ticks by the delay", COUNTER),
     Row("ticks", "", "at the end of the record, for which readings are made", COUNTER),
     Row("fitted", "", "readings that state payout and rate at the start", COUNTER),

@@ -48,7 +48,7 @@ class LinkNews(IntFlag):
 
 TREND = structure(
     "Trend",
-    "The newest readings, in the order of their times.",
+    "The newest readings, in order of time.",
     Row("count", "", "readings that are kept", COUNTER),
     Row("next", "", "place of the next one", COUNTER),
     Row("changed", "s", "time of the last one that was another than the one before"),
@@ -58,7 +58,7 @@ TREND = structure(
 
 LANDING_DESIGN = structure(
     "LandingDesign",
-    "The load on its cable, and what shows that it has landed.",
+    "Load and cable, and the criteria for a landing.",
     Row("static_tension", "N", "at the top while the unit hangs under water"),
     Row("weight", "N", "of the unit in water"),
     Row("stiffness", "N/m", "of the cable"),
@@ -83,7 +83,7 @@ LANDING_DESIGN = structure(
 
 LANDING_STATE = structure(
     "LandingState",
-    "Where the unit is, and what was read.",
+    "State of the landing detector: where the unit is, and what was read.",
     Row("unit_stands", "", "1: on the seabed"),
     Row("may_stand", "", "1: it may just have landed"),
     Row("is_unloaded", "", "1: the winch is braked over a cable that does not carry the unit, on average"),
@@ -102,7 +102,7 @@ LANDING_STATE = structure(
 
 LANDING_SEEN = structure(
     "LandingSeen",
-    "What is known at a tick.",
+    "Inputs of the landing detector at a tick.",
     Row("time", "s", "of the tick"),
     Row("tension", "N", "at the top; NaN: none was read"),
     Row("is_weighed", "", "1: the load cell is not lost"),
@@ -118,7 +118,7 @@ LANDING_SEEN = structure(
 
 KPI_DESIGN = structure(
     "KpiDesign",
-    "The window, and when the winch is at its limits.",
+    "Length of the window, and when the winch counts as at its limits.",
     Row("tick_period", "s", "time of a tick"),
     Row("rows", "", "ticks that the window holds; whoever calls has the place for them"),
     Row("speed", "m/s", "from which on the winch is at its limit"),
@@ -127,14 +127,14 @@ KPI_DESIGN = structure(
 
 KPI_STATE = structure(
     "KpiState",
-    "Beside the rows of the window.",
+    "State of the KPI window, apart from its rows.",
     Row("count", "", "ticks so far"),
     Row("last_rate", "m/s", "of the winch at the last tick"),
 )
 
 KPI_ROW = structure(
     "KpiRow",
-    "A tick of the window; NaN: not known.",
+    "One tick of the window; NaN: not known.",
     Row("unit", "m", "heave of the unit"),
     Row("uncompensated", "m", "heave of the uncompensated one"),
     Row("tip", "m", "heave of the boom tip"),
@@ -147,7 +147,7 @@ KPI_ROW = structure(
 
 KPI_WINDOW = structure(
     "KpiWindow",
-    "Statistics over the ticks whose heaves are known, as far as they are known now; NaN: none.",
+    "Statistics over the ticks whose heaves are known so far; NaN: none.",
     Row("rows", "", "ticks that count"),
     Row("unit", "m", "standard deviation of the unit"),
     Row("uncompensated", "m", "standard deviation of the uncompensated one"),
@@ -165,7 +165,7 @@ KPI_WINDOW = structure(
 
 DRUM_WATCH_DESIGN = structure(
     "DrumWatchDesign",
-    "How orders and encoder of the last seconds are compared.",
+    "How the commands and encoder readings of the last seconds are compared.",
     Row("kept", "", "ticks that are kept; whoever calls has the place for them", COUNTER),
     Row("ahead", "", "ticks before a record whose orders still act in it", COUNTER),
     Row("checked", "", "readings by which the drum is predicted", COUNTER),
@@ -180,7 +180,7 @@ DRUM_WATCH_DESIGN = structure(
 
 DRUM_WATCH_STATE = structure(
     "DrumWatchState",
-    "Places in the rows of the drum watch.",
+    "Indices into the rows of the drum watch.",
     Row("next", "", "place of the next row", COUNTER),
     Row("count", "", "rows that there are", COUNTER),
     Row("readings", "", "rows since the comparison began", COUNTER),
@@ -189,7 +189,7 @@ DRUM_WATCH_STATE = structure(
 
 DRUM_ROW = structure(
     "DrumRow",
-    "What was sent in a tick, and what was read at its end.",
+    "Command of a tick, and encoder reading at its end.",
     Row("payout", "m", "set-point"),
     Row("rate", "m/s", "set-point"),
     Row("tension", "N", "at the top; NaN: unknown"),
@@ -199,7 +199,7 @@ DRUM_ROW = structure(
 
 ORDERED = structure(
     "Ordered",
-    "What the encoder reads of what the winch was ordered.",
+    "Encoder readings compared with the commands.",
     Row("share", "", "times as much; NaN: not known"),
     Row("left", "", "standard deviation of the rest over that of the readings"),
     Row("payout", "m", "where the drum should be by now, did it start where it was read"),
@@ -208,7 +208,7 @@ ORDERED = structure(
 
 LINK_DESIGN = structure(
     "LinkDesign",
-    "When commands are late.",
+    "When commands count as late.",
     Row(
         "minute",
         "",
@@ -227,7 +227,7 @@ LINK_DESIGN = structure(
 
 LINK_STATE = structure(
     "LinkState",
-    "How late commands were, and who was silent.",
+    "Lateness of the commands, and silence on the link.",
     Row("in_a_row", "", "late commands", COUNTER),
     Row("without_new", "", "ticks since a command was taken, where that is late", COUNTER),
     Row("newest", "", "number of the command that was taken last", COUNTER),
@@ -252,7 +252,7 @@ LINK_STATE = structure(
 
 WINCH_WATCH_DESIGN = structure(
     "WinchWatchDesign",
-    "What is watched of the winch.",
+    "Limits for the checks of the winch.",
     Row("drum", "", "orders and encoder", DRUM_WATCH_DESIGN),
     Row("link", "", "commands", LINK_DESIGN),
     Row("delay", "s", "of the active winch"),
@@ -263,7 +263,7 @@ WINCH_WATCH_DESIGN = structure(
 
 WINCH_WATCH_STATE = structure(
     "WinchWatchState",
-    "What is remembered of the winch.",
+    "State of the winch watch.",
     Row("drum", "", "orders and encoder", DRUM_WATCH_STATE),
     Row("link", "", "commands", LINK_STATE),
     Row("cautious", "s", "time for which authority is cut still"),
@@ -271,7 +271,7 @@ WINCH_WATCH_STATE = structure(
 
 WINCH_SEEN = structure(
     "WinchSeen",
-    "What is seen of the winch in a tick, and what it was ordered in the last.",
+    "What the winch reports at a tick, and the command of the last one.",
     Row("has_state", "", "1: it has reported"),
     Row("taken", "", "number of the command that it has taken"),
     Row("at_end", "", "1: it is at the end of its payout, where no model of it holds"),
@@ -286,7 +286,7 @@ WINCH_SEEN = structure(
 
 NOMINAL_LOAD_DESIGN = structure(
     "NominalLoadDesign",
-    "The nominal unit under a locked drum, and how the motion reference unit moves it.",
+    "The nominal unit below a locked drum, and how the MRU moves it.",
     Row("tick_period", "s", "time of a tick"),
     Row("blend", "s", "time constant with which heave corrects the integral of its rate"),
     Row("unread", "s", "age of a reading from which on the motion is not known"),
@@ -295,7 +295,7 @@ NOMINAL_LOAD_DESIGN = structure(
 
 NOMINAL_LOAD_STATE = structure(
     "NominalLoadState",
-    "Where boom tip and unit are.",
+    "Positions of boom tip and unit.",
     Row("time", "s", "of the newest reading"),
     Row("heave", "m", "of the boom tip"),
     Row("unit", "m", "heave of the unit"),
@@ -308,7 +308,7 @@ NOMINAL_LOAD_STATE = structure(
 
 LOAD_WATCH_DESIGN = structure(
     "LoadWatchDesign",
-    "When tension, rope and winch are to be reported.",
+    "Alarm limits for tension, rope and winch.",
     Row("tick_period", "s", "time of a tick"),
     Row("quiet_time", "s", "for which a cause must be away before it is reported again: groups of a swell are one"),
     Row("slack_ratio", "", "share of the static tension below which the cable goes slack"),
@@ -322,7 +322,7 @@ LOAD_WATCH_DESIGN = structure(
 
 LOAD_WATCH_STATE = structure(
     "LoadWatchState",
-    "What is remembered of what was reported.",
+    "State of the alarms of load and winch.",
     Row("at_limit", "", "share of the time at a limit, averaged"),
     Row("quiet", "s", "time for which each cause has been away, by the bits of LoadNews", shape=(CAUSES,)),
 )
