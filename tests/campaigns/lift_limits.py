@@ -1,10 +1,10 @@
-"""Limits of `heave lift` beside brute force: runs of the plant and of the whole loop along each phase, many seeds.
+"""Limits of a lift study beside brute force: runs of the plant and of the whole loop along each phase, many seeds.
 
 The brute-force limit is where the mean over the seeds of the figure that ends the limit reaches its bound, on the line
 from a calm sea through runs at the predicted limit or, where the winch ends it, below. Locked: the plant with its
 winch at the mean speed. Compensated: the whole loop, sea to winch, with the move of the phase as its programme.
 
-    python -m tests.campaigns.lift_limits module_1500 --phases resonance landing --periods 9 --seeds 8
+    python -m tests.campaigns.lift_limits lift --phases resonance landing --periods 9 --seeds 8
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ ARGUMENTS = {
     "set": ("", "Changes of parameters, NODE.PARAM=VALUE, separated by spaces."),
     "replace": (
         "",
-        "What takes places: NODE=external[:CLOCK], NODE=lockstep, NODE=none, separated by spaces.",
+        "Nodes to replace: NODE=external[:CLOCK], NODE=lockstep, NODE=none, separated by spaces.",
     ),
     "namespace": ("", "Put the nodes and topics of the run, its clock too, under this name."),
 }

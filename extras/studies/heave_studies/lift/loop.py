@@ -110,7 +110,7 @@ def run_loop(plan: Plan, scene: PhaseScene, length: float, height: float, durati
         **{("winch_controller", f"programme.move_{name}"): [] for name in ("payouts", "speeds")},
         **scene.still_crane,
     }
-    settings = [Setting(node, name, value, "heave lift") for (node, name), value in values.items()]
+    settings = [Setting(node, name, value, "heave study") for (node, name), value in values.items()]
     scenario = phase_scene(plan, scene.phase, scene.period, settings).scenario
     return ClosedLoop(loop_parameters(scenario), has_adviser=False).run()
 

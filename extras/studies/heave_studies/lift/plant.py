@@ -83,7 +83,7 @@ def _ways(
     plan: Plan, scene: PhaseScene, plant: CableSimNodeParameters, seeds: Sequence[int], time: float, step: float
 ) -> list[Way]:
     values = {("wave_vessel", "components"): COMPONENTS, ("wave_vessel", "ramp"): RAMP, **scene.still_crane}
-    settings = [Setting(node, name, value, "heave lift") for (node, name), value in values.items()]
+    settings = [Setting(node, name, value, "heave study") for (node, name), value in values.items()]
     vessel = phase_scene(plan, scene.phase, scene.period, settings).scenario.parameters["wave_vessel"]
     found = []
     for seed in seeds:
