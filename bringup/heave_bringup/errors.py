@@ -11,11 +11,11 @@ class ExitStatus(IntEnum):
 
     meaning: str
 
-    DONE = 0, "done; a verdict that was given is not FAILED"
-    FAILED = 1, "failed: the command could not do what it says"
+    DONE = 0, "done; the verdict, if there is one, is not FAILED"
+    FAILED = 1, "failed: the command could not finish"
     REFUSED = (
         2,
-        "refused before anything was done: command line, scenario, a file of another kind, or no run",
+        "refused before it started: invalid command line or scenario, a file of another kind, or no run found",
     )
     VERDICT_FAILED = 3, "done, and the verdict is FAILED: results, bag and report are complete"
     INTERRUPTED = 130, "interrupted by Ctrl-C or SIGTERM"
@@ -35,7 +35,7 @@ def status_table() -> str:
 
 
 class CommandError(Exception):
-    """The command could not do what it says; the message is one line.
+    """The command could not finish; the message is one line.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ class RunParameters:
         description="What is lifted, where and why, below the title; empty: first line of the scenario.")  # fmt: skip
     tick_period: float = parameter(0.05, "s", 1e-3, 1.0, "Period of the control loop.")
     duration: float = parameter(600.0, "s", 0.0, 1e6, "Simulated length of the run.")
-    transient: float = parameter(60.0, "s", 0.0, 1e6, "Initial part of the run that the figures of merit leave out.")
+    transient: float = parameter(60.0, "s", 0.0, 1e6, "Initial part of the run, excluded from the figures of merit.")
     seed: int = parameter(1, "", 0, 2**31 - 1, "Seed of every random number in the run.")
     pacing: str = parameter(LOCKSTEP,
         description="lockstep: as fast as the machine can, repeatable; realtime: paced by the wall clock.",
@@ -38,13 +38,12 @@ class RunParameters:
         ("wave_vessel", "virtual_winch", "winch_controller", "winch_adviser", "recorder"),
         description="Nodes that take part in each tick, besides the clock master.")  # fmt: skip
     external: tuple[str, ...] = parameter((),
-        description="Nodes, or single topics of nodes that stay (winch/load_cell), replaced by hardware or other "
-        "programs: their messages are used as they arrive, real time only.")  # fmt: skip
+        description="Nodes, or single topics such as winch/load_cell, replaced by hardware or other programs. Their "
+        "messages are used as they arrive; real time only.")  # fmt: skip
     external_clocks: tuple[str, ...] = parameter((),
-        description="How external nodes stamp, each NODE=CLOCK: simulated (use_sim_time), own (a clock of their own), "
-        "none (stamp 0: time of arrival), detect (by the first message; so for all that are not named). "
-        "NODE=CLOCK:S takes a latency of S seconds off: what it measures is so much older than its stamp, "
-        "or its arrival, says.")  # fmt: skip
+        description="Clock of the stamps of each external node, as NODE=CLOCK: simulated (use_sim_time), own (its own "
+        "clock), none (stamp 0: time of arrival), detect (from the first message; the default). NODE=CLOCK:S subtracts "
+        "a latency of S seconds from the stamp or the time of arrival.")  # fmt: skip
     autostart: bool = parameter(True, description="Configure and activate without a lifecycle manager.")
     start_timeout: float = parameter(300.0, "s", 1.0, 3600.0, "Wall time to wait for all nodes before the first tick.")
     participant_timeout: float = parameter(60.0, "s", 0.1, 3600.0,
@@ -56,7 +55,7 @@ class RunParameters:
         "Real time: priority (SCHED_FIFO) of the nodes that others wait for, their memory locked; 0: none.",
     )  # fmt: skip
     in_tick_wait: float = parameter(0.4, "", 0.0, 0.9,
-        "Real time: share of the tick that a node waits for its inputs before it uses the newest ones it has.",
+        "Real time: fraction of the tick for which a node waits for its inputs before it uses the newest ones it has.",
     )  # fmt: skip
 
     def __post_init__(self) -> None:

@@ -29,7 +29,7 @@ from heave_studies.study.engine import Kind
 from heave_studies.study.study_file import FOLDER, asked_values, find_study, read_study, study_of, with_options
 
 OF_FILES: Mapping[str, tuple[str, ModuleType]] = {
-    "phases": ("a lift by phases, held against a forecast or its bag", lift),
+    "phases": ("a lift by phases, compared with a forecast or with its bag", lift),
     "steps": ("an acceptance test of simulated or real parts, or on a record", acceptance),
 }
 """Kinds by a key of their file, with what they ask, and the module that answers."""

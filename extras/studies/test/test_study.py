@@ -155,7 +155,7 @@ def test_the_command_varies_a_scenario_and_writes_table_csv_and_page(tmp_path, m
     result = json.loads(Path("own.json").read_text())
     assert (len(result["cases"]), result["judged"]) == (12, 11)
     assert main(["study", "b2_calm_300", *vary, "--seeds", "2", "--duration", "200", "--check"]) == 0
-    assert "12 cases, nothing is wrong with them" in capsys.readouterr().out
+    assert "12 cases, no errors found" in capsys.readouterr().out
 
 
 def test_scenarios_themselves_can_be_varied(tmp_path, monkeypatch):

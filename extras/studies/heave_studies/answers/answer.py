@@ -16,10 +16,10 @@ from heave_node.parameters import ParameterError
 from heave_studies.study.plan import Study
 
 ANSWERS = {
-    "cases": "what every case came to, a summary with its confidence, what matters",
-    "limits": "the largest sea in which the criteria hold, and the waiting time for it",
-    "sizing": "what a larger winch gains, and what it costs",
-    "extremes": "the largest motion and tension to be expected in some hours",
+    "cases": "every case, a summary with confidence intervals, and which parameters matter",
+    "limits": "the largest sea in which the criteria are met, and the waiting time for it",
+    "sizing": "what a larger winch is worth, and what it costs",
+    "extremes": "the largest motion and tension expected in a number of hours",
 }
 """Answers by name, each a module of this folder, with what it says."""
 DEFAULT = "cases"

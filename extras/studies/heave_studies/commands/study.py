@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "study", metavar="STUDY", nargs="?", help="a study file, a shipped study (--list), or with --vary a scenario"
     )
     parser.add_argument("scenario", metavar="SCENARIO", nargs="?", help="scenario, instead of the study's")
-    parser.add_argument("--list", action="store_true", help="list the shipped studies, and what can be asked")
+    parser.add_argument("--list", action="store_true", help="list the shipped studies and their --ask keys")
     parser.add_argument("--show", action="store_true", help="print the study file, to be saved and edited")
     parser.add_argument(
         "--case",
@@ -62,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="add a criterion, such as dynamic_amplification<1.2 or tension_max<400kN",
     )
     parser.add_argument(
-        "--ask", action="append", default=[], metavar="KEY=VALUE", help="what the answer is to use (--list); repeatable"
+        "--ask", action="append", default=[], metavar="KEY=VALUE", help="an option of the study (--list); repeatable"
     )
     parser.add_argument("--baseline", action="store_true", help=f"also show {SAME_SEA}; each case is then run twice")
     parser.add_argument(
@@ -159,7 +159,7 @@ def _check(options: argparse.Namespace, opened: Opened) -> None:
 
     labels = [job.label for job in next(opened.kind.rounds({}))]
     more = [f"and {opened.kind.size - MOST_LISTED} more"] if opened.kind.size > MOST_LISTED else []
-    lines = [f"{opened.kind.name}: {opened.kind.size} cases, nothing is wrong with them", *labels[:MOST_LISTED], *more]
+    lines = [f"{opened.kind.name}: {opened.kind.size} cases, no errors found", *labels[:MOST_LISTED], *more]
     write_result(options, "\n".join(lines), {"study": opened.kind.name, "size": opened.kind.size, "first": labels})
 
 
@@ -176,7 +176,7 @@ def _list(options: argparse.Namespace) -> None:
     answers = asked_table()
     tables = [
         make_table(("study", "what it asks"), studies, texts=("what it asks",)),
-        make_table(("answer", "what it says", "--ask"), answers, texts=("what it says", "--ask")),
+        make_table(("answer", "what it shows", "--ask"), answers, texts=("what it shows", "--ask")),
     ]
     write_result(options, tables, {"studies": dict(studies), "answers": {one[0]: one[2].split() for one in answers}})
 
