@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from string import Formatter
 
 from heave_bringup.operate.situation import Trouble
 from heave_bringup.pages.alarms import TABLES
@@ -32,14 +34,21 @@ class Alarm:
     is_acknowledged: bool = False  # somebody has seen it
 
 
+def split_action(text: str, action: str) -> tuple[str, str]:
+    """Return a `text` without the `action` at its end, and that action with the values that the text gives."""
+    words = "".join(re.escape(word) + (".+" if name else "") for word, name, _, _ in Formatter().parse(action))
+    if found := re.fullmatch(rf"(.*\.) ({words})\.", text):
+        return found[1], found[2]
+    return text, "" if "{" in action else action
+
+
 def alarms_of(trouble: Trouble) -> Iterator[Alarm]:
     """Return the alarms that a `trouble` reports; events are none. One without a code is as grave as its status."""
     found = alarms_in(trouble.message)
     node = trouble.part.partition(":")[0]
     for one in found:
         if one.severity > Severity.EVENT:
-            action = ROWS[one.code].action if one.code in ROWS else ""
-            text = one.text.removesuffix(f" {action}.") if action else one.text
+            text, action = split_action(one.text, ROWS[one.code].action if one.code in ROWS else "")
             yield Alarm(f"{node} {one.code}", one.title, one.severity, text, action, one.time)
     if not found:
         severity = Severity.HIGH if trouble.is_error else Severity.MEDIUM

@@ -11,7 +11,7 @@ from heave_bringup.operate.requests import Answer, WinchLimits, request_limits
 from heave_bringup.operate.situation import ControllerStatus, Figures, RunStatus, Situation, Trouble, WinchStatus
 from heave_bringup.operate.tasks import EmergencyStop
 from heave_node.interface.alarm import Severity
-from heave_panel.alarm_list import AlarmList
+from heave_panel.alarm_list import AlarmList, alarms_of
 from heave_panel.command_post import ASKING_TIME, CommandPost
 from heave_panel.efficiency import Efficiency
 from heave_panel.guard import COOKIE, Guard, is_loopback
@@ -155,6 +155,16 @@ def test_what_two_parts_report_is_one_alarm_and_an_event_is_none():
     assert [alarm.title for alarm in alarms.alarms] == ["MRU FROZEN", "CABLE SLACK"]
     alarms.note(11.0, {FROZEN.part: FROZEN})
     assert [alarm.is_active for alarm in alarms.alarms] == [True, False]
+
+
+def test_an_action_is_shown_with_the_values_of_its_alarm():
+    message = (
+        "CABLE_SLACK (medium): tension 8.0 kN, 4 % of static. A snap load may follow. {}, or wait for calmer seas."
+    )
+    for remedy in ("Lower more slowly", "Compensate"):
+        (alarm,) = alarms_of(Trouble("winch_controller: alarms", message.format(remedy), is_error=False))
+        assert alarm.text == "tension 8.0 kN, 4 % of static. A snap load may follow."
+        assert alarm.action == f"{remedy}, or wait for calmer seas"
 
 
 def test_a_warning_without_a_code_that_becomes_an_error_is_to_be_acknowledged_again_and_comes_first():
