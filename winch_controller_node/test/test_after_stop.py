@@ -64,7 +64,7 @@ def test_after_an_emergency_stop_the_operator_is_told_by_how_much_the_load_swing
     off = rows[:, 2] - rows[:, 3]
     true = 0.5 * np.ptp(off[: round(told.values["period"] / 0.05)])
     assert told.values["swing"] == pytest.approx(true, rel=0.15)
-    assert "Mode compensating" in str(told)
+    assert "Request compensating" in str(told)
 
 
 @pytest.mark.slow

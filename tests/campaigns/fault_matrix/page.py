@@ -26,22 +26,22 @@ NUMBERS = ("named", "rest", "travel", "envelope", "unit", "tension", "slack", "r
 
 HEAD = """# Every fault in every mode
 
-Each fault kind of each device begins at each moment of a lift, with and without something that is other than assumed:
-what do the drum, the unit and the alarms do? This page is made of `docs/fault_matrix.json` by
+How drum, load (*unit*) and alarms react to every kind of fault of every device, in every phase of a lift, with all
+values as assumed or with one that differs. Generated from `docs/fault_matrix.json` by
 `python -m tests.campaigns.fault_matrix.page > docs/fault_matrix.md`.
 
-| word | meaning |
+| term | meaning |
 | --- | --- |
-| envelope | drum: rate at most 1.5 times the boom tip's of the minute + 0.25 m/s, travel 1.5 times its heave + 0.3 m |
-| travel | of the drum from the fault until rest, beyond what was asked, at most heave of the rolling minute + 0.3 m |
-| unit | its motion from 10 s after the fault on is at most 1.3 times that with a locked winch |
-| named | of the faults that show: an alarm names the part |
+| envelope | drum speed up to 1.5 times the boom tip's in a minute + 0.25 m/s, travel 1.5 times its heave + 0.3 m |
+| travel | drum travel from fault to rest, beyond the requested move: at most the heave of the last minute + 0.3 m |
+| unit | load motion from 10 s after the fault on: at most 1.3 times that with the winch locked |
+| named | an alarm names the faulty part (of faults that have an effect) |
 | not blamed | no alarm names a healthy part |
 | alarm, rest | time from the fault: median, largest |
-| largest | travel and unit over what is allowed and over the locked one |
+| largest | travel over its limit / load motion over that with the winch locked |
 
-A fault that shows nothing (a reversed drive while the brake holds) need not be named. Not drawn, for they need more
-than one process: a network, a PLC, a recorder.
+A fault without effect (a reversed drive while the brake holds) need not be named. Faults of network, PLC and recorder
+are not included, because they need more than one process.
 """
 
 

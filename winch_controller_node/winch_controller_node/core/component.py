@@ -224,7 +224,7 @@ class WinchController(ControllerEvents):
             self._alarms.append(
                 ALARMS.alarm("PREVIEW_USED")
                 if is_used
-                else ALARMS.alarm("PREVIEW_REJECTED", fault=self.preview.fault or "none came")
+                else ALARMS.alarm("PREVIEW_REJECTED", fault=self.preview.fault or "none received")
             )
         self._previews = is_used
         return preview

@@ -82,9 +82,9 @@ class AfterStop:
         decay = decay_of(swing, cable)
         lost = sorted({"mru", "encoder"} & tick.lost.keys())
         remedy = (
-            f"Mode compensating, once {' and '.join(lost)} can be read again"
+            f"Request compensating once {' and '.join(lost)} can be read again"
             if lost
-            else "Mode compensating takes it out within half a minute"
+            else "Request compensating: it removes the swing within half a minute"
         )
         return (
             ALARMS.alarm(
