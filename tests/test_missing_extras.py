@@ -49,6 +49,12 @@ def test_an_option_of_a_missing_extra_names_it_in_one_line(alone, words, needs, 
     assert needs in capsys.readouterr().err.splitlines()[-1]
 
 
+def test_a_table_without_pandas_is_refused_before_the_bag_is_read(monkeypatch, tmp_path, capsys):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    assert main(["export", str(tmp_path / "no_such_bag"), "--csv", str(tmp_path / "table.csv")]) != 0
+    assert capsys.readouterr().err.startswith("heave: heave export needs heave[frames] (no module pandas); ")
+
+
 def test_without_studies_a_bag_is_judged_and_their_rows_are_left_out(alone, calm_bag, capsys):
     (record,) = read_records([calm_bag], baseline=None)
     assert record.kpis()["unit_sigma_m"] > 0.0

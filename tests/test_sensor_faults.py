@@ -242,7 +242,7 @@ def test_a_unit_without_motion_reference_unit_is_damped_by_the_depth_sensor_unti
     blind = (time > lost + TROUBLE) & (time < back)
     assert np.std(unit[blind]) < np.std(off[blind])
     assert record.unit_sigma(back + TROUBLE) < 0.05 * record.uncompensated_sigma(back + TROUBLE)
-    assert any("depth sensor damps the unit" in str(alarm) for _, alarm in record.alarms)
+    assert any("depth sensor damps the load" in str(alarm) for _, alarm in record.alarms)
     assert not kept(one, record).wrong
 
 

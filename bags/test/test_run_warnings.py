@@ -83,12 +83,15 @@ def test_why_compensation_never_began_is_told_in_the_words_of_the_controller(rec
         Interval(120.0, 220.0, "standby", reason=TOLD.format(5)),
         Interval(220.0, 300.0, "standby", reason=TOLD.format(4)),
     ]
-    record.alarms = [Interval(21.0, 22.0, "winch_controller: sensor mru: nan: start it again", level=2)]
+    frozen = "winch_controller: sensor mru: MRU_FROZEN (high): readings do not change. {}. Restart the sensor."
+    words = ("Compensation continues", "Compensation is fading out")
+    record.alarms = [Interval(20.0, 21.0, frozen.format(loop), level=2) for loop in words]
+    record.alarms += [Interval(21.0, 22.0, "winch_controller: sensor mru: nan: start it again", level=2)]
     record.alarms += [Interval(21.0, 22.0, "winch_controller: alarms: only a warning", level=1)]
     (text,) = warned(record)
     assert text == (
         "compensation never began; the controller's reasons: standby for 180 s: "
-        f"{TOLD.format(5)}; standby for 100 s: mru nan; winch_controller: sensor mru: nan: start it again"
+        f"{TOLD.format(5)}; standby for 100 s: mru nan; MRU_FROZEN; winch_controller: sensor mru: nan: start it again"
     )
 
 

@@ -8,7 +8,6 @@ from typing import TextIO
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TimeRemainingColumn
-from rich.table import Column
 from rich.text import Text
 
 QUIET_PERIOD = 10.0
@@ -45,31 +44,12 @@ def _done(share: float) -> str:
     return f"{100.0 * share:3.0f} % done"
 
 
-class _Bar(BarColumn):
-    """A bar where the share of the work that is done is known, and nothing elsewhere."""
-
-    def __init__(self, table_column: Column) -> None:
-        super().__init__(bar_width=20, table_column=table_column)
-
-    def render(self, task: Task) -> Text | object:  # type: ignore[override]
-        """Return what the column shows."""
-        return super().render(task) if task.total is not None else Text("")
-
-
 class _Done(ProgressColumn):
-    """The share of the work that is done where it is known, and nothing elsewhere."""
+    """The share of the work that is done."""
 
     def render(self, task: Task) -> Text:
         """Return what the column shows."""
-        return Text("" if task.total is None else _done(task.completed))
-
-
-class _TimeToGo(TimeRemainingColumn):
-    """The time to go where the share of the work that is done is known, and nothing elsewhere."""
-
-    def render(self, task: Task) -> Text:
-        """Return what the column shows."""
-        return super().render(task) if task.total is not None else Text("")
+        return Text(_done(task.completed))
 
 
 class _Words(ProgressColumn):
@@ -91,16 +71,15 @@ class ProgressLine:
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = sys.stderr if stream is None else stream
         self._console = Console(file=self._stream)
-        shown = (_Done,) if self.is_narrow else (_Bar, _Done, _TimeToGo)
+        self._shares = [_Done()] if self.is_narrow else [BarColumn(20), _Done(), TimeRemainingColumn()]
         self._display = Progress(
-            *(kind(table_column=Column(no_wrap=True)) for kind in shown),
             _Words(),  # cut where it does not fit
             console=self._console,
             auto_refresh=False,  # no thread of its own: it changes when `show` is called
             transient=True,
             disable=not self._console.is_terminal,
         )
-        self._task = self._display.add_task("", total=None)
+        self._task = self._display.add_task("", total=1.0)
         self._written_at = -QUIET_PERIOD
         self._written = ""
 
@@ -127,8 +106,8 @@ class ProgressLine:
             return
         if self._console.is_terminal:
             self._display.start()
-            total = None if share is None else 1.0
-            self._display.update(self._task, description=text, completed=share or 0.0, total=total, refresh=True)
+            self._display.columns = (*([] if share is None else self._shares), _Words())
+            self._display.update(self._task, description=text, completed=share or 0.0, refresh=True)
             return
         line = text if share is None else f"{_done(share)}  {text}"
         if line != self._written and time.monotonic() - self._written_at >= QUIET_PERIOD:

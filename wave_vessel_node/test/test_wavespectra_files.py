@@ -114,6 +114,23 @@ def spotter():
     return json.dumps({"data": {"spotterId": "SPOT-1", "waves": [waves], "frequencyData": [spectrum]}}), "spot.json"
 
 
+def spotter_csv(more=""):
+    """A Spotter's table of a day: the headings of Sofar's files, a record a row, `more` of them."""
+    kinds = ("f", "df", "a1", "b1", "a2", "b2", "varianceDensity", "direction", "directionalSpread")
+    first = "Battery Voltage (V),Power (W),Humidity (%rel),Epoch Time,Significant Wave Height (m),Peak Period (s)"
+    names = [f"{kind}_{number}" for kind in kinds for number in range(FREQUENCY.size)]
+    values = {"f": FREQUENCY, "df": np.gradient(FREQUENCY), "varianceDensity": ONED}
+    numbers = [f"{x:.6g}" for kind in kinds for x in values.get(kind, np.zeros(FREQUENCY.size))]
+    row = ",".join(["4.0", "0.1", "30", "1704067200", "2.0", "9.0", *numbers])
+    return "\n".join([",".join([first, *names]), row, more]), "SPOT-1386.csv"
+
+
+def spotter_csv_with_short_records():
+    """As its memory card has them: between two spectra the heights alone, and a dash for each frequency."""
+    gaps = ",".join("-" for _ in range(9 * FREQUENCY.size))
+    return spotter_csv(f"4.0,0.1,30,1704069000,2.1,9.0,{gaps}\n")
+
+
 def datawell():
     """A .spt file: twelve lines, then frequency, density over its largest, direction, spread, skewness, kurtosis."""
     head = [8, 200, 7.0, f"{ONED.max():.6f}", 20.0, 12.0, 7, 0.0, 0.0, 0.0, 0.0, 0.0]
@@ -121,7 +138,9 @@ def datawell():
     return "\n".join([*map(str, head), *rows, ""]), "buoy}2024-01-01T00h00Z.spt"
 
 
-@pytest.mark.parametrize("maker", [ww3_station, triaxys, spotter, datawell])
+@pytest.mark.parametrize(
+    "maker", [ww3_station, triaxys, spotter, spotter_csv, spotter_csv_with_short_records, datawell]
+)
 def test_the_text_of_each_maker_is_the_sea_it_was_made_from(tmp_path, maker):
     """Forms by the makers' manuals. What was measured has no tail, and lacks 2 % of the height's square."""
     text, name = maker()

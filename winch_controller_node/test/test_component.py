@@ -821,7 +821,7 @@ def test_constant_tension_refuses_a_hanging_unit_and_says_what_to_do():
     for _ in range(600):
         loop.step()
     with pytest.raises(
-        ModeError, match=r"the unit is suspended: the cable carries (9\d|10\d) % of its weight.*land it " r"first"
+        ModeError, match=r"the load is suspended: the cable carries (9\d|10\d) % of its weight.*land it " r"first"
     ):
         loop.controller.set_mode("constant_tension")
     assert loop.step()[0].report.mode == "compensating"
@@ -837,7 +837,7 @@ def test_constant_tension_refuses_a_hanging_unit_at_whatever_instant_of_a_wave_u
     for tick in range(1600):
         tension.append(loop.step()[1][7])
         if tick > 600 and tick % 4 == 0:
-            with pytest.raises(ModeError, match="the unit is suspended: "):
+            with pytest.raises(ModeError, match="the load is suspended: "):
                 controller.set_mode("constant_tension", 50e3)
     share = 1.0 + (np.array(tension[600:]) - controller.design.cable.static_tension) / controller.design.unit_weight
     assert np.min(share) < 0.5

@@ -416,7 +416,7 @@ def test_a_unit_that_is_damped_blind_is_held_at_rest_until_its_sensor_is_back():
     blind = situation(lost="mru frozen", is_damped_blind=True, is_settled=False)
     run(modes, 60.0, blind)
     assert (modes.mode, modes.authority) == (Mode.FADE_OUT, 1.0)
-    assert modes.reason.endswith("once the sensor is good; until then the depth sensor damps the unit")
+    assert modes.reason.endswith("once the sensor is good; until then the depth sensor damps the load")
     assert run(modes, 1.5)[-1].mode is Mode.COMPENSATING
     run(modes, 5.0, blind)
     modes.request("stopped")

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from heave_node import kpi
 from heave_node.interface import topics
+from heave_node.interface.alarm import alarms_in
 from heave_node.interface.codes import RESTS_REQUESTED, without_figures
 
 from heave_bags.analyse import events
@@ -139,7 +140,9 @@ def why_not_in_force(record: RunRecord, values: Mapping[str, float]) -> list[str
     if not any(mode.name in events.COMPENSATES for mode in record.modes):
         how = "never began"
     alarms = [one.name for one in record.alarms if one.level == ERROR and one.name.startswith(OF_CONTROLLER)]
-    reported = [*_reasons(record, waits), *list(dict.fromkeys(alarms))[:MOST_LISTED]]
+    # an alarm whose consequence changes is reported again: its code says enough here
+    codes = dict.fromkeys(code for name in alarms for code in [one.code for one in alarms_in(name)] or [name])
+    reported = [*_reasons(record, waits), *list(codes)[:MOST_LISTED]]
     return [f"compensation {how}; the controller's reasons: {'; '.join(reported)}"]
 
 

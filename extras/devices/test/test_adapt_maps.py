@@ -172,6 +172,17 @@ def test_messages_of_the_published_definition_become_readings(name):
     assert bool(bad) == (name in ("sbg_ship_motion", "novatel_inspva"))
 
 
+@pytest.mark.parametrize(("given", "sign"), [({}, 1.0), ({"positive": "up"}, -1.0)])
+@pytest.mark.parametrize("frame", [{}, {"frame": "ENU"}, {"frame": "NED"}])
+def test_ship_motion_of_sbg_is_positive_down_whatever_the_frame_unless_the_map_says_so(given, sign, frame):
+    """message_wrapper.cpp turns the attitude into ENU, and no ship motion."""
+    entry = {"topic": "/sbg/ship_motion", "type": "sbg_driver/msg/SbgShipMotion", "field": "ship_motion.z", **given}
+    adapter = Adapter(device_map_of("m", {"heave": entry, **frame}))
+    motion = made("sbg_driver/msg/SbgShipMotion", 1.0, ship_motion__z=-0.85)
+    ((_, reading),) = adapter.on_message("/sbg/ship_motion", motion, 10**9, 0.0)
+    assert mru_reading(reading).heave == pytest.approx(sign * 0.85)
+
+
 def test_nothing_that_is_called_invalid_reaches_height_and_period_of_a_bag(tmp_path):
     """99 m with heave_valid: false would make a significant height of tens of metres."""
     path = tmp_path / "bag"

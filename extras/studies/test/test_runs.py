@@ -38,7 +38,7 @@ def study(tmp_path: Path):
 
 def test_a_case_that_raises_says_why(study, monkeypatch):
     class Parts:
-        def __init__(self, parameters: object) -> None:
+        def __init__(self, parameters: object, *, has_adviser: bool) -> None:
             raise ValueError("no equilibrium:\n 3 m of cable")
 
     monkeypatch.setattr(runs, "ClosedLoop", Parts)

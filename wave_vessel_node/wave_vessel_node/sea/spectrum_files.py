@@ -8,6 +8,7 @@ in their own significant wave heights); it is added here. Measured spectra (NDBC
 from __future__ import annotations
 
 import math
+import tempfile
 from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import datetime, timezone
@@ -139,8 +140,11 @@ def read_with_wavespectra(path: Path, *, accept_implausible: bool = False) -> Sp
                 heights = next((opened[own].load() for own in _OWN_HEIGHTS if own in opened), None)
         else:
             name = _text_reader(path)
-        dataset = getattr(wavespectra, name)(str(path), **_options(path, name))
-        frequency, density, times, warnings = _one_site(path, dataset)
+        with tempfile.TemporaryDirectory() as folder:
+            whole, left_out = _with_spectra(path, name, Path(folder))
+            dataset = getattr(wavespectra, name)(str(whole), **_options(path, name))
+            frequency, density, times, warnings = _one_site(path, dataset)
+        warnings += left_out
         if angle != 1.0:
             warnings.append(f"{path}: densities taken per {'degree' if angle > 1.0 else 'radian'}, as their unit says")
     except SpectrumFileError:
@@ -152,6 +156,21 @@ def read_with_wavespectra(path: Path, *, accept_implausible: bool = False) -> Sp
     records = _records(path, table, warnings, accept_implausible)
     _compare(path, records, heights, warnings)
     return SpectrumFile(str(path), tuple(sorted(records, key=lambda record: record.time)), tuple(warnings))
+
+
+def _with_spectra(path: Path, name: str, folder: Path) -> tuple[Path, list[str]]:
+    """Return the file of a reader, `name`, and what was left out: of a Spotter's table at `path` a copy in a `folder`.
+
+    Its records of heights alone have a dash for each frequency, which the library refuses.
+    """
+    if name != "read_spotter":
+        return path, []
+    rows = path.read_bytes().splitlines(keepends=True)
+    kept = [row for row in rows if b",-,-," not in row]
+    if len(kept) == len(rows):
+        return path, []
+    (folder / path.name).write_bytes(b"".join(kept))
+    return folder / path.name, [f"{path}: {len(rows) - len(kept)} records without a spectrum left out"]
 
 
 def _options(path: Path, name: str) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import groupby
+from itertools import takewhile
 
 import numpy as np
 from heave_node.interface.waves import NO_WAVES, Waves
@@ -16,6 +16,8 @@ from wave_vessel_node.vessel.course import Course, Leg
 from wave_vessel_node.vessel.motion import VesselMotions
 from wave_vessel_node.vessel.rao import ResponseTable
 
+_AT_ONCE = 4
+"""Ticks of a manoeuvre that are computed at once: each takes half a millisecond, and a run in real time waits."""
 _DIFFERENCE = 0.02  # s, step of the central differences that give rates within manoeuvres
 
 
@@ -48,19 +50,16 @@ class RaoSource(MotionSource):
             self._sum_at(0.0)  # compiles now what a tick should not wait for
 
     def motions(self, ticks: range) -> VesselMotions:
-        """See MotionSource."""
+        """See MotionSource: those of one leg, or a few of a manoeuvre."""
+        legs = [self._course.leg_at(tick * self._tick_period) for tick in ticks]
+        leg = legs[0]
+        count = len(list(takewhile(lambda other: other == leg, legs)))
+        ticks = ticks[: min(count, _AT_ONCE) if leg is None else count]
         motions = VesselMotions.still(ticks, self._tick_period)
-        values, done = np.empty((len(ticks), 3, 7)), 0
-        legs = [self._course.leg_at(time) for time in motions.time.tolist()]
-        for leg, found in groupby(legs):
-            count = len(list(found))
-            part = slice(done, done + count)
-            values[part] = (
-                [self._in_manoeuvre(time) for time in motions.time[part].tolist()]
-                if leg is None
-                else self._legs[leg].at(ticks[part])
-            )
-            done += count
+        if leg is None:
+            values = np.array([self._in_manoeuvre(time) for time in motions.time.tolist()])
+        else:
+            values = self._legs[leg].at(ticks)
         motions.six, motions.elevation = values[:, :, :6], values[:, 0, 6]
         return motions
 

@@ -150,6 +150,8 @@ class ControllerEvents(OperatorRequests):
             return
         ordered = self._winch.drum.ordered() if self._encoder.is_due(tick) else None
         act = self._encoder.look(tick, ordered, is_aside=is_aside)
+        if not act.value:
+            return
         if act is Act.USE_AGAIN:
             observer.exclude("")
         elif act is Act.SET_ASIDE and self._winch.drum.does_as_nominal(observer.encoder.scale):

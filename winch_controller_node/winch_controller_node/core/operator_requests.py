@@ -56,7 +56,7 @@ class OperatorRequests(ControllerParts):
             return self.mode.value
         if name == Mode.COMPENSATING.value and self._supervisor.landing.unit_stands:
             self._lift_off()
-            return "lifting off: constant tension until the unit is suspended"
+            return "lifting off: constant tension until the load is suspended"
         self.modes.request(name)
         return self.mode.value
 
@@ -250,7 +250,7 @@ class OperatorRequests(ControllerParts):
         wait = LEAST_MEAN_TIME - mean.time
         if wait > 0.0:
             raise ModeError(
-                f"averaging the tension for {wait:.0f} s more, with unit and mean payout where they are: request it "
+                f"averaging the tension for {wait:.0f} s more, with load and mean payout unchanged: request it "
                 "again then, or state the tension to hold"
             )
         return mean.value

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -66,6 +67,7 @@ def execute(options: argparse.Namespace) -> None:
         raise CommandError(f"--xlsx {options.xlsx}: needs the package xlsxwriter: pip install xlsxwriter")
     if options.period is not None and not time_base.SHORTEST_PERIOD <= options.period < math.inf:
         raise ParameterError(f"--period {options.period:g}: must be at least {time_base.SHORTEST_PERIOD:g} [s]")
+    import_module("pandas")  # refused before the bag is read
     with ProgressLine() as progress:
         if options.topics:
             bag = Bag(options.bag)

@@ -197,7 +197,7 @@ class LinkReader(LinkThread):
 
 
 def sender(link: Link) -> LinkReader:
-    """Return what sends where a map says: to a host and port, or by a serial port.
+    """Return what sends where a `link` of a map says: to a host and port, or by a serial port.
 
     Raises CommandError where it cannot be opened.
     """

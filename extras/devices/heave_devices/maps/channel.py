@@ -44,7 +44,7 @@ class Channel:
     part: str = ""  # "roll", "pitch" or "yaw" of a quaternion [rad]
     # of a vector's component, such as "twist.twist.linear.z", the quaternion of the same message that turns it into the
     # map's frame, such as "pose.pose.orientation"; "": it is in that frame; "none": the same, though the standard of
-    # its type says otherwise (`with_standard_turn`)
+    # its type says otherwise (`with_standard_frame`)
     turned_by: str = ""
     unit: str = ""  # of the value, such as "deg" or "kN"; "": SI
     positive: str = ""  # which way is, such as "down" or "bow up"; "": as the suite has it
@@ -138,14 +138,17 @@ def read_channel(quantity: str, entry: Any, positive: str = "") -> Channel:
             values[known.name] = as_kind(kind, f"{quantity}: {known.name}", values[known.name])
     channel = Channel(**values)
     _check(quantity, channel)
-    return with_standard_turn(channel, channel.type)
+    return with_standard_frame(channel, channel.type)
 
 
-def with_standard_turn(channel: Channel, kind: str) -> Channel:
-    """Return a `channel` of messages of a `kind`, with the turn by which the standard of that type has its field.
+def with_standard_frame(channel: Channel, kind: str) -> Channel:
+    """Return a `channel` of messages of a `kind`, in the frame that the standard of that type has for its field.
 
-    The twist of nav_msgs/Odometry is in `child_frame_id`, the body, and its pose turns that into `frame_id`.
+    The twist of nav_msgs/Odometry is in `child_frame_id`, the body, and its pose turns that into `frame_id`. What
+    sbg_driver/SbgShipMotion has along z is positive down, whatever its driver is told of ENU.
     """
+    if kind == "sbg_driver/msg/SbgShipMotion" and channel.field.endswith(".z") and not channel.positive:
+        return replace(channel, positive="down")
     if channel.turned_by or kind != "nav_msgs/msg/Odometry" or not channel.field.startswith("twist.twist.linear."):
         return channel
     return replace(channel, turned_by="pose.pose.orientation")

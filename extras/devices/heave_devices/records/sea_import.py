@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +23,7 @@ from heave_node.numerics.kinematics import euler_part, turned
 from heave_node.numerics.spectral_estimate import RecordTooShortError, height_and_period
 from scipy.interpolate import CubicSpline
 
-from heave_devices.maps.channel import Channel, with_standard_turn
+from heave_devices.maps.channel import Channel, with_standard_frame
 from heave_devices.records.device_log import device_signals
 from heave_devices.records.sample_checks import Findings, is_valid, without_fill, without_marks, without_standstill
 from heave_devices.records.sea_mapping import MOTIONS, SeaMapping, mapping_for_topic
@@ -109,7 +109,9 @@ def record_channels(source: Path, mapping: SeaMapping, findings: Findings) -> di
     elif is_text(source):
         signals = _log_signals(source, mapping, findings)
     else:
-        signals = _bag_signals(source, mapping, findings)
+        bag = Bag(source)
+        mapping = _with_standard_frames(bag, mapping)
+        signals = _bag_signals(bag, mapping, findings)
     return {name: _checked(source, name, signal, mapping, findings) for name, signal in signals.items()}
 
 
@@ -154,15 +156,18 @@ def boom_tip_motion(motions: Mapping[str, Array], lever_arm: Sequence[float], co
     )
 
 
-def _bag_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[str, Signal]:
-    bag = Bag(source)
+def _with_standard_frames(bag: Bag, mapping: SeaMapping) -> SeaMapping:
+    """Return a `mapping` of a `bag` with the frames that its types have; raise BagError where a topic is not named."""
+    channels = {}
     for name, channel in mapping.channels.items():
         if not channel.topic:
-            raise BagError(f"{source}: {name} names a column, but this is a bag: name a topic")
-    channels = {
-        name: with_standard_turn(channel, bag.topics[bag.resolve(channel.topic)].type)
-        for name, channel in mapping.channels.items()
-    }
+            raise BagError(f"{bag.path}: {name} names a column, but this is a bag: name a topic")
+        channels[name] = with_standard_frame(channel, bag.topics[bag.resolve(channel.topic)].type)
+    return replace(mapping, channels=channels)
+
+
+def _bag_signals(bag: Bag, mapping: SeaMapping, findings: Findings) -> dict[str, Signal]:
+    channels = mapping.channels
     wanted: dict[str, set[str]] = {}
     for channel in channels.values():
         wanted.setdefault(channel.topic, set()).update({*_fields(channel), *_validity_names(channel)})
@@ -175,9 +180,11 @@ def _bag_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[
         valid = next((column for column in _validity_names(channel) if _is_status(topic.get(column))), "")
         missing = [column for column in names if column not in topic]
         if missing:
-            raise BagError(f"{source}: {name}: {channel.topic} has no field {missing[0]}")
+            raise BagError(f"{bag.path}: {name}: {channel.topic} has no field {missing[0]}")
         if channel.valid and not valid:
-            raise BagError(f"{source}: {name}: {channel.topic} has no field {channel.valid} that is a number or a flag")
+            raise BagError(
+                f"{bag.path}: {name}: {channel.topic} has no field {channel.valid} that is a number or a flag"
+            )
         values = [np.asarray(topic[column], dtype=float) for column in names]
         if len(values) == 7:
             value = turned(values[:3], *values[3:])["xyz".index(channel.field[-1])]

@@ -55,7 +55,9 @@ class Cases:
     @property
     def identity(self) -> str:
         """What identifies the results: every value of every case, and the files that they read."""
-        digest = hashlib.sha256(repr((self.study.search, self.study.draws, self.study.has_baseline)).encode())
+        digest = hashlib.sha256(
+            repr((self.study.search, self.study.draws, self.study.has_baseline, self.study.has_adviser)).encode()
+        )
         for task in self._first:
             digest.update(task.text.encode())
         for file in self.files.values():

@@ -70,6 +70,7 @@ class Study:
     draws: Draws | None = None  # random cases; None: there are none
     has_nominal: bool = False  # whether the scenario itself runs before the draws
     has_baseline: bool = False  # whether each case runs under the baseline law as well
+    has_adviser: bool = True  # whether the adviser takes part
     search: Search | None = None  # for the worst case; None: cases are as stated
     ask: Mapping[str, object] = field(default_factory=dict)  # what is made of the cases: `answer`, and its own keys
     duration_source: str = ""  # option that set the duration in the place of the file

@@ -37,6 +37,7 @@ class Task:
     case: Case  # of the study
     scenario: Scenario  # checked
     has_baseline: bool = False  # the same case is run under the baseline law as well
+    has_adviser: bool = True  # the adviser takes part
 
     @property
     def text(self) -> str:
@@ -94,7 +95,7 @@ def make_tasks(study: Study, cases: Sequence[Case]) -> list[Task]:
 
     A case whose twin under the baseline law is a case itself is not run under that law again.
     """
-    tasks = [Task(case, _scenario(study, case), study.has_baseline) for case in cases]
+    tasks = [Task(case, _scenario(study, case), study.has_baseline, study.has_adviser) for case in cases]
     baselines = {task.but_for_law for task in tasks if task.is_baseline}
     return [
         replace(task, has_baseline=False) if task.but_for_law in baselines and not task.is_baseline else task
@@ -122,7 +123,7 @@ def run_task(task: Task) -> CaseResult:
     case, scenario = task.case, task.scenario
     parameters = loop_parameters(scenario)
     try:
-        loop = ClosedLoop(parameters)
+        loop = ClosedLoop(parameters, has_adviser=task.has_adviser)
         record = loop.run()
         signals = run_signals(record, parameters)
         _add_bounds(signals, record, scenario)

@@ -9,6 +9,7 @@ A study is a YAML file:
     set: {winch_controller.law: mpc}  # for every case
     wanted: {unit_sigma_m: "<= 0.01"} # criteria, as in a scenario
     baseline: true                    # each case under law industrial as well
+    adviser: false                    # cases run without it, in less time; heave run --replace winch_adviser=none
     vary:                             # every combination of what stands in the list ...
       - {system.sea.peak_period: [8, 10, 12]}
       - {virtual_winch.speed_limit: [1, 2], virtual_winch.power_limit: [1e5, 2e5]}      # ... these two move together
@@ -51,7 +52,20 @@ from heave_studies.study.sampling import Draws
 FOLDER = Path(str(resources.files("heave_studies"))) / "studies"
 """Of the studies that come with the suite."""
 VARY, ASK = "--vary", "--ask"
-KEYS = {"title", "scenario", "duration", "seeds", "set", "wanted", "baseline", "vary", "draw", "search", "ask"}
+KEYS = {
+    "title",
+    "scenario",
+    "duration",
+    "seeds",
+    "set",
+    "wanted",
+    "baseline",
+    "adviser",
+    "vary",
+    "draw",
+    "search",
+    "ask",
+}
 _DRAW_KEYS = {"count", "seed", "method", "nominal", "uniform", "log_uniform", "choose"}
 _SEARCH_KEYS = {"figure", "runs", "at_most"}
 
@@ -87,6 +101,7 @@ def read_study(path: Path) -> Study:
             draws=_draws(draw, f"{path}: draw") if draw else None,
             has_nominal=bool(draw.get("nominal", False)),
             has_baseline=bool(content.get("baseline", False)),
+            has_adviser=bool(content.get("adviser", True)),
             search=_search(search) if search else None,
             ask=dict(part("ask")),
         )

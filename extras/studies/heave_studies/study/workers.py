@@ -106,10 +106,13 @@ def _client(dask: Any, processes: int, address: str | None) -> Iterator[Any]:
             client.run(_belong_to, os.getpid())
             yield client
     except BaseException:
+        level = logging.root.manager.disable
+        logging.disable(logging.CRITICAL)  # what Dask has to say of workers that were killed is of no use to anyone
         _kill(cluster)
-        raise
-    finally:
         cluster.close()
+        logging.disable(level)
+        raise
+    cluster.close()
 
 
 def _belong_to(command: int) -> None:

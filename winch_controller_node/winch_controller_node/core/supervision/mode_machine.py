@@ -249,7 +249,7 @@ class ModeMachine:
             return (
                 f"compensation resumes automatically once the sensor has been good for {wait:.0f} s: it comes and goes"
             )
-        until = "; until then the depth sensor damps the unit" if self._situation.is_damped_blind else ""
+        until = "; until then the depth sensor damps the load" if self._situation.is_damped_blind else ""
         return f"compensation resumes automatically once the sensor is good{until}"
 
     def _after_fault(self) -> str:

@@ -396,13 +396,13 @@ class Supervisor:
         least, most = HANGING_SHARES
         if least - error < share < most + error:
             return (
-                f"the unit is suspended: the cable carries {100.0 * share:.0f} % of its weight, and constant tension "
+                f"the load is suspended: the cable carries {100.0 * share:.0f} % of its weight, and constant tension "
                 "would drop it; land it first, or set tension.hanging"
             )
         wait = TENSION_MEMORY - tension.time
         if wait > 0.0:
             return (
-                f"averaging the tension for {wait:.0f} s more, to know whether the unit is suspended: request it again "
+                f"averaging the tension for {wait:.0f} s more, to know whether the load is suspended: request it again "
                 "then, or set tension.hanging"
             )
         return ""

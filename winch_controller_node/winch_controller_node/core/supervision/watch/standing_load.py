@@ -75,5 +75,5 @@ class StandingLoad:
         if self._landing.is_unloaded:
             return self._alarm.brief
         if self._wait > 0.0:
-            return f"averaging the tension for {self._wait:.0f} s more, to know whether the unit hangs"
+            return f"averaging the tension for {self._wait:.0f} s more, to know whether the load hangs"
         return ""
