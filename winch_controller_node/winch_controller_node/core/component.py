@@ -31,14 +31,7 @@ DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
 
 
 class WinchController(ControllerEvents):
-    """The controller: ticks in, orders out. Its requests and events are in the modules of its bases.
-
-    Parameters
-    ----------
-    parameters, tick_period, seed : as of `ControllerParts`
-
-    Raises DesignError where no controller can be designed from the parameters.
-    """
+    """The controller: measurements in, orders out. Its parts, requests and events are in the modules of its bases."""
 
     def figures(self) -> RollingKpi:
         """Return the figures of merit of the last window."""
