@@ -57,7 +57,7 @@ LEARNING = {
     "sea": lambda: [Switch("adviser.component:Adviser._look_at_sea", _gives(None))],
     "all learning": lambda: [
         Switch(f"adviser.component:Adviser.{name}", _gives(False))
-        for name in ("_look_at_winch", "_is_time_to_judge", "_look_at_sea")
+        for name in ("_look_at_winch", "_judge", "_look_at_sea")
     ],
 }
 """Findings of the adviser."""
