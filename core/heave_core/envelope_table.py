@@ -13,6 +13,10 @@ BINS = 60
 """Bins of the window over which the ship's motion is watched."""
 
 
+STROKES = 64
+"""Samples of the drum's way that are kept, to compare it with what was sent of late."""
+
+
 class Duty(IntEnum):
     """What the controller is there for."""
 
@@ -129,9 +133,12 @@ BOUNDS = structure(
     Row("drum_margin", "m", "distance of the count from the nominal drum that is allowed"),
     Row("drum_share", "", "and the share of the travel of the last `drum_time`"),
     Row("drum_time", "s", "time in which that distance is forgotten"),
-    Row("stroke_factor", "", "way and speed of the count over those of a nominal drum, whatever its lag"),
-    Row("stroke_margin", "m", "way beyond that at which the drum runs"),
-    Row("stroke_time", "s", "time in which they are forgotten; the lag of a drive may be longer by 0.4 of it"),
+    Row(
+        "stroke_factor", "", "speed and acceleration of the count over the largest sent of late"
+    ),
+    Row("stroke_margin", "m", "way beyond that at which the drum runs; twice the step of the count is added"),
+    Row("stroke_late", "s", "time by which a drum may follow later than stated"),
+    Row("stroke_span", "s", "time over which ways are formed, one beside the one before, for the acceleration"),
     Row("brake_margin", "m", "motion of the count under the brake that is allowed; a step of half of it may be a jump"),
     Row("rest_speed", "m/s", "speed below which a braked drum stands"),
     Row("bound_time", "s", "time at a bound after which the envelope takes over"),
@@ -194,12 +201,9 @@ MOVE = structure(
 
 STROKE = structure(
     "Stroke",
-    "Way and speed of the drum in one direction, forgotten exponentially.",
-    Row("counted", "m", "by count, since it turned"),
+    "Where the drum is, without jumps of the count and of the set-point.",
     Row("sent", "m", "by the nominal drum without delay"),
-    Row("longest", "m", "largest of those since the count turned"),
-    Row("fastest", "m/s", "largest speed of the nominal drum without delay"),
-    Row("beyond", "m", "way of the count at a speed that is beyond that"),
+    Row("off", "m", "way of the count beyond that"),
 )
 
 HELD_DRUM = structure(
@@ -238,7 +242,7 @@ STATE = structure(
     Row("tick", "", "ticks so far", COUNTER),
     Row("bin", "", "bin that is being filled", COUNTER),
     Row("equal", "", "equal readings of the motion reference unit in a row", COUNTER),
-    Row("pad", "", "keeps the numbers aligned", COUNTER),
+    Row("sample", "", "newest sample of the drum's way", COUNTER),
     Row("phase", "", "Phase: who makes the order"),
     Row("cause", "", "Cause: why the envelope took over; latched until acknowledged"),
     Row("phase_time", "s", "time in the phase"),
@@ -271,7 +275,7 @@ STATE = structure(
     Row("travel_sent", "m", "travel of the nominal drum about the asked move"),
     Row("travel_count", "m", "travel by count about the asked move"),
     Row("allowance", "m", "further travel that is allowed: constant tension"),
-    Row("lead", "m", "further travel that is allowed: of the drum about a move that the load is to follow"),
+    Row("lead", "m", "further travel that is allowed: for a move that the load is to follow, or a swing to stop"),
     Row("held_tension", "N", "tension that was last asked for"),
     Row("residual", "m", "count less nominal drum of late"),
     Row("drum_travel", "m", "travel of the nominal drum of late"),
@@ -289,8 +293,11 @@ STATE = structure(
     Row("drum", "", "nominal drum driven by what was sent", DRUM),
     Row("prompt", "", "nominal drum without delay", DRUM),
     Row("prompt_counted", "m", "its payout at the last reading of the count"),
-    Row("outward", "", "way while paying out", STROKE),
-    Row("inward", "", "way while hauling in", STROKE),
+    Row("stroke", "", "where the drum is", STROKE),
+    Row("strokes", "", "where it was, by sample", STROKE, (STROKES,)),
+    Row("beyond_out", "m", "way paid out at a speed beyond any that was sent of late"),
+    Row("beyond_in", "m", "way hauled in at a speed beyond any that was sent of late"),
+    Row("resolution", "m", "smallest step of the count, in a minute; 0: none yet"),
     Row("runaway", "m", "way of the count beyond any that was sent; positive pays out"),
     Row("off_step", "m", "large step of the count beyond what was sent that may have been a jump"),
     Row("off_runs", "", "1: the last such step was motion"),
@@ -352,7 +359,7 @@ STRUCTURES = (WINCH, CABLE, BOUNDS, DESIGN, SENT, DRUM, STROKE, HELD_DRUM, MOVE,
 RECORDS = (DESIGN, STATE, READINGS, ORDER)
 """What Python and C++ hold together."""
 
-SIZES = {"KEPT": KEPT, "BINS": BINS}
+SIZES = {"KEPT": KEPT, "BINS": BINS, "STROKES": STROKES}
 """Sizes of arrays."""
 
 ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (Duty, Phase, Cause, MoveKind, DriveState, Bit)

@@ -27,7 +27,10 @@ struct Travelled {
 
 // drum.cpp: the nominal drum
 Travelled advance_drum(const Design &design, State &state, double load);
-void watch_strokes(const Design &design, State &state, double step, double time);
+void count_way(const Design &design, State &state, double step);
+double stroke_limit(const Bounds &bounds, const State &state);
+void watch_strokes(const Design &design, State &state);
+void rest_drum(State &state);
 void watch_brake(const Design &design, State &state, const Readings &readings, bool is_braked);
 double payout_ahead(const Design &design, const State &state, double load);
 double speed_of(const Winch &winch, double payout, double rate, double ahead);

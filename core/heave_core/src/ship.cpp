@@ -21,11 +21,6 @@ void fill_window(const Design &design, State &state) {
     bin.time += state.read_age;
 }
 
-// Where compensation follows on constant tension or a fade-out, the unit swings as these have left it.
-bool lets_unit_swing(Duty before, Duty now) {
-    return now == FOLLOW && (before == TENSION || before == FADE || before == DAMP);
-}
-
 }  // namespace
 
 // A reading is good where it is plausible, and goes with the one before: a jump of the heave is taken off.
@@ -79,6 +74,17 @@ Ship ship_of(const Design &design, const State &state) {
     return {rate, std::max(highest - mean, mean - lowest), std::min(seen / whole, 1.0)};
 }
 
+namespace {
+
+// Amplitude of the stretch that the load cell shows, as of a harmonic motion; beyond the static one the cable is slack [m].
+double swing_of(const Cable &cable, const State &state) {
+    if (!(cable.stiffness > 0.0)) return 0.0;
+    const double stretch = std::max(1.0 + state.position / cable.length, 0.01);
+    return stretch * std::min(std::sqrt(2.0 * state.measured.variance), cable.static_tension) / cable.stiffness;
+}
+
+}  // namespace
+
 // The count beside the nominal drum. Returns bits.
 int observe_count(const Design &design, State &state, const Readings &readings, const Travelled &travelled) {
     const Bounds &bounds = design.envelope;
@@ -87,8 +93,10 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     // a unit that is let go by a stop swings, and what takes that out is more than the ship does: as after a lost MRU
     // (a limit of the drive lets nothing go: orders that hit it must not widen their own bounds)
     const bool lets_go = travelled.is_braked || readings.drive == DRIVE_RESTS || int(readings.duty) == STOP;
-    const bool begins = lets_unit_swing(Duty(int(state.duty)), Duty(int(readings.duty)));
+    const bool begins = int(readings.duty) == FOLLOW && int(state.duty) != FOLLOW;
     if ((lets_go && state.drum.rate != 0.0) || begins) state.seen_time = 0.0;
+    // what swings under a locked winch as following begins does so at its own frequency, further than the ship
+    if (begins) state.lead = std::max(state.lead, swing_of(design.cable, state));
     // a drive at its limit trails behind its orders, and comes back to them: further, not faster, than another one
     state.limited = readings.drive == DRIVE_LIMITED ? 1.0 : state.limited * (1.0 - dt / bounds.travel_time);
     state.duty = readings.duty;
@@ -122,8 +130,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
         state.prompt_counted = state.prompt.payout;
         return COUNT_JUMPED | (state.count_age > bounds.count_time ? COUNT_LOST : 0);
     }
-    watch_strokes(design, state, step, time);
-    state.prompt_counted = state.prompt.payout;
+    count_way(design, state, step);
     state.still_travel = step == 0.0 ? state.still_travel + std::abs(sent) : 0.0;
     state.still_time = step == 0.0 ? state.still_time + time : 0.0;
     if (state.still_travel > bounds.frozen_travel && state.still_time >= bounds.frozen_time) {
