@@ -79,6 +79,7 @@ class Bit(IntFlag):
     MRU_LOST = 8
     COUNT_LOST = 16
     COUNT_JUMPED = 32
+    LOAD_JUMPED = 64
 
 
 WINCH = structure(
@@ -133,9 +134,7 @@ BOUNDS = structure(
     Row("drum_margin", "m", "distance of the count from the nominal drum that is allowed"),
     Row("drum_share", "", "and the share of the travel of the last `drum_time`"),
     Row("drum_time", "s", "time in which that distance is forgotten"),
-    Row(
-        "stroke_factor", "", "speed and acceleration of the count over the largest sent of late"
-    ),
+    Row("stroke_factor", "", "speed and acceleration of the count over the largest sent of late"),
     Row("stroke_margin", "m", "way beyond that at which the drum runs; twice the step of the count is added"),
     Row("stroke_late", "s", "time by which a drum may follow later than stated"),
     Row("stroke_span", "s", "time over which ways are formed, one beside the one before, for the acceleration"),
@@ -156,6 +155,8 @@ BOUNDS = structure(
     Row("harm_ratio", "", "spread of the load cell over that of the nominal cable with the winch locked"),
     Row("harm_margin", "", "spread beyond that, over the static tension"),
     Row("harm_time", "s", "time over which spreads are formed, and for which harm must last"),
+    Row("load_step", "", "step of the load cell over the static tension, beyond the ship's motion, that is a jump"),
+    Row("load_taut", "", "tension over the static one below which the cable may be slack further down, and snap"),
     Row("tension_travel", "m", "travel of constant tension: `tension.travel`"),
     Row("largest_load", "N", "reading of the load cell beyond which it is implausible; 0: it is not used"),
     Row("highest_tension", "N", "tension above which the winch gives way; 0: none"),
@@ -280,7 +281,9 @@ STATE = structure(
     Row("residual", "m", "count less nominal drum of late"),
     Row("drum_travel", "m", "travel of the nominal drum of late"),
     Row("last_speed", "m/s", "speed of the last order sent"),
-    Row("load", "N", "last reading of the load cell; NaN: none yet"),
+    Row("load", "N", "last reading of the load cell, jumps taken off; NaN: none yet"),
+    Row("load_jump", "N", "taken off the load"),
+    Row("taut_time", "s", "for which the cable has been taut"),
     Row("load_age", "s", "since that reading"),
     Row("mean_load", "N", "of the load cell, forgotten as travel is"),
     Row("unit_heave", "m", "of the nominal cable with the winch locked"),
@@ -351,6 +354,7 @@ ORDER = structure(
     Row("residual_limit", "m", "its limit"),
     Row("harm", "", "spread of the load cell over its limit; NaN: not judged"),
     Row("speed", "m/s", "speed that was sent"),
+    Row("load_step", "N", "step of the load cell that no load makes; 0: none"),
 )
 
 STRUCTURES = (WINCH, CABLE, BOUNDS, DESIGN, SENT, DRUM, STROKE, HELD_DRUM, MOVE, BIN, SPREAD, STATE, READINGS, ORDER)

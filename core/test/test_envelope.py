@@ -81,6 +81,8 @@ BOUNDS = {
     "harm_ratio": 1.3,
     "harm_margin": 0.01,
     "harm_time": 10.0,
+    "load_step": 0.15,
+    "load_taut": 0.5,
     "tension_travel": 3.0,
     "largest_load": 370e3,
     "highest_tension": 0.0,
@@ -455,6 +457,33 @@ def test_a_load_cell_that_varies_more_than_under_a_locked_winch_ends_compensatio
             break
     assert order.cause == Cause.HARM
     assert rig.run(34.0).brake == 1.0
+
+
+@pytest.mark.parametrize("fault", [lambda load: load + 50e3, lambda load: 0.7 * load, lambda load: -load])
+def test_a_load_cell_that_jumps_is_reported_and_does_no_harm(fault):
+    """An offset, a scale and a sign from one reading to the next; the spread goes on without the step."""
+    rig = Rig().settled()
+    swing = 0.5 * CABLE["stiffness"] * CABLE["inertia"] * AMPLITUDE * OMEGA**2
+    bits = []
+    for tick in range(1200):
+        load = CABLE["static_tension"] + swing * math.sin(OMEGA * rig.tick * DT)
+        bits.append(Bit.LOAD_JUMPED in Bit(int(rig.step(load=fault(load) if tick >= 600 else load).bits)))
+    assert np.flatnonzero(bits).tolist() == [600]
+    assert rig.orders[-1].cause == Cause.NOTHING
+    assert max(order.harm for order in rig.orders[-1200:]) < 1.0
+
+
+def test_a_cable_that_snaps_taut_is_no_load_cell_that_jumps():
+    """From slack to twice the static tension in a tick: a load that is caught."""
+    rig = Rig().settled()
+    for share in (*np.linspace(1.0, 0.1, 20), *[0.1, 2.0, 1.0] * 20):
+        assert Bit.LOAD_JUMPED not in Bit(int(rig.step(load=share * CABLE["static_tension"]).bits))
+
+
+def test_a_load_that_cannot_be_is_reported_and_not_used():
+    rig = Rig().settled()
+    assert Bit.LOAD_JUMPED in Bit(int(rig.step(load=1e7).bits))
+    assert Bit.LOAD_JUMPED not in Bit(int(rig.step().bits))
 
 
 @pytest.mark.parametrize("crest", [0.3, 2.0])

@@ -123,7 +123,8 @@ Samples samples_of(const Design &design) {
 void count_way(const Design &design, State &state, double step) {
     const double sent = state.prompt.payout - state.prompt_counted, size = std::abs(step);
     if (size > 0.0) state.resolution = state.resolution > 0.0 ? std::min(state.resolution, size) : size;
-    const double follows = clip(step, std::min(sent, 0.0), std::max(sent, 0.0)), large = stroke_limit(design.envelope, state);
+    const double follows = clip(step, std::min(sent, 0.0), std::max(sent, 0.0));
+    const double large = stroke_limit(design.envelope, state);
     state.stroke.off += follows - sent + motion_of(step - follows, large, state.off_step, state.off_runs);
     state.prompt_counted = state.prompt.payout;
 }
@@ -143,10 +144,11 @@ void watch_strokes(const Design &design, State &state) {
     if (state.tick % samples.every != 0) return;
     state.sample = (state.sample + 1) % STROKES;
     state.strokes[state.sample] = state.stroke;
-    const auto sent = [&](int back) { return state.strokes[(state.sample + STROKES - back) % STROKES].sent; };
-    const auto counted = [&](int back) { return sent(back) + state.strokes[(state.sample + STROKES - back) % STROKES].off; };
-    const auto change = [&](const auto &at, int back) {
-        return at(back) - 2.0 * at(back + samples.span) + at(back + 2 * samples.span);
+    const auto at = [&](int back) { return state.strokes[(state.sample + STROKES - back) % STROKES]; };
+    const auto sent = [&](int back) { return at(back).sent; };
+    const auto counted = [&](int back) { return at(back).sent + at(back).off; };
+    const auto change = [&](const auto &way, int back) {
+        return way(back) - 2.0 * way(back + samples.span) + way(back + 2 * samples.span);
     };
     double out = 0.0, in = 0.0, outward = 0.0, inward = 0.0;  // largest of late
     for (int late = 0; late <= samples.late; late++) {

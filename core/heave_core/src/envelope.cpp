@@ -207,6 +207,8 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     const Ship ship = ship_of(design, state);
     take_request(design, state, readings, ship.heave);
     follow_allowance(design, state, readings);
+    order.load_step = load_step(design, state, readings, ship);
+    if (order.load_step != 0.0) order.bits += LOAD_JUMPED;
     order.harm = observe_load(design, state, readings);
     if (readings.acknowledged != 0.0 && state.phase == HELD && state.drum.rate == 0.0) {
         state.phase = FREE, state.cause = NOTHING;

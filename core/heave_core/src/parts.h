@@ -50,6 +50,7 @@ struct Ship {
 void observe_mru(const Design &design, State &state, const Readings &readings);
 Ship ship_of(const Design &design, const State &state);
 int observe_count(const Design &design, State &state, const Readings &readings, const Travelled &travelled);
+double load_step(const Design &design, State &state, const Readings &readings, const Ship &ship);
 double observe_load(const Design &design, State &state, const Readings &readings);
 
 // envelope.cpp

@@ -159,17 +159,34 @@ void follow(Spread &spread, double value, double weight) {
 
 }  // namespace
 
+// Step of the load cell beyond a share of the static tension and the stretch that the ship's motion makes since its last
+// reading, k R t: no load does that on a cable that was taut. It is taken off: spreads go on without it. 0: none [N].
+double load_step(const Design &design, State &state, const Readings &readings, const Ship &ship) {
+    const Bounds &bounds = design.envelope;
+    state.load_age += design.tick_period;
+    state.taut_time += design.tick_period;
+    const double load = readings.load - state.load_jump, step = load - state.load;
+    if (!(std::abs(readings.load) <= bounds.largest_load)) {
+        return std::isfinite(step) && bounds.largest_load > 0.0 ? step : 0.0;
+    }
+    const double stretch = (bounds.rate_factor * ship.rate + bounds.rate_margin) * state.load_age;
+    const double largest = bounds.load_step * design.cable.static_tension + design.cable.stiffness * stretch;
+    const bool jumps = std::abs(step) > largest && state.taut_time > bounds.harm_time;
+    if (jumps) state.load_jump += step;
+    else state.load = load;
+    state.load_age = 0.0;
+    if (state.load < bounds.load_taut * design.cable.static_tension) state.taut_time = 0.0;
+    return jumps ? step : 0.0;
+}
+
 // Spread of the load cell over the largest that is no harm; NaN: not judged. The nominal cable is a z'' + b z' + z = x_0
 // with the winch locked, by the trapezoidal rule; a goes with the length, k with one over it.
 double observe_load(const Design &design, State &state, const Readings &readings) {
     const Bounds &bounds = design.envelope;
     const Cable &cable = design.cable;
     const double dt = design.tick_period;
-    state.load_age += dt;
-    const bool has_load = std::abs(readings.load) <= bounds.largest_load;
+    const bool has_load = state.load_age == 0.0;
     if (has_load) {
-        state.load = readings.load;
-        state.load_age = 0.0;
         if (std::isnan(state.mean_load)) state.mean_load = state.load;
         state.mean_load += std::min(dt / bounds.travel_time, 1.0) * (state.load - state.mean_load);
     }
@@ -182,7 +199,7 @@ double observe_load(const Design &design, State &state, const Readings &readings
     state.unit_heave += 0.5 * dt * (state.unit_rate + rate);
     state.unit_rate = rate;
     const double weight = std::min(dt / bounds.harm_time, 1.0);
-    if (has_load) follow(state.measured, readings.load, weight);
+    if (has_load) follow(state.measured, state.load, weight);
     follow(state.locked, k * (state.heave - state.unit_heave), weight);
     const bool follows = int(readings.duty) == FOLLOW && readings.brake == 0.0 && state.move.rate == 0.0;
     const bool is_seen = state.mru_age <= bounds.mru_time && has_load;

@@ -75,5 +75,9 @@ class EnvelopeParameters:
     harm_ratio: float = parameter(1.3, "", 1.0, 10.0,
         "Spread of the load cell, over that of the nominal cable with the winch locked, that is harm.")  # fmt: skip
     harm_margin: float = parameter(0.01, "", 0.0, 1.0, "Spread beyond that, over the static tension.")
+    load_step: float = parameter(0.15, "", 0.02, 10.0,
+        "Step of the load cell over the static tension, beyond the ship's motion, that is a jump.")  # fmt: skip
+    load_taut: float = parameter(0.5, "", 0.0, 1.0,
+        "Tension over the static one below which a cable may snap: no jump is seen for harm_time.")  # fmt: skip
     harm_time: float = parameter(10.0, "s", 1.0, 600.0,
         "Time constant of those spreads, and time for which they must say so.")  # fmt: skip
