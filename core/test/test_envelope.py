@@ -81,6 +81,7 @@ BOUNDS = {
     "harm_ratio": 1.3,
     "harm_margin": 0.01,
     "harm_time": 10.0,
+    "harm_felt": 2.0,
     "load_step": 0.15,
     "load_taut": 0.5,
     "tension_travel": 3.0,
@@ -484,6 +485,22 @@ def test_a_load_that_cannot_be_is_reported_and_not_used():
     rig = Rig().settled()
     assert Bit.LOAD_JUMPED in Bit(int(rig.step(load=1e7).bits))
     assert Bit.LOAD_JUMPED not in Bit(int(rig.step().bits))
+
+
+@pytest.mark.parametrize(("stiffer", "cause"), [(1.0, Cause.HARM), (1.9, Cause.NOTHING)])
+def test_a_cable_that_is_stiffer_than_stated_is_known_from_the_locked_winch(stiffer, cause):
+    """The load varies by 1.9 times that of the nominal cable, as it did under the brake, or more than then."""
+    rig = Rig(bounds={"load_step": 10.0})
+
+    def load(times):
+        amplitude = CABLE["stiffness"] * CABLE["inertia"] * AMPLITUDE * OMEGA**2
+        return CABLE["static_tension"] + times * amplitude * math.sin(OMEGA * rig.tick * DT)
+
+    for _ in range(1200):
+        rig.step(0.0, brake=True, duty=float(Duty.OPERATE), load=load(stiffer))
+    for _ in range(1800):
+        order = rig.step(load=load(1.9))
+    assert order.cause == cause
 
 
 @pytest.mark.parametrize("crest", [0.3, 2.0])

@@ -196,6 +196,7 @@ void begin_envelope(State &state) {
         *unknown = NOT_KNOWN;
     state.mru_age = state.count_age = state.read_age = state.load_age = 1e9;
     state.move.request = -1.0;
+    state.felt = 1.0;
 }
 
 void envelope(const Design &design, State &state, const Readings &readings, Order &order) {

@@ -204,6 +204,9 @@ double observe_load(const Design &design, State &state, const Readings &readings
     const bool follows = int(readings.duty) == FOLLOW && readings.brake == 0.0 && state.move.rate == 0.0;
     const bool is_seen = state.mru_age <= bounds.mru_time && has_load;
     state.follow_time = follows && is_seen && readings.lift_rate == 0.0 ? state.follow_time + dt : 0.0;
+    // what the load cell shows beside the nominal cable under a locked winch is another cable, or a swing: no harm
+    const double felt = std::sqrt(state.measured.variance / state.locked.variance);
+    if (state.held.time > bounds.harm_time && felt > 0.0) state.felt = clip(felt, 1.0, bounds.harm_felt);
     // a swing from before is no harm that following does: it is allowed while it fades
     if (state.follow_time <= dt) state.left = std::max(state.measured.variance - state.locked.variance, 0.0);
     state.left *= 1.0 - 0.5 * weight;
@@ -211,7 +214,8 @@ double observe_load(const Design &design, State &state, const Readings &readings
         state.harm_time = 0.0;
         return NOT_KNOWN;
     }
-    const double most = bounds.harm_ratio * std::sqrt(state.locked.variance + state.left) + bounds.harm_margin * cable.static_tension;
+    const double locked = state.felt * state.felt * state.locked.variance;
+    const double most = bounds.harm_ratio * std::sqrt(locked + state.left) + bounds.harm_margin * cable.static_tension;
     const double share = std::sqrt(state.measured.variance) / most;
     state.harm_time = share > 1.0 ? state.harm_time + dt : 0.0;
     return share;

@@ -75,6 +75,8 @@ class EnvelopeParameters:
     harm_ratio: float = parameter(1.3, "", 1.0, 10.0,
         "Spread of the load cell, over that of the nominal cable with the winch locked, that is harm.")  # fmt: skip
     harm_margin: float = parameter(0.01, "", 0.0, 1.0, "Spread beyond that, over the static tension.")
+    harm_felt: float = parameter(2.0, "", 1.0, 10.0,
+        "Largest ratio of those under the locked winch that is taken for the cable's own.")  # fmt: skip
     load_step: float = parameter(0.15, "", 0.02, 10.0,
         "Step of the load cell over the static tension, beyond the ship's motion, that is a jump.")  # fmt: skip
     load_taut: float = parameter(0.5, "", 0.0, 1.0,
