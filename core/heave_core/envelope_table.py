@@ -136,6 +136,7 @@ BOUNDS = structure(
     Row("drum_time", "s", "time in which that distance is forgotten"),
     Row("stroke_factor", "", "speed and acceleration of the count over the largest sent of late"),
     Row("stroke_margin", "m", "way beyond that at which the drum runs; twice the step of the count is added"),
+    Row("stroke_gain", "", "weight of a way that is gained by acceleration beside one by speed: drives overshoot"),
     Row("stroke_late", "s", "time by which a drum may follow later than stated"),
     Row("stroke_span", "s", "time over which ways are formed, one beside the one before, for the acceleration"),
     Row("brake_margin", "m", "motion of the count under the brake that is allowed; a step of half of it may be a jump"),
@@ -205,7 +206,8 @@ STROKE = structure(
     "Stroke",
     "Where the drum is, without jumps of the count and of the set-point.",
     Row("sent", "m", "by the nominal drum without delay"),
-    Row("off", "m", "way of the count beyond that"),
+    Row("nominal", "m", "by the nominal drum"),
+    Row("off", "m", "way of the count beyond that without delay"),
 )
 
 HELD_DRUM = structure(
@@ -297,8 +299,9 @@ STATE = structure(
     Row("locked", "", "spread of the nominal cable's tension with the winch locked", SPREAD),
     Row("drum", "", "nominal drum driven by what was sent", DRUM),
     Row("prompt", "", "nominal drum without delay", DRUM),
-    Row("prompt_counted", "m", "its payout at the last reading of the count"),
     Row("stroke", "", "where the drum is", STROKE),
+    Row("guessed", "m", "of that without a reading of the count, from its last one on"),
+    Row("count_rate", "m/s", "of the count at its last reading"),
     Row("strokes", "", "where it was, by sample", STROKE, (STROKES,)),
     Row("beyond_out", "m", "way paid out at a speed beyond any that was sent of late"),
     Row("beyond_in", "m", "way hauled in at a speed beyond any that was sent of late"),

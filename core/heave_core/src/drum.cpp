@@ -56,6 +56,8 @@ Travelled advance_drum(const Design &design, State &state, double load) {
     advance(design, state.drum, then, (1.0 - delay.part) * dt, load);
     advance(design, state.prompt, sent_at(state, state.tick - 1), dt, load);
     state.stroke.sent += state.prompt.payout - prompt;
+    state.stroke.off -= state.prompt.payout - prompt;
+    state.stroke.nominal += state.drum.payout - before;
     const double move = (delay.part * first.move + (1.0 - delay.part) * then.move) * dt;
     return {state.drum.payout - before, move, then.brake != 0.0};
 }
@@ -119,14 +121,26 @@ Samples samples_of(const Design &design) {
 
 }  // namespace
 
-// The count's way beyond what was sent, by its `step`; what of that was sent is no jump.
-void count_way(const Design &design, State &state, double step) {
-    const double sent = state.prompt.payout - state.prompt_counted, size = std::abs(step);
+// The drum's `way` by count within a `time`, in place of the guess; without a reading it goes on as it did.
+void take_way(State &state, double way, double time) {
+    state.stroke.off += way - state.guessed;
+    state.guessed = 0.0;
+    state.count_rate = way / time;
+}
+
+void guess_way(const Design &design, State &state) {
+    if (state.count_age > design.envelope.count_time) state.count_rate = 0.0;
+    state.stroke.off += state.count_rate * design.tick_period;
+    state.guessed += state.count_rate * design.tick_period;
+}
+
+// The count's way by its `step` in a `time`, in which the nominal drum was `sent`: what of it was sent is no jump.
+void count_way(const Design &design, State &state, double step, double sent, double time) {
+    const double size = std::abs(step);
     if (size > 0.0) state.resolution = state.resolution > 0.0 ? std::min(state.resolution, size) : size;
     const double follows = clip(step, std::min(sent, 0.0), std::max(sent, 0.0));
     const double large = stroke_limit(design.envelope, state);
-    state.stroke.off += follows - sent + motion_of(step - follows, large, state.off_step, state.off_runs);
-    state.prompt_counted = state.prompt.payout;
+    take_way(state, follows + motion_of(step - follows, large, state.off_step, state.off_runs), time);
 }
 
 // Way beyond which a drum runs [m]: what the steps of the count leave unknown of two ways is theirs.
@@ -146,11 +160,14 @@ void watch_strokes(const Design &design, State &state) {
     state.strokes[state.sample] = state.stroke;
     const auto at = [&](int back) { return state.strokes[(state.sample + STROKES - back) % STROKES]; };
     const auto sent = [&](int back) { return at(back).sent; };
+    const auto nominal = [&](int back) { return at(back).nominal; };
     const auto counted = [&](int back) { return at(back).sent + at(back).off; };
     const auto change = [&](const auto &way, int back) {
         return way(back) - 2.0 * way(back + samples.span) + way(back + 2 * samples.span);
     };
-    double out = 0.0, in = 0.0, outward = 0.0, inward = 0.0;  // largest of late
+    const double as_stated = nominal(0) - nominal(1), bend = change(nominal, 0);
+    double out = std::max(as_stated, 0.0), in = std::min(as_stated, 0.0);  // largest of late
+    double outward = std::max(bend, 0.0), inward = std::min(bend, 0.0);
     for (int late = 0; late <= samples.late; late++) {
         const double step = sent(late) - sent(late + 1), more = change(sent, late);
         out = std::max(out, step), in = std::min(in, step);
@@ -160,8 +177,9 @@ void watch_strokes(const Design &design, State &state) {
     const double step = counted(0) - counted(1), more = change(counted, 0);
     state.beyond_out = std::max(left * state.beyond_out + step - factor * out, 0.0);
     state.beyond_in = std::max(left * state.beyond_in - step + factor * in, 0.0);
-    const double runs_out = std::max(state.beyond_out, step > 0.0 ? more - factor * outward : 0.0);
-    const double runs_in = std::max(state.beyond_in, step < 0.0 ? factor * inward - more : 0.0);
+    const double gains = design.envelope.stroke_gain;
+    const double runs_out = std::max(state.beyond_out, step > 0.0 ? gains * (more - factor * outward) : 0.0);
+    const double runs_in = std::max(state.beyond_in, step < 0.0 ? gains * (factor * inward - more) : 0.0);
     state.runaway = runs_out > runs_in ? runs_out : -runs_in;
 }
 

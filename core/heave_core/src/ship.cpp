@@ -76,11 +76,16 @@ Ship ship_of(const Design &design, const State &state) {
 
 namespace {
 
-// Amplitude of the stretch that the load cell shows, as of a harmonic motion; beyond the static one the cable is slack [m].
+// Where compensation follows on constant tension or a fade-out, the unit swings as these have left it.
+bool lets_unit_swing(Duty before, Duty now) {
+    return now == FOLLOW && (before == TENSION || before == FADE || before == DAMP);
+}
+
+// Spread of the stretch that the load cell shows; beyond the static one the cable is slack [m].
 double swing_of(const Cable &cable, const State &state) {
     if (!(cable.stiffness > 0.0)) return 0.0;
     const double stretch = std::max(1.0 + state.position / cable.length, 0.01);
-    return stretch * std::min(std::sqrt(2.0 * state.measured.variance), cable.static_tension) / cable.stiffness;
+    return stretch * std::min(std::sqrt(state.measured.variance), cable.static_tension) / cable.stiffness;
 }
 
 }  // namespace
@@ -93,10 +98,11 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     // a unit that is let go by a stop swings, and what takes that out is more than the ship does: as after a lost MRU
     // (a limit of the drive lets nothing go: orders that hit it must not widen their own bounds)
     const bool lets_go = travelled.is_braked || readings.drive == DRIVE_RESTS || int(readings.duty) == STOP;
-    const bool begins = int(readings.duty) == FOLLOW && int(state.duty) != FOLLOW;
+    const bool begins = lets_unit_swing(Duty(int(state.duty)), Duty(int(readings.duty)));
     if ((lets_go && state.drum.rate != 0.0) || begins) state.seen_time = 0.0;
-    // what swings under a locked winch as following begins does so at its own frequency, further than the ship
-    if (begins) state.lead = std::max(state.lead, swing_of(design.cable, state));
+    // what swings under a locked winch as following begins is stopped by more than the ship does
+    if (int(readings.duty) == FOLLOW && int(state.duty) != FOLLOW)
+        state.lead = std::max(state.lead, swing_of(design.cable, state));
     // a drive at its limit trails behind its orders, and comes back to them: further, not faster, than another one
     state.limited = readings.drive == DRIVE_LIMITED ? 1.0 : state.limited * (1.0 - dt / bounds.travel_time);
     state.duty = readings.duty;
@@ -109,7 +115,10 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.asked_since_count += travelled.move;
     state.time_since_count += dt;
     state.count_age += dt;
-    if (!count_came(bounds, readings)) return state.count_age > bounds.count_time ? COUNT_LOST : 0;
+    if (!count_came(bounds, readings)) {
+        guess_way(design, state);
+        return state.count_age > bounds.count_time ? COUNT_LOST : 0;
+    }
     const double sent = state.since_count, asked = state.asked_since_count, time = state.time_since_count;
     const double step = readings.count - state.count;
     const bool is_first = !std::isfinite(state.count);
@@ -118,19 +127,19 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.count = readings.count;
     state.since_count = state.asked_since_count = state.time_since_count = 0.0;
     if (is_first) {
-        state.position = state.drum.payout = state.prompt.payout = state.prompt_counted = readings.count;
+        state.position = state.drum.payout = state.prompt.payout = readings.count;
         state.count_age = 0.0;
         return 0;
     }
     state.position += is_jump ? sent : step;
     state.travel_count += (is_jump ? sent : step) - asked;
     if (is_jump) {  // the position loop goes by the new count
+        take_way(state, sent, time);
         state.drum.payout += step - sent;
         state.prompt.payout += step - sent;
-        state.prompt_counted = state.prompt.payout;
         return COUNT_JUMPED | (state.count_age > bounds.count_time ? COUNT_LOST : 0);
     }
-    count_way(design, state, step);
+    count_way(design, state, step, sent, time);
     state.still_travel = step == 0.0 ? state.still_travel + std::abs(sent) : 0.0;
     state.still_time = step == 0.0 ? state.still_time + time : 0.0;
     if (state.still_travel > bounds.frozen_travel && state.still_time >= bounds.frozen_time) {

@@ -49,6 +49,8 @@ class EnvelopeParameters:
         "Speed and acceleration of the count over the largest that was sent of late.")  # fmt: skip
     stroke_margin: float = parameter(0.02, "m", 0.005, 10.0,
         "Way beyond that which is allowed, beside two steps of the count.")  # fmt: skip
+    stroke_gain: float = parameter(0.7, "", 0.1, 1.0,
+        "Weight of way gained by acceleration beside that by speed: a drive may overshoot.")  # fmt: skip
     stroke_late: float = parameter(0.6, "s", 0.0, 10.0, "Time by which a drive may follow later than stated.")
     stroke_span: float = parameter(0.3, "s", 0.05, 10.0,
         "Time over which two ways in a row are compared for the acceleration.")  # fmt: skip
