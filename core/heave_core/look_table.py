@@ -235,6 +235,7 @@ GUARD_STATE = structure(
     Row("allowance", "s", "left, for which waves are not compared"),
     Row("demand", "", "of the sea on the winch", DEMAND),
     Row("drum_error", "m", "largest of late that the drum was off its prediction"),
+    Row("locked", "", "heave with the winch locked, as the reference", AMPLITUDE),
 )
 
 SEEN = structure(

@@ -516,7 +516,7 @@ def test_the_loop_is_kept_in_a_sea_beyond_the_winch_and_a_law_that_plans_takes_a
     assert record.unit_sigma(40.0) < record.uncompensated_sigma(40.0)
 
 
-UNLEARNT = {"lag.adaptation": False, "guard.hold_time": 600.0, "modes.settling_time": 20.0, "modes.fade_in_time": 10.0}
+UNLEARNT = {"lag.adaptation": False, "modes.settling_time": 20.0, "modes.fade_in_time": 10.0}
 
 
 @pytest.mark.parametrize("law", ["lqr", "lqg", "mpc"])

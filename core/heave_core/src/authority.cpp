@@ -16,7 +16,7 @@ double residual(double authority, double left) {
 
 // Variance of the heave with the winch locked [m^2].
 double free_variance(const GuardDesign &design, const GuardState &state) {
-    return std::max(reference_of(state.depth), square(design.floor));
+    return std::max(reference_of(state.locked), square(design.floor));
 }
 
 }  // namespace

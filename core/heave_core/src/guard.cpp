@@ -92,6 +92,7 @@ void check_unit(const GuardDesign &design, GuardState &state, const Seen &seen, 
     state.depth.noise = state.mismatch.noise = seen.noise;
     add(state.measured, design, seen.measured, seen.noise);
     add_to(state.depth, design, design.depth, square(state.measured.value), free_heave);
+    add_to(state.locked, design, design.depth, 0.0, square(seen.free));
     add(state.error, design, seen.measured - seen.unit, seen.noise);
     add_to(state.mismatch, design, design.mismatch, square(state.error.value), free_heave);
     if (seen.authority > 0.0) return;
