@@ -65,6 +65,7 @@ class Verdict(NamedTuple):
     coming: float
     authority: float
     usual_authority: float
+    allowed: float
     best_authority: float
     residual: float
     by_drum: float

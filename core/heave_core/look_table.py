@@ -275,6 +275,7 @@ VERDICT = structure(
     Row("coming", "", "the same of a sea that is seen first and grows: it is as high as its last waves"),
     Row("authority", "", "largest for a law that keeps the winch's limits by itself"),
     Row("usual_authority", "", "largest for one that does not"),
+    Row("allowed", "", "largest authority by the winch's limits"),
     Row("best_authority", "", "that leaves the least motion, by what is predicted"),
     Row("residual", "", "motion that it leaves, over that with the winch locked"),
     Row("by_drum", "", "variance that the drum's errors leave of compensated motion, over that motion's"),

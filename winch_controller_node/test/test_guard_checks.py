@@ -252,7 +252,7 @@ def test_harm_over_waves_is_told_from_half_the_window_on():
 
 
 def guarded(reads, unit, seconds=40.0):
-    """Let a guard see a sea of 0.5 m, until it inhibits; `unit` is what is estimated [m], `reads` what the depth sensor reads [m]."""
+    """Let a guard see a sea of 0.5 m until it inhibits; `unit` is estimated, `reads` by the depth sensor [m]."""
     guard = HarmGuard(GuardParameters(window=20.0, floor=0.02), GuardedLoop(LIMITS), tick_period=DT)
     assert guard.trusts_estimate
     for time in times(seconds):

@@ -23,7 +23,7 @@ def design():
 
 
 def errors(design, winch, seconds=20.0, *, assumed=None, says=None, slips_at=None):
-    """Return the drum's error [m] in each tick of a sea of 0.8 m/s and 9 s, and the watch; the cable slips by 0.1 m at a tick."""
+    """Return the drum's error [m] in each tick of a sea of 0.8 m/s and 9 s, and the watch; the cable slips by 0.1 m."""
     watch, drum = WinchWatch(design), VirtualWinch(winch, tick_period=DT)
     watch.take(assumed or {})
     drum.step(0, WinchCommand(1))

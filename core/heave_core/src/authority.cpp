@@ -30,7 +30,7 @@ void note_drum(const GuardDesign &design, GuardState &state, const Seen &seen) {
 // Less than what the winch's limits allow is taken only where it is worth it.
 void predict_residual(const GuardDesign &design, const GuardState &state, const Seen &seen, Verdict &verdict) {
     const double free = free_variance(design, state);
-    const double allowed = design.keeps_limits != 0.0 ? verdict.authority : verdict.usual_authority;
+    const double allowed = verdict.allowed = design.keeps_limits != 0.0 ? verdict.authority : verdict.usual_authority;
     verdict.by_drum = 0.5 * square(state.drum_error) / free;
     verdict.by_estimate = state.mismatch.count < design.seen_ticks ? 0.0 : square(amplitude_of(state.mismatch)) / free;
     const double left = verdict.by_drum + verdict.by_estimate + seen.unknown;

@@ -115,16 +115,20 @@ class HarmGuard:
         return self._found.residual
 
     @property
+    def is_reduced(self) -> bool:
+        """Tell whether errors keep authority below what the winch's limits allow."""
+        return self._found.best_authority < self._found.allowed
+
+    @property
     def cause(self) -> str:
-        """What limits authority most beside the sea's demand, in words."""
-        found, doubt = self._found, self._attempts.doubt
-        if max(found.by_drum, found.by_estimate) <= 0.0 or doubt > max(found.by_drum, found.by_estimate):
-            return "an attempt has failed" if doubt > 0.0 else ""
-        return (
-            "the winch does not follow its commands as modelled"
-            if found.by_drum >= found.by_estimate
-            else ("the depth sensor does not read what the controller estimates")
-        )
+        """The largest of these errors, in words."""
+        found = self._found
+        causes = {
+            "the winch does not follow its commands as modelled": found.by_drum,
+            "the depth sensor does not read what the controller estimates": found.by_estimate,
+            "an attempt has failed": self._attempts.doubt,
+        }
+        return max(causes, key=causes.__getitem__)
 
     def take_loop(self, loop: GuardedLoop) -> None:
         """Watch another loop from now on: another design is active."""

@@ -43,6 +43,10 @@ HANGING_SHARES = (0.7, 1.3)
 LONGEST_AGE = 6.0
 """Age of a depth reading up to which the estimate of its time is kept [s]: the largest latency, 5 s, and a second."""
 
+SEA_UNKNOWN = "boom-tip motion does not match the assumed sea"
+GAIN_UNKNOWN = "gain of the winch or scale of the encoder is not known"
+"""What keeps authority low before the guard sees errors of it."""
+
 ASK_AGAIN = "check the cause, then request compensation"
 """Ends the reason of an inhibition that only an operator can end."""
 
@@ -311,12 +315,13 @@ class Supervisor:
 
     def _report_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
         """Return what limits authority, where it lasts, or that it is over."""
-        cause = "boom-tip motion does not match the assumed sea" if tick.is_sea_refuted else self.guard.cause
-        cause = cause or ("gain of the winch or scale of the encoder is not known" if winch.share < 1.0 else "")
+        guard, cause = self.guard, ""
+        if guard.is_reduced:
+            cause = SEA_UNKNOWN if tick.is_sea_refuted else GAIN_UNKNOWN if winch.share < 1.0 else guard.cause
         alarm = self._share_news.update(
-            self.guard.authority_limit if cause else 1.0,
+            guard.authority_limit if cause else 1.0,
             cause,
-            residual=self.guard.residual,
+            residual=guard.residual,
             authority=self.modes.authority,
             factor=self.modes.factor,
             compensates=self.modes.mode is Mode.COMPENSATING,
