@@ -64,8 +64,19 @@ def test_what_no_attempt_has_brought_about_is_no_failure():
     attempts.certain(CUT)
     assert (attempts.alarm, attempts.doubt) == (CUT, 0.0)
     assert attempts.prospect(0.0)
-    attempts.count_failure()
-    assert (attempts.inhibits, attempts.doubt) == (True, 1.0)
+
+
+def test_three_interruptions_are_followed_by_an_attempt_and_waves_that_go_well_take_them_back():
+    """A quarter of the motion each: 0.9 - 3/4 = 0.15 and 0.9 - 1 < 0. After five time constants 0.7 % is left."""
+    attempts, bars = Attempts(LARGEST), []
+    for _ in range(4):
+        attempts.interrupt()
+        bars.append(attempts.bar)
+    assert bars == pytest.approx([0.65, 0.4, 0.15, -0.1])
+    assert attempts.doubt == 0.0
+    for _ in range(500):
+        attempts.learn(0.0, 0.01)
+    assert attempts.bar == pytest.approx(LARGEST, abs=0.01)
 
 
 def test_a_certain_reason_takes_the_place_of_a_disagreement_and_not_the_other_way_round():

@@ -81,10 +81,10 @@ def test_compensation_waits_for_waves_and_for_readings_that_can_be_believed():
     gates = SimpleNamespace(for_compensation=lambda *_: "the sea demands too much")
     supervisor = SimpleNamespace(
         _dt=DT,
-        _parameters=SimpleNamespace(modes=SimpleNamespace(settling_time=30.0), guard=SimpleNamespace(harm_ratio=0.9)),
+        _parameters=SimpleNamespace(modes=SimpleNamespace(settling_time=30.0)),
         _gates=gates,
         _limits=LIMITS,
-        guard=SimpleNamespace(residual=0.1),
+        guard=SimpleNamespace(residual=0.1, largest_residual=0.9),
         highest_tension=SimpleNamespace(alarm=None),
         _standing=SimpleNamespace(gate=""),
     )

@@ -188,8 +188,8 @@ CONTRACTS: tuple[Contract, ...] = (
         "brake and report `fault: 1` (FAULT_COMMAND_TIMEOUT) if there is no fresh command for "
         f"{WATCHDOG:g} s. If a set-point is not finite, stop, brake and report `fault: 2`. On `brake: true`, stop "
         f"and brake; that is no fault.\n\n{RELEASE}\n\nThe suite's controller acknowledges `fault: 1` at once, "
-        f"releases the drive {WAIT:g} s later and compensates again, with less gain "
-        "after each timeout until it has gone well for some waves. Every other fault waits for an operator.",
+        f"releases the drive {WAIT:g} s later and compensates again, at most three "
+        "times before it has gone well for some waves. Every other fault waits for an operator.",
         advice="Publish one state for each `clock` message, from the first one on, even before the first command."
         " Follow `payout_rate` within your speed and acceleration limits. With your own position loop, follow "
         "`payout` instead: the integral of that rate on the scale of `encoder_payout`, reached at "

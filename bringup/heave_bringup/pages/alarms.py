@@ -69,7 +69,7 @@ RETURNS = (
     ),
     (
         "winch fault: command timeout",
-        f"automatically: {WAIT:g} s after the winch accepts commands again, with less gain after each timeout",
+        f"automatically: {WAIT:g} s after the winch accepts commands again, at most three times within some waves",
         "check the link and the CPU load; after `COMMAND_TIMEOUTS` request compensation",
     ),
     (

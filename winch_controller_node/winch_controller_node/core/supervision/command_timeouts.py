@@ -1,8 +1,8 @@
 """What follows when the winch has stopped by itself because no command came in time.
 
 A hiccup of the machine between controller and winch is over when commands are taken again: compensation then goes on by
-itself. Each counts as an attempt that failed, so that it has less authority, until it has gone well for some waves;
-where they come again and again an operator decides.
+itself. Each raises the bar for the next attempt, until compensation has gone well for some waves; where they come again
+and again an operator decides.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class CommandTimeouts:
     ----------
     tick_period : [s]
     resumes : compensation may resume automatically
-    count : counts an attempt that failed; tells whether an operator has to ask from then on
+    count : counts an attempt that was ended so; tells whether an operator has to ask from then on
     """
 
     def __init__(self, tick_period: float, *, resumes: bool, count: Callable[[], bool]) -> None:

@@ -115,6 +115,11 @@ class HarmGuard:
         return self._found.residual
 
     @property
+    def largest_residual(self) -> float:
+        """Largest of it with which compensation is tried."""
+        return self._attempts.bar
+
+    @property
     def is_reduced(self) -> bool:
         """Tell whether errors keep authority below what the winch's limits allow."""
         return self._found.best_authority < self._found.allowed
@@ -143,6 +148,10 @@ class HarmGuard:
         """Compare depth sensor and estimate again: what was seen until now says nothing of either."""
         self._core.reset_mismatch()
 
+    def forget_drum(self) -> None:
+        """Do not hold errors of the drum against the winch: its count was another one."""
+        self._core.state["drum_error"] = 0.0
+
     def allow_resumption(self) -> None:
         """Do not hold against the loop how drum and unit moved while a sensor was lost."""
         self._core.allow_resumption()
@@ -170,10 +179,10 @@ class HarmGuard:
         """Keep compensation off while there is a `reason` that is certain, and no attempt has brought about."""
         self._attempts.certain(reason)
 
-    def count_failure(self) -> bool:
+    def interrupt(self) -> bool:
         """Count an attempt that the winch has ended for want of commands; tell whether an operator has to ask now."""
-        self._attempts.count_failure()
-        return self._attempts.awaits_operator
+        self._attempts.interrupt()
+        return self.residual > self.largest_residual
 
     def update(self, seen: Seen, authority: float, target: float = 1.0) -> None:
         """Take one tick in.

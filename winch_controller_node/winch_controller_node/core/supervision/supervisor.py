@@ -144,7 +144,7 @@ class Supervisor:
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))
         self._standing = StandingLoad(self.landing, design)
-        self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume, count=self.guard.count_failure)
+        self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume, count=self.guard.interrupt)
         self._code_before = ""
         self._fades_by_law = False
         self._share_news = ShareNews(dt)
@@ -352,8 +352,8 @@ class Supervisor:
             return str(tick.inconsistency)
         if self.highest_tension.alarm:
             return self.highest_tension.alarm.brief
-        most = self._parameters.guard.harm_ratio
-        return self._gates.for_compensation(mean_payout, self._limits, self.guard.residual, most)
+        residual, most = self.guard.residual, self.guard.largest_residual
+        return self._gates.for_compensation(mean_payout, self._limits, residual, most)
 
     def _watch_highest_tension(self, tick: LoopTick) -> tuple[Alarm, ...]:
         """Return that the sea has become too high for the highest tension, where that is new."""
