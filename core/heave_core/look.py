@@ -69,7 +69,6 @@ class Verdict(NamedTuple):
     best_authority: float
     residual: float
     by_drum: float
-    by_estimate: float
     measured: float
 
 

@@ -1,6 +1,6 @@
 // Authority by the residual that is predicted. Under an authority A the unit keeps (1 - A) of its motion with the winch
 // locked, of variance F^2, and of the part A that is compensated errors leave a variance V F^2: those of the drum (its
-// error over a second moves the unit by no more, but for its resonance), of the estimate, and all that is not known.
+// error over a second moves the unit by no more, but for its resonance), and all that is not known.
 // They are independent of the sea, so that
 //
 //     J(A) = (1 - A)^2 + A^2 V,    least at A = 1 / (1 + V), where it is V / (1 + V).
@@ -32,8 +32,7 @@ void predict_residual(const GuardDesign &design, const GuardState &state, const 
     const double free = free_variance(design, state);
     const double allowed = verdict.allowed = design.keeps_limits != 0.0 ? verdict.authority : verdict.usual_authority;
     verdict.by_drum = 0.5 * square(state.drum_error) / free;
-    verdict.by_estimate = state.mismatch.count < design.seen_ticks ? 0.0 : square(amplitude_of(state.mismatch)) / free;
-    const double left = verdict.by_drum + verdict.by_estimate + seen.unknown;
+    const double left = verdict.by_drum + seen.unknown;
     const double best = std::min(allowed, 1.0 / (1.0 + left));
     const bool is_worth_it = residual(allowed, left) - residual(best, left) > design.worth;
     verdict.best_authority = is_worth_it ? best : allowed;

@@ -127,13 +127,8 @@ class HarmGuard:
     @property
     def cause(self) -> str:
         """The largest of these errors, in words."""
-        found = self._found
-        causes = {
-            "the winch does not follow its commands as modelled": found.by_drum,
-            "the depth sensor does not read what the controller estimates": found.by_estimate,
-            "an attempt has failed": self._attempts.doubt,
-        }
-        return max(causes, key=causes.__getitem__)
+        is_of_drum = self._found.by_drum >= self._attempts.doubt
+        return "the winch does not follow its commands as modelled" if is_of_drum else "an attempt has failed"
 
     def take_loop(self, loop: GuardedLoop) -> None:
         """Watch another loop from now on: another design is active."""
