@@ -279,7 +279,7 @@ VERDICT = structure(
     Row("best_authority", "", "that leaves the least motion, by what is predicted"),
     Row("residual", "", "motion that it leaves, over that with the winch locked"),
     Row("by_drum", "", "variance that the drum's errors leave of compensated motion, over that motion's"),
-    Row("measured", "", "variance that the waves show to be left of it; NaN: they are not compared"),
+    Row("measured", "", "variance that the waves show to be left of it; below 0: they are not compared"),
 )
 
 STRUCTURES = (

@@ -13,8 +13,8 @@ INTERRUPTION = 0.25
 class Attempts:
     """Keeps compensation off for a reason, and remembers what the attempts that failed have shown.
 
-    An attempt that fails shows that what is believed is not all: errors of unknown cause leave as much again of what
-    is compensated. One that the winch ends for want of commands leaves a swing, and so lowers the motion that may
+    An attempt that fails shows that the model is not all: errors of unknown cause leave as much again of what is
+    compensated. One that the winch ends for want of commands leaves a swing, and so lowers the motion that may
     remain. What compensation then does well in the waves takes both back.
 
     Parameters

@@ -40,7 +40,7 @@ class CommandTimeouts:
     ----------
     tick_period : [s]
     resumes : compensation may resume automatically
-    count : counts an attempt that was ended so; tells whether an operator has to ask from then on
+    count : counts an attempt that was ended so; returns whether an operator has to ask from then on
     """
 
     def __init__(self, tick_period: float, *, resumes: bool, count: Callable[[], bool]) -> None:

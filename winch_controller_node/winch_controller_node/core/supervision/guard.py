@@ -204,7 +204,7 @@ class HarmGuard:
             if harm:
                 self.trusts_estimate &= Harm.DEPTH_HIGH not in harm
                 attempts.fail(_alarm(harm, found))
-            elif not math.isnan(found.measured):
+            elif found.measured >= 0.0:
                 attempts.learn(found.measured, self._dt / self._parameters.window)
 
 
