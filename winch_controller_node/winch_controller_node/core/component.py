@@ -190,9 +190,8 @@ class WinchController(ControllerEvents):
                 mean_payout=self.mean.point.payout,
                 mean_acceleration=self.mean.point.acceleration,
                 settled_swing=self._command.settled_swing,
-                share=min(self._winch.share, self._beliefs.beliefs.authority)
-                if self.parameters.identifies_winch
-                else 1.0,
+                share=self._beliefs.beliefs.authority if self.parameters.identifies_winch else 1.0,
+                drum_error=self._winch.drum_error if self.parameters.identifies_winch else 0.0,
                 inhibition=transport.inhibition or self._encoder.inhibition,
                 is_reversed=self._encoder.is_unresolved,
                 proven=proven,
