@@ -12,6 +12,7 @@ from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import load_scenario
 from heave_studies.baseline import add_baseline
+from heave_studies.study.case_file import write_case
 from heave_studies.study.cases import Cases
 from heave_studies.study.engine import run_study
 from heave_studies.study.study_file import read_study
@@ -128,7 +129,8 @@ def test_a_case_of_a_table_has_the_figures_of_its_row_over_ros_in_a_bag(tmp_path
     frame = run_study(Cases(read_study(file)), table.parent, processes=1)[0].set_index("case")
     assert frame.loc[2, "compensating_percent"] > 0.0
     for number, law in ((1, "off"), (2, "mpc")):
-        record = read_run(run_scenario(tmp_path / law, f"{table}:{number}", duration=25.0))
+        case, _ = write_case(f"{table}:{number}", tmp_path / f"{law}.yaml")
+        record = read_run(run_scenario(tmp_path / law, str(case), duration=25.0))
         of_bag, row = record.kpis(), frame.loc[number]
         known = [key for key in of_bag if np.isfinite(of_bag[key]) and not key.startswith("loop_age")]
         assert len(known) > 20

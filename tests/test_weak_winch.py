@@ -47,3 +47,25 @@ def test_a_winch_of_a_quarter_of_the_assumed_speed_is_identified_before_the_enve
     limits = [float(limit) for text in said for limit in re.findall(r"speed limit [a-z ]*([\d.]+)", text)]
     assert limits == pytest.approx([0.5], rel=0.01), "of the direction that has reached it, and as it is"
     assert not codes & {"ORDER_TOO_FAR", "ORDER_TOO_FAST", "COMPENSATION_LOST"}
+
+
+OTHERWISE = {
+    "acceleration limit and stiffness": (
+        *("unit_1500", "all.seed=277681", "virtual_winch.acceleration_limit=0.87"),
+        *("virtual_winch.stop_deceleration=0.87", "cable_sim.cable.axial_stiffness=19328728.5"),
+    ),
+    "creep": ("unit_1500", "all.seed=290183", "winch_controller.law=lqg", "virtual_winch.creep=0.032"),
+}
+"""Scenario and settings of runs in which something is other than stated: draws of one or two such deviations."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", OTHERWISE)
+def test_a_deviation_from_what_is_stated_is_not_taken_over_by_the_envelope(what):
+    """They were: a swing that is stopped as compensation begins, and a creep that sums up, and the load then swung."""
+    name, *settings = OTHERWISE[what]
+    loop = ClosedLoop(loop_parameters(load_scenario(name, settings=["all.duration=60", *settings])))
+    for _ in range(1200):
+        outputs, _ = loop.step()
+        assert not loop.controller.envelope.last.cause
+    assert outputs.mode == "compensating"

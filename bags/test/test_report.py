@@ -100,7 +100,7 @@ def test_wall_time_is_left_out_of_what_people_see_of_a_run_in_lockstep(shared_ba
 def test_an_event_is_shown_as_one_by_its_code(shared_bag):
     (record,) = analysis.analyse([shared_bag])
     part = "winch_controller: alarms: "
-    limited = "AUTHORITY_LIMITED_BY_WINCH (medium): authority limited to 30 %."
+    limited = "AUTHORITY_LIMITED (medium): authority limited to 30 %."
     record.alarms = [Interval(20.0, 21.0, f"{part}AUTHORITY_RESTORED (event): authority is 100 % again.")]
     record.alarms += [Interval(30.0, 31.0, f"{part}{limited}", level=1)]
     page = report.render([record])

@@ -129,7 +129,7 @@ def test_a_critical_alarm_is_an_error_of_the_run_in_whatever_mode():
 
 
 def test_an_alarm_is_printed_once_where_a_slow_tick_was_sent_and_answered_again():
-    limited, monitor = "AUTHORITY_LIMITED_BY_WINCH (medium): authority limited to 30 %.", listener()
+    limited, monitor = "AUTHORITY_LIMITED (medium): authority limited to 30 %.", listener()
     values = [KeyValue(key="t = 9.80 s", value=limited)]
     alarms = DiagnosticStatus(level=DiagnosticStatus.WARN, name=ALARMS_PART, message=limited, values=values)
     other = DiagnosticStatus(name="winch_adviser: node", message="ok")

@@ -13,6 +13,10 @@ BINS = 60
 """Bins of the window over which the ship's motion is watched."""
 
 
+STROKES = 64
+"""Samples of the drum's way that are kept, to compare it with what was sent of late."""
+
+
 class Duty(IntEnum):
     """What the controller is there for."""
 
@@ -75,6 +79,7 @@ class Bit(IntFlag):
     MRU_LOST = 8
     COUNT_LOST = 16
     COUNT_JUMPED = 32
+    LOAD_JUMPED = 64
 
 
 WINCH = structure(
@@ -129,9 +134,11 @@ BOUNDS = structure(
     Row("drum_margin", "m", "distance of the count from the nominal drum that is allowed"),
     Row("drum_share", "", "and the share of the travel of the last `drum_time`"),
     Row("drum_time", "s", "time in which that distance is forgotten"),
-    Row("stroke_factor", "", "way and speed of the count over those of a nominal drum, whatever its lag"),
-    Row("stroke_margin", "m", "way beyond that at which the drum runs"),
-    Row("stroke_time", "s", "time in which they are forgotten; the lag of a drive may be longer by 0.4 of it"),
+    Row("stroke_factor", "", "speed and acceleration of the count over the largest sent of late"),
+    Row("stroke_margin", "m", "way beyond that at which the drum runs; twice the step of the count is added"),
+    Row("stroke_gain", "", "weight of a way that is gained by acceleration beside one by speed: drives overshoot"),
+    Row("stroke_late", "s", "time by which a drum may follow later than stated"),
+    Row("stroke_span", "s", "time over which ways are formed, one beside the one before, for the acceleration"),
     Row("brake_margin", "m", "motion of the count under the brake that is allowed; a step of half of it may be a jump"),
     Row("rest_speed", "m/s", "speed below which a braked drum stands"),
     Row("bound_time", "s", "time at a bound after which the envelope takes over"),
@@ -149,6 +156,9 @@ BOUNDS = structure(
     Row("harm_ratio", "", "spread of the load cell over that of the nominal cable with the winch locked"),
     Row("harm_margin", "", "spread beyond that, over the static tension"),
     Row("harm_time", "s", "time over which spreads are formed, and for which harm must last"),
+    Row("harm_felt", "", "largest ratio of those that is taken for the cable's own, seen under the locked winch"),
+    Row("load_step", "", "step of the load cell over the static tension, beyond the ship's motion, that is a jump"),
+    Row("load_taut", "", "tension over the static one below which the cable may be slack further down, and snap"),
     Row("tension_travel", "m", "travel of constant tension: `tension.travel`"),
     Row("largest_load", "N", "reading of the load cell beyond which it is implausible; 0: it is not used"),
     Row("highest_tension", "N", "tension above which the winch gives way; 0: none"),
@@ -194,12 +204,10 @@ MOVE = structure(
 
 STROKE = structure(
     "Stroke",
-    "Travel and speed of the drum in one direction, exponentially weighted.",
-    Row("counted", "m", "by count, since it turned"),
+    "Position of the drum, without jumps of count and set-point.",
     Row("sent", "m", "by the nominal drum without delay"),
-    Row("longest", "m", "largest of those since the count turned"),
-    Row("fastest", "m/s", "largest speed of the nominal drum without delay"),
-    Row("beyond", "m", "way of the count at a speed that is beyond that"),
+    Row("nominal", "m", "by the nominal drum"),
+    Row("off", "m", "way of the count beyond that without delay"),
 )
 
 HELD_DRUM = structure(
@@ -238,7 +246,7 @@ STATE = structure(
     Row("tick", "", "ticks so far", COUNTER),
     Row("bin", "", "bin that is being filled", COUNTER),
     Row("equal", "", "equal readings of the motion reference unit in a row", COUNTER),
-    Row("pad", "", "keeps the numbers aligned", COUNTER),
+    Row("sample", "", "newest sample of the drum's way", COUNTER),
     Row("phase", "", "Phase: who makes the order"),
     Row("cause", "", "Cause: why the envelope took over; latched until acknowledged"),
     Row("phase_time", "s", "time in the phase"),
@@ -271,26 +279,33 @@ STATE = structure(
     Row("travel_sent", "m", "travel of the nominal drum about the asked move"),
     Row("travel_count", "m", "travel by count about the asked move"),
     Row("allowance", "m", "further travel that is allowed: constant tension"),
-    Row("lead", "m", "further travel that is allowed: of the drum about a move that the load is to follow"),
+    Row("lead", "m", "further travel that is allowed: for a move that the load is to follow, or a swing to stop"),
     Row("held_tension", "N", "tension that was last asked for"),
     Row("residual", "m", "count less nominal drum of late"),
     Row("drum_travel", "m", "travel of the nominal drum of late"),
     Row("last_speed", "m/s", "speed of the last order sent"),
-    Row("load", "N", "last reading of the load cell; NaN: none yet"),
+    Row("load", "N", "last reading of the load cell, jumps taken off; NaN: none yet"),
+    Row("load_jump", "N", "taken off the load"),
+    Row("taut_time", "s", "for which the cable has been taut"),
     Row("load_age", "s", "since that reading"),
     Row("mean_load", "N", "of the load cell, forgotten as travel is"),
     Row("unit_heave", "m", "of the nominal cable with the winch locked"),
     Row("unit_rate", "m/s", "of the nominal cable with the winch locked"),
     Row("harm_time", "s", "for which the load cell has shown harm"),
     Row("left", "N^2", "variance of the load beyond the nominal one as following began; it fades"),
+    Row("felt", "", "spread of the load cell over that of the nominal cable, under a locked winch"),
     Row("follow_time", "s", "for which the winch has followed the sea and nothing else"),
     Row("measured", "", "spread of the load cell", SPREAD),
     Row("locked", "", "spread of the nominal cable's tension with the winch locked", SPREAD),
     Row("drum", "", "nominal drum driven by what was sent", DRUM),
     Row("prompt", "", "nominal drum without delay", DRUM),
-    Row("prompt_counted", "m", "its payout at the last reading of the count"),
-    Row("outward", "", "way while paying out", STROKE),
-    Row("inward", "", "way while hauling in", STROKE),
+    Row("stroke", "", "where the drum is", STROKE),
+    Row("guessed", "m", "of that without a reading of the count, from its last one on"),
+    Row("count_rate", "m/s", "of the count at its last reading"),
+    Row("strokes", "", "where it was, by sample", STROKE, (STROKES,)),
+    Row("beyond_out", "m", "way paid out at a speed beyond any that was sent of late"),
+    Row("beyond_in", "m", "way hauled in at a speed beyond any that was sent of late"),
+    Row("resolution", "m", "smallest step of the count, in a minute; 0: none yet"),
     Row("runaway", "m", "way of the count beyond any that was sent; positive pays out"),
     Row("off_step", "m", "large step of the count beyond what was sent that may have been a jump"),
     Row("off_runs", "", "1: the last such step was motion"),
@@ -344,6 +359,7 @@ ORDER = structure(
     Row("residual_limit", "m", "its limit"),
     Row("harm", "", "spread of the load cell over its limit; NaN: not judged"),
     Row("speed", "m/s", "speed that was sent"),
+    Row("load_step", "N", "step of the load cell that no load makes; 0: none"),
 )
 
 STRUCTURES = (WINCH, CABLE, BOUNDS, DESIGN, SENT, DRUM, STROKE, HELD_DRUM, MOVE, BIN, SPREAD, STATE, READINGS, ORDER)
@@ -352,7 +368,7 @@ STRUCTURES = (WINCH, CABLE, BOUNDS, DESIGN, SENT, DRUM, STROKE, HELD_DRUM, MOVE,
 RECORDS = (DESIGN, STATE, READINGS, ORDER)
 """What Python and C++ hold together."""
 
-SIZES = {"KEPT": KEPT, "BINS": BINS}
+SIZES = {"KEPT": KEPT, "BINS": BINS, "STROKES": STROKES}
 """Sizes of arrays."""
 
 ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (Duty, Phase, Cause, MoveKind, DriveState, Bit)

@@ -225,6 +225,7 @@ class EnvelopeOrder(NamedTuple):
     residual_limit: float
     harm: float
     speed: float
+    load_step: float
 
 
 def fill(record: Any, values: Mapping[str, Any]) -> None:

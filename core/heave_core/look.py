@@ -44,6 +44,8 @@ class Seen(NamedTuple):
     measured: float = np.nan
     noise: float = 0.0
     mean_acceleration: float = 0.0
+    drum_error: float = 0.0
+    unknown: float = 0.0
 
 
 class Verdict(NamedTuple):
@@ -63,6 +65,11 @@ class Verdict(NamedTuple):
     coming: float
     authority: float
     usual_authority: float
+    allowed: float
+    best_authority: float
+    residual: float
+    by_drum: float
+    measured: float
 
 
 def padded(row: Array) -> Array:

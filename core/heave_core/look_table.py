@@ -192,6 +192,8 @@ GUARD_DESIGN = structure(
     Row("knot_ticks", "", "ticks between two energies that are kept"),
     Row("limit_use", "", "share of the winch's limits that peaks may use: `guard.limit_use`"),
     Row("largest_demand", "", "demand of the sea's share that a law is given which keeps the limits by itself"),
+    Row("keeps_limits", "", "1: the law keeps the winch's limits by itself"),
+    Row("worth", "", "least residual that is worth less authority, over the motion with the winch locked"),
 )
 
 DEMAND = structure(
@@ -232,6 +234,8 @@ GUARD_STATE = structure(
     Row("catch_up", "s", "left, for which the drum is not checked"),
     Row("allowance", "s", "left, for which waves are not compared"),
     Row("demand", "", "of the sea on the winch", DEMAND),
+    Row("drum_error", "m", "largest of late that the drum was off its prediction"),
+    Row("locked", "", "heave with the winch locked, as the reference", AMPLITUDE),
 )
 
 SEEN = structure(
@@ -247,6 +251,8 @@ SEEN = structure(
     Row("measured", "m", "heave of the unit as the depth sensor reads it; NaN: no reading came"),
     Row("noise", "m", "standard deviation of that sensor's noise"),
     Row("mean_acceleration", "m/s^2", "of the mean payout"),
+    Row("drum_error", "m", "drum less what was predicted of it a second ago"),
+    Row("unknown", "", "variance that what is not known leaves of compensated motion, over that motion's"),
     Row("authority", "", "of compensation now"),
     Row("target", "", "that it goes to"),
     Row("inhibits", "", "1: compensation is to be off already"),
@@ -269,6 +275,11 @@ VERDICT = structure(
     Row("coming", "", "the same of a sea that is seen first and grows: it is as high as its last waves"),
     Row("authority", "", "largest for a law that keeps the winch's limits by itself"),
     Row("usual_authority", "", "largest for one that does not"),
+    Row("allowed", "", "largest authority by the winch's limits"),
+    Row("best_authority", "", "that leaves the least motion, by what is predicted"),
+    Row("residual", "", "motion that it leaves, over that with the winch locked"),
+    Row("by_drum", "", "variance that the drum's errors leave of compensated motion, over that motion's"),
+    Row("measured", "", "variance that the waves show to be left of it; below 0: they are not compared"),
 )
 
 STRUCTURES = (

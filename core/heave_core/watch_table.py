@@ -257,8 +257,6 @@ WINCH_WATCH_DESIGN = structure(
     Row("link", "", "commands", LINK_DESIGN),
     Row("delay", "s", "of the active winch"),
     Row("modelled", "s", "beyond which a command is late: the active delay, or the stated one"),
-    Row("alarming", "m", "error of the drum after a second that cuts authority"),
-    Row("cautious_time", "s", "that the share stays cut after the drum was last off"),
 )
 
 WINCH_WATCH_STATE = structure(
@@ -266,7 +264,7 @@ WINCH_WATCH_STATE = structure(
     "State of the winch watch.",
     Row("drum", "", "orders and encoder", DRUM_WATCH_STATE),
     Row("link", "", "commands", LINK_STATE),
-    Row("cautious", "s", "time for which authority is cut still"),
+    Row("error", "m", "payout of the drum less what was predicted of it a second ago; 0 where unknown"),
 )
 
 WINCH_SEEN = structure(

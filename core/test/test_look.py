@@ -295,6 +295,8 @@ def a_guard(**changed):
             "knot_ticks": 1,
             "limit_use": 0.85,
             "largest_demand": 1.4,
+            "keeps_limits": 0.0,
+            "worth": 0.01,
         }
         | changed
     )
@@ -312,6 +314,9 @@ SEEN = st.builds(
     NUMBERS,
     NUMBERS | st.just(math.nan),
     st.floats(0.0, 1.0),
+    mean_acceleration=NUMBERS,
+    drum_error=NUMBERS,
+    unknown=st.floats(0.0, 30.0),
 )
 
 
@@ -322,6 +327,7 @@ def test_whatever_is_seen_the_verdict_is_finite_and_an_authority_is_a_share(tick
         verdict = guard.step(seen, authority, 1.0, inhibits=inhibits)
         assert all(math.isfinite(one) for one in verdict)
         assert 0.0 <= verdict.authority <= 1.0 and 0.0 <= verdict.usual_authority <= 1.0
+        assert 0.0 <= verdict.best_authority <= verdict.allowed and 0.0 <= verdict.residual <= 1.0
         assert 0 <= int(verdict.bits) <= sum(Harm)
 
 

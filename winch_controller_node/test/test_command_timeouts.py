@@ -5,7 +5,7 @@ from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault
-from winch_controller_node.core.supervision.command_timeouts import MOST, PERIOD, WAIT, Advice, CommandTimeouts
+from winch_controller_node.core.supervision.command_timeouts import WAIT, Advice, CommandTimeouts
 from winch_controller_node.core.supervision.late_commands import CUT_TIME, LATE_WINDOW, LateCommands
 
 DT = 0.05
@@ -87,6 +87,17 @@ def feed(timeouts: CommandTimeouts, seconds: float, fault: WinchFault, **situati
     return [advice for advice in found if advice]
 
 
+def watching(most: int = 3, *, dt: float = DT, resumes: bool = True) -> CommandTimeouts:
+    """Return a watch whose `most` failures are followed by an attempt: from the next on an operator has to ask."""
+    failures: list[int] = []
+
+    def count() -> bool:
+        failures.append(1)
+        return len(failures) > most
+
+    return CommandTimeouts(dt, resumes=resumes, count=count)
+
+
 def time_out(timeouts: CommandTimeouts) -> list[Advice]:
     """Let a compensating winch time out, wait, and release it."""
     told = [timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)]
@@ -95,15 +106,15 @@ def time_out(timeouts: CommandTimeouts) -> list[Advice]:
     return [advice for advice in told if advice]
 
 
-def test_the_fourth_timeout_in_ten_minutes_waits_for_an_operator():
-    timeouts = CommandTimeouts(DT, resumes=True)
-    for _ in range(MOST):
+def test_timeouts_that_come_again_and_again_wait_for_an_operator():
+    timeouts = watching(4)
+    for _ in range(4):
         assert time_out(timeouts) == [Advice.RESUME]
     assert time_out(timeouts) == [Advice.GIVE_UP]
 
 
 def test_nothing_goes_on_while_a_sensor_is_lost_or_after_an_operator_has_spoken():
-    timeouts = CommandTimeouts(DT, resumes=True)
+    timeouts = watching()
     timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
     assert feed(timeouts, 3.0 * WAIT, WinchFault.COMMAND_TIMEOUT, is_well=False) == []
     timeouts.cancel()
@@ -112,38 +123,29 @@ def test_nothing_goes_on_while_a_sensor_is_lost_or_after_an_operator_has_spoken(
 
 def test_a_winch_that_keeps_its_fault_when_it_is_released_is_tried_again_but_not_for_ever():
     """It is released, and two seconds later the mode is stopped again, for the same fault."""
-    timeouts = CommandTimeouts(DT, resumes=True)
+    timeouts = watching()
     timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
     told = []
-    for _ in range(MOST + 3):
+    for _ in range(6):
         told += feed(timeouts, WAIT + DT, WinchFault.COMMAND_TIMEOUT)
         told += feed(timeouts, 2.0, WinchFault.COMMAND_TIMEOUT, is_stopped=False)
-    assert told == [Advice.RESUME] * MOST + [Advice.GIVE_UP]
+    assert told == [Advice.RESUME] * 3 + [Advice.GIVE_UP]
 
 
 def test_a_winch_that_did_not_compensate_or_must_not_resume_stays_where_it_is():
     for resumes, compensated in ((True, False), (False, True)):
-        timeouts = CommandTimeouts(DT, resumes=resumes)
+        timeouts = watching(resumes=resumes)
         timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=compensated, is_stopped=False, is_well=True)
         assert feed(timeouts, 3.0 * WAIT, WinchFault.COMMAND_TIMEOUT) == []
 
 
 def test_what_is_done_about_a_timeout_is_reported_by_its_code():
     assert Advice.RESUME.alarm.code == "COMMANDS_RESTORED"
-    given_up = Advice.GIVE_UP.alarm
-    assert (given_up.code, given_up.values) == ("COMMAND_TIMEOUTS", {"count": MOST, "period": PERIOD})
-
-
-def test_timeouts_of_long_ago_do_not_count():
-    """One in each four minutes: never more than three in ten."""
-    timeouts = CommandTimeouts(DT, resumes=True)
-    for _ in range(3 * MOST):
-        assert time_out(timeouts) == [Advice.RESUME]
-        feed(timeouts, 240.0, WinchFault.NONE, is_stopped=False)
+    assert Advice.GIVE_UP.alarm.code == "COMMAND_TIMEOUTS"
 
 
 def test_a_winch_waits_for_as_long_as_it_takes_before_it_is_tried_again_from_the_last_trouble_on():
-    timeouts = CommandTimeouts(DT, resumes=True)
+    timeouts = watching()
     timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
     assert feed(timeouts, WAIT - 2.0 * DT, WinchFault.COMMAND_TIMEOUT) == []
     assert feed(timeouts, DT, WinchFault.COMMAND_TIMEOUT, is_well=False) == []
@@ -152,7 +154,7 @@ def test_a_winch_waits_for_as_long_as_it_takes_before_it_is_tried_again_from_the
 
 
 def test_a_fault_that_somebody_has_released_is_not_pending():
-    timeouts = CommandTimeouts(DT, resumes=True)
+    timeouts = watching()
     timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
     assert feed(timeouts, 1.0, WinchFault.NONE) == []
     assert feed(timeouts, 3.0 * WAIT, WinchFault.DRIVE) == []
@@ -160,7 +162,7 @@ def test_a_fault_that_somebody_has_released_is_not_pending():
 
 def test_a_timeout_is_pending_until_it_is_cancelled_and_is_tried_again_after_three_seconds():
     """Ticks of a quarter of a second: twelve of them."""
-    timeouts = CommandTimeouts(0.25, resumes=True)
+    timeouts = watching(dt=0.25)
     assert not timeouts.is_pending
     timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
     assert timeouts.is_pending

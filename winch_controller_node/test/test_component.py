@@ -516,7 +516,7 @@ def test_the_loop_is_kept_in_a_sea_beyond_the_winch_and_a_law_that_plans_takes_a
     assert record.unit_sigma(40.0) < record.uncompensated_sigma(40.0)
 
 
-UNLEARNT = {"lag.adaptation": False, "guard.hold_time": 600.0, "modes.settling_time": 20.0, "modes.fade_in_time": 10.0}
+UNLEARNT = {"lag.adaptation": False, "modes.settling_time": 20.0, "modes.fade_in_time": 10.0}
 
 
 @pytest.mark.parametrize("law", ["lqr", "lqg", "mpc"])
@@ -528,7 +528,7 @@ def test_a_lost_loop_is_given_up_before_the_unit_swings_and_the_winch_comes_to_r
     parameters = loop_parameters(law=law, duration=120.0, **UNLEARNT)
     record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(time_constant=0.8))).run()
     codes = {alarm.code for _, alarm in record.alarms}
-    assert codes & (HARMFUL | {"ORDER_TOO_FAST", "ORDER_TOO_FAR"})
+    assert codes & (HARMFUL | {"ORDER_TOO_FAST", "ORDER_TOO_FAR", "DRUM_OFF_ORDER"})
     assert record.modes[-1] in ("standby", "stopped")
     # the try itself and what is left of it until it has died away; over the whole of a run that is a few percent
     assert record.unit_sigma(20.0) < 1.4 * record.uncompensated_sigma(20.0)

@@ -39,10 +39,10 @@ def test_both_modes_need_room_for_the_waves_in_the_range_of_payout():
     assert gates.for_tension(-46.5, LIMITS, 0.1) == ""
 
 
-def test_compensation_waits_for_a_sea_that_asks_for_no_more_than_is_allowed():
+def test_compensation_waits_until_it_is_predicted_to_leave_no_more_than_is_allowed():
     gates = gates_over(0.0)
-    assert gates.for_compensation(0.0, LIMITS, 2.0, 2.0) == ""
-    assert re.findall(r"[\d.]+", gates.for_compensation(0.0, LIMITS, 2.34, 2.0)) == ["2.3", "2"]
+    assert gates.for_compensation(0.0, LIMITS, 0.9, 0.9) == ""
+    assert re.findall(r"[\d.]+", gates.for_compensation(0.0, LIMITS, 0.95, 0.9)) == ["95", "90"]
 
 
 def test_peaks_above_four_fifths_of_the_limits_are_told_with_the_share_that_compensation_begins_with():
@@ -81,10 +81,10 @@ def test_compensation_waits_for_waves_and_for_readings_that_can_be_believed():
     gates = SimpleNamespace(for_compensation=lambda *_: "the sea demands too much")
     supervisor = SimpleNamespace(
         _dt=DT,
-        _parameters=SimpleNamespace(modes=SimpleNamespace(settling_time=30.0), guard=SimpleNamespace(demand_ratio=2.0)),
+        _parameters=SimpleNamespace(modes=SimpleNamespace(settling_time=30.0)),
         _gates=gates,
         _limits=LIMITS,
-        guard=SimpleNamespace(demand=0.1),
+        guard=SimpleNamespace(residual=0.1, largest_residual=0.9),
         highest_tension=SimpleNamespace(alarm=None),
         _standing=SimpleNamespace(gate=""),
     )

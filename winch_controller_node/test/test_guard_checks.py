@@ -252,14 +252,16 @@ def test_harm_over_waves_is_told_from_half_the_window_on():
 
 
 def guarded(reads, unit, seconds=40.0):
-    """Let a guard see a sea of 0.5 m; `unit` is what is estimated [m], `reads` what the depth sensor reads [m]."""
+    """Let a guard see a sea of 0.5 m until it inhibits; `unit` is estimated, `reads` by the depth sensor [m]."""
     guard = HarmGuard(GuardParameters(window=20.0, floor=0.02), GuardedLoop(LIMITS), tick_period=DT)
     assert guard.trusts_estimate
     for time in times(seconds):
         wave = math.sin(0.7 * time)
         rate = 0.3 * wave
         given = Seen(unit=unit * wave, free=0.5 * wave, tip_rate=rate, payout_rate=rate, measured=reads * wave)
-        guard.update(given, 0.0 if guard.inhibits else 1.0)
+        guard.update(given, 1.0)
+        if guard.inhibits:
+            break
     return guard
 
 
@@ -279,15 +281,16 @@ def test_an_estimate_is_not_trusted_while_the_depth_sensor_contradicts_it_and_is
 
 
 def test_of_a_sea_that_was_not_seen_yet_nothing_is_held_back():
-    guard = HarmGuard(GuardParameters(window=20.0), GuardedLoop(LIMITS), tick_period=DT)
-    assert guard.authority_limit(keeps_limits=True) == 1.0
-    assert guard.authority_limit(keeps_limits=False) == 1.0
-    assert guard.demand == 0.0
+    for keeps_limits in (True, False):
+        guard = HarmGuard(GuardParameters(window=20.0), GuardedLoop(LIMITS, keeps_limits=keeps_limits), tick_period=DT)
+        guard.update(Seen(), 0.0)
+        assert (guard.authority_limit, guard.demand) == (1.0, 0.0)
 
 
 def test_a_law_that_keeps_the_limits_by_itself_is_given_as_much_as_the_winch_can_nearly_do():
     """Waves of one height and 4 m/s over 2 m/s: a demand of 2, of which 1.4 is given."""
-    guard = HarmGuard(GuardParameters(window=20.0), GuardedLoop(WinchLimits(2.0, 100.0, -50.0, 50.0)), tick_period=DT)
+    loop = GuardedLoop(WinchLimits(2.0, 100.0, -50.0, 50.0), keeps_limits=True)
+    guard = HarmGuard(GuardParameters(window=20.0), loop, tick_period=DT)
     for time in times(200.0):
         guard.update(Seen(tip_rate=4.0 * math.sin(0.7 * time)), 0.0)
-    assert guard.authority_limit(keeps_limits=True) == pytest.approx(1.4 / 2.0, rel=0.02)
+    assert guard.authority_limit == pytest.approx(1.4 / 2.0, rel=0.02)

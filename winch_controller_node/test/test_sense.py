@@ -67,6 +67,7 @@ def test_whatever_is_read_the_estimate_is_a_number_and_every_reading_is_counted(
         for name, readings in (("mru", mru), ("depth", depths), ("load_cell", tension)):
             came[name] += len(readings)
         assert np.all(np.isfinite(tick.estimate))
+        assert isinstance(tick.number, int)
         assert all(math.isfinite(getattr(tick, name)) for name in ("tip", "unit", "free", "payout", "mean_command"))
         assert {tick.knows_tip, tick.has_depth, tick.sees_landing, tick.has_encoder, tick.knows_sea} <= {0.0, 1.0}
         assert len(tick.depths) <= len(depths)

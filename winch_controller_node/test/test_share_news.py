@@ -4,14 +4,13 @@ import pytest
 from winch_controller_node.core.supervision.watch.share_news import ShareNews
 
 DT = 0.05
-HELD, OVER = ("AUTHORITY_LIMITED_BY_SEA", pytest.approx(30.0)), ("AUTHORITY_RESTORED", pytest.approx(100.0))
+HELD, OVER = ("AUTHORITY_LIMITED", pytest.approx(30.0)), ("AUTHORITY_RESTORED", pytest.approx(100.0))
 
 
 def told(news, seconds, share, *, authority=1.0, factor=1.0, compensates=True):
     """Return what is reported while a share may be compensated for some time."""
-    code = "AUTHORITY_LIMITED_BY_SEA"
     alarms = [
-        news.update(share, code, authority=authority, factor=factor, compensates=compensates)
+        news.update(share, "the sea", residual=0.7, authority=authority, factor=factor, compensates=compensates)
         for _ in range(round(seconds / DT))
     ]
     return [(alarm.code, alarm.values["percent"]) for alarm in alarms if alarm]

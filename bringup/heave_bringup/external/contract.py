@@ -21,7 +21,7 @@ from heave_node.run_parameters import RunParameters
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.beliefs.beliefs import LATENCY
 from winch_controller_node.core.estimation.preview_watch import MAXIMUM_AGE, PROOF_TIME
-from winch_controller_node.core.supervision.command_timeouts import MOST, PERIOD, WAIT
+from winch_controller_node.core.supervision.command_timeouts import WAIT
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.crane import CONFIRMED_AFTER
 
@@ -189,8 +189,8 @@ CONTRACTS: tuple[Contract, ...] = (
         "brake and report `fault: 1` (FAULT_COMMAND_TIMEOUT) if there is no fresh command for "
         f"{WATCHDOG:g} s. If a set-point is not finite, stop, brake and report `fault: 2`. On `brake: true`, stop "
         f"and brake; this is not a fault.\n\n{RELEASE}\n\nThe suite's controller acknowledges `fault: 1` at once, "
-        f"releases the drive {WAIT:g} s later and resumes compensation, up to {MOST} times in "
-        f"{PERIOD / 60.0:g} minutes. Every other fault waits for an operator.",
+        f"releases the drive {WAIT:g} s later and resumes compensation, up to three times; good compensation over some "
+        "waves resets the count. Every other fault waits for an operator.",
         advice="Publish one state for each `clock` message, from the first one on, even before the first command."
         " Follow `payout_rate` within your speed and acceleration limits. If your drive has a "
         "position loop of its own, follow `payout` instead: the integral of `payout_rate`, on the scale of "

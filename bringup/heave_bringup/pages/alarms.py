@@ -15,8 +15,7 @@ from heave_node.extras import extra_parts
 from heave_node.interface.alarm import NODE_ALARMS, AlarmRow, AlarmTable
 from wave_vessel_node.alarms import ALARMS as VESSEL
 from winch_controller_node.core.estimation.sense_design import BACK_TIME
-from winch_controller_node.core.supervision.command_timeouts import MOST, PERIOD, WAIT
-from winch_controller_node.core.supervision.guard_hold import CAUSE_TIME, HOLD_GROWTH, KNOWN_HOLD
+from winch_controller_node.core.supervision.command_timeouts import WAIT
 from winch_controller_node.core.supervision.supervisor import BLIND_LIMIT
 from winch_controller_node.interface.alarms import ALARMS as CONTROLLER
 from winch_controller_node.node_parameters import MOTION_SOURCES
@@ -53,24 +52,24 @@ RETURNS = (
     ),
     (
         "harm: `WORSE_THAN_OFF`, `LITTLE_GAIN`, `UNIT_HEAVE_HIGH`, `UNIT_SWING_HIGH`, `DRUM_SPEED_OFF`",
-        f"automatically: after `guard.hold_time` ({GUARD.hold_time:g} s), {HOLD_GROWTH:g} times longer after each "
-        f"failed attempt, up to {GUARD.hold_time_limit:g} s; after {KNOWN_HOLD:g} s if the cause is identified within "
-        f"{CAUSE_TIME:g} s; not while the sea needs more than {GUARD.demand_ratio:g} times the winch's limits",
+        "automatically: once the load has settled, with the gain predicted to leave the least motion. Each failed "
+        f"attempt lowers the gain; no attempt is made if more than {100.0 * GUARD.harm_ratio:.0f} % "
+        "(`guard.harm_ratio`) of the winch-locked motion would remain",
         "nothing at first; if it fails again, follow the alarm",
     ),
     (
         "`DEPTH_MRU_DISAGREE`",
-        "automatically: after the same times, counted from when the two agree",
+        "automatically: once the two agree, as above",
         "check sign and scale of both",
     ),
     (
         "`COMMANDS_CUT`, `COMMANDS_TOO_LATE`",
-        f"automatically: {KNOWN_HOLD:g} s after commands arrive in time again",
+        "automatically: once commands arrive in time again and the load has settled",
         "check the link, the network and the CPU load of the computer",
     ),
     (
         "winch fault: command timeout",
-        f"automatically: {WAIT:g} s after the winch accepts commands again, at most {MOST} times within {PERIOD:g} s",
+        f"automatically: {WAIT:g} s after the winch accepts commands again, up to three times within a few waves",
         "check the link and the CPU load; after `COMMAND_TIMEOUTS` request compensation",
     ),
     (

@@ -51,10 +51,13 @@ void advance(const Design &design, Drum &drum, const Sent &sent, double time, do
 Travelled advance_drum(const Design &design, State &state, double load) {
     const Delay delay = delay_of(design);
     const Sent &first = sent_at(state, state.tick - 2 - delay.whole), &then = sent_at(state, state.tick - 1 - delay.whole);
-    const double before = state.drum.payout, dt = design.tick_period;
+    const double before = state.drum.payout, prompt = state.prompt.payout, dt = design.tick_period;
     advance(design, state.drum, first, delay.part * dt, load);
     advance(design, state.drum, then, (1.0 - delay.part) * dt, load);
     advance(design, state.prompt, sent_at(state, state.tick - 1), dt, load);
+    state.stroke.sent += state.prompt.payout - prompt;
+    state.stroke.off -= state.prompt.payout - prompt;
+    state.stroke.nominal += state.drum.payout - before;
     const double move = (delay.part * first.move + (1.0 - delay.part) * then.move) * dt;
     return {state.drum.payout - before, move, then.brake != 0.0};
 }
@@ -103,29 +106,87 @@ double motion_of(double step, double large, double &alone, double &runs) {
     return motion;
 }
 
-// Way in one direction, S = max(S e^(-dt/T) + s, 0), and speed in it. A drum that follows late has those of the nominal one
-// later, and so within f of their largest of late, as long as it is later by less than T log f. Returns what is beyond: of
-// the way since it turned, and of the way at a higher speed, B = max(B + s - f v dt, 0) (Page, 1954).
-double follow_stroke(const Bounds &bounds, Stroke &stroke, double step, double sent, double time) {
-    const double left = std::exp(-time / bounds.stroke_time), factor = bounds.stroke_factor;
-    stroke.counted = std::max(left * stroke.counted + step, 0.0);
-    stroke.sent = std::max(left * stroke.sent + sent, 0.0);
-    stroke.longest = stroke.counted > 0.0 ? std::max(left * stroke.longest, stroke.sent) : stroke.sent;
-    stroke.fastest = std::max(left * stroke.fastest, sent / time);
-    stroke.beyond = std::max(stroke.beyond + step - factor * stroke.fastest * time, 0.0);
-    return std::max(stroke.counted - factor * stroke.longest, stroke.beyond);
+// Samples of the drum's way: one every so many ticks, those by which a drum may be late, those of a span.
+struct Samples {
+    int every, late, span;
+    double time;  // of one [s]
+};
+
+Samples samples_of(const Design &design) {
+    const double late = design.winch.delay + design.envelope.stroke_late, span = design.envelope.stroke_span;
+    const int every = std::max(int(std::ceil((late + 2.0 * span) / (design.tick_period * (STROKES - 3)))), 1);
+    const double time = every * design.tick_period;
+    return {every, int(std::ceil(late / time - 1e-6)), std::max(int(std::round(span / time)), 1), time};
 }
 
 }  // namespace
 
-// A drum that goes further than what was sent, or the other way, though it may follow late.
-void watch_strokes(const Design &design, State &state, double step, double time) {
-    const Bounds &bounds = design.envelope;
-    const double sent = state.prompt.payout - state.prompt_counted;
-    const double moved = sent + motion_of(step - sent, 0.5 * bounds.stroke_margin, state.off_step, state.off_runs);
-    const double out = follow_stroke(bounds, state.outward, moved, sent, time);
-    const double in = follow_stroke(bounds, state.inward, -moved, -sent, time);
-    state.runaway = out > in ? out : -in;
+// The drum's `way` by count within a `time`, in place of the guess; without a reading it goes on as it did.
+void take_way(State &state, double way, double time) {
+    state.stroke.off += way - state.guessed;
+    state.guessed = 0.0;
+    state.count_rate = way / time;
+}
+
+void guess_way(const Design &design, State &state) {
+    if (state.count_age > design.envelope.count_time) state.count_rate = 0.0;
+    state.stroke.off += state.count_rate * design.tick_period;
+    state.guessed += state.count_rate * design.tick_period;
+}
+
+// The count's way by its `step` in a `time`, in which the nominal drum was `sent`: what of it was sent is no jump.
+void count_way(const Design &design, State &state, double step, double sent, double time) {
+    const double size = std::abs(step);
+    if (size > 0.0) state.resolution = state.resolution > 0.0 ? std::min(state.resolution, size) : size;
+    const double follows = clip(step, std::min(sent, 0.0), std::max(sent, 0.0));
+    const double large = stroke_limit(design.envelope, state);
+    take_way(state, follows + motion_of(step - follows, large, state.off_step, state.off_runs), time);
+}
+
+// Way beyond which a drum runs [m]: what the steps of the count leave unknown of two ways is theirs.
+double stroke_limit(const Bounds &bounds, const State &state) {
+    return bounds.stroke_margin + 2.0 * std::min(state.resolution, bounds.count_step);
+}
+
+// A drum that goes further than what was sent, or the other way. Whatever its lag and delay, its speed is a mean of those
+// that were sent, w = K int h(s) v(t - s) ds with h >= 0, and so lies between f times the least and the largest sent of
+// late; the same holds for the way of a span less that of the span before, its acceleration. What is beyond is summed,
+// B = max(B e^(-dt/T) + w dt - f v dt, 0) (Page, 1954). A drum that comes to rest sooner does no harm.
+void watch_strokes(const Design &design, State &state) {
+    const Samples samples = samples_of(design);
+    state.resolution *= 1.0 + design.tick_period / design.envelope.window;
+    if (state.tick % samples.every != 0) return;
+    state.sample = (state.sample + 1) % STROKES;
+    state.strokes[state.sample] = state.stroke;
+    const auto at = [&](int back) { return state.strokes[(state.sample + STROKES - back) % STROKES]; };
+    const auto sent = [&](int back) { return at(back).sent; };
+    const auto nominal = [&](int back) { return at(back).nominal; };
+    const auto counted = [&](int back) { return at(back).sent + at(back).off; };
+    const auto change = [&](const auto &way, int back) {
+        return way(back) - 2.0 * way(back + samples.span) + way(back + 2 * samples.span);
+    };
+    const double as_stated = nominal(0) - nominal(1), bend = change(nominal, 0);
+    double out = std::max(as_stated, 0.0), in = std::min(as_stated, 0.0);  // largest of late
+    double outward = std::max(bend, 0.0), inward = std::min(bend, 0.0);
+    for (int late = 0; late <= samples.late; late++) {
+        const double step = sent(late) - sent(late + 1), more = change(sent, late);
+        out = std::max(out, step), in = std::min(in, step);
+        outward = std::max(outward, more), inward = std::min(inward, more);
+    }
+    const double left = std::exp(-samples.time / design.envelope.drum_time), factor = design.envelope.stroke_factor;
+    const double step = counted(0) - counted(1), more = change(counted, 0);
+    state.beyond_out = std::max(left * state.beyond_out + step - factor * out, 0.0);
+    state.beyond_in = std::max(left * state.beyond_in - step + factor * in, 0.0);
+    const double gains = design.envelope.stroke_gain;
+    const double runs_out = std::max(state.beyond_out, step > 0.0 ? gains * (more - factor * outward) : 0.0);
+    const double runs_in = std::max(state.beyond_in, step < 0.0 ? gains * (factor * inward - more) : 0.0);
+    state.runaway = runs_out > runs_in ? runs_out : -runs_in;
+}
+
+// A drum at rest: what it did before says nothing.
+void rest_drum(State &state) {
+    state.residual = state.runaway = state.beyond_out = state.beyond_in = 0.0;
+    for (Stroke &stroke : state.strokes) stroke.off = state.stroke.off;
 }
 
 // A drum under its brake: how far its count has gone since it came to rest, or became quicker again without. One large

@@ -95,16 +95,11 @@ void enter(State &state, Phase phase, Cause cause, double value, double limit) {
 void watch_drum(const Design &design, State &state) {
     const Bounds &bounds = design.envelope;
     if (state.cause == DRUM || state.cause == BRAKE_SLIPS) return;
-    const bool runs = std::abs(state.runaway) > bounds.stroke_margin;
+    const double stroke = stroke_limit(bounds, state);
+    const bool runs = std::abs(state.runaway) > stroke;
     const double off = runs ? state.runaway : state.residual;
-    const double limit = runs ? bounds.stroke_margin : bounds.drum_margin + bounds.drum_share * state.drum_travel;
+    const double limit = runs ? stroke : bounds.drum_margin + bounds.drum_share * state.drum_travel;
     if (std::abs(off) > limit) enter(state, HELD, state.held.time > 0.0 ? BRAKE_SLIPS : DRUM, off, limit);
-}
-
-// A drum at rest: what it did before says nothing.
-void rest_drum(State &state) {
-    state.residual = state.runaway = 0.0;
-    state.outward = state.inward = Stroke{};
 }
 
 // A braked drum that moves: nothing that was ordered explains it.
@@ -149,6 +144,15 @@ struct Asked {
     bool is_finite;
 };
 
+// Travel about the asked move to which an order about it leads within the drum's delay and lag [m].
+double travel_by(const Design &design, const State &state, double about, double move) {
+    const Winch &winch = design.winch;
+    const double now = state.drum.rate - move, share = -std::expm1(-design.envelope.bound_time / winch.lag);
+    const double reached = winch.is_first_order ? about : now + share * (about - now), sent = state.travel_sent;
+    const double counted = state.count_age <= design.envelope.count_time ? state.travel_count : sent;
+    return (about > 0.0 ? std::max(sent, counted) : std::min(sent, counted)) + reached * (winch.delay + winch.lag);
+}
+
 // Speed within the bounds [m/s]; notes which one acts.
 double bounded(const Design &design, State &state, const Limits &limits, const Asked &asked, double move, Order &order) {
     const Bounds &bounds = design.envelope;
@@ -163,11 +167,8 @@ double bounded(const Design &design, State &state, const Limits &limits, const A
     order.bits += by_rate ? AT_RATE : AT_TRAVEL;
     order.value = about;
     order.limit = about > 0.0 ? limits.upper : limits.lower;
-    if (state.bound > bounds.bound_time) {
-        const bool by_count = std::abs(state.travel_count) > std::abs(state.travel_sent);
-        const double travel = by_count ? state.travel_count : state.travel_sent;
-        enter(state, TAKEN, by_rate ? RATE : TRAVEL, by_rate ? about : travel, by_rate ? fastest : limits.travel);
-    }
+    if (state.bound > bounds.bound_time && by_rate) enter(state, TAKEN, RATE, about, fastest);
+    else if (state.bound > bounds.bound_time) enter(state, TAKEN, TRAVEL, travel_by(design, state, about, move), limits.travel);
     return move + kept;
 }
 
@@ -195,6 +196,7 @@ void begin_envelope(State &state) {
         *unknown = NOT_KNOWN;
     state.mru_age = state.count_age = state.read_age = state.load_age = 1e9;
     state.move.request = -1.0;
+    state.felt = 1.0;
 }
 
 void envelope(const Design &design, State &state, const Readings &readings, Order &order) {
@@ -206,12 +208,15 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     const Ship ship = ship_of(design, state);
     take_request(design, state, readings, ship.heave);
     follow_allowance(design, state, readings);
+    order.load_step = load_step(design, state, readings, ship);
+    if (order.load_step != 0.0) order.bits += LOAD_JUMPED;
     order.harm = observe_load(design, state, readings);
     if (readings.acknowledged != 0.0 && state.phase == HELD && state.drum.rate == 0.0) {
         state.phase = FREE, state.cause = NOTHING;
         state.bound = state.harm_time = state.follow_time = state.held.moved = 0.0;
         rest_drum(state);
     }
+    watch_strokes(design, state);
     watch_held_drum(design, state, readings, travelled.is_braked);
     watch_drum(design, state);
     watch_duty(design, state, readings, order.harm);

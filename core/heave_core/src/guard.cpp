@@ -92,6 +92,7 @@ void check_unit(const GuardDesign &design, GuardState &state, const Seen &seen, 
     state.depth.noise = state.mismatch.noise = seen.noise;
     add(state.measured, design, seen.measured, seen.noise);
     add_to(state.depth, design, design.depth, square(state.measured.value), free_heave);
+    add_to(state.locked, design, design.depth, 0.0, square(seen.free));
     add(state.error, design, seen.measured - seen.unit, seen.noise);
     add_to(state.mismatch, design, design.mismatch, square(state.error.value), free_heave);
     if (seen.authority > 0.0) return;
@@ -120,8 +121,9 @@ int compare_waves(const GuardDesign &design, GuardState &state, const Seen &seen
     verdict.unit_sigma = std::sqrt(state.unit.variance);
     verdict.free_sigma = std::sqrt(state.free_unit.variance);
     verdict.least_gain = seen.authority * (1.0 - design.harm_ratio);
-    const bool is_seen = state.waves_time >= design.seen_time && verdict.unit_sigma > design.floor;
-    return is_seen && verdict.unit_sigma > (1.0 - verdict.least_gain) * verdict.free_sigma ? LITTLE_GAIN : 0;
+    if (state.waves_time < design.seen_time) return 0;
+    verdict.measured = measured_residual(seen, verdict);
+    return verdict.unit_sigma > design.floor && verdict.unit_sigma > (1.0 - verdict.least_gain) * verdict.free_sigma ? LITTLE_GAIN : 0;
 }
 
 }  // namespace
@@ -145,6 +147,7 @@ void allow_catch_up(const GuardDesign &design, GuardState &state) { state.catch_
 void allow_resumption(const GuardDesign &design, GuardState &state) {
     allow_catch_up(design, state);
     state.is_corrected = 1.0;
+    state.drum_error = 0.0;
     state.allowance = design.left_over_time;
     restart_waves(state);
 }
@@ -168,6 +171,9 @@ void guard(const GuardDesign &design, GuardState &state, const Seen &seen, Verdi
                         swing_of(seen.free, seen.free_rate, design.inertia)};
     check_drum(design, state, seen, change, swings);
     check_unit(design, state, seen, swings);
+    note_drum(design, state, seen);
+    predict_residual(design, state, seen, verdict);
+    verdict.measured = -1.0;
     int bits = found(design, state);
     const bool inhibits = seen.inhibits != 0.0 || (bits & DISAGREE), is_full = seen.authority >= design.full_share * seen.target;
     if (!inhibits && seen.authority <= 0.0) restart_waves(state);

@@ -40,6 +40,11 @@ bool is_exceeded(const AmplitudeCheck &check, const AmplitudeLimit &limit, doubl
 void observe_sea(const GuardDesign &design, WinchDemand &demand, double tip_rate);
 void judge_demand(const GuardDesign &design, const WinchDemand &demand, Verdict &verdict);
 
+// authority.cpp: the residual that is predicted
+void note_drum(const GuardDesign &design, GuardState &state, const Seen &seen);
+void predict_residual(const GuardDesign &design, const GuardState &state, const Seen &seen, Verdict &verdict);
+double measured_residual(const Seen &seen, const Verdict &verdict);
+
 // guard.cpp: whether compensation does harm
 void guard(const GuardDesign &design, GuardState &state, const Seen &seen, Verdict &verdict);
 void begin_guard(GuardState &state);

@@ -27,7 +27,12 @@ struct Travelled {
 
 // drum.cpp: the nominal drum
 Travelled advance_drum(const Design &design, State &state, double load);
-void watch_strokes(const Design &design, State &state, double step, double time);
+void take_way(State &state, double way, double time);
+void guess_way(const Design &design, State &state);
+void count_way(const Design &design, State &state, double step, double sent, double time);
+double stroke_limit(const Bounds &bounds, const State &state);
+void watch_strokes(const Design &design, State &state);
+void rest_drum(State &state);
 void watch_brake(const Design &design, State &state, const Readings &readings, bool is_braked);
 double payout_ahead(const Design &design, const State &state, double load);
 double speed_of(const Winch &winch, double payout, double rate, double ahead);
@@ -47,6 +52,7 @@ struct Ship {
 void observe_mru(const Design &design, State &state, const Readings &readings);
 Ship ship_of(const Design &design, const State &state);
 int observe_count(const Design &design, State &state, const Readings &readings, const Travelled &travelled);
+double load_step(const Design &design, State &state, const Readings &readings, const Ship &ship);
 double observe_load(const Design &design, State &state, const Readings &readings);
 
 // envelope.cpp

@@ -21,11 +21,6 @@ void fill_window(const Design &design, State &state) {
     bin.time += state.read_age;
 }
 
-// Where compensation follows on constant tension or a fade-out, the unit swings as these have left it.
-bool lets_unit_swing(Duty before, Duty now) {
-    return now == FOLLOW && (before == TENSION || before == FADE || before == DAMP);
-}
-
 }  // namespace
 
 // A reading is good where it is plausible, and goes with the one before: a jump of the heave is taken off.
@@ -79,6 +74,22 @@ Ship ship_of(const Design &design, const State &state) {
     return {rate, std::max(highest - mean, mean - lowest), std::min(seen / whole, 1.0)};
 }
 
+namespace {
+
+// Where compensation follows on constant tension or a fade-out, the unit swings as these have left it.
+bool lets_unit_swing(Duty before, Duty now) {
+    return now == FOLLOW && (before == TENSION || before == FADE || before == DAMP);
+}
+
+// Spread of the stretch that the load cell shows; beyond the static one the cable is slack [m].
+double swing_of(const Cable &cable, const State &state) {
+    if (!(cable.stiffness > 0.0)) return 0.0;
+    const double stretch = std::max(1.0 + state.position / cable.length, 0.01);
+    return stretch * std::min(std::sqrt(state.measured.variance), cable.static_tension) / cable.stiffness;
+}
+
+}  // namespace
+
 // The count beside the nominal drum. Returns bits.
 int observe_count(const Design &design, State &state, const Readings &readings, const Travelled &travelled) {
     const Bounds &bounds = design.envelope;
@@ -89,6 +100,9 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const bool lets_go = travelled.is_braked || readings.drive == DRIVE_RESTS || int(readings.duty) == STOP;
     const bool begins = lets_unit_swing(Duty(int(state.duty)), Duty(int(readings.duty)));
     if ((lets_go && state.drum.rate != 0.0) || begins) state.seen_time = 0.0;
+    // what swings under a locked winch as following begins is stopped by more than the ship does
+    if (int(readings.duty) == FOLLOW && int(state.duty) != FOLLOW)
+        state.lead = std::max(state.lead, swing_of(design.cable, state));
     // a drive at its limit trails behind its orders, and comes back to them: further, not faster, than another one
     state.limited = readings.drive == DRIVE_LIMITED ? 1.0 : state.limited * (1.0 - dt / bounds.travel_time);
     state.duty = readings.duty;
@@ -101,7 +115,10 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.asked_since_count += travelled.move;
     state.time_since_count += dt;
     state.count_age += dt;
-    if (!count_came(bounds, readings)) return state.count_age > bounds.count_time ? COUNT_LOST : 0;
+    if (!count_came(bounds, readings)) {
+        guess_way(design, state);
+        return state.count_age > bounds.count_time ? COUNT_LOST : 0;
+    }
     const double sent = state.since_count, asked = state.asked_since_count, time = state.time_since_count;
     const double step = readings.count - state.count;
     const bool is_first = !std::isfinite(state.count);
@@ -110,20 +127,19 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.count = readings.count;
     state.since_count = state.asked_since_count = state.time_since_count = 0.0;
     if (is_first) {
-        state.position = state.drum.payout = state.prompt.payout = state.prompt_counted = readings.count;
+        state.position = state.drum.payout = state.prompt.payout = readings.count;
         state.count_age = 0.0;
         return 0;
     }
     state.position += is_jump ? sent : step;
     state.travel_count += (is_jump ? sent : step) - asked;
     if (is_jump) {  // the position loop goes by the new count
+        take_way(state, sent, time);
         state.drum.payout += step - sent;
         state.prompt.payout += step - sent;
-        state.prompt_counted = state.prompt.payout;
         return COUNT_JUMPED | (state.count_age > bounds.count_time ? COUNT_LOST : 0);
     }
-    watch_strokes(design, state, step, time);
-    state.prompt_counted = state.prompt.payout;
+    count_way(design, state, step, sent, time);
     state.still_travel = step == 0.0 ? state.still_travel + std::abs(sent) : 0.0;
     state.still_time = step == 0.0 ? state.still_time + time : 0.0;
     if (state.still_travel > bounds.frozen_travel && state.still_time >= bounds.frozen_time) {
@@ -152,17 +168,34 @@ void follow(Spread &spread, double value, double weight) {
 
 }  // namespace
 
+// Step of the load cell beyond a share of the static tension and the stretch that the ship's motion makes since its last
+// reading, k R t: no load does that on a cable that was taut. It is taken off: spreads go on without it. 0: none [N].
+double load_step(const Design &design, State &state, const Readings &readings, const Ship &ship) {
+    const Bounds &bounds = design.envelope;
+    state.load_age += design.tick_period;
+    state.taut_time += design.tick_period;
+    const double load = readings.load - state.load_jump, step = load - state.load;
+    if (!(std::abs(readings.load) <= bounds.largest_load)) {
+        return std::isfinite(step) && bounds.largest_load > 0.0 ? step : 0.0;
+    }
+    const double stretch = (bounds.rate_factor * ship.rate + bounds.rate_margin) * state.load_age;
+    const double largest = bounds.load_step * design.cable.static_tension + design.cable.stiffness * stretch;
+    const bool jumps = std::abs(step) > largest && state.taut_time > bounds.harm_time;
+    if (jumps) state.load_jump += step;
+    else state.load = load;
+    state.load_age = 0.0;
+    if (state.load < bounds.load_taut * design.cable.static_tension) state.taut_time = 0.0;
+    return jumps ? step : 0.0;
+}
+
 // Spread of the load cell over the largest that is no harm; NaN: not judged. The nominal cable is a z'' + b z' + z = x_0
 // with the winch locked, by the trapezoidal rule; a goes with the length, k with one over it.
 double observe_load(const Design &design, State &state, const Readings &readings) {
     const Bounds &bounds = design.envelope;
     const Cable &cable = design.cable;
     const double dt = design.tick_period;
-    state.load_age += dt;
-    const bool has_load = std::abs(readings.load) <= bounds.largest_load;
+    const bool has_load = state.load_age == 0.0;
     if (has_load) {
-        state.load = readings.load;
-        state.load_age = 0.0;
         if (std::isnan(state.mean_load)) state.mean_load = state.load;
         state.mean_load += std::min(dt / bounds.travel_time, 1.0) * (state.load - state.mean_load);
     }
@@ -175,11 +208,14 @@ double observe_load(const Design &design, State &state, const Readings &readings
     state.unit_heave += 0.5 * dt * (state.unit_rate + rate);
     state.unit_rate = rate;
     const double weight = std::min(dt / bounds.harm_time, 1.0);
-    if (has_load) follow(state.measured, readings.load, weight);
+    if (has_load) follow(state.measured, state.load, weight);
     follow(state.locked, k * (state.heave - state.unit_heave), weight);
     const bool follows = int(readings.duty) == FOLLOW && readings.brake == 0.0 && state.move.rate == 0.0;
     const bool is_seen = state.mru_age <= bounds.mru_time && has_load;
     state.follow_time = follows && is_seen && readings.lift_rate == 0.0 ? state.follow_time + dt : 0.0;
+    // what the load cell shows beside the nominal cable under a locked winch is another cable, or a swing: no harm
+    const double felt = std::sqrt(state.measured.variance / state.locked.variance);
+    if (state.held.time > bounds.harm_time && felt > 0.0) state.felt = clip(felt, 1.0, bounds.harm_felt);
     // a swing from before is no harm that following does: it is allowed while it fades
     if (state.follow_time <= dt) state.left = std::max(state.measured.variance - state.locked.variance, 0.0);
     state.left *= 1.0 - 0.5 * weight;
@@ -187,7 +223,8 @@ double observe_load(const Design &design, State &state, const Readings &readings
         state.harm_time = 0.0;
         return NOT_KNOWN;
     }
-    const double most = bounds.harm_ratio * std::sqrt(state.locked.variance + state.left) + bounds.harm_margin * cable.static_tension;
+    const double locked = state.felt * state.felt * state.locked.variance;
+    const double most = bounds.harm_ratio * std::sqrt(locked + state.left) + bounds.harm_margin * cable.static_tension;
     const double share = std::sqrt(state.measured.variance) / most;
     state.harm_time = share > 1.0 ? state.harm_time + dt : 0.0;
     return share;

@@ -74,6 +74,7 @@ void watch_winch(const WinchWatchDesign &design, WinchWatchState &state, const D
         note_command(design.link, state.link, minute, int(seen.given), int(seen.taken), design.modelled);
         if (state.link.has_begun) state.drum.readings = 0;
     }
+    state.error = 0.0;
     if (!is_given || seen.brake != 0.0) {
         reset_drum(design.drum, state.drum, record, is_given ? seen.payout : 0.0);
     } else if (has_state && seen.at_end != 0.0) {
@@ -81,9 +82,7 @@ void watch_winch(const WinchWatchDesign &design, WinchWatchState &state, const D
         state.drum.readings = 0;
     } else {
         add(design.drum, state.drum, record, {seen.payout, seen.rate, seen.tension, seen.reading, seen.is_limited});
-        const double error = std::abs(drum_error(design.drum, state.drum, record));
-        const double left = std::max(state.cautious - design.link.tick_period, 0.0);
-        state.cautious = error > design.alarming ? design.cautious_time : left;
+        state.error = drum_error(design.drum, state.drum, record);
     }
 }
 

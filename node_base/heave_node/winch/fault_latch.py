@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from heave_node.interface.codes import WinchFault, WinchRelease
+from heave_node.interface.codes import WinchFault, WinchRelease, without_figures
 
 
 class FaultRule(NamedTuple):
@@ -57,7 +57,7 @@ class FaultLatch:
         self.is_acknowledged = False
         if FAULTS[fault].rank > FAULTS[self.fault].rank:
             self.fault, self.words = fault, words
-        elif fault is self.fault and words and words not in self.words:
+        elif fault is self.fault and without_figures(words) not in without_figures(self.words):
             self.words = f"{self.words}; {words}" if self.words else words
 
     def hold(self, fault: WinchFault, words: str = "", *, is_present: bool) -> None:

@@ -57,7 +57,7 @@ LEARNING = {
     "sea": lambda: [Switch("adviser.component:Adviser._look_at_sea", _gives(None))],
     "all learning": lambda: [
         Switch(f"adviser.component:Adviser.{name}", _gives(False))
-        for name in ("_look_at_winch", "_is_time_to_judge", "_look_at_sea")
+        for name in ("_look_at_winch", "_judge", "_look_at_sea")
     ],
 }
 """Findings of the adviser."""
@@ -71,9 +71,8 @@ REFLEXES = {
     ],
     "exclusion after jumps": lambda: [Switch("core.estimation.sense_design:EXCLUDES_JUMPED", False)],
     "sensor noise": _noise_as_stated,
-    "share by the drum": lambda: [Switch("core.supervision.watch.winch_watch:CAUTIOUS", 1.0)],
     "share by the sea": lambda: [Switch("core.supervision.supervisor:CAUTIOUS", 1.0)],
-    "share by the limits": lambda: [Switch("core.supervision.guard:HarmGuard.authority_limit", _gives(1.0))],
+    "authority": lambda: [Switch("core.supervision.guard:HarmGuard.authority_limit", 1.0)],
 }
 """Reflexes of the core within a tick."""
 

@@ -19,7 +19,7 @@ PARTS = ("mru", "depth", ENCODER, "load_cell", "cable")
 LOAD = ("CABLE_SLACK", "TENSION_HIGH", "TENSION_TRAVEL_HALF", "TENSION_TRAVEL_END", "TENSION_LIMIT_LOW")
 """Alarms of the load of a cable, which is as it should be."""
 NO_BLAME = (*LOAD, "LOWERING_BLIND", *(code for code in ALARMS if code.endswith("_NOT_DESIGNABLE")))
-NO_WARNING = ("AUTHORITY_LIMITED_BY_SEA", "AUTHORITY_LIMITED_BY_WINCH", "PROGRAMME_REJECTED", "PREVIEW_REJECTED")
+NO_WARNING = ("AUTHORITY_LIMITED", "PROGRAMME_REJECTED", "PREVIEW_REJECTED")
 """Alarms above an event that are no trouble of a part."""
 
 

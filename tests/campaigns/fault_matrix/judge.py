@@ -54,7 +54,7 @@ NAMES = {
     "MRU_UNPROVED": (),
     "WINCH_INVALID_COMMAND": ("orders",),
     "ORDER_NOT_FINITE": ("orders",),
-    "AUTHORITY_LIMITED_BY_WINCH": (),
+    "AUTHORITY_LIMITED": (),
     "WINCH_SATURATED": (),
 }
 """Parts that an alarm names, where its row says fewer, or the part is not at fault."""

@@ -38,7 +38,7 @@ SUBJECTS: dict[str, Subject] = {
     "handshake": Subject("heave_devices.live.winch_handshake", ("extras/devices/test/test_winch_handshake.py",)),
     "link watch": Subject("heave_devices.live.link_watch", ("extras/devices/test/test_link_watch.py",)),
     "guard": _controller("core.supervision.guard", "test_guard", "test_guard_checks"),
-    "guard hold": _controller("core.supervision.guard_hold", "test_guard_hold"),
+    "attempts": _controller("core.supervision.attempts", "test_attempts"),
     "mode machine": _controller("core.supervision.mode_machine", "test_mode_machine", "test_modes"),
     "table of modes": _controller("core.supervision.modes", "test_mode_guards", "test_mode_machine", "test_modes"),
     "command timeouts": _controller("core.supervision.command_timeouts", "test_command_timeouts"),

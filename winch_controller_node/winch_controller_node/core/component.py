@@ -31,14 +31,7 @@ DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
 
 
 class WinchController(ControllerEvents):
-    """The controller: ticks in, orders out. Its requests and events are in the modules of its bases.
-
-    Parameters
-    ----------
-    parameters, tick_period, seed : as of `ControllerParts`
-
-    Raises DesignError where no controller can be designed from the parameters.
-    """
+    """The controller: measurements in, orders out. Its parts, requests and events are in the modules of its bases."""
 
     def figures(self) -> RollingKpi:
         """Return the figures of merit of the last window."""
@@ -203,9 +196,8 @@ class WinchController(ControllerEvents):
                 mean_payout=self.mean.point.payout,
                 mean_acceleration=self.mean.point.acceleration,
                 settled_swing=self._command.settled_swing,
-                share=min(self._winch.share, self._beliefs.beliefs.authority)
-                if self.parameters.identifies_winch
-                else 1.0,
+                share=self._beliefs.beliefs.authority if self.parameters.identifies_winch else 1.0,
+                drum_error=self._winch.drum_error if self.parameters.identifies_winch else 0.0,
                 inhibition=transport.inhibition or self._encoder.inhibition,
                 is_reversed=self._encoder.is_unresolved,
                 proven=proven,

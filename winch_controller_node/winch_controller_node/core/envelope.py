@@ -17,6 +17,7 @@ from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import MruStatus, WinchFault
 
 from winch_controller_node.core.supervision.modes import Mode
+from winch_controller_node.core.supervision.watch.load_watch import Episode
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Measurements, WinchOrder
 from winch_controller_node.model.blocks import CableModel
@@ -54,8 +55,11 @@ READ = len(NOTHING_READ)
 LIFT_RATE, DUTY, HELD_TENSION, REQUEST, ACKNOWLEDGED = (
     READING_NAMES.index(name) for name in ("lift_rate", "duty", "held_tension", "request", "acknowledged")
 )
-CAUSE, PHASE = (EnvelopeOrder._fields.index(name) for name in ("cause", "phase"))
+BITS, CAUSE, PHASE = (EnvelopeOrder._fields.index(name) for name in ("bits", "cause", "phase"))
 """Places of what was read and of what leaves in the core's rows."""
+
+LOAD_JUMPED = int(Bit.LOAD_JUMPED)
+"""Bit of a step that no load makes."""
 
 OWN_ORDER = (float(Phase.TAKEN), float(Phase.RAMP))
 """Phases in which the envelope makes the order itself."""
@@ -162,6 +166,7 @@ class OrderEnvelope:
         self._is_active = parameters.envelope.active
         self._has_begun = self._is_acknowledged = False
         self._depth, self._cause = math.nan, 0.0
+        self._jumps = Episode(tick_period)
         self._move: MoveRequest | None = None
         self.records = self._core.records if self._is_active else {**self._core.records, "envelope": None}
         self.reason: Alarm | None = None
@@ -215,10 +220,12 @@ class OrderEnvelope:
     def news(self) -> list[Alarm]:
         """Return what is new since the order of the last tick has left."""
         before, self._cause = self._cause, self._core.order.item(CAUSE)
+        jumps = self._jumps.begins(int(self._core.order.item(BITS)) & LOAD_JUMPED != 0)
+        found = [ALARMS.alarm("LOAD_CELL_JUMPED", step=1e-3 * self.last.load_step)] if jumps else []
         if not self._cause or self._cause == before:
-            return []
+            return found
         self.reason = _alarm(self.last)
-        return [self.reason]
+        return [*found, self.reason]
 
     def step(self, raw: Measurements, asked: Asked, order: WinchOrder) -> tuple[WinchOrder, list[Alarm]]:
         """Return the order that leaves in place of `order`, the same one inside the bounds, and what is new.

@@ -35,6 +35,7 @@ MEMORIES: Mapping[str, Callable[[ControllerParts], object]] = {
     "sea of guard and gates": lambda core: core._supervisor.reset_sea(),
     "steps of the order": lambda core: core._command.ease(),
     "orders and encoder": lambda core: core._winch.drum.restart(),
+    "largest error of the drum": lambda core: core._supervisor.guard.forget_drum(),
     "depth sensor beside estimate": lambda core: core._supervisor.guard.reset_mismatch(),
 }
 """How each memory is restarted."""
@@ -54,7 +55,7 @@ RESTARTS: Mapping[Event, tuple[str, ...]] = {
     Event.ENCODER_CORRECTED: ("direction of the encoder", "orders and encoder"),
     Event.TIP_MOVED: ("sea of guard and gates",),
     Event.ENCODER_LOST: ("depth sensor beside estimate",),
-    Event.COUNT_JUMPED: ("past readings", "orders and encoder"),
+    Event.COUNT_JUMPED: ("past readings", "orders and encoder", "largest error of the drum"),
 }
 """Memories that an event restarts, in this order."""
 

@@ -46,10 +46,14 @@ class EnvelopeParameters:
         "Fraction of the travel of the last drum_time that is added to that distance.")  # fmt: skip
     drum_time: float = parameter(1.0, "s", 0.1, 60.0, "Time constant with which that distance is forgotten.")
     stroke_factor: float = parameter(1.5, "", 1.0, 10.0,
-        "Way and speed of the count in one direction over those of a nominal drum that is allowed.")  # fmt: skip
-    stroke_margin: float = parameter(0.04, "m", 0.005, 10.0, "Way beyond that which is allowed.")
-    stroke_time: float = parameter(2.0, "s", 0.1, 60.0,
-        "Time constant with which that way is forgotten; a drive may lag by 0.4 of it more than stated.")  # fmt: skip
+        "Speed and acceleration of the count, over the largest recently commanded, that are allowed.")  # fmt: skip
+    stroke_margin: float = parameter(0.02, "m", 0.005, 10.0,
+        "Travel allowed beyond that, in addition to two steps of the count.")  # fmt: skip
+    stroke_gain: float = parameter(0.7, "", 0.1, 1.0,
+        "Weight of the check of acceleration relative to that of speed: a drive may overshoot.")  # fmt: skip
+    stroke_late: float = parameter(0.6, "s", 0.0, 10.0, "Additional lag that a drive may have beyond the stated one.")
+    stroke_span: float = parameter(0.3, "s", 0.05, 10.0,
+        "Length of the two consecutive intervals that are compared for the acceleration.")  # fmt: skip
     brake_margin: float = parameter(0.025, "m", 0.002, 10.0,
         "Motion of the count under the brake that is a slip; a single step of half of it is a jump.")  # fmt: skip
     rest_speed: float = parameter(0.02, "m/s", 1e-4, 1.0, "Speed below which a braked drum counts as at rest.")
@@ -73,5 +77,11 @@ class EnvelopeParameters:
     harm_ratio: float = parameter(1.3, "", 1.0, 10.0,
         "Spread of the load cell, over that of the nominal cable with the winch locked, that is harm.")  # fmt: skip
     harm_margin: float = parameter(0.01, "", 0.0, 1.0, "Spread beyond that, over the static tension.")
+    harm_felt: float = parameter(2.0, "", 1.0, 10.0,
+        "Largest measured-to-nominal ratio, with the winch locked, that is accepted as the cable's own.")  # fmt: skip
+    load_step: float = parameter(0.15, "", 0.02, 10.0,
+        "Step of the load cell that is a jump, beyond the ship's motion, over the static tension.")  # fmt: skip
+    load_taut: float = parameter(0.5, "", 0.0, 1.0,
+        "Tension over static below which the cable may snap: then no jump is detected for harm_time.")  # fmt: skip
     harm_time: float = parameter(10.0, "s", 1.0, 600.0,
         "Time constant of those spreads, and time for which they must say so.")  # fmt: skip

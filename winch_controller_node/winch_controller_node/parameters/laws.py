@@ -32,20 +32,13 @@ class GuardParameters:
 
     window: float = parameter(40.0, "s", 1.0, 3600.0, "Time constant of the comparison with uncompensated motion.")
     harm_ratio: float = parameter(0.9, "", 0.05, 10.0,
-        "Fade out when residual over uncompensated motion exceeds this; under an authority A below 1, when it exceeds "
-        "1 - A (1 - harm_ratio).")  # fmt: skip
+        "Fade out when the residual exceeds this fraction of the uncompensated motion; with a gain A below 1, when it "
+        "exceeds 1 - A (1 - harm_ratio). No attempt if more is predicted.")  # fmt: skip
     floor: float = parameter(0.02, "m", 0.0, 10.0,
         "Residual, 1 sigma, below which compensation is never judged harmful.")  # fmt: skip
     limit_use: float = parameter(0.85, "", 0.05, 10.0,
         "Fraction of the winch's limits that the peaks of the sea may use under a law that does not respect the "
         "limits by itself; its authority is reduced to that.")  # fmt: skip
-    hold_time: float = parameter(60.0, "s", 0.0, 86_400.0,
-        "Time without compensation after harm, before it is tried again.")  # fmt: skip
-    hold_time_limit: float = parameter(960.0, "s", 0.0, 86_400.0,
-        "Each harmful attempt makes the hold time four times longer, up to this.")  # fmt: skip
-    demand_ratio: float = parameter(3.0, "", 0.1, 100.0,
-        "No attempt while the significant amplitude of the boom tip demands more than this multiple of the winch's "
-        "limits.")  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -145,7 +145,7 @@ def with_standard_frame(channel: Channel, kind: str) -> Channel:
     """Return a `channel` of messages of a `kind`, in the frame that the standard of that type has for its field.
 
     The twist of nav_msgs/Odometry is in `child_frame_id`, the body, and its pose turns that into `frame_id`. What
-    sbg_driver/SbgShipMotion has along z is positive down, whatever its driver is told of ENU.
+    sbg_driver/SbgShipMotion has along z is positive down, with ENU set or not.
     """
     if kind == "sbg_driver/msg/SbgShipMotion" and channel.field.endswith(".z") and not channel.positive:
         return replace(channel, positive="down")

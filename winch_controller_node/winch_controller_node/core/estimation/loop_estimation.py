@@ -305,7 +305,8 @@ class LoopEstimation:
         is_aside = observer.excluded == "mru"
         return LoopTick._make(
             (
-                *row,
+                number,  # a count, as messages need it
+                *row[1:],
                 self._rows,
                 estimator.estimate,
                 self.motion.state,

@@ -1,4 +1,4 @@
-"""One tick of the loop as a value: the row that the core makes of it. Nothing in it changes."""
+"""One tick of the loop as a value: the row of the core. Nothing in it changes."""
 
 from __future__ import annotations
 

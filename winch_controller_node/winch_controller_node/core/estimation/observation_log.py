@@ -62,7 +62,7 @@ class ObservationLog:
         compensates : the mode is compensating
         """
         if not self._ticks:
-            self._first = loop.number
+            self._first = int(loop.number)
             self.epoch, self._is_broken = (self._first if self._is_broken else self.epoch), False
         sequence, payout, rate, brake, _ = WinchOrder(0, 0.0, 0.0, True) if order is None else order
         brake = brake or (winch is not None and (winch.brake or winch.fault != WinchFault.NONE))

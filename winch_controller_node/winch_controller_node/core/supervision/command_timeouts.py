@@ -1,12 +1,13 @@
 """What follows when the winch has stopped by itself because no command came in time.
 
 A hiccup of the machine between controller and winch is over when commands are taken again: compensation then goes on by
-itself. Where it comes back again and again the machine is not fit for the loop, and an operator decides.
+itself. Each raises the bar for the next attempt, until compensation has gone well for some waves; where they come again
+and again an operator decides.
 """
 
 from __future__ import annotations
 
-from collections import deque
+from collections.abc import Callable
 from enum import Enum
 
 from heave_node.interface.alarm import Alarm
@@ -16,8 +17,6 @@ from winch_controller_node.interface.alarms import ALARMS
 
 WAIT = 3.0
 """Time that the winch stands with all sensors and its link well before compensation is tried again [s]."""
-MOST, PERIOD = 3, 600.0
-"""Compensation is tried again after so many timeouts within so long [s], and no more."""
 
 
 class Advice(Enum):
@@ -31,7 +30,7 @@ class Advice(Enum):
         """What is reported of it."""
         if self is Advice.RESUME:
             return ALARMS.alarm("COMMANDS_RESTORED")
-        return ALARMS.alarm("COMMAND_TIMEOUTS", count=MOST, period=PERIOD)
+        return ALARMS.alarm("COMMAND_TIMEOUTS")
 
 
 class CommandTimeouts:
@@ -41,13 +40,12 @@ class CommandTimeouts:
     ----------
     tick_period : [s]
     resumes : compensation may resume automatically
+    count : counts an attempt that was ended so; returns whether an operator has to ask from then on
     """
 
-    def __init__(self, tick_period: float, *, resumes: bool) -> None:
+    def __init__(self, tick_period: float, *, resumes: bool, count: Callable[[], bool]) -> None:
         self._dt = tick_period
-        self._resumes = resumes
-        self._time = 0.0
-        self._timeouts: deque[float] = deque(maxlen=MOST + 1)
+        self._resumes, self._count = resumes, count
         self._fault_before = int(WinchFault.NONE)
         self._is_pending = self._is_tried = False
         self._well_time = 0.0
@@ -72,7 +70,6 @@ class CommandTimeouts:
         is_well : the link to the winch and all sensors are well, these for long enough where the winch was stopped for
             them
         """
-        self._time += self._dt
         is_new = fault == WinchFault.COMMAND_TIMEOUT and self._fault_before != fault
         self._fault_before = fault
         if is_new and wants_compensation and self._resumes:
@@ -90,7 +87,6 @@ class CommandTimeouts:
 
     def _note(self) -> Advice | None:
         """Note a timeout that ended compensation."""
-        self._timeouts.append(self._time)
-        is_often = len(self._timeouts) > MOST and self._time - self._timeouts[0] < PERIOD
+        is_often = self._count()
         self._is_pending, self._is_tried, self._well_time = not is_often, False, 0.0
         return Advice.GIVE_UP if is_often else None

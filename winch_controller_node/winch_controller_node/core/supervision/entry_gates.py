@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from heave_node.interface.alarm import Alarm
 
+from winch_controller_node.core.supervision.attempts import too_much
 from winch_controller_node.core.supervision.guard_checks import PEAK, SIGNIFICANT
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
@@ -29,18 +30,16 @@ class EntryGates:
         """Take in a tick: the standard deviation of the boom tip over the last waves, `tip_sigma` [m]."""
         self._tip_sigma = tip_sigma
 
-    def for_compensation(self, payout: float, limits: WinchLimits, demand: float, largest_demand: float) -> str:
+    def for_compensation(self, payout: float, limits: WinchLimits, residual: float, largest: float) -> str:
         """Return why compensation may not begin, in words; empty when it may.
 
         Parameters
         ----------
         payout : mean, about which it would work [m]
         limits : of the winch
-        demand, largest_demand : significant amplitude of the boom tip over the winch's limits, and the most of it
+        residual, largest : motion that it is predicted to leave, over that with the winch locked, and the most of it
         """
-        reasons = [self._range(payout, limits)]
-        if demand > largest_demand:
-            reasons.append(f"the sea demands {demand:.1f} times the winch's limits, limit {largest_demand:g}")
+        reasons = [self._range(payout, limits), too_much(residual, largest) if residual > largest else ""]
         return "; ".join(reason for reason in reasons if reason)
 
     def for_tension(self, payout: float, limits: WinchLimits, demand: float) -> str:

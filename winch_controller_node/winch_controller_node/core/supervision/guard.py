@@ -12,8 +12,8 @@ the guard must not wait for waves. Over seconds it checks
   is not to be trusted, and compensation stays off until they agree again.
 
 What it measures and compares is in C++ (`heave_core`, guard.cpp): a tick sets a bit for each kind of harm. This shell
-says what follows, in words. Compensation that does harm is faded out. After a hold time, which becomes longer each
-time, it is tried again once the sea asks for no more than the winch can give.
+says what follows, in words. Compensation that does harm is faded out. It is tried again where it is predicted to leave
+less motion than the winch locked, with the authority that leaves least; each attempt that failed raises that bar.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from heave_core.look import Guard, Seen, Verdict
 from heave_core.look_table import Harm
 from heave_node.interface.alarm import Alarm
 
+from winch_controller_node.core.supervision.attempts import Attempts
 from winch_controller_node.core.supervision.guard_checks import GuardedLoop, guard_design
-from winch_controller_node.core.supervision.guard_hold import HarmHold
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.parameters.laws import GuardParameters
 
@@ -38,7 +38,7 @@ class HarmGuard:
 
     Parameters
     ----------
-    parameters : window, ratio, hold times
+    parameters : window, ratio, floor
     loop : that it watches
     tick_period : [s]
 
@@ -50,7 +50,7 @@ class HarmGuard:
     def __init__(self, parameters: GuardParameters, loop: GuardedLoop, *, tick_period: float) -> None:
         self._parameters = parameters
         self._dt = tick_period
-        self._hold = HarmHold(parameters, tick_period)
+        self._attempts = Attempts(parameters.harm_ratio)
         self.trusts_estimate = True
         self._core = Guard(guard_design(parameters, loop, tick_period))
         self.reset_sea()
@@ -65,12 +65,12 @@ class HarmGuard:
     @property
     def inhibits(self) -> bool:
         """Tell whether compensation is to be off."""
-        return self._hold.inhibits
+        return self._attempts.inhibits
 
     @property
     def alarm(self) -> Alarm | None:
         """Why it inhibits; None where it does not."""
-        return self._hold.alarm
+        return self._attempts.alarm
 
     @property
     def reason(self) -> str:
@@ -80,19 +80,19 @@ class HarmGuard:
     @property
     def awaits_operator(self) -> bool:
         """Tell whether compensation is off until an operator asks for it."""
-        return self._hold.awaits_operator
+        return self.inhibits and self._attempts.awaits_operator
 
     def release(self) -> None:
         """Let compensation be tried as at first: an operator asks for it."""
         if self.awaits_operator:
             self.trusts_estimate = True
             self._core.restart_waves()
-        self._hold.release()
+        self._attempts.release()
 
     @property
     def prospect(self) -> str:
         """When compensation is tried again, in words; empty where it is not inhibited."""
-        return self._hold.prospect(self.demand)
+        return self._attempts.prospect(self._found.residual)
 
     @property
     def demand(self) -> float:
@@ -104,13 +104,31 @@ class HarmGuard:
         """Standard deviation of the boom tip over the last waves [m]."""
         return self._found.tip_sigma
 
-    def authority_limit(self, *, keeps_limits: bool) -> float:
-        """Return the largest authority by the sea seen now.
+    @property
+    def authority_limit(self) -> float:
+        """Authority that is predicted to leave the least motion in the sea seen now."""
+        return self._found.best_authority
 
-        It keeps a law off the winch's limits, or where it `keeps_limits` by itself, off a sea that asks for much more
-        than the winch can give.
-        """
-        return self._found.authority if keeps_limits else self._found.usual_authority
+    @property
+    def residual(self) -> float:
+        """Motion that it is predicted to leave, over that with the winch locked."""
+        return self._found.residual
+
+    @property
+    def largest_residual(self) -> float:
+        """Largest of it with which compensation is tried."""
+        return self._attempts.bar
+
+    @property
+    def is_reduced(self) -> bool:
+        """Tell whether errors keep authority below what the winch's limits allow."""
+        return self._found.best_authority < self._found.allowed
+
+    @property
+    def cause(self) -> str:
+        """The largest of these errors, in words."""
+        is_of_drum = self._found.by_drum >= self._attempts.doubt
+        return "the winch does not follow its commands as modelled" if is_of_drum else "an attempt has failed"
 
     def take_loop(self, loop: GuardedLoop) -> None:
         """Watch another loop from now on: another design is active."""
@@ -125,6 +143,10 @@ class HarmGuard:
         """Compare depth sensor and estimate again: what was seen until now says nothing of either."""
         self._core.reset_mismatch()
 
+    def forget_drum(self) -> None:
+        """Do not hold errors of the drum against the winch: its count was another one."""
+        self._core.state["drum_error"] = 0.0
+
     def allow_resumption(self) -> None:
         """Do not hold against the loop how drum and unit moved while a sensor was lost."""
         self._core.allow_resumption()
@@ -138,7 +160,7 @@ class HarmGuard:
         ----------
         belief : what it is about, as "winch"
         """
-        self._hold.explain(belief)
+        self._attempts.explain(belief)
         since = self._time - self._corrected_first.get(belief, -math.inf)
         if since > CORRECTIONS_REST:
             self._corrected_first[belief] = self._time
@@ -148,15 +170,14 @@ class HarmGuard:
         self.trusts_estimate = True
         self.reset_mismatch()
 
-    def inhibit(self, reason: Alarm, hold: float | None = None) -> None:
-        """Keep compensation off while there is a `reason` that is certain, and for a time after it.
+    def inhibit(self, reason: Alarm) -> None:
+        """Keep compensation off while there is a `reason` that is certain, and no attempt has brought about."""
+        self._attempts.certain(reason)
 
-        Parameters
-        ----------
-        reason : why
-        hold : time after it [s]; None: the hold time of harm, which becomes longer each time
-        """
-        self._hold.certain(reason, hold)
+    def interrupt(self) -> bool:
+        """Count an attempt that the winch has ended for want of commands; tell whether an operator has to ask now."""
+        self._attempts.interrupt()
+        return self.residual > self.largest_residual
 
     def update(self, seen: Seen, authority: float, target: float = 1.0) -> None:
         """Take one tick in.
@@ -168,25 +189,23 @@ class HarmGuard:
         target : share it goes to; compensation is judged over waves when that is (nearly) reached
         """
         self._time += self._dt
+        attempts = self._attempts
+        seen = seen._replace(unknown=seen.unknown + attempts.doubt)
         found = self._found = self._core.step(seen, authority, target, inhibits=self.inhibits)
         harm = Harm(int(found.bits)) if found.bits else None
         if harm and Harm.DISAGREE in harm:
             self.trusts_estimate = False
-            self._hold.unexplained(ALARMS.alarm("DEPTH_MRU_DISAGREE", error=found.mismatch))
+            attempts.unexplained(ALARMS.alarm("DEPTH_MRU_DISAGREE", error=found.mismatch))
         if self.inhibits:
-            self._wait(authority)
+            if attempts.ends(authority, found.residual):
+                self.trusts_estimate = True
+                self._core.restart_waves()
         elif authority > 0.0:
             if harm:
                 self.trusts_estimate &= Harm.DEPTH_HIGH not in harm
-                self._hold.begin(_alarm(harm, found))
-            else:
-                self._hold.is_kept_after(found.waves_time)
-
-    def _wait(self, authority: float) -> None:
-        """Count the time off, and let compensation be tried again."""
-        if self._hold.ends(authority, self.demand):
-            self.trusts_estimate = True
-            self._core.restart_waves()
+                attempts.fail(_alarm(harm, found))
+            elif found.measured >= 0.0:
+                attempts.learn(found.measured, self._dt / self._parameters.window)
 
 
 def _alarm(harm: Harm, found: Verdict) -> Alarm:

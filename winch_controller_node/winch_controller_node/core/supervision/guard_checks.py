@@ -104,6 +104,9 @@ FIRST_LOOK = 120.0
 LARGEST_DEMAND = 1.4
 """Demand of the sea's share over the winch that a law is given which keeps the limits by itself."""
 
+WORTH = 0.01
+"""Least residual that is worth less authority, over the motion with the winch locked."""
+
 
 @dataclass(frozen=True)
 class GuardedLoop:
@@ -115,6 +118,7 @@ class GuardedLoop:
     effort : of the law
     inertia : a of the two-state cable [s^2]; 0: unknown
     feeds_back_unit : the law feeds the unit's motion back, so that the loop can become unstable
+    keeps_limits : it keeps the winch's limits by itself
     fade_time : shortest time over which authority goes from 0 to 1 or back [s]
     """
 
@@ -122,6 +126,7 @@ class GuardedLoop:
     effort: Effort = field(default_factory=Effort)
     inertia: float = 0.0
     feeds_back_unit: bool = True
+    keeps_limits: bool = False
     fade_time: float = 10.0
 
 
@@ -180,4 +185,6 @@ def guard_design(parameters: GuardParameters, loop: GuardedLoop, tick_period: fl
         "knot_ticks": max(1, math.ceil(first_look / (KNOTS - 1))),
         "limit_use": parameters.limit_use,
         "largest_demand": LARGEST_DEMAND,
+        "keeps_limits": loop.keeps_limits,
+        "worth": WORTH,
     }

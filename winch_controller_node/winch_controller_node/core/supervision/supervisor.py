@@ -16,7 +16,6 @@ from winch_controller_node.core.supervision.command_timeouts import Advice, Comm
 from winch_controller_node.core.supervision.entry_gates import PEAK_OVER_SIGNIFICANT, EntryGates
 from winch_controller_node.core.supervision.guard import HarmGuard
 from winch_controller_node.core.supervision.guard_checks import GuardedLoop
-from winch_controller_node.core.supervision.guard_hold import KNOWN_HOLD
 from winch_controller_node.core.supervision.landing import LEAST_RATE, HangingLoad, HangingUnit, Landing, LandingEvent
 from winch_controller_node.core.supervision.mode_machine import ModeMachine
 from winch_controller_node.core.supervision.modes import BRAKED, Mode, ModeOutput, Situation
@@ -44,6 +43,10 @@ HANGING_SHARES = (0.7, 1.3)
 LONGEST_AGE = 6.0
 """Age of a depth reading up to which the estimate of its time is kept [s]: the largest latency, 5 s, and a second."""
 
+SEA_UNKNOWN = "boom-tip motion does not match the assumed sea"
+GAIN_UNKNOWN = "gain of the winch or scale of the encoder is not known"
+"""What keeps authority low before the guard sees errors of it."""
+
 ASK_AGAIN = "check the cause, then request compensation"
 """Ends the reason of an inhibition that only an operator can end."""
 
@@ -66,7 +69,8 @@ class WinchSituation(NamedTuple):
     speed : as commanded [m/s], absolute
     mean_payout : that the winch goes to [m]
     settled_swing : swing of the unit at which a fade-out may end [m]
-    share : largest authority with the winch as it is known
+    share : authority that is best with the winch as it is known, above 0
+    drum_error : drum less what was predicted of it a second ago [m]
     inhibition : why compensation must be off; None: it need not
     fault_cause : why the winch has its fault, in words; empty: unknown
     is_reversed : drum or encoder are reversed: the winch is brought to rest until an operator releases it
@@ -80,6 +84,7 @@ class WinchSituation(NamedTuple):
     mean_payout: float
     settled_swing: float
     share: float = 1.0
+    drum_error: float = 0.0
     inhibition: Alarm | None = None
     fault_cause: str = ""
     is_reversed: bool = False
@@ -139,7 +144,7 @@ class Supervisor:
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))
         self._standing = StandingLoad(self.landing, design)
-        self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume)
+        self.timeouts = CommandTimeouts(dt, resumes=parameters.modes.resume, count=self.guard.interrupt)
         self._code_before = ""
         self._fades_by_law = False
         self._share_news = ShareNews(dt)
@@ -147,7 +152,7 @@ class Supervisor:
         self._blind_lowering = Episode(dt)
         self._dt = dt
         self._unit_past: deque[float] = deque(maxlen=1 + round(LONGEST_AGE / dt))
-        self._refer_to(design, law)
+        self._refer_to(design)
         self._watch_sea()
 
     def take_design(self, design: ControllerDesign, law: ControlLaw) -> None:
@@ -155,7 +160,7 @@ class Supervisor:
         self.guard.take_loop(guarded_loop(design, law))
         self.landing.take_load(hanging_load(design))
         self._standing.take_design(design)
-        self._refer_to(design, law)
+        self._refer_to(design)
 
     def reset_sea(self) -> None:
         """Look at the sea again: what was seen until now was another one."""
@@ -167,10 +172,9 @@ class Supervisor:
         self._gates = EntryGates(self._parameters.entry)
         self.highest_tension = HighestTension(self._parameters.guard.window, tick_period=self._dt)
 
-    def _refer_to(self, design: ControllerDesign, law: ControlLaw) -> None:
+    def _refer_to(self, design: ControllerDesign) -> None:
         self._parameters, self._inertia = design.parameters, design.cable.a
         self._load, self._limits = hanging_load(design), design.limits
-        self._keeps_limits = law.keeps_limits
 
     def decide(self, tick: LoopTick, winch: WinchSituation) -> Decision:
         """Return what is to be done in a tick with the `winch` in this situation."""
@@ -179,21 +183,17 @@ class Supervisor:
         hanging = HangingUnit(-tick.hanging_heave, tick.hanging_stretch)
         self.landing.observe(time, tick, tick.mean_payout, hanging)
         if winch.inhibition:
-            self.guard.inhibit(winch.inhibition, KNOWN_HOLD)
+            self.guard.inhibit(winch.inhibition)
         modes = self.modes
         alarms = self._standing.update(
             tick, winch.mean_payout, self._load, brake=modes.brake, is_wanted=modes.wants_compensation
         )
-        alarms += self._judge(tick, winch.mean_acceleration) + self._resume_after_timeout(tick, winch)
+        alarms += self._judge(tick, winch) + self._resume_after_timeout(tick, winch)
         self._gates.observe(self.guard.tip_sigma)
         alarms += self._watch_highest_tension(tick)
         lost = self._lost(tick)
         alarms += self._report_share(tick, winch)
-        authority_limit = min(
-            _known_share(tick),
-            winch.share,
-            self.guard.authority_limit(keeps_limits=self._keeps_limits),
-        )
+        authority_limit = self.guard.authority_limit
         is_damped_blind = self._watch_blind_damping(tick, winch.settled_swing)
         # a unit that stands is at rest, and one that swings as below a locked winch may go beyond a highest tension
         can_settle = not self.landing.unit_stands and math.isinf(self._limits.maximum_tension)
@@ -274,8 +274,8 @@ class Supervisor:
             self.modes.request(Mode.COMPENSATING.value)
         return (advice.alarm,) if advice else ()
 
-    def _judge(self, tick: LoopTick, mean_acceleration: float) -> tuple[Alarm, ...]:
-        """Have the guard judge the tick, with the `mean_acceleration` of the payout [m/s^2]; return its new alarm."""
+    def _judge(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
+        """Have the guard judge the tick, with the `winch` in this situation; return its new alarm."""
         # the estimate is that of a hanging unit
         hangs = self.landing.hangs and not self.landing.may_stand
         is_judged = hangs and tick.knows_tip and self.modes.mode is not Mode.CONSTANT_TENSION
@@ -291,7 +291,9 @@ class Supervisor:
             tick.payout_rate,
             depth_now if hangs else math.nan,
             tick.depth_noise,
-            mean_acceleration,
+            winch.mean_acceleration,
+            winch.drum_error,
+            _unknown(tick, winch),
         )
         self.guard.update(seen, self.modes.authority if is_judged else 0.0, self.modes.target)
         alarm, before = self.guard.alarm, self._code_before
@@ -313,11 +315,13 @@ class Supervisor:
 
     def _report_share(self, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
         """Return what limits authority, where it lasts, or that it is over."""
-        known_share = _known_share(tick)
-        is_of_sea = known_share <= winch.share
+        guard, cause = self.guard, ""
+        if guard.is_reduced:
+            cause = SEA_UNKNOWN if tick.is_sea_refuted else GAIN_UNKNOWN if winch.share < 1.0 else guard.cause
         alarm = self._share_news.update(
-            min(known_share, winch.share),
-            "AUTHORITY_LIMITED_BY_SEA" if is_of_sea else "AUTHORITY_LIMITED_BY_WINCH",
+            guard.authority_limit if cause else 1.0,
+            cause,
+            residual=guard.residual,
             authority=self.modes.authority,
             factor=self.modes.factor,
             compensates=self.modes.mode is Mode.COMPENSATING,
@@ -348,8 +352,8 @@ class Supervisor:
             return str(tick.inconsistency)
         if self.highest_tension.alarm:
             return self.highest_tension.alarm.brief
-        most = self._parameters.guard.demand_ratio
-        return self._gates.for_compensation(mean_payout, self._limits, self.guard.demand, most)
+        residual, most = self.guard.residual, self.guard.largest_residual
+        return self._gates.for_compensation(mean_payout, self._limits, residual, most)
 
     def _watch_highest_tension(self, tick: LoopTick) -> tuple[Alarm, ...]:
         """Return that the sea has become too high for the highest tension, where that is new."""
@@ -459,9 +463,12 @@ class Supervisor:
         return self.landing.update(tick, mode)
 
 
-def _known_share(tick: LoopTick) -> float:
-    """Return the largest authority by what is known of it."""
-    return CAUTIOUS if tick.is_sea_refuted else 1.0
+def _unknown(tick: LoopTick, winch: WinchSituation) -> float:
+    """Return the variance that what is not known of sea and `winch` leaves of compensated motion, over that motion's.
+
+    That of an authority A which is best is 1/A - 1.
+    """
+    return 1.0 / winch.share - 1.0 + (1.0 / CAUTIOUS - 1.0 if tick.is_sea_refuted else 0.0)
 
 
 def mode_alarm(mode: ModeOutput) -> Alarm:
@@ -493,5 +500,6 @@ def guarded_loop(design: ControllerDesign, law: ControlLaw) -> GuardedLoop:
         effort=law.effort,
         inertia=design.cable.a,
         feeds_back_unit=law.feeds_back_unit,
+        keeps_limits=law.keeps_limits,
         fade_time=min(modes.fade_in_time, modes.fade_out_time),
     )

@@ -25,13 +25,16 @@ class ShareNews:
         self._held_time = self._free_time = 0.0
         self._is_reported = False
 
-    def update(self, share: float, code: str, *, authority: float, factor: float, compensates: bool) -> Alarm | None:
+    def update(
+        self, share: float, cause: str, *, residual: float, authority: float, factor: float, compensates: bool
+    ) -> Alarm | None:
         """Return what is to be reported in this tick; None: nothing.
 
         Parameters
         ----------
         share : largest authority allowed, 0 to 1
-        code : of the alarm that says why it is no larger
+        cause : why it is no larger, in words
+        residual : motion that it is predicted to leave, over that with the winch locked
         authority, factor : share that is compensated, and the largest that is asked for: that is all
         compensates : the mode is that of compensation
         """
@@ -39,7 +42,7 @@ class ShareNews:
         self._held_time = self._held_time + self._dt if is_held else min(self._held_time + self._dt, 0.0)
         if self._held_time >= HELD_TIME:
             self._held_time, self._is_reported = -REPORTED_AGAIN, True
-            return ALARMS.alarm(code, percent=100.0 * share, rest=100.0 * (1.0 - share))
+            return ALARMS.alarm("AUTHORITY_LIMITED", percent=100.0 * share, cause=cause, rest=100.0 * residual)
         # whatever ends compensation is reported with its mode
         self._is_reported = self._is_reported and compensates
         self._free_time = self._free_time + self._dt if self._is_reported and not is_held else 0.0

@@ -11,7 +11,6 @@ from heave_core.watch import WinchRecord
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault, WinchLimit
 
-from winch_controller_node.beliefs.beliefs import CAUTIOUS
 from winch_controller_node.beliefs.drum import drum_of
 from winch_controller_node.core.supervision.late_commands import CUT_TIME, LateCommands, link_values
 from winch_controller_node.core.supervision.watch.drum_watch import DrumWatch, watched
@@ -23,12 +22,6 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 
 TOLERATED_SHARE = 0.5
 """Further delay with which compensation is tried, over lag and delay of the model, where these are not identified."""
-
-ALARMING = 0.04
-"""Error of the drum after a second that cuts authority [m]."""
-
-CAUTIOUS_TIME = 3.0
-"""Time that the share stays cut after the drum was last off [s]."""
 
 PAYOUT = int(WinchLimit.PAYOUT)
 """Limit of the winch at which no model of it holds."""
@@ -78,22 +71,19 @@ class WinchWatch:
                 "link": link_values(dt),
                 "delay": winch.command_delay,
                 "modelled": winch.command_delay,
-                "alarming": ALARMING,
-                "cautious_time": CAUTIOUS_TIME,
             }
         )
         self.drum = DrumWatch(winch, largest, dt, self._core.drum)
         self._stated_delay, self._parameters = winch.command_delay, design.parameters
         self.late_commands = LateCommands(dt, self._core.link)
         self._timeout_cause = TimeoutCause(dt, self._core.link)
-        self._link, self._cautious = self._core.link.state[0], self._core.state["cautious"]
+        self._link, self._error = self._core.link.state[0], self._core.state["error"]
         self._given: WinchOrder | None = None
         self.kept = 0
 
     def take(self, assumed: Mapping[str, float]) -> None:
         """Go by the `assumed` winch from now on, by quantity."""
         self.drum.take(assumed)
-        self._cautious[0] = 0.0
 
     @property
     def given(self) -> WinchOrder | None:
@@ -101,9 +91,9 @@ class WinchWatch:
         return self._given
 
     @property
-    def share(self) -> float:
-        """Largest authority with the winch as it is known."""
-        return CAUTIOUS if self._cautious[0] > 0.0 else 1.0
+    def drum_error(self) -> float:
+        """Payout of the drum less what was predicted of it a second ago [m]; 0 where unknown."""
+        return float(self._error[0])
 
     def fault_cause(self, lateness: Lateness) -> str:
         """Return why the winch has the fault it has, in words, with the `lateness` of the ticks; empty: unknown."""

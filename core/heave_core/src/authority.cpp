@@ -1,0 +1,48 @@
+// Authority by the residual that is predicted. Under an authority A the unit keeps (1 - A) of its motion with the winch
+// locked, of variance F^2, and of the part A that is compensated errors leave a variance V F^2: those of the drum (its
+// error over a second moves the unit by no more, but for its resonance), and all that is not known.
+// They are independent of the sea, so that
+//
+//     J(A) = (1 - A)^2 + A^2 V,    least at A = 1 / (1 + V), where it is V / (1 + V).
+#include "look.h"
+
+namespace heave {
+
+namespace {
+
+double residual(double authority, double left) {
+    return std::sqrt(square(1.0 - authority) + square(authority) * left);
+}
+
+// Variance of the heave with the winch locked [m^2].
+double free_variance(const GuardDesign &design, const GuardState &state) {
+    return std::max(reference_of(state.locked), square(design.floor));
+}
+
+}  // namespace
+
+// The largest error of late stands for the next waves.
+void note_drum(const GuardDesign &design, GuardState &state, const Seen &seen) {
+    const double kept = 1.0 - design.tick_period / design.group_time;
+    state.drum_error = std::max(kept * state.drum_error, std::abs(seen.drum_error));
+}
+
+// Less than what the winch's limits allow is taken only where it is worth it.
+void predict_residual(const GuardDesign &design, const GuardState &state, const Seen &seen, Verdict &verdict) {
+    const double free = free_variance(design, state);
+    const double allowed = verdict.allowed = design.keeps_limits != 0.0 ? verdict.authority : verdict.usual_authority;
+    verdict.by_drum = 0.5 * square(state.drum_error) / free;
+    const double left = verdict.by_drum + seen.unknown;
+    const double best = std::min(allowed, 1.0 / (1.0 + left));
+    const bool is_worth_it = residual(allowed, left) - residual(best, left) > design.worth;
+    verdict.best_authority = is_worth_it ? best : allowed;
+    verdict.residual = residual(verdict.best_authority, left);
+}
+
+// V by the waves that were compared.
+double measured_residual(const Seen &seen, const Verdict &verdict) {
+    const double kept = square(verdict.unit_sigma / verdict.free_sigma) - square(1.0 - seen.authority);
+    return std::max(kept, 0.0) / square(seen.authority);
+}
+
+}  // namespace heave
