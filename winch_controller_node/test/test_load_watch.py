@@ -7,6 +7,7 @@ import pytest
 from heave_core.watch_table import LoadNews
 from heave_node.interface.alarm import Severity
 from heave_node.loads.strength import SAFETY_FACTOR, Strength
+from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.watch.load_watch import LoadWatch, rope_strength
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import AlarmParameters
@@ -35,12 +36,18 @@ def test_a_slack_cable_is_told_with_its_tension():
 
 
 @pytest.mark.parametrize(
-    ("mean_rate", "is_active", "remedy"),
-    [(0.3, True, "Lower more slowly"), (0.0, True, "Check the load"), (-0.3, False, "Compensate")],
+    ("rate", "mode", "remedy"),
+    [
+        (0.3, Mode.COMPENSATING, "Lower more slowly"),
+        (0.3, Mode.MANUAL, "Lower more slowly"),
+        (0.0, Mode.COMPENSATING, "Check the load"),
+        (0.0, Mode.CONSTANT_TENSION, "Check the load"),
+        (-0.3, Mode.STANDBY, "Compensate"),
+    ],
 )
-def test_what_to_do_about_a_slack_cable_goes_by_what_the_winch_does(mean_rate, is_active, remedy):
+def test_what_to_do_about_a_slack_cable_goes_by_what_the_winch_does(rate, mode, remedy):
     watch = LoadWatch(AlarmParameters(), tick_period=DT)
-    (alarm,) = watch.alarms(int(LoadNews.SLACK), 8e3, STATIC, mean_rate=mean_rate, is_active=is_active)
+    (alarm,) = watch.alarms(int(LoadNews.SLACK), 8e3, STATIC, rate, mode)
     assert alarm.text.endswith(f"A snap load may follow. {remedy}, or wait for calmer seas.")
 
 

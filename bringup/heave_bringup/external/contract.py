@@ -142,9 +142,8 @@ RELEASE = """A fault is latched. The field `release` of `winch/state` shows what
 | 2 RELEASE_STANDSTILL | the drum to come to rest; keep `brake: true` |
 | 3 RELEASE_COMMAND | a fresh command with `brake: false`: the fault is gone, `fault` and `release` are 0 |
 
-A command is fresh if its `sequence` is higher than that of the last command accepted. While a fault is latched, a
-command with `brake: true` and any other `sequence` also counts as fresh, so a restarted controller may count from 1
-again."""
+A command is fresh if its `sequence` is higher than that of the last command accepted. While a fault is latched, any
+other `sequence` with `brake: true` counts as fresh too, so a restarted controller may count from 1 again."""
 
 CONTRACTS: tuple[Contract, ...] = (
     Contract(
@@ -192,12 +191,11 @@ CONTRACTS: tuple[Contract, ...] = (
         f"releases the drive {WAIT:g} s later and resumes compensation, up to three times; good compensation over some "
         "waves resets the count. Every other fault waits for an operator.",
         advice="Publish one state for each `clock` message, from the first one on, even before the first command."
-        " Follow `payout_rate` within your speed and acceleration limits. If your drive has a "
-        "position loop of its own, follow `payout` instead: the integral of `payout_rate`, on the scale of "
-        "`encoder_payout`, at the end of the interval. Enter the lag of the loop as "
-        "`system.winch.time_constant`. `mean_payout` is the working point, for display or to centre a "
-        "drifting drum. `command_sequence` echoes the "
-        "newest command in effect; delay is measured from it. Use NaN for `payout`, `payout_rate`, "
+        " Follow `payout_rate` within your speed and acceleration limits. If your drive has a position loop of its "
+        "own, follow `payout` instead: the integral of `payout_rate`, on the scale of `encoder_payout`, at the end "
+        "of the interval. Enter the lag of the loop as `system.winch.time_constant`. `mean_payout` is the working "
+        "point, for display or to centre a drifting drum. `command_sequence` echoes the newest command in effect; "
+        "delay is measured from it. Use NaN for `payout`, `payout_rate`, "
         "`payout_acceleration`, `tension` and `power` if unknown. The controller takes limits and lag from"
         " `system.winch`: set them to those of your drive.",
     ),

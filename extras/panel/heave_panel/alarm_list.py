@@ -37,9 +37,8 @@ class Alarm:
 def split_action(text: str, action: str) -> tuple[str, str]:
     """Return a `text` without the `action` at its end, and that action with the values that the text gives."""
     words = "".join(re.escape(word) + (".+" if name else "") for word, name, _, _ in Formatter().parse(action))
-    if found := re.fullmatch(rf"(.*\.) ({words})\.", text):
-        return found[1], found[2]
-    return text, "" if "{" in action else action
+    found = re.fullmatch(rf"(.*\.) ({words})\.", text)
+    return (found[1], found[2]) if found else (text, "" if "{" in action else action)
 
 
 def alarms_of(trouble: Trouble) -> Iterator[Alarm]:

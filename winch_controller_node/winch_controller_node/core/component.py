@@ -124,13 +124,7 @@ class WinchController(ControllerEvents):
         )
         payout, rate, brake, mean_payout, own_payout, own_rate, _, moved, news, _ = command.leave()
         motion.advanced(int(moved))
-        self._alarms += self._load.alarms(
-            int(news),
-            loop.tension,
-            static_tension,
-            mean_rate=self.mean.point.rate,
-            is_active=self.mode in (Mode.COMPENSATING, Mode.CONSTANT_TENSION),
-        )
+        self._alarms += self._load.alarms(int(news), loop.tension, static_tension, self.mean.point.rate, self.mode)
         self._alarms += self.envelope.news()
         self._sequence += 1
         self._winch.give(WinchOrder(self._sequence, own_payout, own_rate, bool(brake)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from heave_core.watch import LoadRecord
 from heave_core.watch_table import LoadNews
@@ -11,6 +12,7 @@ from heave_node.loads.strength import LEAST, ROPE, Strength, safety_factor, stre
 from heave_node.parameters import flatten
 
 from winch_controller_node.core.supervision.landing import LEAST_RATE
+from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import AlarmParameters
@@ -108,7 +110,7 @@ class LoadWatch:
         return self.alarms(found, tension, static_tension)
 
     def alarms(
-        self, found: int, tension: float, static_tension: float, *, mean_rate: float = 0.0, is_active: bool = False
+        self, found: int, tension: float, static_tension: float, rate: float = 0.0, mode: Mode = Mode.STANDBY
     ) -> tuple[Alarm, ...]:
         """Return the alarms of what was `found`.
 
@@ -116,30 +118,23 @@ class LoadWatch:
         ----------
         found : bits of LoadNews
         tension, static_tension : as in `update` [N]
-        mean_rate : of the mean payout; positive lowers [m/s]
-        is_active : the winch compensates or holds a tension
+        rate, mode : of the mean payout, positive lowers [m/s]; of the tick
         """
         if not found:
             return ()
         kilo, parameters = 1e-3 * tension, self._parameters
         share = tension / static_tension if static_tension > 0.0 else 1.0
         percent = 100.0 * float(self._core.state["at_limit"][0])
-        remedy = "Lower more slowly" if mean_rate >= LEAST_RATE else "Check the load" if is_active else "Compensate"
-        slack: tuple[str, dict[str, Value]] = (
+        remedy = "Check the load" if mode in (Mode.COMPENSATING, Mode.CONSTANT_TENSION) else "Compensate"
+        remedy = "Lower more slowly" if rate >= LEAST_RATE else remedy
+        slack: tuple[str, Mapping[str, Value]] = (
             ("LOAD_CELL_NEGATIVE", {"tension": kilo})
             if share < PUSH
-            else (
-                "CABLE_SLACK",
-                {"tension": kilo, "percent": 100.0 * share, "lower_more_slowly_or_compensate": remedy},
-            )
+            else ("CABLE_SLACK", {"tension": kilo, "percent": 100.0 * share, "lower_more_slowly_or_compensate": remedy})
         )
         capacity, required = (0.0, 0.0) if self._rope is None else (self._rope.capacity, self._rope.required)
-        rope: dict[str, Value] = {
-            "tension": kilo,
-            "factor": safety_factor(capacity, tension),
-            "capacity": 1e-3 * capacity,
-        }
-        news: dict[LoadNews, tuple[str, dict[str, Value]]] = {
+        rope = {"tension": kilo, "factor": safety_factor(capacity, tension), "capacity": 1e-3 * capacity}
+        news: dict[LoadNews, tuple[str, Mapping[str, Value]]] = {
             LoadNews.SLACK: slack,
             LoadNews.TENSION_HIGH: (
                 "TENSION_HIGH",
