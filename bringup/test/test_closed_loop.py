@@ -218,7 +218,7 @@ def test_a_depth_is_read_by_the_density_that_the_controller_believes_in_also_wit
         _, row = loop.step()
         depths[round(row[0], 6)] = -row[2]
     # the first sample is of 0.1 s
-    assert loop.controller.observer.terms.depth_zero == pytest.approx(depths[0.1] * 1030.0 / 1025.0, abs=1e-9)
+    assert loop.controller.observer.depth_zero == pytest.approx(depths[0.1] * 1030.0 / 1025.0, abs=1e-9)
     assert depths[0.1] == pytest.approx(300.0, abs=1.0)
 
 

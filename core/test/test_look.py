@@ -327,7 +327,9 @@ def test_whatever_is_seen_the_verdict_is_finite_and_an_authority_is_a_share(tick
         verdict = guard.step(seen, authority, 1.0, inhibits=inhibits)
         assert all(math.isfinite(one) for one in verdict)
         assert 0.0 <= verdict.authority <= 1.0 and 0.0 <= verdict.usual_authority <= 1.0
-        assert 0.0 <= verdict.best_authority <= verdict.allowed and 0.0 <= verdict.residual <= 1.0
+        # without authority 1 is left; what is not worth less authority may be beyond it
+        most = 1.0 + guard.design["worth"][0]
+        assert 0.0 <= verdict.best_authority <= verdict.allowed and 0.0 <= verdict.residual <= most
         assert 0 <= int(verdict.bits) <= sum(Harm)
 
 

@@ -213,7 +213,7 @@ def test_a_cause_is_reported_where_it_was_away_for_long_and_limits_are_averaged_
 def test_the_watches_of_a_tick_allocate_nothing():
     drum = {"kept": 60, "ahead": 5, "checked": 20, "ordered": 10, "least_seen": 0.8, "settled": 5.0}
     drum |= {"least_motion": 0.004, "run": run_of(0.0, DT)[0], "assumed": Drum(0.15, 0.2), "nominal": Drum(0.15, 0.2)}
-    others = {"delay": 0.2, "modelled": 0.2, "alarming": 0.04, "cautious_time": 3.0}
+    others = {"delay": 0.2, "modelled": 0.2}
     winch = WinchRecord({"drum": drum, "link": LINK, **others})
     for tick in range(100):
         winch.watch(True, tick, False, False, tick + 6, 0.0, 0.3, False, 0.3 * DT * tick, math.nan)

@@ -100,7 +100,7 @@ def test_constant_tension_without_a_tension_holds_the_mean_over_waves_at_whateve
 
 def test_constant_tension_without_a_tension_waits_for_a_mean_and_says_for_how_long():
     controller = on_the_brake("b7_landing").controller
-    controller._estimation.mean_tension.restart()
+    controller._estimation.restart_tension()
     with pytest.raises(ModeError, match=r"for 10 s more, .*state the tension to hold"):
         controller.set_mode("constant_tension")
     controller.set_mode("constant_tension", 40e3)
