@@ -12,9 +12,9 @@ DISAGREEMENT = ALARMS.alarm("DEPTH_MRU_DISAGREE", error=0.5)
 CUT = ALARMS.alarm("COMMANDS_CUT", time=0.5)
 
 
-def over(attempts, ticks=3, authority=0.0, residual=0.5):
+def over(attempts, ticks=3, is_off=True, residual=0.5):
     """Tell whether compensation may be tried again within so many ticks."""
-    return any(attempts.ends(authority, residual) for _ in range(ticks))
+    return any(attempts.ends(residual, is_off=is_off) for _ in range(ticks))
 
 
 def test_nothing_is_held_before_there_is_a_reason():
@@ -43,7 +43,7 @@ def test_each_failure_leaves_as_much_again_until_no_authority_gains_a_tenth_and_
 def test_it_is_tried_again_once_it_is_off_and_predicted_to_help():
     attempts = Attempts(LARGEST)
     attempts.fail(HARM)
-    assert not over(attempts, authority=0.01)
+    assert not over(attempts, is_off=False)
     assert not over(attempts, residual=0.91)
     assert "91 %" in attempts.prospect(0.91) and "90 %" in attempts.prospect(0.91)
     assert over(attempts, residual=0.89)
@@ -54,9 +54,9 @@ def test_a_reason_that_lasts_holds_while_it_lasts_and_the_first_one_stays_the_na
     attempts.fail(HARM)
     for _ in range(10):
         attempts.certain(CUT)
-        assert not attempts.ends(0.0, 0.0)
+        assert not attempts.ends(0.0, is_off=True)
     assert attempts.alarm is HARM
-    assert attempts.ends(0.0, 0.0)
+    assert attempts.ends(0.0, is_off=True)
 
 
 def test_what_no_attempt_has_brought_about_is_no_failure():
@@ -93,9 +93,9 @@ def test_a_disagreement_that_goes_on_is_one_failure_and_keeps_it_off():
     attempts = Attempts(LARGEST)
     for _ in range(10):
         attempts.unexplained(DISAGREEMENT)
-        assert not attempts.ends(0.0, 0.0)
+        assert not attempts.ends(0.0, is_off=True)
     assert attempts.doubt == 1.0
-    assert attempts.ends(0.0, 0.0)
+    assert attempts.ends(0.0, is_off=True)
 
 
 def test_a_cause_that_becomes_known_takes_the_last_failure_back_and_no_other():

@@ -134,6 +134,17 @@ def test_what_is_not_known_lowers_authority_and_an_interruption_the_motion_that_
     assert [guard.interrupt() for _ in range(2)] == [True, True], "0.87 is above 0.9 - 0.25"
 
 
+def test_harm_keeps_compensation_off_until_its_fade_out_has_damped_the_load():
+    guard = make_guard()
+    feed_guard(guard, 0.8, 0.5, 60.0)
+    still = seen((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
+    for _ in range(100):
+        guard.update(still, 0.0, fades=True)
+        assert guard.inhibits
+    guard.update(still, 0.0)
+    assert not guard.inhibits
+
+
 @pytest.mark.parametrize(("acceleration", "is_held_against"), [(0.05, False), (0.0, True)])
 def test_a_drum_that_lets_the_unit_gain_speed_with_the_mean_payout_is_not_held_against_the_loop(
     acceleration, is_held_against

@@ -121,17 +121,17 @@ Samples samples_of(const Design &design) {
 
 }  // namespace
 
-// The drum's `way` by count within a `time`, in place of the guess; without a reading it goes on as it did.
-void take_way(State &state, double way, double time) {
-    state.stroke.off += way - state.guessed;
-    state.guessed = 0.0;
-    state.count_rate = way / time;
-}
-
-void guess_way(const Design &design, State &state) {
-    if (state.count_age > design.envelope.count_time) state.count_rate = 0.0;
-    state.stroke.off += state.count_rate * design.tick_period;
-    state.guessed += state.count_rate * design.tick_period;
+// The drum's `way` by count in the `time` since its last reading; samples between take their parts of it.
+void take_way(const Design &design, State &state, double way, double time) {
+    state.stroke.off += way;
+    const int every = samples_of(design).every;
+    const double counted = state.stroke.sent + state.stroke.off, speed = way / time;
+    for (int back = 0; back < STROKES; back++) {
+        const double age = ((state.tick - 1) % every + 1 + back * every) * design.tick_period;
+        if (!(age < time - 0.5 * design.tick_period)) return;
+        Stroke &between = state.strokes[(state.sample + STROKES - back) % STROKES];
+        between.off = counted - speed * age - between.sent;
+    }
 }
 
 // The count's way by its `step` in a `time`, in which the nominal drum was `sent`: what of it was sent is no jump.
@@ -140,7 +140,7 @@ void count_way(const Design &design, State &state, double step, double sent, dou
     if (size > 0.0) state.resolution = state.resolution > 0.0 ? std::min(state.resolution, size) : size;
     const double follows = clip(step, std::min(sent, 0.0), std::max(sent, 0.0));
     const double large = stroke_limit(design.envelope, state);
-    take_way(state, follows + motion_of(step - follows, large, state.off_step, state.off_runs), time);
+    take_way(design, state, follows + motion_of(step - follows, large, state.off_step, state.off_runs), time);
 }
 
 // Way beyond which a drum runs [m]: what the steps of the count leave unknown of two ways is theirs.
@@ -148,17 +148,14 @@ double stroke_limit(const Bounds &bounds, const State &state) {
     return bounds.stroke_margin + 2.0 * std::min(state.resolution, bounds.count_step);
 }
 
+namespace {
+
 // A drum that goes further than what was sent, or the other way. Whatever its lag and delay, its speed is a mean of those
 // that were sent, w = K int h(s) v(t - s) ds with h >= 0, and so lies between f times the least and the largest sent of
 // late; the same holds for the way of a span less that of the span before, its acceleration. What is beyond is summed,
 // B = max(B e^(-dt/T) + w dt - f v dt, 0) (Page, 1954). A drum that comes to rest sooner does no harm.
-void watch_strokes(const Design &design, State &state) {
-    const Samples samples = samples_of(design);
-    state.resolution *= 1.0 + design.tick_period / design.envelope.window;
-    if (state.tick % samples.every != 0) return;
-    state.sample = (state.sample + 1) % STROKES;
-    state.strokes[state.sample] = state.stroke;
-    const auto at = [&](int back) { return state.strokes[(state.sample + STROKES - back) % STROKES]; };
+void judge_sample(const Design &design, State &state, const Samples &samples, int newest) {
+    const auto at = [&](int back) { return state.strokes[(state.sample + 2 * STROKES - newest - back) % STROKES]; };
     const auto sent = [&](int back) { return at(back).sent; };
     const auto nominal = [&](int back) { return at(back).nominal; };
     const auto counted = [&](int back) { return at(back).sent + at(back).off; };
@@ -181,6 +178,20 @@ void watch_strokes(const Design &design, State &state) {
     const double runs_out = std::max(state.beyond_out, step > 0.0 ? gains * (more - factor * outward) : 0.0);
     const double runs_in = std::max(state.beyond_in, step < 0.0 ? gains * (factor * inward - more) : 0.0);
     state.runaway = runs_out > runs_in ? runs_out : -runs_in;
+}
+
+}  // namespace
+
+// Samples without a reading of the count wait for the next one: what the drum did in them is known by that.
+void watch_strokes(const Design &design, State &state) {
+    const Samples samples = samples_of(design);
+    state.resolution *= 1.0 + design.tick_period / design.envelope.window;
+    if (state.tick % samples.every != 0) return;
+    state.sample = (state.sample + 1) % STROKES;
+    state.strokes[state.sample] = state.stroke;
+    state.unjudged = std::min(state.unjudged + 1.0, STROKES - 1.0 - samples.late - 2.0 * samples.span);
+    if (state.time_since_count > 0.0) return;
+    for (; state.unjudged > 0.0; state.unjudged -= 1.0) judge_sample(design, state, samples, int(state.unjudged) - 1);
 }
 
 // A drum at rest: what it did before says nothing.

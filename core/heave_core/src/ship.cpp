@@ -115,10 +115,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.asked_since_count += travelled.move;
     state.time_since_count += dt;
     state.count_age += dt;
-    if (!count_came(bounds, readings)) {
-        guess_way(design, state);
-        return state.count_age > bounds.count_time ? COUNT_LOST : 0;
-    }
+    if (!count_came(bounds, readings)) return state.count_age > bounds.count_time ? COUNT_LOST : 0;
     const double sent = state.since_count, asked = state.asked_since_count, time = state.time_since_count;
     const double step = readings.count - state.count;
     const bool is_first = !std::isfinite(state.count);
@@ -134,7 +131,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.position += is_jump ? sent : step;
     state.travel_count += (is_jump ? sent : step) - asked;
     if (is_jump) {  // the position loop goes by the new count
-        take_way(state, sent, time);
+        take_way(design, state, sent, time);
         state.drum.payout += step - sent;
         state.prompt.payout += step - sent;
         return COUNT_JUMPED | (state.count_age > bounds.count_time ? COUNT_LOST : 0);

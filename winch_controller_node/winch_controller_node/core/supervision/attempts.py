@@ -103,16 +103,16 @@ class Attempts:
             return f"next attempt when it is predicted to help; {too_much(residual, self.bar)}"
         return "next attempt once the cause has gone and the load has settled"
 
-    def ends(self, authority: float, residual: float) -> bool:
+    def ends(self, residual: float, *, is_off: bool) -> bool:
         """Take in a tick that inhibits; return whether compensation may be tried again from now on.
 
         Parameters
         ----------
-        authority : of compensation still
         residual : motion that it is predicted to leave, over that with the winch locked
+        is_off : its fade-out has come to its end: the load has settled, as far as it can be damped
         """
         was_present, self._is_present = self._is_present, False
-        if authority > 0.0 or was_present or self.awaits_operator or residual > self.bar:
+        if not is_off or was_present or self.awaits_operator or residual > self.bar:
             return False
         self.inhibits, self.alarm = False, None
         return True

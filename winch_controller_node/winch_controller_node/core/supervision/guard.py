@@ -179,7 +179,7 @@ class HarmGuard:
         self._attempts.interrupt()
         return self.residual > self.largest_residual
 
-    def update(self, seen: Seen, authority: float, target: float = 1.0) -> None:
+    def update(self, seen: Seen, authority: float, target: float = 1.0, *, fades: bool = False) -> None:
         """Take one tick in.
 
         Parameters
@@ -187,6 +187,7 @@ class HarmGuard:
         seen : of the tick
         authority : authority of compensation now
         target : share it goes to; compensation is judged over waves when that is (nearly) reached
+        fades : compensation fades out, or the winch comes to rest after it
         """
         self._time += self._dt
         attempts = self._attempts
@@ -197,7 +198,7 @@ class HarmGuard:
             self.trusts_estimate = False
             attempts.unexplained(ALARMS.alarm("DEPTH_MRU_DISAGREE", error=found.mismatch))
         if self.inhibits:
-            if attempts.ends(authority, found.residual):
+            if attempts.ends(found.residual, is_off=authority <= 0.0 and not fades):
                 self.trusts_estimate = True
                 self._core.restart_waves()
         elif authority > 0.0:

@@ -295,7 +295,8 @@ class Supervisor:
             winch.drum_error,
             _unknown(tick, winch),
         )
-        self.guard.update(seen, self.modes.authority if is_judged else 0.0, self.modes.target)
+        fades = self.modes.mode in (Mode.FADE_OUT, Mode.STOPPING)
+        self.guard.update(seen, self.modes.authority if is_judged else 0.0, self.modes.target, fades=fades)
         alarm, before = self.guard.alarm, self._code_before
         self._code_before = "" if alarm is None else alarm.code
         return (alarm,) if alarm is not None and alarm.code != before else ()
