@@ -679,6 +679,27 @@ def test_a_drum_that_goes_three_times_as_far_as_ordered_or_the_wrong_way_trips(s
     assert abs(rig.payout - ordered.payout) < furthest
 
 
+@pytest.mark.parametrize("phase", [0.25, 0.75, 1.75, 2.75])
+@pytest.mark.parametrize("missing", [1, 4, 10, 60])
+def test_a_drum_whose_count_is_missing_for_a_time_is_none_that_runs(missing, phase):
+    rig = Rig().settled()
+    rig.run(phase)
+    rig.run(missing * DT, count=math.nan)
+    assert worst_excess(rig, 5.0) < 0.5 * BOUNDS["stroke_margin"]
+    assert rig.orders[-1].cause == Cause.NOTHING
+
+
+@pytest.mark.parametrize("missing", [1, 4])
+def test_a_drum_that_runs_while_counts_are_missing_trips_by_the_next_ones(missing):
+    """Each so many ticks one comes: two more of them, 0.5 s at most, beyond the 0.7 s with all of them."""
+    rig = Rig().settled()
+    move, begin = rig._move, rig.tick
+    rig._move = lambda sent, *, braked: move(3.0 * sent, braked=braked)
+    while not rig.step(**({} if rig.tick % (missing + 1) == 0 else {"count": math.nan})).cause:
+        assert (rig.tick - begin) * DT < 1.2
+    assert rig.orders[-1].cause == Cause.DRUM
+
+
 @pytest.mark.parametrize("late", [{"lag": 0.45, "delay": 0.35}, {"lag": 0.05, "delay": 0.05}])
 def test_a_drum_that_follows_later_or_sooner_than_stated_is_none_that_runs(late):
     """The largest deviations of the draws; by a drive of the stated lag the envelope learns nothing."""

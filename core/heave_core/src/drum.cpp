@@ -121,16 +121,25 @@ Samples samples_of(const Design &design) {
 
 }  // namespace
 
-// The drum's `way` by count in the `time` since its last reading; samples between take their parts of it.
-void take_way(const Design &design, State &state, double way, double time) {
+// What the drum did until now says nothing.
+void forget_strokes(State &state) {
+    for (Stroke &stroke : state.strokes) stroke.off = state.stroke.off;
+    state.unjudged = 0.0;
+}
+
+// The drum's `way` by count in the `time` since its last reading, in which the nominal drum was `sent`: samples between
+// take their parts of what is beyond that. After a count that was lost they are not known.
+void take_way(const Design &design, State &state, double way, double sent, double time) {
     state.stroke.off += way;
+    if (time > design.envelope.count_time) return forget_strokes(state);
     const int every = samples_of(design).every;
-    const double counted = state.stroke.sent + state.stroke.off, speed = way / time;
+    const Stroke &now = state.stroke;
     for (int back = 0; back < STROKES; back++) {
         const double age = ((state.tick - 1) % every + 1 + back * every) * design.tick_period;
         if (!(age < time - 0.5 * design.tick_period)) return;
         Stroke &between = state.strokes[(state.sample + STROKES - back) % STROKES];
-        between.off = counted - speed * age - between.sent;
+        const double since = now.nominal - between.nominal + (way - sent) * age / time;
+        between.off = now.sent + now.off - since - between.sent;
     }
 }
 
@@ -140,7 +149,7 @@ void count_way(const Design &design, State &state, double step, double sent, dou
     if (size > 0.0) state.resolution = state.resolution > 0.0 ? std::min(state.resolution, size) : size;
     const double follows = clip(step, std::min(sent, 0.0), std::max(sent, 0.0));
     const double large = stroke_limit(design.envelope, state);
-    take_way(design, state, follows + motion_of(step - follows, large, state.off_step, state.off_runs), time);
+    take_way(design, state, follows + motion_of(step - follows, large, state.off_step, state.off_runs), sent, time);
 }
 
 // Way beyond which a drum runs [m]: what the steps of the count leave unknown of two ways is theirs.
@@ -197,7 +206,7 @@ void watch_strokes(const Design &design, State &state) {
 // A drum at rest: what it did before says nothing.
 void rest_drum(State &state) {
     state.residual = state.runaway = state.beyond_out = state.beyond_in = 0.0;
-    for (Stroke &stroke : state.strokes) stroke.off = state.stroke.off;
+    forget_strokes(state);
 }
 
 // A drum under its brake: how far its count has gone since it came to rest, or became quicker again without. One large

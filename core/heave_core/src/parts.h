@@ -27,7 +27,7 @@ struct Travelled {
 
 // drum.cpp: the nominal drum
 Travelled advance_drum(const Design &design, State &state, double load);
-void take_way(const Design &design, State &state, double way, double time);
+void take_way(const Design &design, State &state, double way, double sent, double time);
 void count_way(const Design &design, State &state, double step, double sent, double time);
 double stroke_limit(const Bounds &bounds, const State &state);
 void watch_strokes(const Design &design, State &state);

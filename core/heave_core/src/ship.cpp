@@ -131,7 +131,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.position += is_jump ? sent : step;
     state.travel_count += (is_jump ? sent : step) - asked;
     if (is_jump) {  // the position loop goes by the new count
-        take_way(design, state, sent, time);
+        take_way(design, state, sent, sent, time);
         state.drum.payout += step - sent;
         state.prompt.payout += step - sent;
         return COUNT_JUMPED | (state.count_age > bounds.count_time ? COUNT_LOST : 0);
