@@ -33,8 +33,7 @@ class Attempts:
         self.inhibits = False
         self.alarm: Alarm | None = None
         self._is_unexplained = self._is_present = False
-        self.doubt = self._doubt_before = 0.0
-        self._interruptions = 0.0
+        self.doubt = self._doubt_before = self._interruptions = 0.0
 
     @property
     def bar(self) -> float:
@@ -75,8 +74,7 @@ class Attempts:
             self._is_unexplained = True
 
     def _begin(self, reason: Alarm) -> None:
-        self.inhibits, self.alarm = True, reason
-        self._is_unexplained = False
+        self.inhibits, self.alarm, self._is_unexplained = True, reason, False
 
     def explain(self, belief: str) -> None:
         """Take the last failure back, and say why: a wrong `belief`, as of the "winch", has just been corrected."""
