@@ -144,8 +144,10 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
         state.residual = 0.0;
         return COUNT_LOST;
     }
-    // a drum that stops by itself may be anywhere between rest and what was sent
-    const double expected = is_held ? clip(step, std::min(sent, 0.0), std::max(sent, 0.0)) : sent;
+    // a drum that stops by itself may be anywhere between rest and what was sent; where its count was lost meanwhile, also
+    // the last order that came to it may have gone on
+    const bool went_on = readings.drive == DRIVE_RESTS && time > bounds.count_time;
+    const double expected = went_on ? step : is_held ? clip(step, std::min(sent, 0.0), std::max(sent, 0.0)) : sent;
     state.residual += step - expected;
     state.drum_travel += std::abs(sent);
     state.count_age = 0.0;
