@@ -43,7 +43,7 @@ class Attempts:
     @property
     def awaits_operator(self) -> bool:
         """Tell whether compensation is off until an operator asks for it: no authority would gain enough any more."""
-        return self.doubt / (1.0 + self.doubt) > self._largest**2
+        return self.doubt / (1.0 + self.doubt) > max(self.bar, 0.0) ** 2 or self.bar <= 0.0
 
     def release(self) -> None:
         """Let compensation be tried as at first: an operator asks for it."""

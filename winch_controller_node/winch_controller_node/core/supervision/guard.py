@@ -177,7 +177,7 @@ class HarmGuard:
     def interrupt(self) -> bool:
         """Count an attempt that the winch has ended for want of commands; tell whether an operator has to ask now."""
         self._attempts.interrupt()
-        return self.residual > self.largest_residual
+        return self._attempts.awaits_operator
 
     def update(self, seen: Seen, authority: float, target: float = 1.0, *, fades: bool = False) -> None:
         """Take one tick in.
