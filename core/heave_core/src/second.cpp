@@ -12,7 +12,7 @@ bool put(const SenseDesign &design, const Second &second, const Observed &observ
     reading = in_terms(design, observed);
     if (!second.goes_by_count) {
         reading.tick = std::min(observed.tick, observed.delivered), reading.offset = observed.offset;
-        reading.value = observed.gated - observed.share;
+        reading.value = observed.value - observed.share;
     }
     reading.which = second.which[row];
     reading.variance = square(observed.sigma > 0.0 ? observed.sigma : second.sigma[row]);
