@@ -159,7 +159,8 @@ def test_a_time_without_harm_between_two_with_harm_belongs_to_neither(record):
 
 
 @pytest.mark.parametrize(
-    ("at_tip", "at_load", "is_said"), [(0.98, 0.52, True), (0.985, 0.96, False), (0.5, math.nan, False)]
+    ("at_tip", "at_load", "is_said"),
+    [(0.98, 0.52, True), (0.985, 0.96, False), (0.42, 0.38, False), (0.5, math.nan, False)],
 )
 def test_why_the_load_swings_under_the_industrial_controller_is_said_with_its_natural_period(
     record, at_tip, at_load, is_said

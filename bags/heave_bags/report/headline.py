@@ -21,7 +21,7 @@ USUAL = (
 )
 """Figures of merit in the order of their weight: a run shows the first MOST that are known, a landing its own first."""
 MUCH_LESS = 0.03
-"""Efficiency at the load that is less than that at the boom tip by so much is worth a sentence [-]."""
+"""Efficiency at the load less than that at the boom tip by so much, and more than the rope's own loss, is explained."""
 OF_A_LAW = ("unit_efficiency", "outlet_efficiency", "baseline_efficiency", "baseline_outlet_efficiency")
 """Figures of merit that mean nothing where the law is off."""
 
@@ -59,7 +59,7 @@ def why_it_swings(record: RunRecord, values: Mapping[str, float]) -> str:
     values : its figures of merit (`RunRecord.kpis`)
     """
     at_tip, at_load = values["baseline_outlet_efficiency"], values["baseline_efficiency"]
-    if not at_tip - at_load > MUCH_LESS:
+    if not at_tip - at_load > max(MUCH_LESS, 1.0 - at_tip):
         return ""
     plant = record.parameters.get("cable_sim", {})
     length, mass, rope, stiffness = (
