@@ -295,6 +295,7 @@ def test_a_part_of_the_sea_that_is_left_alone_is_told_until_its_period_is_known(
     scenario = load_scenario("b2_calm_300", settings=[*settings, "all.duration=70.0"])
     loop = ClosedLoop(loop_parameters(scenario))
     alarms = [(alarm.code, alarm.values.get("percent")) for _, alarm in loop.run().alarms]
-    assert alarms.count(("AUTHORITY_LIMITED", pytest.approx(30.0))) == 1
+    # the sea alone leaves 30 %; the drum's own error is added to it, and takes less than a hundredth
+    assert alarms.count(("AUTHORITY_LIMITED", pytest.approx(30.0, abs=0.01))) == 1
     assert alarms.count(("AUTHORITY_RESTORED", pytest.approx(100.0))) == 1
     assert loop.controller.beliefs.values["sea.peak_period"].value == pytest.approx(10.0, rel=0.1)
