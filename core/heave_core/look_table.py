@@ -234,7 +234,7 @@ GUARD_STATE = structure(
     Row("catch_up", "s", "left, for which the drum is not checked"),
     Row("allowance", "s", "left, for which waves are not compared"),
     Row("demand", "", "of the sea on the winch", DEMAND),
-    Row("drum_error", "", "largest error of the drum of late, over the motion with the winch locked"),
+    Row("drum_share", "", "largest error of the drum of late, over the motion with the winch locked"),
     Row("locked", "", "heave with the winch locked, as the reference", AMPLITUDE),
 )
 

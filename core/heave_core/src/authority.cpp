@@ -25,13 +25,13 @@ double free_variance(const GuardDesign &design, const GuardState &state) {
 // not follow them up and down.
 void note_drum(const GuardDesign &design, GuardState &state, const Seen &seen) {
     const double kept = 1.0 - design.tick_period / design.window;
-    state.drum_error = std::max(kept * state.drum_error, std::abs(seen.drum_error) / std::sqrt(free_variance(design, state)));
+    state.drum_share = std::max(kept * state.drum_share, std::abs(seen.drum_error) / std::sqrt(free_variance(design, state)));
 }
 
 // Less than what the winch's limits allow is taken only where it is worth it.
 void predict_residual(const GuardDesign &design, const GuardState &state, const Seen &seen, Verdict &verdict) {
     const double allowed = verdict.allowed = design.keeps_limits != 0.0 ? verdict.authority : verdict.usual_authority;
-    verdict.by_drum = 0.5 * square(state.drum_error);
+    verdict.by_drum = 0.5 * square(state.drum_share);
     const double left = verdict.by_drum + seen.unknown;
     const double best = std::min(allowed, 1.0 / (1.0 + left));
     const bool is_worth_it = residual(allowed, left) - residual(best, left) > design.worth;

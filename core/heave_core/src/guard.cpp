@@ -147,7 +147,7 @@ void allow_catch_up(const GuardDesign &design, GuardState &state) { state.catch_
 void allow_resumption(const GuardDesign &design, GuardState &state) {
     allow_catch_up(design, state);
     state.is_corrected = 1.0;
-    state.drum_error = 0.0;
+    state.drum_share = 0.0;
     state.allowance = design.left_over_time;
     restart_waves(state);
 }

@@ -145,7 +145,7 @@ class HarmGuard:
 
     def forget_drum(self) -> None:
         """Do not hold errors of the drum against the winch: its count was another one."""
-        self._core.state["drum_error"] = 0.0
+        self._core.state["drum_share"] = 0.0
 
     def allow_resumption(self) -> None:
         """Do not hold against the loop how drum and unit moved while a sensor was lost."""
